@@ -4,7 +4,7 @@
 #define CLSDF_POINT_DECISIONS_H
 
 #include "point_distance.h"
-#include "point_tree.h"
+#include "point_groups.h"
 #include "simd.h"
 
 #define PARTS (CLSDF_GROUP_WIDTH / LANES)
@@ -20,7 +20,7 @@ typedef struct ScanMesh {
     ScanCounts counts;
     __global const ScanRecord* records;
     __global const Polyhedron* polyhedra;  // of the faces
-    __global const FaceFrame* frames;
+    __global const PointFace* faces;
     __global const FaceNeighbours* neighbours;
     __global const uint* ring_starts;  // of each vertex in ring_faces, and the end
     __global const uint* ring_faces;
@@ -29,19 +29,12 @@ typedef struct ScanMesh {
 
 // Takes a face for the points of a vector that it is nearest to so far. Returns the squared distances, in part `part`.
 INLINE FaceDistance take_face(ScanMesh mesh, uint face, uint vector, int part, __global PointBrick* brick) {
-    __global const FaceFrame* of_face = mesh.frames + face;
     const uint at = OF_VECTOR(part);
-    struct {
-        doubleL x, y, z;
-    } p = {load_lanes(0, brick->at[0] + at), load_lanes(0, brick->at[1] + at), load_lanes(0, brick->at[2] + at)};
-#define OF_FACE(member) ((doubleL)of_face->member)
-    PlacedFrame frame;
-    SET_PLACED_FRAME(OF_FACE, p, frame)
-#undef OF_FACE
-    const FaceDistance d = face_distance(frame);
+    const FaceDistance d = face_distance(mesh.polyhedra + face, mesh.faces + face, load_lanes(0, brick->at[0] + at),
+                                         load_lanes(0, brick->at[1] + at), load_lanes(0, brick->at[2] + at));
     const doubleL squared = load_lanes(0, brick->squared + at);
     const uintL triangle = load_lanes(0, brick->triangle + at);
-    const uint own = of_face->triangle;
+    const uint own = mesh.faces[face].triangle;
     const intL is_less = convert_intL(d.squared < squared), is_equal = convert_intL(d.squared == squared);
     const intL takes = is_less | (is_equal & (own < triangle));
     if (lanes_to_bits(takes)) {
@@ -97,7 +90,7 @@ static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes
     const doubleL squared = load_lanes(0, brick->squared + OF_VECTOR(part));
     lanes &= BITS_OF(d.squared <= squared + TIE_RATE * squared + TIE_SLACK);
     // In a face of less altitude than `reach`, a point may lie on all three edges: all faces at its vertices count.
-    if (mesh.frames[record].altitude <= (double)reach) {
+    if (mesh.polyhedra[record].exact_altitude <= (double)reach) {
         for (uint k = 0; k < 3 && lanes; ++k) take_vertex(mesh, neighbours->vertex[k], vector, part, lanes, brick);
         return;
     }

@@ -17,33 +17,9 @@ DEFINE_EDGE_OFFSETS(PointEdgeOffsets, point_edge_offsets, REAL, TRUTH)
 DEFINE_SQUARED_BY_OFFSETS(point_squared_by_offsets, PointEdgeOffsets, REAL)
 
 // The face that stands for equal ones; CLSDF_NO_FACE for itself.
-INLINE uint lowest_face(__global const FaceFrame* frames, uint face) {
-    return face == CLSDF_NO_FACE ? face : frames[face].lowest;
+INLINE uint lowest_face(__global const PointFace* faces, uint face) {
+    return face == CLSDF_NO_FACE ? face : faces[face].lowest;
 }
-
-// A face's frame (point_tree.h) and a point's place in it.
-typedef struct PlacedFrame {
-    REAL x, y, z;  // of the point
-    REAL base[2], along[2], across[2], altitude;
-} PlacedFrame;
-
-// Sets a PlacedFrame for the point `p`. GET(member): of the face's frame.
-#define PLACED_COORDINATE(GET, column, p) \
-    (GET(gradient[0][column]) * (p).x +   \
-     (GET(gradient[1][column]) * (p).y + (GET(gradient[2][column]) * (p).z + GET(offset[column]))))
-
-#define SET_PLACED_FRAME(GET, p, frame)                                  \
-    {                                                                    \
-        (frame).x = PLACED_COORDINATE(GET, 0, p);                        \
-        (frame).y = PLACED_COORDINATE(GET, 1, p);                        \
-        (frame).z = PLACED_COORDINATE(GET, 2, p);                        \
-        for (int half_index = 0; half_index < 2; ++half_index) {         \
-            (frame).base[half_index] = GET(base[half_index]);            \
-            (frame).along[half_index] = GET(normal_along[half_index]);   \
-            (frame).across[half_index] = GET(normal_across[half_index]); \
-        }                                                                \
-        (frame).altitude = GET(altitude);                                \
-    }
 
 // The squared distance of a point and a face, with the offsets that give it.
 typedef struct FaceDistance {
@@ -51,12 +27,19 @@ typedef struct FaceDistance {
     PointEdgeOffsets offsets;
 } FaceDistance;
 
-INLINE FaceDistance face_distance(const PlacedFrame f) {
+// (x, y, z): the point, from the lattice's origin.
+INLINE FaceDistance face_distance(__global const Polyhedron* record, __global const PointFace* face, REAL x, REAL y,
+                                  REAL z) {
+#define COORDINATE(n)                        \
+    ((REAL)record->exact_gradient_x[n] * x + \
+     ((REAL)record->exact_gradient_y[n] * y + ((REAL)record->exact_gradient_z[n] * z + (REAL)face->offset[n])))
+    const double2 base = vload2(0, record->exact_base);
+    const double4 normal = vload4(0, record->exact_normal_along);  // along right, left, across right, left
     FaceDistance d;
-    d.offsets =
-        point_edge_offsets(f.x, f.y, f.base[CLSDF_HALF_RIGHT], f.base[CLSDF_HALF_LEFT], f.along[CLSDF_HALF_RIGHT],
-                           f.along[CLSDF_HALF_LEFT], f.across[CLSDF_HALF_RIGHT], f.across[CLSDF_HALF_LEFT], f.altitude);
-    d.squared = point_squared_by_offsets(d.offsets, f.z);
+    d.offsets = point_edge_offsets(COORDINATE(0), COORDINATE(1), (REAL)base.x, (REAL)base.y, (REAL)normal.x,
+                                   (REAL)normal.y, (REAL)normal.z, (REAL)normal.w, (REAL)record->exact_altitude);
+    d.squared = point_squared_by_offsets(d.offsets, COORDINATE(2));
+#undef COORDINATE
     return d;
 }
 

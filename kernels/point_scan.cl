@@ -1,4 +1,4 @@
-// The nearest triangles of many points: a scan of groups of points (point_tree.h), on processors.
+// The nearest triangles of many points: a scan of groups of points (point_groups.h), on processors.
 //
 // From superblocks to vectors, a group's list of polyhedra goes to its 16 children at once, a child a lane: a
 // polyhedron stays if it overlaps the child's box within the child's upper bound of the distance. The distances of a
@@ -11,7 +11,7 @@
 #include "edge_offsets.h"
 #include "frame.h"
 #include "point_decisions.h"
-#include "point_tree.h"
+#include "point_groups.h"
 #include "simd.h"
 
 // Slack of the overlap test, in units: what polyhedra need (frusta.hpp) and the rounding of floats, with room.
@@ -365,13 +365,13 @@ static uint choose_marked(uint count, __global const uint* list, __global const 
 __kernel void nearest_by_groups(uint begin, uint end, __global uint* next_block, __global const PointGroup* blocks,
                                 __global const PointGroup* bricks, __global const double* points, uint point_count,
                                 double most, ScanCounts counts, __global const ScanRecord* records,
-                                __global const Polyhedron* polyhedra, __global const FaceFrame* frames,
+                                __global const Polyhedron* polyhedra, __global const PointFace* all_faces,
                                 __global const FaceNeighbours* neighbours, __global const uint* ring_starts,
                                 __global const uint* ring_faces, __global const uint* site_vertices,
                                 __global const ushort* marks_of_blocks, __global uint* all_lists,
                                 __global ushort* all_marks, __global PointBrick* all_bricks, __global uint* faces,
                                 __global double* squared) {
-    const ScanMesh mesh = {counts, records, polyhedra, frames, neighbours, ring_starts, ring_faces, site_vertices};
+    const ScanMesh mesh = {counts, records, polyhedra, all_faces, neighbours, ring_starts, ring_faces, site_vertices};
     const uint all = counts.records;
     __global uint* list = all_lists + get_global_id(0) * 2 * (size_t)(all + 1);
     __global uint* brick_list = list + (all + 1);
@@ -396,7 +396,7 @@ __kernel void nearest_by_groups(uint begin, uint end, __global uint* next_block,
             scan_brick(mesh, bricks + block * CLSDF_GROUP_WIDTH + b, points, first, point_count, chosen, brick_list,
                        most, brick);
             for (uint i = 0; i < CLSDF_POINTS_OF_BRICK && first + i < point_count; ++i) {
-                faces[first + i] = lowest_face(frames, brick->face[i]);
+                faces[first + i] = lowest_face(all_faces, brick->face[i]);
                 squared[first + i] = brick->squared[i];
             }
         }

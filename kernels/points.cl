@@ -36,15 +36,18 @@ INLINE PointBox box_of_point(double3 p) {
     return box;
 }
 
+// All that a search reads of the mesh, beside the shape of the tree.
+typedef struct PointMesh {
+    __global const PointNode* nodes;  // from level 2 on
+    __global const PointLeaf* leaves;
+    __global const Polyhedron* polyhedra;
+    __global const PointFace* faces;
+} PointMesh;
+
 // Takes a face if it is nearer.
-INLINE void take_face(__global const FaceFrame* frames, uint face, double3 p, __private NearestFace* found) {
-    __global const FaceFrame* f = frames + face;
-#define OF_FACE(member) (f->member)
-    PlacedFrame placed;
-    SET_PLACED_FRAME(OF_FACE, p, placed)
-#undef OF_FACE
-    const double squared = face_distance(placed).squared;
-    const uint triangle = f->triangle;
+INLINE void take_face(PointMesh mesh, uint face, double3 p, __private NearestFace* found) {
+    const double squared = face_distance(mesh.polyhedra + face, mesh.faces + face, p.x, p.y, p.z).squared;
+    const uint triangle = mesh.faces[face].triangle;
     if (squared < found->squared || (squared == found->squared && triangle < found->triangle)) {
         found->squared = squared;
         found->triangle = triangle;
@@ -75,9 +78,8 @@ INLINE floatL squared_to_faces(__global const PointLeaf* leaf, float3 p, int fir
 #define LEAF_DISTANCE_ERROR 4.0e-6f
 
 // Takes the faces of a leaf that may be nearer.
-INLINE void visit_leaf(__global const PointLeaf* leaves, __global const FaceFrame* frames, uint number, uint faces,
-                       double3 p, __private NearestFace* found) {
-    __global const PointLeaf* leaf = leaves + number;
+INLINE void visit_leaf(PointMesh mesh, uint number, uint faces, double3 p, __private NearestFace* found) {
+    __global const PointLeaf* leaf = mesh.leaves + number;
     const float3 from_origin = convert_float3(p - convert_double3(vload3(0, leaf->origin)));
     const float error =
         LEAF_DISTANCE_ERROR * (fabs(from_origin.x) + fabs(from_origin.y) + fabs(from_origin.z) + leaf->extent);
@@ -89,7 +91,7 @@ INLINE void visit_leaf(__global const PointLeaf* leaves, __global const FaceFram
         for (; bits != 0; bits &= bits - 1) {
             const uint face = number * CLSDF_TREE_WIDTH + first + lowest_bit(bits);
             if (face >= faces) break;
-            take_face(frames, face, p, found);
+            take_face(mesh, face, p, found);
         }
     }
 }
@@ -146,9 +148,8 @@ static inline int push_children(__global const PointNode* node, uint level, uint
     return height;
 }
 
-// nodes: from level 2 on.
-static inline void search(PointTree tree, __global const PointNode* nodes, __global const PointLeaf* leaves,
-                          __global const FaceFrame* frames, double3 p, __private NearestFace* found) {
+// Goes down the tree: inner nodes put their children on a stack, leaves visit their faces.
+static inline void search(PointTree tree, PointMesh mesh, double3 p, __private NearestFace* found) {
     const PointBox box = box_of_point(p);
     uint items[CLSDF_TREE_STACK];
     float squares[CLSDF_TREE_STACK];
@@ -159,29 +160,30 @@ static inline void search(PointTree tree, __global const PointNode* nodes, __glo
         if (squares[height] > found->bound) continue;
         const uint level = items[height] >> CLSDF_TREE_LEVEL_SHIFT;
         const uint number = items[height] & ((1u << CLSDF_TREE_LEVEL_SHIFT) - 1u);
-        if (level == 1) {
-            visit_leaf(leaves, frames, number, tree.faces, p, found);
-            continue;
-        }
-        height = push_children(nodes + (tree.first[level - 1] - tree.count[0]) + number, level, number,
-                               tree.count[level - 2], box, found->bound, items, squares, height);
+        if (level == 1)
+            visit_leaf(mesh, number, tree.faces, p, found);
+        else
+            height = push_children(mesh.nodes + (tree.first[level - 1] - tree.count[0]) + number, level, number,
+                                   tree.count[level - 2], box, found->bound, items, squares, height);
     }
 }
 
 // A work-item takes `run` points that follow each other, and begins each search with the face of the one before.
 // most: a squared distance, possibly infinite, beyond which nothing is looked for. points: in units.
 __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes, __global const PointLeaf* leaves,
-                                __global const FaceFrame* frames, __global const double* points, uint begin, uint end,
-                                uint run, double most, __global uint* faces, __global double* squared) {
+                                __global const Polyhedron* polyhedra, __global const PointFace* all_faces,
+                                __global const double* points, uint begin, uint end, uint run, double most,
+                                __global uint* faces, __global double* squared) {
+    const PointMesh mesh = {nodes, leaves, polyhedra, all_faces};
     const uint first = begin + (uint)get_global_id(0) * run;
     const uint last = first < end ? min(end, first + run) : first;
     uint face = CLSDF_NO_FACE;
     for (uint i = first; i < last; ++i) {
         const double3 p = vload3(i, points);
         NearestFace found = {most, 0xFFFFFFFFu, CLSDF_NO_FACE, (float)most};
-        if (face != CLSDF_NO_FACE) take_face(frames, face, p, &found);
-        search(tree, nodes, leaves, frames, p, &found);
-        faces[i] = lowest_face(frames, found.face);
+        if (face != CLSDF_NO_FACE) take_face(mesh, face, p, &found);
+        search(tree, mesh, p, &found);
+        faces[i] = lowest_face(all_faces, found.face);
         squared[i] = found.squared;
         if (found.face != CLSDF_NO_FACE) face = found.face;
     }

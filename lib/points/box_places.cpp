@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -74,34 +73,32 @@ public:
     Search(const PointMesh& mesh, const Box& box, const Reach& reach)
         : mesh_(mesh), box_(box), unit_box_(box, mesh.lattice), reach_(reach) {}
 
-    bool finds_face() { return finds_face(mesh_.tree.levels - 1, 0); }
+    bool finds_face() {
+        return traverse(
+            mesh_, [&](const PointNode& node) { return near_children(node); },
+            [&](std::size_t face) { return is_near(face); });
+    }
 
     /// If none is: a lower bound of the square of the distance of all of them, in units.
     double lower_bound() const { return static_cast<double>(std::ranges::min(bounds_)) * (1 - rounding); }
 
 private:
-    bool finds_face(std::size_t level, std::size_t number) {
-        const Squares squares = squared_distances(mesh_.nodes[mesh_.tree.first[level] + number], unit_box_);
+    /// The nearest child, which is the likeliest to have a near face, comes first.
+    ChosenChildren near_children(const PointNode& node) {
+        const Squares squares = squared_distances(node, unit_box_);
         constexpr float infinity = std::numeric_limits<float>::infinity();
         const float most = reach_.squared_in_units;
-        std::uint32_t is_near = 0;
+        std::uint32_t bits = 0;
         for (std::size_t i = 0; i < width; ++i) {
-            is_near |= squares[i] <= most ? 1U << i : 0U;
+            bits |= squares[i] <= most ? 1U << i : 0U;
             bounds_[i] = std::min(bounds_[i], squares[i] <= most ? infinity : squares[i]);
         }
-        if (is_near == 0) return false;
-        // The nearest child is the likeliest.
-        const auto nearest = static_cast<std::size_t>(std::ranges::min_element(squares) - squares.begin());
-        if (finds_face_of_child(level, number * width + nearest)) return true;
-        for (is_near &= ~(1U << nearest); is_near != 0; is_near &= is_near - 1)
-            if (finds_face_of_child(level, number * width + static_cast<std::size_t>(std::countr_zero(is_near))))
-                return true;
-        return false;
+        if (bits == 0) return {};
+        return {bits, static_cast<std::uint32_t>(std::ranges::min_element(squares) - squares.begin())};
     }
 
-    bool finds_face_of_child(std::size_t level, std::size_t child) {
-        if (level > 0) return finds_face(level - 1, child);
-        const double squared = squared_distance(mesh_.corners(child), box_, reach_.squared);
+    bool is_near(std::size_t face) {
+        const double squared = squared_distance(mesh_.corners(face), box_, reach_.squared);
         if (squared <= reach_.squared) return true;
         const double per_unit = 1 / mesh_.lattice.unit;
         bounds_[0] = std::min(bounds_[0], static_cast<float>(squared * per_unit * per_unit));

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -68,56 +69,47 @@ PointTree shape_of(std::size_t faces) {
     return tree;
 }
 
-FaceFrame frame_of(const Polyhedron& record) {
-    const std::array<const double*, 3> gradients{record.exact_gradient_x, record.exact_gradient_y,
-                                                 record.exact_gradient_z};
-    const std::array<double, 3> origin{static_cast<double>(record.origin_x), static_cast<double>(record.origin_y),
-                                       static_cast<double>(record.origin_z)};
-    FaceFrame frame{};
-    for (std::size_t column = 0; column < 3; ++column) {
-        double constant = record.exact_constant_at_origin[column];
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            frame.gradient[axis][column] = gradients[axis][column];
-            constant -= gradients[axis][column] * origin[axis];
-        }
-        frame.offset[column] = constant;
-    }
-    for (std::size_t half = 0; half < 2; ++half) {
-        frame.base[half] = record.exact_base[half];
-        frame.normal_along[half] = record.exact_normal_along[half];
-        frame.normal_across[half] = record.exact_normal_across[half];
-    }
-    frame.altitude = record.exact_altitude;
-    frame.triangle = record.triangle;
-    return frame;
+/// Without the lowest face.
+PointFace face_of(const Polyhedron& record) {
+    PointFace result{};
+    for (std::size_t column = 0; column < 3; ++column)
+        result.offset[column] = record.exact_constant_at_origin[column] -
+                                record.exact_gradient_x[column] * static_cast<double>(record.origin_x) -
+                                record.exact_gradient_y[column] * static_cast<double>(record.origin_y) -
+                                record.exact_gradient_z[column] * static_cast<double>(record.origin_z);
+    result.triangle = record.triangle;
+    return result;
 }
 
 /// Frames of neighbours, at most as many as a leaf holds, from the centre of their node's boxes.
-PointLeaf leaf_of(const PointNode& node, std::span<const FaceFrame> frames) {
+PointLeaf leaf_of(const PointNode& node, std::span<const Polyhedron> records, std::span<const PointFace> faces) {
     PointLeaf leaf{};
     for (std::size_t axis = 0; axis < 3; ++axis)
-        leaf.origin[axis] = (*std::min_element(node.lower[axis], node.lower[axis] + frames.size()) +
-                             *std::max_element(node.upper[axis], node.upper[axis] + frames.size())) /
+        leaf.origin[axis] = (*std::min_element(node.lower[axis], node.lower[axis] + faces.size()) +
+                             *std::max_element(node.upper[axis], node.upper[axis] + faces.size())) /
                             2;
     double extent = 0;
     for (std::size_t lane = 0; lane < width; ++lane) {
-        const FaceFrame& frame = frames[std::min(lane, frames.size() - 1)];
-        double lengths = frame.base[0] + frame.base[1] + frame.altitude;
+        const std::size_t face = std::min(lane, faces.size() - 1);
+        const Polyhedron& record = records[face];
+        const std::array<const double*, 3> gradients{record.exact_gradient_x, record.exact_gradient_y,
+                                                     record.exact_gradient_z};
+        double lengths = record.exact_base[0] + record.exact_base[1] + record.exact_altitude;
         for (std::size_t column = 0; column < 3; ++column) {
-            double offset = frame.offset[column];
+            double offset = faces[face].offset[column];
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                leaf.gradient[axis][column][lane] = static_cast<float>(frame.gradient[axis][column]);
-                offset += frame.gradient[axis][column] * static_cast<double>(leaf.origin[axis]);
+                leaf.gradient[axis][column][lane] = static_cast<float>(gradients[axis][column]);
+                offset += gradients[axis][column] * static_cast<double>(leaf.origin[axis]);
             }
             leaf.offset[column][lane] = static_cast<float>(offset);
             lengths += std::abs(offset);
         }
         for (std::size_t half = 0; half < 2; ++half) {
-            leaf.base[half][lane] = static_cast<float>(frame.base[half]);
-            leaf.normal_along[half][lane] = static_cast<float>(frame.normal_along[half]);
-            leaf.normal_across[half][lane] = static_cast<float>(frame.normal_across[half]);
+            leaf.base[half][lane] = static_cast<float>(record.exact_base[half]);
+            leaf.normal_along[half][lane] = static_cast<float>(record.exact_normal_along[half]);
+            leaf.normal_across[half][lane] = static_cast<float>(record.exact_normal_across[half]);
         }
-        leaf.altitude[lane] = static_cast<float>(frame.altitude);
+        leaf.altitude[lane] = static_cast<float>(record.exact_altitude);
         extent = std::max(extent, lengths);
     }
     leaf.extent = rounded_up(extent);
@@ -138,12 +130,12 @@ std::uint32_t lower_of_two(const polyhedra::MeshTopology& topology, std::uint32_
 
 /// Sets the lowest face with the same three vertices, in the caller's order, of each face. Faces at edges of more than
 /// two are sorted by their vertices: any number of them may be equal.
-void set_lowest_equal(const polyhedra::MeshTopology& topology, std::span<FaceFrame> frames) {
-    for_each_index(frames.size(), [&](std::size_t face) {
-        frames[face].lowest = lower_of_two(topology, static_cast<std::uint32_t>(face));
+void set_lowest_equal(const polyhedra::MeshTopology& topology, std::span<PointFace> faces) {
+    for_each_index(faces.size(), [&](std::size_t face) {
+        faces[face].lowest = lower_of_two(topology, static_cast<std::uint32_t>(face));
     });
     std::vector<std::pair<Triangle, std::uint32_t>> sorted;  // vertices ascending, face
-    for (std::uint32_t face = 0; face < frames.size(); ++face)
+    for (std::uint32_t face = 0; face < faces.size(); ++face)
         if (topology.edges.is_non_manifold(face)) {
             sorted.emplace_back(topology.faces.triangles[face], face);
             std::ranges::sort(sorted.back().first);
@@ -152,15 +144,15 @@ void set_lowest_equal(const polyhedra::MeshTopology& topology, std::span<FaceFra
                       [&](const auto& entry) { return std::pair(entry.first, topology.order[entry.second]); });
     for (std::size_t i = 0; i < sorted.size(); ++i) {
         const bool is_first = i == 0 || sorted[i].first != sorted[i - 1].first;
-        frames[sorted[i].second].lowest = is_first ? sorted[i].second : frames[sorted[i - 1].second].lowest;
+        faces[sorted[i].second].lowest = is_first ? sorted[i].second : faces[sorted[i - 1].second].lowest;
     }
 }
 
-/// Writes nodes of the first level, and their faces' frames and records.
+/// Writes nodes of the first level, their leaves and their faces' records.
 class FaceWriter {
 public:
-    FaceWriter(PointMesh& mesh, std::span<PointLeaf> leaves, std::span<FaceFrame> frames, std::span<Polyhedron> records)
-        : mesh_(mesh), leaves_(leaves), frames_(frames), records_(records) {}
+    FaceWriter(PointMesh& mesh, std::span<PointLeaf> leaves, std::span<PointFace> faces, std::span<Polyhedron> records)
+        : mesh_(mesh), leaves_(leaves), faces_(faces), records_(records) {}
 
     void write(std::size_t node) const {
         const polyhedra::MeshTopology& topology = *mesh_.topology;
@@ -171,10 +163,10 @@ public:
             const std::size_t face = begin + i;
             records_[face] = polyhedra::pack(faces.frame(face), {}, topology.order[face], mesh_.positions,
                                              triangles[face], mesh_.lattice);
-            frames_[face] = frame_of(records_[face]);
+            faces_[face] = face_of(records_[face]);
             for (const Vec3& corner : mesh_.corners(face)) add_corner(mesh_.nodes[node], i, corner);
         }
-        leaves_[node] = leaf_of(mesh_.nodes[node], frames_.subspan(begin, count));
+        leaves_[node] = leaf_of(mesh_.nodes[node], records_.subspan(begin, count), faces_.subspan(begin, count));
     }
 
 private:
@@ -186,7 +178,7 @@ private:
 
     PointMesh& mesh_;
     std::span<PointLeaf> leaves_;
-    std::span<FaceFrame> frames_;
+    std::span<PointFace> faces_;
     std::span<Polyhedron> records_;
 };
 
@@ -239,6 +231,20 @@ void UnitBox::add(const UnitBox& other) {
     }
 }
 
+ChosenChildren overlapped_children(const PointNode& node, const UnitBox& box) {
+    std::array<unsigned char, width> is_met{};
+    for (std::size_t i = 0; i < width; ++i) {
+        unsigned is_met_on_axes = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            is_met_on_axes &= static_cast<unsigned>(node.lower[axis][i] <= box.upper[axis]) &
+                              static_cast<unsigned>(node.upper[axis][i] >= box.lower[axis]);
+        is_met[i] = static_cast<unsigned char>(is_met_on_axes);
+    }
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < width; ++i) bits |= static_cast<std::uint32_t>(is_met[i]) << i;
+    return {bits, static_cast<std::uint32_t>(std::countr_zero(bits))};
+}
+
 UnitBox face_box(const PointMesh& mesh, std::size_t face) {
     UnitBox box;
     const PointNode& node = mesh.nodes[face / width];
@@ -262,19 +268,19 @@ PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device
     result.tree = shape_of(result.face_count());
     result.nodes.assign(result.tree.first[result.tree.levels - 1] + 1, empty_node());
     device::HostFilling leaves(context, pool, result.tree.count[0] * sizeof(PointLeaf), "leaves of the points' tree");
-    device::HostFilling frames(context, pool, result.face_count() * sizeof(FaceFrame), "frames of faces");
     device::HostFilling records(context, pool, result.face_count() * sizeof(Polyhedron), "polyhedra");
+    device::HostFilling faces(context, pool, result.face_count() * sizeof(PointFace), "faces of the points' tree");
     const FaceWriter writer(result, {static_cast<PointLeaf*>(leaves.memory()), result.tree.count[0]},
-                            {static_cast<FaceFrame*>(frames.memory()), result.face_count()},
+                            {static_cast<PointFace*>(faces.memory()), result.face_count()},
                             {static_cast<Polyhedron*>(records.memory()), result.face_count()});
     for_each_chunk(result.tree.count[0], width, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t node = begin; node < end; ++node) writer.write(node);
     });
-    set_lowest_equal(*result.topology, {static_cast<FaceFrame*>(frames.memory()), result.face_count()});
+    set_lowest_equal(*result.topology, {static_cast<PointFace*>(faces.memory()), result.face_count()});
     fill_upper_levels(result);
     result.leaves = leaves.finish();
-    result.frames = frames.finish();
     result.polyhedra = records.finish();
+    result.faces = faces.finish();
     const std::span<const PointNode> upper = std::span(result.nodes).subspan(result.tree.count[0]);
     const std::size_t bytes = upper.size_bytes();
     result.device_nodes = pool->lease(bytes, "nodes of the points' tree");

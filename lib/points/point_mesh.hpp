@@ -10,6 +10,7 @@
 #include <clsdf/mesh.hpp>
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -44,8 +45,8 @@ struct PointMesh {
 
     device::BufferPool::Lease device_nodes;  ///< the same, from the second level on
     device::BufferPool::Lease leaves;        ///< PointLeaf, in place of the first level
-    device::BufferPool::Lease frames;        ///< FaceFrame of each face
     device::BufferPool::Lease polyhedra;     ///< Polyhedron, of each face, with frames and without slopes
+    device::BufferPool::Lease faces;         ///< PointFace of each face
 
     /// A position from the lattice's origin.
     Vec3 in_units(const Vec3& position) const {
@@ -63,7 +64,7 @@ struct PointMesh {
 
     std::size_t host_bytes() const { return positions.size() * sizeof(Vec3) + nodes.size() * sizeof(PointNode); }
     std::size_t device_bytes() const {
-        return device_nodes.bytes() + leaves.bytes() + frames.bytes() + polyhedra.bytes();
+        return device_nodes.bytes() + leaves.bytes() + polyhedra.bytes() + faces.bytes();
     }
 };
 
@@ -83,35 +84,39 @@ struct UnitBox {
 /// Around a face, with room for the rounding of frames.
 UnitBox face_box(const PointMesh& mesh, std::size_t face);
 
-namespace detail {
+/// Children of a node to visit: a bit for each, and the one to begin with.
+struct ChosenChildren {
+    std::uint32_t bits;
+    std::uint32_t first;
+};
 
-template <typename Visit>
-bool visit_faces(const PointMesh& mesh, const UnitBox& box, std::size_t level, std::size_t number, const Visit& visit) {
-    constexpr std::size_t width = CLSDF_TREE_WIDTH;
-    const PointNode& node = mesh.nodes[mesh.tree.first[level] + number];
-    std::array<unsigned char, width> is_met{};
-    for (std::size_t i = 0; i < width; ++i) {
-        unsigned is_met_on_axes = 1;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            is_met_on_axes &= static_cast<unsigned>(node.lower[axis][i] <= box.upper[axis]) &
-                              static_cast<unsigned>(node.upper[axis][i] >= box.lower[axis]);
-        is_met[i] = static_cast<unsigned char>(is_met_on_axes);
-    }
-    for (std::size_t i = 0; i < width; ++i) {
-        if (is_met[i] == 0) continue;
-        const std::size_t child = number * width + i;
-        if (level > 0 ? visit_faces(mesh, box, level - 1, child, visit) : visit(child)) return true;
+/// The children whose boxes overlap the given one, ascending.
+ChosenChildren overlapped_children(const PointNode& node, const UnitBox& box);
+
+/// Goes down the tree from the root, or from a node of a level: choose(node) returns its ChosenChildren. Calls
+/// visit(face) for chosen faces until it returns true. Returns whether it did.
+template <typename Choose, typename Visit>
+bool traverse(const PointMesh& mesh, const Choose& choose, const Visit& visit, std::size_t level,
+              std::size_t number = 0) {
+    auto [bits, next] = choose(mesh.nodes[mesh.tree.first[level] + number]);
+    for (; bits != 0; next = static_cast<std::uint32_t>(std::countr_zero(bits))) {
+        bits &= ~(1U << next);
+        const std::size_t child = number * CLSDF_TREE_WIDTH + next;
+        if (level > 0 ? traverse(mesh, choose, visit, level - 1, child) : visit(child)) return true;
     }
     return false;
 }
-
-}  // namespace detail
+template <typename Choose, typename Visit>
+bool traverse(const PointMesh& mesh, const Choose& choose, const Visit& visit) {
+    return traverse(mesh, choose, visit, mesh.tree.levels - 1);
+}
 
 /// Calls visit(face) for all faces whose boxes overlap the given one, ascending, until it returns true. Returns whether
 /// it did.
 template <typename Visit>
 bool visit_faces(const PointMesh& mesh, const UnitBox& box, const Visit& visit) {
-    return detail::visit_faces(mesh, box, mesh.tree.levels - 1, 0, visit);
+    return traverse(
+        mesh, [&](const PointNode& node) { return overlapped_children(node, box); }, visit);
 }
 
 /// Throws Error(invalid_argument or out_of_memory).

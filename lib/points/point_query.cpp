@@ -86,7 +86,7 @@ public:
             context_, count(), seconds_per_search, most_run * scan::cores_of(context_.capabilities()), between,
             [&](std::size_t begin, std::size_t end) {
                 scan::launch(queue_, kernel, {chunk_count(end - begin, run()), programs_.part_group()}, mesh.tree,
-                             *mesh.device_nodes, *mesh.leaves, *mesh.frames, *device_points_,
+                             *mesh.device_nodes, *mesh.leaves, *mesh.polyhedra, *mesh.faces, *device_points_,
                              static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(run()),
                              cl_double{most()}, *device_faces_, *device_squared_);
             });

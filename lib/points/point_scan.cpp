@@ -232,7 +232,7 @@ public:
                                                  static_cast<cl_uint>(end), *next_block, *blocks_, *bricks_,
                                                  job_.points, static_cast<cl_uint>(job_.count), cl_double{job_.most},
                                                  job_.scanned.counts, *job_.scanned.records, *job_.mesh.polyhedra,
-                                                 *job_.mesh.frames, *job_.scanned.neighbours, *job_.scanned.ring_starts,
+                                                 *job_.mesh.faces, *job_.scanned.neighbours, *job_.scanned.ring_starts,
                                                  *job_.scanned.ring_faces, *job_.scanned.site_vertices, *marks_, *lists,
                                                  *marks, *memory, faces, squared);
                                 });

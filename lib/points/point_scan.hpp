@@ -1,7 +1,7 @@
 #pragma once
 
 #include "device/buffer_pool.hpp"
-#include "point_tree.h"
+#include "point_groups.h"
 #include "points/point_mesh.hpp"
 #include "scan/prepared_mesh.hpp"
 #include "scan/programs.hpp"
@@ -37,7 +37,7 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
 /// Whether points are scanned in groups rather than looked up one by one. The results are the same.
 bool is_scan_worthwhile(const scan::Programs& programs, std::size_t points, std::size_t faces);
 
-/// Groups of points that follow each other (kernels/point_tree.h), from bricks up.
+/// Groups of points that follow each other (kernels/point_groups.h), from bricks up.
 struct PointGroups {
     UninitializedVector<PointGroup> bricks, blocks, superblocks;
 };

@@ -4,6 +4,7 @@
 #include "face_sources.h"
 #include "layout.h"
 #include "outputs.h"
+#include "point_groups.h"
 #include "point_tree.h"
 #include "stored_box.h"
 #include "sweep.h"
@@ -43,7 +44,7 @@ std::vector<Agreement> agreements() {
     CLSDF_SHARED(all, FanItem, offset, count, faces);
     CLSDF_SHARED(all, PointTree, faces, levels, first, count);
     CLSDF_SHARED(all, PointNode, lower, upper);
-    CLSDF_SHARED(all, FaceFrame, gradient, offset, base, normal_along, normal_across, altitude, triangle, lowest);
+    CLSDF_SHARED(all, PointFace, offset, triangle, lowest);
     CLSDF_SHARED(all, PointLeaf, gradient, offset, base, normal_along, normal_across, altitude, origin, extent,
                  padding);
     CLSDF_SHARED(all, PointGroup, origin, children, centre, half_side);
@@ -60,7 +61,7 @@ std::vector<Agreement> agreements() {
 BOOST_AUTO_TEST_CASE(host_and_device_lay_out_what_they_share_alike) {
     std::string text;
     for (const char* header : {"polyhedron.h", "layout.h", "coarse.h", "sweep.h", "outputs.h", "stored_box.h",
-                               "face_sources.h", "point_tree.h"})
+                               "face_sources.h", "point_tree.h", "point_groups.h"})
         text += device::kernel_text(header);
     const std::vector<Agreement> all = agreements();
     std::set<std::string> names;

@@ -515,7 +515,7 @@ BOOST_AUTO_TEST_CASE(a_device_that_finds_wrong_triangles_is_refused) {
         {"points.cl", "inside ? -rounded : rounded", "rounded"},
         {"point_scan.cl", "chosen[length] = list ? list[k] : k", "chosen[length] = list ? list[i] : i", {by_vector}},
         {"point_scan.cl", "outward * outward + z * z", "outward * outward", {by_vector}},
-        {"point_scan.cl", "lowest_face(frames, brick->face[i])", "lowest_face(frames, brick->face[0])", {by_vector}},
+        {"point_scan.cl", "lowest_face(all_faces, brick->face[i])", "lowest_face(all_faces, brick->face[0])", {by_vector}},
         {"point_scan.cl", "o.across * o.beyond - o.along * y", "o.across * o.beyond + o.along * y", {by_vector}}};
     for (const auto& [file, from, to, bodies] : changes)
         for (const KernelBody body : bodies) {
