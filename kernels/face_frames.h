@@ -1,15 +1,16 @@
 // Frames of LANES faces at once, one a lane (the frame is that of polyhedron.h, in double), and records of them.
 //
-// Operation by operation this is triangle_frame() of lib/polyhedra/frames.cpp and pack() of records.cpp without
-// their special cases, so that records have the bytes that the host would write: quotients and roots of doubles are
-// rounded correctly by every device, and nothing is contracted.
+// The host compiles this file with one lane (lib/polyhedra/one_lane.hpp) and adds special cases. Records have the same
+// bytes on every device: quotients and roots of doubles are rounded correctly by all, and nothing is contracted.
 #ifndef CLSDF_FACE_FRAMES_H
 #define CLSDF_FACE_FRAMES_H
 
 #include "face_sources.h"
 #include "simd.h"
 
+#ifdef __OPENCL_VERSION__
 #pragma OPENCL FP_CONTRACT OFF
+#endif
 
 // A vector a lane.
 typedef struct Vectors {
@@ -29,8 +30,13 @@ INLINE Vectors difference(Vectors a, Vectors b) {
 INLINE Vectors product(doubleL factor, Vectors a) {
     return vectors(factor * a.x, factor * a.y, factor * a.z);
 }
+// A number that is not negative, with 1 in place of 0: programs may trap divisions by zero.
+INLINE doubleL divisor_of(doubleL x) {
+    return x > 0.0 ? x : (doubleL)1.0;
+}
 INLINE Vectors quotient(Vectors a, doubleL divisor) {
-    return vectors(a.x / divisor, a.y / divisor, a.z / divisor);
+    const doubleL d = divisor_of(divisor);
+    return vectors(a.x / d, a.y / d, a.z / d);
 }
 INLINE Vectors cross_product(Vectors a, Vectors b) {
     return vectors(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
@@ -42,6 +48,7 @@ INLINE Vectors chosen(longL condition, Vectors a, Vectors b) {
     return vectors(condition ? a.x : b.x, condition ? a.y : b.y, condition ? a.z : b.z);
 }
 
+#ifdef __OPENCL_VERSION__
 // The positions of vertices[0, LANES).
 INLINE Vectors positions_of(__global const double* positions, __private const uint* vertices) {
 #define PLACE(lane) (positions + 3 * (size_t)vertices[lane])
@@ -61,6 +68,7 @@ INLINE Vectors positions_of(__global const double* positions, __private const ui
 #undef X_OF
 #undef PLACE
 }
+#endif
 
 // Three values by edge of the face become values by edge of the polyhedron, and the other way round.
 typedef struct BaseEdges {
@@ -86,7 +94,7 @@ typedef struct FaceFrames {
     Vectors foot;
 } FaceFrames;
 
-// a, b, c: the corners.
+// a, b, c: the corners. The special cases of degenerate faces are the host's.
 INLINE FaceFrames frames_of_faces(FaceLattice lattice, Vectors a, Vectors b, Vectors c) {
     const Vectors first = product(lattice.per_unit, difference(b, a)),
                   second = product(lattice.per_unit, difference(c, b)),
@@ -124,10 +132,11 @@ INLINE FaceFrames frames_of_faces(FaceLattice lattice, Vectors a, Vectors b, Vec
     const doubleL squared_height = f.height * f.height;
     const doubleL slanted_right = sqrt(f.right * f.right + squared_height),
                   slanted_left = sqrt(f.left * f.left + squared_height);
-    f.along_right = f.height / slanted_right;
-    f.along_left = f.height / slanted_left;
-    f.across_right = f.right / slanted_right;
-    f.across_left = f.left / slanted_left;
+    const doubleL to_right = divisor_of(slanted_right), to_left = divisor_of(slanted_left);
+    f.along_right = f.height / to_right;
+    f.along_left = f.height / to_left;
+    f.across_right = f.right / to_right;
+    f.across_left = f.left / to_left;
     f.altitude = slanted_right * f.along_right;
 
     const Vectors near_end = chosen(is_right, f.end, f.start);
@@ -150,7 +159,7 @@ typedef struct LaneRecords {
 
 INLINE doubleL word_pairs(floatL a, floatL b) {
 #if LANES == 1
-    return as_double((float2)(a, b));
+    return as_double((ulong)as_uint(b) << 32 | as_uint(a));
 #else
     return as_double8(
         (float16)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7));
@@ -167,38 +176,44 @@ INLINE doubleL limited(doubleL x, double limit) {
     return LESSER(GREATER(x, -limit), limit);
 }
 
-// names: see CLSDF_NAME_NON_MANIFOLD.
+// The samples nearest to the feet. Beyond the limit the offset in the constants does the rest.
+INLINE Vectors origins_of(FaceLattice lattice, Vectors foot) {
+    const double limit = (double)(1 << 30);
+    return vectors(rounded(limited(foot.x / lattice.spacing[0], limit)),
+                   rounded(limited(foot.y / lattice.spacing[1], limit)),
+                   rounded(limited(foot.z / lattice.spacing[2], limit)));
+}
+
+INLINE Vectors feet_from_origins(FaceLattice lattice, Vectors foot, Vectors origin) {
+    return vectors(foot.x - origin.x * lattice.spacing[0], foot.y - origin.y * lattice.spacing[1],
+                   foot.z - origin.z * lattice.spacing[2]);
+}
+
+// origin: of origins_of(); foot: from there. names: see CLSDF_NAME_NON_MANIFOLD.
 INLINE LaneRecords records_of(FaceLattice lattice, __private const FaceFrames* f, __private const LaneSlopes* slopes,
-                              uintL names) {
+                              uintL names, Vectors origin, Vectors foot) {
     LaneRecords r;
     const Vectors spacing = vectors(lattice.spacing[0], lattice.spacing[1], lattice.spacing[2]);
-    const double limit = (double)(1 << 30);
-    const Vectors origin =
-        vectors(rounded(limited(f->foot.x / spacing.x, limit)), rounded(limited(f->foot.y / spacing.y, limit)),
-                rounded(limited(f->foot.z / spacing.z, limit)));
-    const Vectors foot =
-        vectors(f->foot.x - origin.x * spacing.x, f->foot.y - origin.y * spacing.y, f->foot.z - origin.z * spacing.z);
-    const doubleL numbers[19] = {f->along.x * spacing.x,
-                                 f->across.x * spacing.x,
-                                 f->normal.x * spacing.x,
-                                 f->along.y * spacing.y,
-                                 f->across.y * spacing.y,
-                                 f->normal.y * spacing.y,
-                                 f->along.z * spacing.z,
-                                 f->across.z * spacing.z,
-                                 f->normal.z * spacing.z,
-                                 -dot_in_order(f->along, foot),
-                                 -dot_in_order(f->across, foot),
-                                 -dot_in_order(f->normal, foot),
-                                 f->right,
-                                 f->left,
-                                 f->along_right,
-                                 f->along_left,
-                                 f->across_right,
-                                 f->across_left,
-                                 f->altitude};
-#pragma unroll
-    for (uint i = 0; i < 19; ++i) r.doubles[16 + i] = numbers[i];
+    __private doubleL* const numbers = r.doubles + 16;
+    numbers[0] = f->along.x * spacing.x;
+    numbers[1] = f->across.x * spacing.x;
+    numbers[2] = f->normal.x * spacing.x;
+    numbers[3] = f->along.y * spacing.y;
+    numbers[4] = f->across.y * spacing.y;
+    numbers[5] = f->normal.y * spacing.y;
+    numbers[6] = f->along.z * spacing.z;
+    numbers[7] = f->across.z * spacing.z;
+    numbers[8] = f->normal.z * spacing.z;
+    numbers[9] = -dot_in_order(f->along, foot);
+    numbers[10] = -dot_in_order(f->across, foot);
+    numbers[11] = -dot_in_order(f->normal, foot);
+    numbers[12] = f->right;
+    numbers[13] = f->left;
+    numbers[14] = f->along_right;
+    numbers[15] = f->along_left;
+    numbers[16] = f->across_right;
+    numbers[17] = f->across_left;
+    numbers[18] = f->altitude;
 #pragma unroll
     for (uint i = 0; i < 9; ++i) r.doubles[i] = word_pairs(TO_FLOATS(numbers[2 * i]), TO_FLOATS(numbers[2 * i + 1]));
     r.doubles[9] = word_pairs(TO_FLOATS(slopes->above[0]), TO_FLOATS(slopes->above[1]));
@@ -226,6 +241,7 @@ INLINE LaneRecords records_of(FaceLattice lattice, __private const FaceFrames* f
     return r;
 }
 
+#ifdef __OPENCL_VERSION__
 // Writes LANES records that follow each other, from a multiple of LANES on: whole cache lines, which the processor need
 // not read before.
 INLINE void store_records(__private LaneRecords* r, __global Polyhedron* records) {
@@ -253,6 +269,7 @@ INLINE void store_records(__private LaneRecords* r, __global Polyhedron* records
     for (uint line = 0; line < RECORD_DOUBLES; ++line) STREAM_DOUBLES(lines[line], to + 8 * line);
 #endif
 }
+#endif
 
 // Slopes of the lateral planes at the edges of LANES faces, from the faces' corners and the vertices opposite to their
 // edges (docs/method.md, 'Leaned frusta').
@@ -294,7 +311,8 @@ INLINE longL measure_edge(Vectors start, Vectors opposite, Vectors inward, Vecto
     return is_open || squared > SLIVER_SQUARED * dot_in_order(w, w);
 }
 
-// As lean() of lib/polyhedra/slopes.cpp: at an obtuse apex the two planes lean outward.
+// If the corner opposite the base is obtuse, its two planes lean outward until each contains the wedge of the other;
+// otherwise they would cut it off. No other corner of a triangle is obtuse. cosine: of that corner, negated.
 INLINE void lean(doubleL cosine, __private doubleL* slopes) {
     const longL is_obtuse = cosine > 0.0;
     const doubleL from_right = WIDENED(cosine * slopes[CLSDF_EDGE_RIGHT]),

@@ -117,7 +117,8 @@ __kernel void face_slopes(FaceLattice lattice, double least_length, uint begin, 
         const LaneSlopes s =
             find_slopes(lattice, least_length, &f, opposite, faces, a, valid, positions, slopes, signs, answers);
         if (records == 0) continue;
-        LaneRecords r = records_of(lattice, &f, &s, names_of(names, faces));
+        const Vectors origin = origins_of(lattice, f.foot), foot = feet_from_origins(lattice, f.foot, origin);
+        LaneRecords r = records_of(lattice, &f, &s, names_of(names, faces), origin, foot);
         store_records(&r, records + n);
     }
 }
@@ -147,7 +148,8 @@ __kernel void face_records(FaceLattice lattice, uint begin, uint end, uint face_
             s.above[edge] = to_own(f.base_edges, by_edge[edge], by_edge[next], by_edge[previous]);
             s.below[edge] = to_own(f.base_edges, by_edge[3 + edge], by_edge[3 + next], by_edge[3 + previous]);
         }
-        LaneRecords r = records_of(lattice, &f, &s, names_of(names, faces));
+        const Vectors origin = origins_of(lattice, f.foot), foot = feet_from_origins(lattice, f.foot, origin);
+        LaneRecords r = records_of(lattice, &f, &s, names_of(names, faces), origin, foot);
         store_records(&r, records + n);
     }
 }

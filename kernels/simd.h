@@ -4,7 +4,7 @@
 //
 // Vectors are explicit. On a processor, compilers do not vectorise a loop over work-items around an inner loop, so a
 // work-item handles LANES samples or blocks at once: 16 or 8, by the device's width. On a GPU a work-item is a lane:
-// LANES is 1.
+// LANES is 1. So it is on the host, which compiles some headers of kernels (lib/polyhedra/one_lane.hpp).
 #ifndef CLSDF_SIMD_H
 #define CLSDF_SIMD_H
 
@@ -258,6 +258,7 @@ static inline void prefetch_line_to_l1(__global const void* at) {
 #endif
 
 // Stores a whole cache line. `to`: its first number.
+#ifdef __OPENCL_VERSION__
 INLINE void store_line(uint16 values, __global uint* to) {
 #if (defined(__x86_64__) || defined(__aarch64__)) && defined(STREAM)
     STREAM(values, (__global uint16*)to);
@@ -265,6 +266,7 @@ INLINE void store_line(uint16 values, __global uint* to) {
     vstore16(values, 0, to);
 #endif
 }
+#endif
 
 // Makes stores past the caches visible before the kernel ends. It follows the last line of a work-item or of its group.
 // (On x86 such stores are not ordered with others; on AArch64 they are.)

@@ -1,8 +1,8 @@
 #include "polyhedra/frames.hpp"
 
+#include "polyhedra/one_lane.hpp"
 #include "polyhedra/topology.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -16,68 +16,6 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t right = CLSDF_HALF_RIGHT;
 constexpr std::size_t left = CLSDF_HALF_LEFT;
 
-/// Differences of positions in units. They are taken before positions are brought to units: a small triangle far from
-/// the lattice's origin keeps its shape to the last bit of the coordinates given.
-class InUnits {
-public:
-    explicit InUnits(double unit) : unit_(unit), per_unit_(1 / unit) {}
-
-    Vector difference(const Vec3& to, const Vec3& from) const {
-        const Vector difference{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-        return per_unit_ < std::numeric_limits<double>::infinity() ? Vector(per_unit_ * difference)
-                                                                   : Vector(difference / unit_);
-    }
-
-private:
-    double unit_;
-    double per_unit_;
-};
-
-/// The edges of a triangle in units, and the longest of them, the base. Edge k runs from the vertex k to the next.
-/// Without branches: they could not be predicted.
-struct TriangleEdges {
-    std::array<Vector, 3> vectors;
-    std::array<double, 3> squared;  ///< lengths
-    std::uint32_t base;
-
-    TriangleEdges(const std::array<Vec3, 3>& corners, const InUnits& in_units)
-        : vectors{in_units.difference(corners[1], corners[0]), in_units.difference(corners[2], corners[1]),
-                  in_units.difference(corners[0], corners[2])},
-          squared{dot(vectors[0], vectors[0]), dot(vectors[1], vectors[1]), dot(vectors[2], vectors[2])},
-          base(squared[0] >= squared[1] ? 0 : 1) {
-        const std::uint32_t is_last = squared[2] > squared[base] ? 1 : 0;
-        base += is_last * (2 - base);
-    }
-
-    /// Everything at the apex is measured from the nearer end of the base: on needles the other end is too far away.
-    /// CLSDF_HALF_RIGHT or _LEFT.
-    std::uint32_t nearer_half() const {
-        return squared[next_of_three(base)] <= squared[previous_of_three(base)] ? CLSDF_HALF_RIGHT : CLSDF_HALF_LEFT;
-    }
-    std::uint32_t near_end() const { return (base + 1 - nearer_half()) % 3; }
-    Vector apex() const {
-        const std::uint32_t half = nearer_half();
-        return side_of(half) * vectors[(base + 1 + half) % 3];
-    }
-    /// 1 for the right half, -1 for the left one.
-    static double side_of(std::uint32_t half) { return 1 - 2 * static_cast<double>(half); }
-};
-
-/// The foot of the altitude, from the end of the base that is nearer to the apex.
-inline Vector foot_of(const TriangleFrame& frame, const Vec3& near_end, std::uint32_t nearer_half,
-                      const LatticeView& lattice, const InUnits& in_units) {
-    return in_units.difference(near_end, lattice.origin) -
-           TriangleEdges::side_of(nearer_half) * frame.base[nearer_half] * frame.along;
-}
-
-/// Returns the slanted edge's length.
-double set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude) {
-    const double length = std::sqrt(frame.base[half] * frame.base[half] + altitude * altitude);
-    frame.normal_along[half] = length > 0 ? altitude / length : 0;
-    frame.normal_across[half] = length > 0 ? frame.base[half] / length : 1;
-    return length;
-}
-
 void set_inwards(TriangleFrame& frame, const Vector& across) {
     frame.inwards[frame.base_edge] = across;
     frame.inwards[next_of_three(frame.base_edge)] =
@@ -86,68 +24,71 @@ void set_inwards(TriangleFrame& frame, const Vector& across) {
         frame.normal_along[left] * frame.along - frame.normal_across[left] * across;
 }
 
-void set_equilateral_normals(TriangleFrame& frame) {
+/// All lengths become zero; the edges have the directions of an equilateral triangle's.
+void set_point(TriangleFrame& frame, const Vector& along, const Vector& across) {
+    frame.along = along;
+    frame.normal = along.cross(across);
+    frame.base = {0, 0};
+    frame.altitude = 0;
     frame.normal_along = {std::sqrt(0.75), std::sqrt(0.75)};
     frame.normal_across = {0.5, 0.5};
+    set_inwards(frame, across);
+}
+
+/// The frame of a triangle for a unit whose reciprocal may be infinite.
+TriangleFrame frame_of_tiny(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
+    const auto enlarged = [](const Vec3& v) { return Vec3{v[0] * 0x1p200, v[1] * 0x1p200, v[2] * 0x1p200}; };
+    const auto& [a, b, c] = corners;
+    return triangle_frame({enlarged(a), enlarged(b), enlarged(c)},
+                          {enlarged(lattice.origin), lattice.unit * 0x1p200, lattice.spacing_in_units});
 }
 
 }  // namespace
 
-// frames_of_faces() in kernels/face_frames.h does the same, operation by operation.
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
-    const InUnits in_units(lattice.unit);
-    const TriangleEdges triangle(corners, in_units);
-    const std::uint32_t base = triangle.base;
-    const std::uint32_t to_apex = next_of_three(base);
-    const std::uint32_t from_apex = previous_of_three(base);
-
+    if (lattice.unit < std::numeric_limits<double>::min()) return frame_of_tiny(corners, lattice);
+    const auto& [a, b, c] = corners;
+    const one_lane::FaceFrames f = one_lane::frames_of_faces(face_lattice(lattice), vectors_of(to_vector(a)),
+                                                             vectors_of(to_vector(b)), vectors_of(to_vector(c)));
     TriangleFrame frame;
-    frame.base_edge = base;
-    double length = std::sqrt(triangle.squared[base]);
-    if (!(length > vanishing)) length = 0;
-    frame.along = length > 0 ? Vector(triangle.vectors[base] / length) : Vector::UnitX();
-
-    frame.base[right] = std::max(0.0, -dot(triangle.vectors[to_apex], frame.along));
-    frame.base[left] = std::max(0.0, -dot(triangle.vectors[from_apex], frame.along));
-    const Vector apex = triangle.apex();
-    Vector altitude = apex - dot(apex, frame.along) * frame.along;
-    altitude -= dot(altitude, frame.along) * frame.along;
-    double height = std::sqrt(dot(altitude, altitude));
-    frame.is_box = !(height > sliver * length);
-    Vector across = Vector::Zero();
-    if (height > 0) {
-        across = altitude / height;
-        across = (across - dot(across, frame.along) * frame.along).normalized();
+    frame.base_edge = f.base_edges.is_first ? 0 : f.base_edges.is_second ? 1 : 2;
+    frame.foot = to_vector(f.foot);
+    if (!(f.length > vanishing)) {
+        set_point(frame, Vector::UnitX(), any_perpendicular(Vector::UnitX()));
+        frame.turn = infinite;
+        frame.is_box = true;
+        return frame;
     }
-    if (!(height > 0) || !(across.squaredNorm() > 0.5) || !(std::abs(across.dot(frame.along)) < 1e-12)) {
-        height = 0;
+    Vector across = to_vector(f.across);
+    frame.along = to_vector(f.along);
+    frame.normal = to_vector(f.normal);
+    frame.base = {f.right, f.left};
+    frame.altitude = f.altitude;
+    frame.normal_along = {f.along_right, f.along_left};
+    frame.normal_across = {f.across_right, f.across_left};
+    frame.is_box = !(f.height > sliver * f.length);
+    if (!(f.height > 0) || !(across.squaredNorm() > 0.5) || !(std::abs(across.dot(frame.along)) < 1e-12)) {
         across = any_perpendicular(frame.along);
+        frame.normal = frame.along.cross(across);
+        frame.altitude = 0;
+        frame.normal_along = {0, 0};
+        frame.normal_across = {1, 1};
     }
-    frame.normal = frame.along.cross(across);
-
-    frame.altitude = set_slanted_edge(frame, right, height) * frame.normal_along[right];
-    set_slanted_edge(frame, left, height);
     frame.turn =
         !frame.is_box && frame.altitude > 0 ? frame_roundings * frame.base_length() / frame.altitude : infinite;
-    if (!(length > 0)) set_equilateral_normals(frame);
     set_inwards(frame, across);
-
-    frame.foot = foot_of(frame, corners[triangle.near_end()], triangle.nearer_half(), lattice, in_units);
     return frame;
 }
 
 TriangleFrame point_frame(const Vector& position, const Vector& normal) {
     TriangleFrame frame;
-    frame.normal = normal;
-    frame.along = any_perpendicular(normal);
-    frame.foot = position;
-    frame.base = {0, 0};
-    frame.altitude = 0;
-    frame.turn = 0;
-    set_equilateral_normals(frame);
     frame.base_edge = 0;
+    frame.foot = position;
+    const Vector along = any_perpendicular(normal);
+    set_point(frame, along, normal.cross(along));
+    frame.normal = normal;
+    frame.turn = 0;
     frame.is_box = false;
-    set_inwards(frame, normal.cross(frame.along));
     return frame;
 }
 

@@ -2,6 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
+#include "face_sources.h"
 #include "polyhedron.h"
 
 #include <Eigen/Core>
@@ -59,6 +60,18 @@ struct LatticeView {
     }
 };
 
+/// The lattice as kernels take it.
+inline FaceLattice face_lattice(const LatticeView& lattice) {
+    FaceLattice result{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        result.origin[axis] = lattice.origin[axis];
+        result.spacing[axis] = lattice.spacing_in_units[axis];
+        result.sample[axis] = lattice.spacing_in_units[axis] * lattice.unit;  // exact: a unit is a power of two
+    }
+    result.per_unit = 1 / lattice.unit;
+    return result;
+}
+
 /// The frame of kernels/polyhedron.h in double precision, in units of the lattice. The members that
 /// tests of edges read come first, for the caches.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
@@ -92,7 +105,7 @@ struct TriangleFrame {
 inline constexpr double frame_roundings = 1e-13;
 
 /// The frame of a triangle, also of a degenerate one (twice the area <= 1e-8 times the square of the longest edge): of
-/// a segment the base is the segment, of a point everything has length zero.
+/// a segment the base is the segment. Of a triangle no longer than 1e-100 units everything has length zero.
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice);
 
 /// The frame of an equilateral triangle that has shrunk to the point at `position`, in units.

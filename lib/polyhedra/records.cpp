@@ -1,10 +1,11 @@
 #include "polyhedra/records.hpp"
 
 #include "core/parallel.hpp"
+#include "polyhedra/one_lane.hpp"
 #include "polyhedra/topology.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 #include <new>
 
@@ -12,35 +13,9 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-void store(double x, double& exact, float& rounded) {
-    exact = x;
-    rounded = static_cast<float>(x);
-}
-
-/// The nearest sample along an axis. Beyond the clamp the offset in the constants does the rest.
-clsdf_int32 nearest_sample(double samples) {
-    constexpr double limit = 1 << 30;
-    return static_cast<clsdf_int32>(std::lrint(std::clamp(samples, -limit, limit)));
-}
-
-bool is_compact(const TriangleFrame& frame, const Polyhedron& polyhedron) {
-    const auto is_flat = [](float slope) { return slope <= 1; };
-    return std::min(frame.normal_along[0], frame.normal_along[1]) > 0.15 &&
-           std::all_of(polyhedron.slope_above, polyhedron.slope_above + 3, is_flat) &&
-           std::all_of(polyhedron.slope_below, polyhedron.slope_below + 3, is_flat);
-}
-
-bool is_near(const TriangleFrame& frame, const Polyhedron& polyhedron) {
-    const auto is_short = [](double length) { return std::abs(length) <= CLSDF_NEAR_LENGTH; };
-    return is_short(frame.base[0]) && is_short(frame.base[1]) && is_short(frame.altitude) &&
-           std::all_of(polyhedron.foot, polyhedron.foot + 3, is_short);
-}
-
-/// The foot of the altitude from a sample, in units.
-Vector foot_from(const Vector& sample, const TriangleFrame& frame, std::span<const Vec3> positions,
+/// The foot of the altitude from a sample, in units. foot: the same, too coarse along an axis on which it is far.
+Vector foot_from(const Vector& sample, Vector foot, const TriangleFrame& frame, std::span<const Vec3> positions,
                  const Triangle& corners, const LatticeView& lattice) {
-    Vector foot = frame.foot - sample.cwiseProduct(to_vector(lattice.spacing_in_units));
-    if (frame.foot.cwiseAbs().maxCoeff() <= LatticeView::far) return foot;
     // From the end of the base that is nearer; the base runs from its left end to its right one, the next corner.
     const bool is_right = frame.base[CLSDF_HALF_RIGHT] <= frame.base[CLSDF_HALF_LEFT];
     const double to_foot = is_right ? -frame.base[CLSDF_HALF_RIGHT] : frame.base[CLSDF_HALF_LEFT];
@@ -53,56 +28,33 @@ Vector foot_from(const Vector& sample, const TriangleFrame& frame, std::span<con
     return foot;
 }
 
-void pack_origin(const TriangleFrame& frame, std::span<const Vec3> positions, const Triangle& corners,
-                 const LatticeView& lattice, Polyhedron& polyhedron) {
-    const Vector spacing = to_vector(lattice.spacing_in_units);
-    const Vector samples = frame.foot.cwiseQuotient(spacing);
-    polyhedron.origin_x = nearest_sample(samples.x());
-    polyhedron.origin_y = nearest_sample(samples.y());
-    polyhedron.origin_z = nearest_sample(samples.z());
-    const Vector origin(polyhedron.origin_x, polyhedron.origin_y, polyhedron.origin_z);
-    const Vector offset = foot_from(origin, frame, positions, corners, lattice);
-    for (int axis = 0; axis < 3; ++axis) polyhedron.foot[axis] = static_cast<float>(offset[axis]);
-    const Vector constant(-dot(frame.along, offset), -dot(frame.across(), offset), -dot(frame.normal, offset));
-    for (int i = 0; i < 3; ++i)
-        store(constant[i], polyhedron.exact_constant_at_origin[i], polyhedron.constant_at_origin[i]);
-}
-
-void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Polyhedron& polyhedron) {
-    const auto pack_axis = [&](int axis, double* exact, float* rounded) {
-        const double spacing = lattice.spacing_in_units[static_cast<std::size_t>(axis)];
-        store(frame.along[axis] * spacing, exact[0], rounded[0]);
-        store(frame.across()[axis] * spacing, exact[1], rounded[1]);
-        store(frame.normal[axis] * spacing, exact[2], rounded[2]);
-    };
-    pack_axis(0, polyhedron.exact_gradient_x, polyhedron.gradient_x);
-    pack_axis(1, polyhedron.exact_gradient_y, polyhedron.gradient_y);
-    pack_axis(2, polyhedron.exact_gradient_z, polyhedron.gradient_z);
-}
-
 }  // namespace
 
 Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,
                 std::span<const Vec3> positions, const Triangle& corners, const LatticeView& lattice) {
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): every member is set below; clearing first costs as much
-    Polyhedron polyhedron;
-    pack_origin(frame, positions, corners, lattice, polyhedron);
-    pack_gradients(frame, lattice, polyhedron);
-    polyhedron.exact_altitude = frame.altitude;
-    for (std::size_t half = 0; half < 2; ++half) {
-        store(frame.base[half], polyhedron.exact_base[half], polyhedron.base[half]);
-        store(frame.normal_along[half], polyhedron.exact_normal_along[half], polyhedron.normal_along[half]);
-        store(frame.normal_across[half], polyhedron.exact_normal_across[half], polyhedron.normal_across[half]);
-    }
+    const FaceLattice view = face_lattice(lattice);
+    one_lane::FaceFrames f{};
+    f.base_edges = {frame.base_edge == 0, frame.base_edge == 1};
+    f.along = vectors_of(frame.along);
+    f.across = vectors_of(frame.across());
+    f.normal = vectors_of(frame.normal);
+    f.right = frame.base[CLSDF_HALF_RIGHT];
+    f.left = frame.base[CLSDF_HALF_LEFT];
+    f.along_right = frame.normal_along[CLSDF_HALF_RIGHT];
+    f.along_left = frame.normal_along[CLSDF_HALF_LEFT];
+    f.across_right = frame.normal_across[CLSDF_HALF_RIGHT];
+    f.across_left = frame.normal_across[CLSDF_HALF_LEFT];
+    f.altitude = frame.altitude;
+    one_lane::LaneSlopes by_edge;
     for (std::uint32_t k = 0; k < 3; ++k) {
-        polyhedron.slope_above[frame.polyhedron_edge(k)] = slopes.above[k];
-        polyhedron.slope_below[frame.polyhedron_edge(k)] = slopes.below[k];
+        by_edge.above[frame.polyhedron_edge(k)] = static_cast<double>(slopes.above[k]);
+        by_edge.below[frame.polyhedron_edge(k)] = static_cast<double>(slopes.below[k]);
     }
-    polyhedron.triangle = triangle;
-    polyhedron.flags = frame.base_edge << CLSDF_POLYHEDRON_VERTEX_SHIFT;
-    if (is_compact(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_COMPACT;
-    if (is_near(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_NEAR;
-    return polyhedron;
+    const one_lane::Vectors from_lattice = vectors_of(frame.foot);
+    const one_lane::Vectors origin = origins_of(view, from_lattice);
+    const Vector foot = foot_from(to_vector(origin), to_vector(feet_from_origins(view, from_lattice, origin)), frame,
+                                  positions, corners, lattice);
+    return std::bit_cast<Polyhedron>(records_of(view, &f, &by_edge, triangle, origin, vectors_of(foot)));
 }
 
 void write_face_record(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice, std::size_t face,

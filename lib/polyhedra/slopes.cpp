@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "mesh/predicates.hpp"
+#include "polyhedra/one_lane.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -94,16 +95,11 @@ int side_of_plane(const OppositeVertex& vertex) {
 void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
     const double cosine = frame.normal_across[CLSDF_HALF_RIGHT] * frame.normal_across[CLSDF_HALF_LEFT] -
                           frame.normal_along[CLSDF_HALF_RIGHT] * frame.normal_along[CLSDF_HALF_LEFT];
-    if (!(cosine > 0)) return;
-    const std::size_t right = next_of_three(frame.base_edge);
-    const std::size_t left = previous_of_three(frame.base_edge);
     for (std::array<float, 3>* side : {&slopes.above, &slopes.below}) {
-        float& at_right = (*side)[right];
-        float& at_left = (*side)[left];
-        const float from_right = widened(cosine * static_cast<double>(at_right));
-        const float from_left = widened(cosine * static_cast<double>(at_left));
-        at_right = std::max(at_right, from_left);
-        at_left = std::max(at_left, from_right);
+        std::array<double, 3> by_edge;  // of the polyhedron
+        for (std::uint32_t k = 0; k < 3; ++k) by_edge[frame.polyhedron_edge(k)] = static_cast<double>((*side)[k]);
+        one_lane::lean(cosine, by_edge.data());
+        for (std::uint32_t k = 0; k < 3; ++k) (*side)[k] = static_cast<float>(by_edge[frame.polyhedron_edge(k)]);
     }
 }
 

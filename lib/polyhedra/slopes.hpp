@@ -40,8 +40,7 @@ inline bool folded(double squared_apart) {
     return squared_apart < fold_angle * fold_angle;
 }
 
-/// If the corner opposite the base is obtuse, its two planes lean outward until each contains the wedge of the other;
-/// otherwise they would cut it off. No other corner of a triangle is obtuse.
+/// Leans two planes outward if the corner opposite the base is obtuse: lean() of kernels/face_frames.h.
 void lean(const TriangleFrame& frame, FaceSlopes& slopes);
 
 /// The plane of a face, and the vertex opposite to one of its edges in another face.

@@ -20,7 +20,7 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
     ShortLaunches(job.context, {})
         .over(groups.size(), seconds_per_face * polyhedra::record_group, [&](std::size_t begin, std::size_t end) {
             const std::size_t first = begin * polyhedra::record_group, last = end * polyhedra::record_group;
-            launch(job.context.queue(), kernel, job.items_of(last - first), face_lattice(lattice),
+            launch(job.context.queue(), kernel, job.items_of(last - first), polyhedra::face_lattice(lattice),
                    static_cast<cl_uint>(first), static_cast<cl_uint>(last),
                    static_cast<cl_uint>(faces.names->face_count()), static_cast<cl_uint>(job.item_faces()),
                    *group_numbers, *faces.names->triangles, *faces.positions, *faces.slopes, *faces.names->names,
@@ -91,17 +91,6 @@ bool is_plain(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
         greatest_side = std::max(greatest_side, high - low);
     }
     return std::isfinite(1 / lattice.unit) && lattice.unit <= 1e20 * greatest_side;
-}
-
-FaceLattice face_lattice(const polyhedra::LatticeView& lattice) {
-    FaceLattice result{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        result.origin[axis] = lattice.origin[axis];
-        result.spacing[axis] = lattice.spacing_in_units[axis];
-        result.sample[axis] = lattice.spacing_in_units[axis] * lattice.unit;  // exact: a unit is a power of two
-    }
-    result.per_unit = 1 / lattice.unit;
-    return result;
 }
 
 PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,

@@ -96,9 +96,6 @@ DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFac
 /// vanishingly small beside a voxel. It is a function of mesh and lattice alone.
 bool is_plain(const Mesh& mesh, const polyhedra::LatticeView& lattice);
 
-/// A lattice as the kernels take it.
-FaceLattice face_lattice(const polyhedra::LatticeView& lattice);
-
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items);
 /// Enqueues a copy of items that the host wrote to their places in an array on the device.

@@ -113,7 +113,7 @@ private:
         ShortLaunches(job_.context, {})
             .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
                 const std::size_t last = std::min(end * unit, all);
-                launch(job_.context.queue(), kernel, job_.items_of(last - begin * unit), face_lattice(view_),
+                launch(job_.context.queue(), kernel, job_.items_of(last - begin * unit), polyhedra::face_lattice(view_),
                        cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
                        static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()),
                        *made_.faces.names->triangles, *sources_->opposite, *made_.faces.positions,

@@ -147,8 +147,8 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
     auto vertices = job.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
     cl::Kernel kernel(job.program, "sweep_vertices");
     ShortLaunches(job.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
-        set_arguments(kernel, 0, face_lattice(lattice.view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
-                      begin, end, *faces.positions, *vertices);
+        set_arguments(kernel, 0, polyhedra::face_lattice(lattice.view), cl_double{lattice.scale_y},
+                      cl_double{lattice.scale_z}, begin, end, *faces.positions, *vertices);
     });
     return vertices;
 }
