@@ -16,13 +16,7 @@
 #include "layout.h"
 #include "simd.h"
 
-// Evaluates the formula above. before: -t; past: t minus the length of the edge. Only the greater of the two counts.
-// The base continues in the other half, so its `before` may be any value that does not exceed `past`.
-INLINE floatL squared_from_edge(floatL r, floatL before, floatL past, floatL z) {
-    const floatL farther = GREATER(past, before);
-    const floatL along = GREATER(farther, 0.0f), outward = GREATER(r, 0.0f);
-    return along * along + (outward * outward + z * z);  // what takes longest to find is added last
-}
+DEFINE_SQUARED_FROM_EDGE(squared_from_edge, floatL)
 
 // The numbers of a polyhedron that the distance takes beside the offsets.
 typedef struct Steps {
@@ -87,9 +81,7 @@ static inline floatL squared_distance_long_brick(__global const Polyhedron* p, d
     const doubleL z = di * gx.z + (dj * gy.z + (dk * gz.z + centre.z));
     const LaneEdgeOffsets o =
         lane_edge_offsets(x, y, base.x, base.y, normals.x, normals.y, normals.z, normals.w, p->exact_altitude);
-    return squared_from_edge(convert_floatL(select(o.outward, -y, o.below)),
-                             convert_floatL(select(o.before, o.beyond, o.below)),
-                             convert_floatL(select(o.past, o.beyond, o.below)), convert_floatL(z));
+    return squared_from_edge(EDGE_THAT_COUNTS(o, convert_floatL), convert_floatL(z));
 }
 
 #endif

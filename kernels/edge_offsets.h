@@ -1,9 +1,20 @@
-// A point's offsets from the edges of a triangle, in the triangle's frame, and the squared distance that follows from
-// them: the formula of distance.h for any type of numbers.
+// The offsets of a point from the outer edges of a triangle's half, and the squared distance that follows from offsets:
+// the formula of distance.h for any type of numbers.
 #ifndef CLSDF_EDGE_OFFSETS_H
 #define CLSDF_EDGE_OFFSETS_H
 
 #include "simd.h"
+
+// Defines a function that evaluates the formula. r: outward from the edge that counts; before: -t; past: t minus the
+// length of the edge. Only the greater of the two counts. The base continues in the other half, so its `before` may be
+// any value that does not exceed `past`.
+#define DEFINE_SQUARED_FROM_EDGE(squared_from_edge, Real)                      \
+    INLINE Real squared_from_edge(Real r, Real before, Real past, Real z) {    \
+        const Real zero = (Real)0.0f, farther = GREATER(past, before);         \
+        const Real along = GREATER(farther, zero), outward = GREATER(r, zero); \
+        /* What takes longest to find is added last. */                        \
+        return along * along + (outward * outward + z * z);                    \
+    }
 
 // Defines the struct `EdgeOffsets` and the function edge_offsets(), for numbers of the type Real and comparisons of the
 // type Mask. (x, y): the point, in the frame's plane. The offsets are from the edges of the half on the point's side.
@@ -34,14 +45,9 @@
         return o;                                                                                          \
     }
 
-// Defines a function that computes the squared distance. z: the point's height above the frame's plane.
-#define DEFINE_SQUARED_BY_OFFSETS(squared_by_offsets, EdgeOffsets, Real)                                   \
-    INLINE Real squared_by_offsets(EdgeOffsets o, Real z) {                                                \
-        const Real r = select(o.outward, -o.y, o.below), zero = (Real)0.0f;                                \
-        const Real before = select(o.before, o.beyond, o.below), past = select(o.past, o.beyond, o.below); \
-        const Real farther = GREATER(past, before);                                                        \
-        const Real along = GREATER(farther, zero), outward = GREATER(r, zero);                             \
-        return along * along + (outward * outward + z * z);                                                \
-    }
+// The arguments of squared_from_edge() but z, converted by `to`: below the base, the base is the edge that counts.
+#define EDGE_THAT_COUNTS(o, to)                                                                \
+    to(select((o).outward, -(o).y, (o).below)), to(select((o).before, (o).beyond, (o).below)), \
+        to(select((o).past, (o).beyond, (o).below))
 
 #endif

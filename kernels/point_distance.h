@@ -14,7 +14,7 @@
 #endif
 
 DEFINE_EDGE_OFFSETS(PointEdgeOffsets, point_edge_offsets, REAL, TRUTH)
-DEFINE_SQUARED_BY_OFFSETS(point_squared_by_offsets, PointEdgeOffsets, REAL)
+DEFINE_SQUARED_FROM_EDGE(point_squared_from_edge, REAL)
 
 // The face that stands for equal ones; CLSDF_NO_FACE for itself.
 INLINE uint lowest_face(__global const PointFace* faces, uint face) {
@@ -38,7 +38,7 @@ INLINE FaceDistance face_distance(__global const Polyhedron* record, __global co
     FaceDistance d;
     d.offsets = point_edge_offsets(COORDINATE(0), COORDINATE(1), (REAL)base.x, (REAL)base.y, (REAL)normal.x,
                                    (REAL)normal.y, (REAL)normal.z, (REAL)normal.w, (REAL)record->exact_altitude);
-    d.squared = point_squared_by_offsets(d.offsets, COORDINATE(2));
+    d.squared = point_squared_from_edge(EDGE_THAT_COUNTS(d.offsets, ), COORDINATE(2));
 #undef COORDINATE
     return d;
 }

@@ -231,7 +231,7 @@ INLINE float square_error(float error, float bound) {
 }
 
 DEFINE_EDGE_OFFSETS(RecordEdgeOffsets, record_edge_offsets, floatL, intL)
-DEFINE_SQUARED_BY_OFFSETS(record_squared_by_offsets, RecordEdgeOffsets, floatL)
+DEFINE_SQUARED_FROM_EDGE(squared_from_edge, floatL)
 
 // Squared distances of points displaced by (x, y, z) from the origin of a frame: see distance.h.
 INLINE floatL squared_from(Frame f, float altitude, floatL i, floatL j, floatL k) {
@@ -240,7 +240,7 @@ INLINE floatL squared_from(Frame f, float altitude, floatL i, floatL j, floatL k
     const floatL z = i * f.x.z + (j * f.y.z + (k * f.z.z + f.at.z));
     const RecordEdgeOffsets offsets =
         record_edge_offsets(x, y, f.base.x, f.base.y, f.normal.x, f.normal.y, f.normal.z, f.normal.w, altitude);
-    return record_squared_by_offsets(offsets, z);
+    return squared_from_edge(EDGE_THAT_COUNTS(offsets, ), z);
 }
 
 // Squared distances of a vector's points to a record's triangle or point.

@@ -57,7 +57,7 @@ INLINE void take_face(PointMesh mesh, uint face, double3 p, __private NearestFac
 }
 
 DEFINE_EDGE_OFFSETS(LeafEdgeOffsets, leaf_edge_offsets, floatL, intL)
-DEFINE_SQUARED_BY_OFFSETS(leaf_squared_by_offsets, LeafEdgeOffsets, floatL)
+DEFINE_SQUARED_FROM_EDGE(squared_from_edge, floatL)
 
 // Squared distances of a leaf's faces in float, LANES from number `first` on, to a point displaced from its origin.
 INLINE floatL squared_to_faces(__global const PointLeaf* leaf, float3 p, int first) {
@@ -69,7 +69,7 @@ INLINE floatL squared_to_faces(__global const PointLeaf* leaf, float3 p, int fir
         COORDINATE(0), COORDINATE(1), OF_LEAF(base[CLSDF_HALF_RIGHT]), OF_LEAF(base[CLSDF_HALF_LEFT]),
         OF_LEAF(normal_along[CLSDF_HALF_RIGHT]), OF_LEAF(normal_along[CLSDF_HALF_LEFT]),
         OF_LEAF(normal_across[CLSDF_HALF_RIGHT]), OF_LEAF(normal_across[CLSDF_HALF_LEFT]), OF_LEAF(altitude));
-    return leaf_squared_by_offsets(offsets, COORDINATE(2));
+    return squared_from_edge(EDGE_THAT_COUNTS(offsets, ), COORDINATE(2));
 #undef COORDINATE
 #undef OF_LEAF
 }

@@ -266,7 +266,7 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
     std::vector<Mutation> mutations{
         {"wrong distance at the face",
          bricks(vector_body, false, false),
-         {vector_file, "outward = GREATER(r, 0.0f)", "outward = GREATER(r, 0.01f)"}},
+         {vector_file, "outward = GREATER(r, zero)", "outward = GREATER(r, (Real)0.01f)"}},
         {"wrong sign",
          bricks(vector_body, false, false),
          {vector_file, "(length != 0.0f)) ? -length : length)", "(length != 0.0f)) ? length : length)"}},
