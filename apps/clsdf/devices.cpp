@@ -44,7 +44,9 @@ clsdf::Device chosen_device(const std::string& choice) {
 
 clsdf::Device open_device(const std::string& choice) {
     clsdf::Device device = chosen_device(choice);
-    device.keep_records(clsdf::Device::default_record_folder());
+    const std::string folder = clsdf::Device::default_record_folder();
+    device.keep_records(folder);
+    device.read_programs(folder);
     return device;
 }
 
@@ -155,7 +157,11 @@ Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const st
     };
     report.print("{}  {} ({})\n", info.index, info.name, info.platform);
     const clsdf::Device device = open_device(std::to_string(info.index));
-    if (again) device.forget_records();
+    if (again) {
+        device.forget_records();
+        device.read_programs("");
+    }
+    device.write_programs(clsdf::Device::default_record_folder());
     Preparation preparation(report, device, stop);
     for (const Call& call : calls) add(preparation.compile(call));
     add(preparation.query());
@@ -166,8 +172,6 @@ Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const st
 }  // namespace
 
 std::string text_of(const clsdf::Progress& compiling) {
-    if (compiling.stage == clsdf::Progress::Stage::waiting)
-        return "waiting for another process that compiles the same kernels";
     return fmt::format("compiling kernels {} of {}", compiling.step, compiling.steps);
 }
 
@@ -180,6 +184,8 @@ void show(ProgressBar& bar, const clsdf::Progress& progress) {
 
 void prepare(Report& report, const std::vector<clsdf::DeviceInfo>& devices, bool again) {
     const Interruption interruption;
+    // PoCL puts kernels specialised for these work-groups into a binary, so that their first launch compiles nothing.
+    ::setenv("POCL_BINARY_SPECIALIZE_WG", "1-1-1-goffs0-smallgrid", 0);
     std::optional<clsdf::Error> failure;
     report.result["prepared"] = Json::array();
     for (const clsdf::DeviceInfo& info : devices) {
@@ -318,9 +324,7 @@ Command add_devices(Parser& program) {
     const auto options = std::make_shared<DevicesOptions>();
     Parser parser = program.add_subcommand("devices", "List the devices of this machine, and the one that is taken");
     parser.add("--prepare", options->prepare, "instead: compile and test the kernels of usual calls, on all devices");
-    parser
-        .add("--again", options->again, "with --prepare: also programs that were tested before, or ended their process")
-        .needs("--prepare");
+    parser.add("--again", options->again, "with --prepare: also programs that were prepared before").needs("--prepare");
     parser.add("--device", options->device, "with --prepare: this one alone [all]")
         .takes_text("INDEX|NAME")
         .needs("--prepare");
@@ -328,9 +332,9 @@ Command add_devices(Parser& program) {
         "\"clsdf compute\" takes the device that --device names, else the one that the environment variable\n"
         "CLSDF_DEVICE names, else the strongest GPU, else the strongest other device. A name is an index of\n"
         "this list, or a part of the name of one device or of its platform.\n\n"
-        "Kernels are compiled at their first use, which takes some seconds, and kept. --prepare compiles and tests\n"
-        "them now: those of \"clsdf compute\", with and without --json and --with triangle, of \"clsdf query\" and\n"
-        "of \"clsdf render\".\n\n"
+        "Kernels are compiled at their first use, which takes some seconds, and drivers keep them. --prepare compiles\n"
+        "and tests them now, and writes them to the folder of CLSDF_CACHE_DIR: those of \"clsdf compute\", with and\n"
+        "without --json and --with triangle, of \"clsdf query\" and of \"clsdf render\".\n\n"
         "Examples:\n"
         "  clsdf devices\n"
         "  clsdf devices --json\n"

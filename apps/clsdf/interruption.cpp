@@ -68,7 +68,7 @@ bool stop_what_runs() {
 }
 
 [[noreturn]] void end_now(bool json) {
-    clsdf::abandon_unfinished_files(true);
+    clsdf::abandon_unfinished_files();
     if (::isatty(STDERR_FILENO) != 0) print_text("\n");  // the terminal shows ^C, or a progress bar
     Report report;
     report.json = json;

@@ -124,11 +124,9 @@ void remove_stale_files(const fs::path& folder) noexcept {
     }
 }
 
-void UnfinishedFiles::abandon(bool is_interrupted) noexcept {
+void UnfinishedFiles::abandon() noexcept {
     mutex.lock();  // for ever: nothing may be created or renamed from here on
     for (const std::string& name : names) ::unlink(name.c_str());
-    if (!is_interrupted) return;
-    for (const std::string& marker : markers) ::unlink(marker.c_str());
 }
 
 }  // namespace clsdf

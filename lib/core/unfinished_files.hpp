@@ -20,14 +20,12 @@ namespace clsdf {
 struct UnfinishedFiles {
     std::mutex mutex;
     std::set<std::string> names;
-    std::set<std::string> markers;  ///< of builds under way; see device::BuildMarker
 
     /// Never destroyed: threads may outlive main().
     CLSDF_EXPORT static UnfinishedFiles& of_process();
 
-    /// Removes the files, and lets no thread create, rename or remove one any more. is_interrupted: the user ends the
-    /// process, so that no build under way is to blame; its marker is removed, too.
-    CLSDF_EXPORT void abandon(bool is_interrupted) noexcept;
+    /// Removes the files, and lets no thread create, rename or remove one any more.
+    CLSDF_EXPORT void abandon() noexcept;
 };
 
 /// Creates and locks a file ".clsdf-PID-N.part" in the folder, and lists it in UnfinishedFiles. Returns its descriptor

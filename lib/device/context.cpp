@@ -87,16 +87,6 @@ std::string platform_name(const cl::Device& device) {
     return cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
 }
 
-/// Environment variables that change what PoCL, AMD's and Intel's compilers make.
-std::string compiler_environment() {
-    std::string values;
-    for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION",
-                             "POCL_PREGION_VALUE_REMAT", "POCL_FORCE_PARALLEL_OUTER_LOOP", "AMD_OCL_BUILD_OPTIONS",
-                             "AMD_OCL_BUILD_OPTIONS_APPEND", "IGC_EnableDPEmulation", "OverrideDefaultFP64Settings"})
-        if (const char* value = std::getenv(name)) values += fmt::format("{}={}\n", name, value);
-    return values;
-}
-
 /// The lines of Context::identity() without the environment. Throws cl::Error.
 std::string identity_of(const cl::Device& device) {
     const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
@@ -106,15 +96,12 @@ std::string identity_of(const cl::Device& device) {
                        device.getInfo<CL_DRIVER_VERSION>());
 }
 
-/// PoCL keeps what it compiles, also what it specialises at a first launch. If asked for a binary, it compiles all
-/// kernels once more.
-bool keeps_programs(const cl::Device& device) {
-    return platform_name(device) == "Portable Computing Language";
-}
-
-/// Not the binding's build(), which asks for a log in any case, and reports that there is none in place of the failure.
-cl_int build(const cl::Program& program, const cl::Device& device, const std::string& options) {
-    return clBuildProgram(program(), 1, &device(), options.c_str(), nullptr, nullptr);
+/// A relative path would be another one whenever the program goes to another folder. Empty if it cannot be found.
+std::filesystem::path absolute_of(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::path absolute = folder.empty() ? folder : std::filesystem::absolute(folder, error);
+    if (error) absolute.clear();
+    return absolute;
 }
 
 /// The compiler's log, as the end of a sentence; a remedy if the log is empty.
@@ -127,31 +114,6 @@ std::string build_log(const cl::Program& program, const cl::Device& device) {
     }
     if (log.find_first_not_of(" \t\r\n") != std::string::npos) return ":\n" + log;
     return " nothing; update the driver, or choose another device (clsdf devices lists them)";
-}
-
-/// Nothing if there is no binary, or the driver does not take it.
-std::optional<cl::Program> from_binary(const cl::Context& context, const cl::Device& device,
-                                       std::optional<ProgramCache::Binary> binary, const std::string& options) {
-    if (!binary) return std::nullopt;
-    try {
-        cl::Program program(context, {device}, {std::move(*binary)});
-        if (build(program, device, options) == CL_SUCCESS) return program;
-        return std::nullopt;
-    } catch (const cl::Error&) {
-        return std::nullopt;
-    }
-}
-
-/// Empty if the driver gives none. A context may have devices beside the one that the program was built for, whose
-/// binaries are empty.
-ProgramCache::Binary binary_of(const cl::Program& program) {
-    try {
-        for (ProgramCache::Binary& binary : program.getInfo<CL_PROGRAM_BINARIES>())
-            if (!binary.empty()) return std::move(binary);
-    } catch (const cl::Error&) {
-        // As good as none.
-    }
-    return {};
 }
 
 }  // namespace
@@ -186,7 +148,7 @@ void Context::take_settings(const Context& other) {
         std::min(capabilities_.largest_allocation, other.capabilities_.largest_allocation);
     const std::scoped_lock lock(other.programs_mutex_);
     records_ = other.records_;
-    cache_ = other.cache_;
+    prepared_ = other.prepared_;
     identity_ = other.identity_;
 }
 
@@ -229,23 +191,30 @@ bool Context::drain() const noexcept {
 
 void Context::keep_records(const std::filesystem::path& folder) {
     guarded([&] {
-        // A relative path would be another one whenever the program goes to another folder.
-        std::error_code error;
-        std::filesystem::path absolute = folder.empty() ? folder : std::filesystem::absolute(folder, error);
-        if (error) absolute.clear();
+        std::filesystem::path absolute = absolute_of(folder);
         std::string identity = identity_of(device_);
         if (!absolute.empty()) identity += compiler_environment();
-        const bool keeps = keeps_programs(device_);
         const std::scoped_lock lock(programs_mutex_);
         identity_ = std::move(identity);
-        records_ = BuildRecords(absolute);
-        cache_ = ProgramCache(keeps ? std::filesystem::path() : std::move(absolute));
+        records_ = Records(std::move(absolute), ".tested");
     });
 }
 
-void Context::keep_programs(std::filesystem::path folder) {
+void Context::read_programs(const std::filesystem::path& folder) {
     const std::scoped_lock lock(programs_mutex_);
-    cache_ = ProgramCache(std::move(folder));
+    prepared_.read_from(absolute_of(folder));
+}
+
+void Context::write_programs(const std::filesystem::path& folder) {
+    const std::scoped_lock lock(programs_mutex_);
+    prepared_.write_to(absolute_of(folder));
+}
+
+std::string Context::description() const {
+    const cl::Platform platform(device_.getInfo<CL_DEVICE_PLATFORM>());
+    return fmt::format("\"{}\" (platform {}, {}, driver {})", device_.getInfo<CL_DEVICE_NAME>(),
+                       platform.getInfo<CL_PLATFORM_NAME>(), platform.getInfo<CL_PLATFORM_VERSION>(),
+                       device_.getInfo<CL_DRIVER_VERSION>());
 }
 
 std::string Context::identity() const {
@@ -253,7 +222,7 @@ std::string Context::identity() const {
     return identity_;
 }
 
-BuildRecords Context::records() const {
+Records Context::records() const {
     const std::scoped_lock lock(programs_mutex_);
     return records_;
 }
@@ -294,39 +263,17 @@ cl::Program Context::program(std::string_view kernel_file, const std::string& op
 Context::Built Context::build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
                               KernelFiles beside) const {
     std::unique_lock lock(programs_mutex_);
-    const BuildRecords records = records_;
-    const ProgramCache cache = cache_;
-    const std::string identity = identity_;
+    const PreparedPrograms prepared = prepared_;
     lock.unlock();
     std::string source = kernel_text(kernel_file, beside);
     if (text_edit_) text_edit_(kernel_file, source);
     const std::string key = fmt::format("{} {} {:016x}", kernel_file, options, hash_of(source));
-    const std::string name = fmt::format("{} with the options \"{}\"", kernel_file, options);
-    const BuildSubject subject{fmt::format("{}built {}\n", identity, key), name, identity};
-    std::optional<cl::Program> program;
-    const auto from_source = [&] {
-        if (watch.begins) watch.begins();
-        program = compile(kernel_file, source, options);
-    };
-    if (cache.folder().empty()) {
-        build_once(records, subject, watch, from_source);
-        // The driver has it.
-        if (!program) program = compile(kernel_file, source, options);
-        return {*program, key + " source"};
-    }
-    const std::string cache_key = fmt::format("{}{}\n{}", identity, options, source);
-    std::optional<cl::Program> stored;
-    const auto is_stored = [&] {
-        stored = from_binary(context_, device_, cache.find(cache_key), options);
-        return stored.has_value();
-    };
-    const auto compile_and_store = [&] {
-        from_source();
-        cache.store(cache_key, binary_of(*program));
-        is_stored();  // what is tested now is what later processes take
-    };
-    build_once(records, subject, watch, compile_and_store, is_stored);
-    return stored ? Built{*stored, key + " binary"} : Built{*program, key + " source"};
+    if (const std::optional<cl::Program> program = prepared.find(context_, device_, options, source))
+        return {*program, key + " prepared"};
+    if (watch.begins) watch.begins();
+    const cl::Program program = compile(kernel_file, source, options);
+    const cl::Program written = prepared.write(program, context_, device_, options, source);
+    return {written, key + (written() == program() ? " source" : " prepared")};
 }
 
 std::string Context::key_of(const cl::Program& program) const {
@@ -344,7 +291,8 @@ bool Context::is_first_use_of(const cl::Kernel& kernel) {
 cl::Program Context::compile(std::string_view kernel_file, const std::string& source,
                              const std::string& options) const {
     cl::Program program(context_, source);
-    const cl_int code = clsdf::device::build(program, device_, options);
+    // The binding's build() asks for a log in any case, and reports that there is none in place of the failure.
+    const cl_int code = clBuildProgram(program(), 1, &device_(), options.c_str(), nullptr, nullptr);
     if (code == CL_SUCCESS) return program;
     throw Error(
         ErrorCode::device_failure,

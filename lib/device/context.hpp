@@ -2,12 +2,14 @@
 
 #include "device/opencl.hpp"
 #include "device/pinned_reads.hpp"
-#include "device/program_cache.hpp"
+#include "device/prepared_programs.hpp"
+#include "device/records.hpp"
 
 #include <clsdf/device.hpp>
 
 #include <atomic>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -30,6 +32,11 @@ using KernelFiles = std::span<const KernelFile>;
 /// The text of an embedded kernel file, of the core or of `beside`, with its #include "..." lines replaced by the files
 /// they name, each once: OpenCL compilers look for nothing at run time.
 std::string kernel_text(std::string_view file_name, KernelFiles beside = {});
+
+/// Callback of a build, on the thread that waits for it. It may be empty, and may throw.
+struct BuildWatch {
+    std::function<void()> begins{};  ///< a program is compiled, or a part of one
+};
 
 /// One OpenCL device with its context, its queue and the programs built for it.
 class Context {
@@ -62,19 +69,20 @@ public:
     /// The limits and folders of another context of the device, before anything is computed.
     void take_settings(const Context& other);
 
-    /// Builds an embedded kernel file, of the core or of `beside`, once per options, or takes it from the cache. Of
-    /// several processes that build the same, one does while the others wait. Throws Error(device_failure) with the
-    /// build log, or if earlier builds ended their processes.
+    /// Builds an embedded kernel file, of the core or of `beside`, once per options, or takes a prepared program.
+    /// Throws Error(device_failure) with the build log.
     cl::Program program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch = {},
                         KernelFiles beside = {});
 
     /// All that the code of a program depends on beside the device, in a line: file, options, a hash of the text, and
-    /// whether it was built from source or from a stored binary.
+    /// whether it was built from source or is a prepared one.
     std::string key_of(const cl::Program& program) const;
 
     /// Platform, device and driver with their versions, a line each, the last one ended. If records are kept, also the
     /// environment variables that change what compilers make: all that code depends on beside its text and options.
     std::string identity() const;
+    /// Device, platform and driver with their versions, for messages. Throws cl::Error.
+    std::string description() const;
 
     /// Returns when `to` holds the first `bytes` bytes of `from`, which have been computed. Throws cl::Error.
     void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const;
@@ -102,16 +110,17 @@ public:
 
     /// See Device::keep_records().
     void keep_records(const std::filesystem::path& folder);
-    BuildRecords records() const;
-    /// Keeps compiled programs there, with any driver; empty: none.
-    void keep_programs(std::filesystem::path folder);
+    Records records() const;
+    /// See Device::read_programs() and write_programs().
+    void read_programs(const std::filesystem::path& folder);
+    void write_programs(const std::filesystem::path& folder);
 
     /// Changes the kernels' text before it is compiled, for tests of what a wrong compiler makes.
     using TextEdit = std::function<void(std::string_view kernel_file, std::string& text)>;
     void set_text_edit(TextEdit edit) { text_edit_ = std::move(edit); }
 
 private:
-    /// From a stored binary or from the source, and which of both.
+    /// Prepared or from the source, and which of both.
     struct Built {
         cl::Program program;
         std::string key;
@@ -137,8 +146,8 @@ private:
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
     std::map<std::string, std::shared_ptr<Slot>> programs_;
     std::set<cl_program> used_programs_;  // of those above, which stay
-    ProgramCache cache_{{}};
-    BuildRecords records_{{}};
+    PreparedPrograms prepared_;
+    Records records_{{}, {}};
     std::string identity_;
     TextEdit text_edit_;
     mutable std::mutex test_mutex_;

@@ -164,6 +164,14 @@ std::string Device::record_folder() const {
     return device::context_of(*this).records().folder().string();
 }
 
+void Device::read_programs(const std::string& folder) const {
+    device::context_of(*this).read_programs(folder);
+}
+
+void Device::write_programs(const std::string& folder) const {
+    device::context_of(*this).write_programs(folder);
+}
+
 void Device::forget_records() const {
     device::Context& context = device::context_of(*this);
     context.records().forget(context.identity());

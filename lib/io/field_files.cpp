@@ -191,8 +191,8 @@ void FieldWriter::finish() {
     format->finish();
 }
 
-void abandon_unfinished_files(bool is_interrupted) noexcept {
-    UnfinishedFiles::of_process().abandon(is_interrupted);
+void abandon_unfinished_files() noexcept {
+    UnfinishedFiles::of_process().abandon();
 }
 
 }  // namespace clsdf

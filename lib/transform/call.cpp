@@ -53,17 +53,13 @@ void CallMutex::unlock() {
 
 device::BuildWatch Compiling::watch(std::size_t variant_steps) {
     const std::size_t most = scan::Programs::common_programs + variant_steps;
-    const auto step = [this, most](bool is_waiting) {
+    return {[this, most] {
+        ++step_;
         caller_.throw_if_stopped();
-        const std::size_t present = std::max<std::size_t>(step_, 1), steps = std::max(most, present);
-        caller_.report({is_waiting ? Progress::Stage::waiting : Progress::Stage::compiling,
-                        static_cast<double>(present - 1) / static_cast<double>(steps), present, steps});
-    };
-    return {[this, step] {
-                ++step_;
-                step(false);
-            },
-            [step] { step(true); }, [this](const std::string& message) { caller_.warn(message); }};
+        const std::size_t steps = std::max(most, step_);
+        caller_.report(
+            {Progress::Stage::compiling, static_cast<double>(step_ - 1) / static_cast<double>(steps), step_, steps});
+    }};
 }
 
 }  // namespace clsdf::transform

@@ -201,27 +201,24 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     return run_on_another_lattice();
 }
 
-bool test_once(const Device& device, const TestSubject& subject, const device::BuildWatch& watch,
+bool test_once(const Device& device, const TestSubject& subject,
                const std::function<std::optional<std::string>()>& test) {
     device::Context& context = device::context_of(device);
     if (context.is_tested(subject.name)) return false;
     const std::scoped_lock lock(context.test_mutex());
     if (context.is_tested(subject.name)) return false;
     bool is_run = false;
-    if (!is_switched_off()) {
-        const device::BuildSubject build{key_of(context, subject.name, subject.programs),
-                                         fmt::format("the kernels \"{}\"", subject.name), context.identity()};
-        device::build_once(context.records(), build, watch, [&] {
-            is_run = true;
-            const std::optional<std::string> difference = test();
-            if (!difference) return;
+    const std::string key = key_of(context, subject.name, subject.programs);
+    if (!is_switched_off() && !context.records().has(key)) {
+        is_run = true;
+        if (const std::optional<std::string> difference = test())
             throw Error(
                 ErrorCode::wrong_results,
                 fmt::format("{} computes wrong fields, so it is not used. In a small known field, computed by the "
                             "kernels \"{}\", {}. The OpenCL compiler or driver is at fault: update it, or take another "
                             "device (\"clsdf devices\" lists them, --device or CLSDF_DEVICE chooses)",
-                            device::one_line(context.identity()), subject.name, *difference));
-        });
+                            device::guarded([&] { return context.description(); }), subject.name, *difference));
+        context.records().note(key);
     }
     context.set_tested(subject.name);
     return is_run;
@@ -234,7 +231,7 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
     TestSubject subject{test_case.name(), common_programs(programs)};
     for (cl::Program& program : device::guarded([&] { return variant_programs(context, programs, test_case, watch); }))
         subject.programs.push_back(std::move(program));
-    const bool is_run = test_once(device, subject, watch, [&] {
+    const bool is_run = test_once(device, subject, [&] {
         std::optional<std::string> difference = run_self_test(device, programs, test_case, watch);
         if (!difference)
             for (const TestCase& other : test_case.contained())
@@ -257,7 +254,7 @@ bool ensure_points_tested(const Device& device, const Programs& programs, const 
         subject.programs.push_back(programs.point_scan(context, watch));
         subject.programs.push_back(programs.mesh_records);
     });
-    return test_once(device, subject, watch, [&] { return run_point_test(device, programs, test_case); });
+    return test_once(device, subject, [&] { return run_point_test(device, programs, test_case); });
 }
 
 }  // namespace clsdf::transform

@@ -49,7 +49,7 @@ struct TestSubject {
 /// Runs test() if the subject has not been tested on this device and driver version; it returns what is wrong, in a
 /// sentence. Returns whether it ran. Throws Error(wrong_results) that says what is wrong; with
 /// tuning_variable("CLSDF_SELF_TEST") "0" it is not run.
-bool test_once(const Device& device, const TestSubject& subject, const device::BuildWatch& watch,
+bool test_once(const Device& device, const TestSubject& subject,
                const std::function<std::optional<std::string>()>& test);
 
 /// Describes what the device computes wrong, in a sentence; nothing if all is right.

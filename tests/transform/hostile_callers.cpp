@@ -271,8 +271,8 @@ BOOST_AUTO_TEST_CASE(plans_and_devices_that_were_moved_from_answer_with_an_error
     for (const std::function<void()>& call : std::vector<std::function<void()>>{
              [&] { device.name(); }, [&] { device.platform(); }, [&] { device.context(); }, [&] { device.id(); },
              [&] { device.queue(); }, [&] { device.info(); }, [&] { device.record_folder(); },
-             [&] { device.keep_records(""); }, [&] { device.forget_records(); },
-             [&] { DistanceTransform(device, make_shape("cube")); }})
+             [&] { device.keep_records(""); }, [&] { device.forget_records(); }, [&] { device.read_programs(""); },
+             [&] { device.write_programs(""); }, [&] { DistanceTransform(device, make_shape("cube")); }})
         check_throws(ErrorCode::invalid_argument, {"Device", "moved from"}, call);
     BOOST_TEST(other.name() == test_device().name());
     // NOLINTEND(bugprone-use-after-move)

@@ -60,7 +60,7 @@ TestCase without_sign(TestCase test_case) {
     return test_case;
 }
 
-/// A device with programs of its own, whose kernels' text is changed, and which keeps records and programs in `folder`.
+/// A device with programs of its own, whose kernels' text is changed, and which keeps records in `folder`.
 struct Changed {
     std::string file;  ///< empty: nothing is changed
     std::string from;
@@ -70,7 +70,6 @@ struct Changed {
     Device device(const std::string& folder) {
         Device device = Device::strongest();
         device.keep_records(folder);
-        device::context_of(device).keep_programs(folder);
         device::context_of(device).set_text_edit([this](std::string_view name, std::string& text) {
             if (name != file) return;
             const std::size_t at = text.find(from);

@@ -22,7 +22,6 @@ namespace clsdf {
 struct Progress {
     enum class Stage : std::int32_t {
         compiling = 0,  ///< programs are built, loaded or tested
-        waiting = 1,    ///< another process compiles the same programs, and this one waits for it
         computing = 2,
     };
 
@@ -41,7 +40,7 @@ struct CallOptions {
     std::function<void(const Progress& progress)> progress{};
     /// Asked between launches and before each step of building programs; if it says true, Error(cancelled) is thrown.
     std::function<bool()> should_stop{};
-    /// Warnings of this call: of the mesh's sign rule, of programs that had to be built anew.
+    /// Warnings of this call, as of the mesh's sign rule.
     std::function<void(const std::string& message)> log{};
     /// The call reads and writes the caller's memory after these events, which belong to the device's context.
     std::span<const cl_event> wait_list{};

@@ -67,7 +67,7 @@ struct DeviceLimits {
 /// functions of one device at the same time. Once moved from, every member but assignment and the destructor throws
 /// Error(invalid_argument). A function that asks the driver throws Error(device_failure) if a call of OpenCL fails.
 ///
-/// Unless keep_records() is called, the library reads and writes no file by itself.
+/// Unless it is given a folder, the library reads and writes no file by itself.
 class CLSDF_EXPORT Device {
 public:
     /// Every device of every platform, in the order of OpenCL's loader, also those that cannot be used. Empty if there
@@ -113,30 +113,39 @@ public:
     cl_device_id id() const;
     cl_command_queue queue() const;
 
-    /// Keeps small files in the folder, for this device and its copies and for programs that are built from now on:
-    /// call it before the first DistanceTransform is made. Later processes that call it with the same folder
-    /// - do not test again what is recorded as tested,
-    /// - find out by markers which compilation ended a process, and refuse it after two,
-    /// - wait while another process compiles the same, by file locks,
-    /// - take compiled programs from it, except with PoCL, which keeps them itself.
+    /// Keeps records of passed tests in the folder, for this device and its copies and for programs that are built from
+    /// now on: call it before the first DistanceTransform is made. Later processes that call it with the same folder do
+    /// not test again what is recorded as tested.
     ///
     /// The folder is made when the first file is written. A folder that cannot be written, or a damaged file in it, is
-    /// no error: programs are then compiled and tested anew. An empty text, as at the start: no file is read or
-    /// written, and each process compiles and tests what it uses.
+    /// no error: programs are then tested anew. An empty text, as at the start: no file is read or written, and each
+    /// process tests what it uses.
     void keep_records(const std::string& folder) const;
 
-    /// The folder that clsdf's command passes to keep_records(): the environment variable CLSDF_CACHE_DIR if it is set,
-    /// from the current folder if it is relative, else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. Empty if
-    /// CLSDF_CACHE_DIR is set and empty, or if no folder is known. No other function of the library reads these
-    /// variables.
+    /// Takes compiled programs from a folder that write_programs() filled, for this device and its copies and for
+    /// programs that are built from now on. Writes nothing. A program is compiled as before if it is not in the folder
+    /// or damaged there, if it is one of another driver's version, device or version of clsdf, or if the driver refuses
+    /// it. An empty text, as at the start: all programs are compiled.
+    ///
+    /// The process runs the code in the folder: name one in which nobody else can write.
+    void read_programs(const std::string& folder) const;
+
+    /// Writes programs that are compiled from now on to the folder, too, which is made. Then a call that compiles
+    /// throws Error(output_failure) if it cannot write. Some drivers compile a program once more to give it away. An
+    /// empty text, as at the start: nothing is written.
+    void write_programs(const std::string& folder) const;
+
+    /// The folder that clsdf's command passes to keep_records() and read_programs(): the environment variable
+    /// CLSDF_CACHE_DIR if it is set, from the current folder if it is relative, else $XDG_CACHE_HOME/clsdf, else
+    /// $HOME/.cache/clsdf. Empty if CLSDF_CACHE_DIR is set and empty, or if no folder is known. No other function of
+    /// the library reads these variables.
     static std::string default_record_folder();
 
     /// The folder of keep_records(); empty at the start.
     std::string record_folder() const;
 
-    /// Deletes the records and markers of this device in its folder: programs are tested again, also in this process,
-    /// and those whose compilation ended a process are tried again. A file that cannot be deleted stays; that is no
-    /// error.
+    /// Deletes the records of this device in its folder: programs are tested again, also in this process. A file that
+    /// cannot be deleted stays; that is no error.
     void forget_records() const;
 
 private:
