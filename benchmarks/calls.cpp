@@ -335,8 +335,8 @@ CallCost measure_moved_points(const Job& job) {
     return cost;
 }
 
-CallCost measure_plan_move(const Job& job) {
-    CallCost cost{"plan_move",
+CallCost measure_plan_update(const Job& job) {
+    CallCost cost{"plan_update",
                   "vertices and a plan move, and a run of the plan, a field of 256 samples on the longest side in "
                   "device memory / vertices move, and the field in host memory"};
     const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
@@ -449,18 +449,10 @@ std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, cons
                                     bool is_quick) {
     const Job job{mesh, device, options, is_quick};
     CallJudge judge(mesh, options.seed);
-    return {measure_again(job, judge),
-            measure_outputs(job, judge, false),
-            measure_outputs(job, judge, true),
-            measure_one_sample(job, judge),
-            measure_patches(job, judge, false),
-            measure_patches(job, judge, true),
-            measure_band_boxes(job, judge),
-            measure_moved(job, "moved", 256),
-            measure_moved(job, "moved_128", 128),
-            measure_moved_points(job),
-            measure_plan_move(job),
-            measure_classify(job, judge),
+    return {measure_again(job, judge),      measure_outputs(job, judge, false), measure_outputs(job, judge, true),
+            measure_one_sample(job, judge), measure_patches(job, judge, false), measure_patches(job, judge, true),
+            measure_band_boxes(job, judge), measure_moved(job, "moved", 256),   measure_moved(job, "moved_128", 128),
+            measure_moved_points(job),      measure_plan_update(job),           measure_classify(job, judge),
             measure_small_meshes(job)};
 }
 

@@ -54,10 +54,10 @@ std::vector<clsdf::Grid> blocks_near(const clsdf::DistanceTransform& transform, 
             }
     std::vector<clsdf::BoxPlace> places(boxes.size());
     transform.classify(boxes, band.outside, places);
-    std::vector<clsdf::Grid> near;
+    std::vector<clsdf::Grid> near_surface;
     for (std::size_t n = 0; n < blocks.size(); ++n)
-        if (places[n] == clsdf::BoxPlace::within) near.push_back(blocks[n]);
-    return near;
+        if (places[n] == clsdf::BoxPlace::within) near_surface.push_back(blocks[n]);
+    return near_surface;
 }
 
 /// FNV-1a of a block's place and bytes.

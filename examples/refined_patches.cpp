@@ -68,10 +68,10 @@ std::set<clsdf::Index3> next_places(const clsdf::DistanceTransform& transform, c
         }
     std::vector<clsdf::BoxPlace> answers(boxes.size());
     transform.classify(boxes, std::sqrt(0.75) * next.voxel(), answers);  // half the diagonal of a cell
-    std::set<clsdf::Index3> near;
+    std::set<clsdf::Index3> near_surface;
     for (std::size_t n = 0; n < boxes.size(); ++n)
-        if (answers[n] == clsdf::BoxPlace::within) near.insert(candidates[n]);
-    return near;
+        if (answers[n] == clsdf::BoxPlace::within) near_surface.insert(candidates[n]);
+    return near_surface;
 }
 
 /// The number of samples of the lattice that two patches share and that have different values in them.

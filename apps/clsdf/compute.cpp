@@ -234,7 +234,7 @@ void check_size(const clsdf::Grid& grid) {
 
 /// The named device, or nothing if none is named. It is opened before the mesh is read, so that an error costs no time.
 std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
-    if (options.device.empty() && environment_choice().empty()) return std::nullopt;
+    if (options.device.empty() && device_variable().empty()) return std::nullopt;
     return open_device(options.device);
 }
 

@@ -196,9 +196,10 @@ void print_outcome(const ComputeLayout& layout, const Computation& computation) 
     print_text("device  {} ({})\n", computation.device_name, computation.device_platform);
     const clsdf::TransformStatistics& statistics = computation.statistics;
     if (statistics.first_use)
-        print_text("setup   compiled the kernels for this device{} in {:.1f} s{}\n",
-                   computation.keeps_records ? ", once," : "", statistics.compile_seconds,
-                   computation.keeps_records ? "" : "; without a cache folder that can be written every run does so");
+        print_text(
+            "setup   compiled the kernels for this device{} in {:.1f} s{}\n",
+            computation.keeps_records ? ", once," : "", statistics.compile_seconds,
+            computation.keeps_records ? "" : "; without a folder of records that can be written every run does so");
     print_text("done    computed in {:.3f} s: {} samples, {} of them within the band's limits; {} samples a second\n",
                computation.compute_seconds, human_count(samples),
                human_count(static_cast<double>(computation.band_samples)),

@@ -50,7 +50,7 @@ clsdf::Device open_device(const std::string& choice) {
     return device;
 }
 
-std::string environment_choice() {
+std::string device_variable() {
     const char* const choice = std::getenv("CLSDF_DEVICE");
     return choice == nullptr ? "" : choice;
 }
@@ -224,7 +224,7 @@ struct Devices {
 };
 
 std::string reason_of_choice(const Devices& devices) {
-    const std::string choice = environment_choice();
+    const std::string choice = device_variable();
     if (!choice.empty()) return fmt::format("CLSDF_DEVICE={} asks for it", choice);
     if (std::count_if(devices.all.begin(), devices.all.end(), [](const DeviceInfo& info) { return info.usable(); }) ==
         1)

@@ -16,7 +16,7 @@ void add_device_option(Parser& parser, std::string& choice, const std::string& d
 clsdf::Device open_device(const std::string& choice);
 
 /// The value of CLSDF_DEVICE; empty if it is not set.
-std::string environment_choice();
+std::string device_variable();
 
 /// "compiling kernels 3 of 11", for a ProgressBar.
 std::string text_of(const clsdf::Progress& compiling);

@@ -235,7 +235,7 @@ void Context::set_tested(const std::string& test_case) {
     const std::scoped_lock lock(tested_mutex_);
     tested_.insert(test_case);
 }
-void Context::forget_tests() {
+void Context::forget_records() {
     const std::scoped_lock lock(tested_mutex_);
     tested_.clear();
 }

@@ -90,7 +90,7 @@ public:
     /// Which cases of the self-test (transform/self_test.hpp), by name, this process need not run any more.
     bool is_tested(const std::string& test_case) const;
     void set_tested(const std::string& test_case);
-    void forget_tests();
+    void forget_records();
     /// Held while a case is tested: other threads wait.
     std::mutex& test_mutex() const { return test_mutex_; }
 

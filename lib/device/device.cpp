@@ -175,7 +175,7 @@ void Device::write_programs(const std::string& folder) const {
 void Device::forget_records() const {
     device::Context& context = device::context_of(*this);
     context.records().forget(context.identity());
-    context.forget_tests();
+    context.forget_records();
 }
 
 cl_context Device::context() const {

@@ -50,7 +50,7 @@ private:
 class Query {
 public:
     Query(device::Context& context, const scan::Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-          const PointInputs& inputs, std::span<const Vec3> points, double within)
+          const PointInputs& inputs, std::span<const Vec3> points, double half_width)
         : context_(context),
           programs_(programs),
           pool_(*pool),
@@ -58,7 +58,7 @@ public:
           program_(programs.points(context)),
           inputs_(inputs),
           callers_(points),
-          within_(within),
+          half_width_(half_width),
           device_faces_(pool_, points.size(), "nearest faces of points"),
           device_squared_(pool_, points.size(), "squared distances of points") {
         order();
@@ -106,7 +106,7 @@ public:
             const cl_uint last =
                 scan::set_arguments(kernel, 0, *device_points_, *places, *device_faces_,
                                     inputs_.sides ? *inputs_.sides->sides : *places,  // or unused
-                                    by_sides, *signs, cl_uint{0}, static_cast<cl_uint>(count()), cl_double{within_},
+                                    by_sides, *signs, cl_uint{0}, static_cast<cl_uint>(count()), cl_double{half_width_},
                                     *inputs_.mesh->polyhedra, outputs[Output::distance]);
             finishing.set_arguments(kernel, last, outputs);
             scan::launch(queue_, kernel, {count()});
@@ -149,9 +149,9 @@ private:
         }
     }
 
-    /// The limit of the search, above all rounding of what is compared with `within` at the end.
+    /// The limit of the search, above all rounding of what is compared with `half_width` at the end.
     double most() const {
-        const double units = within_ / inputs_.mesh->lattice.unit * (1 + 1e-9) + 1e-6;
+        const double units = half_width_ / inputs_.mesh->lattice.unit * (1 + 1e-9) + 1e-6;
         return units * units;
     }
 
@@ -167,7 +167,7 @@ private:
     cl::Program program_;
     const PointInputs& inputs_;
     std::span<const Vec3> callers_;
-    double within_;
+    double half_width_;
     UninitializedVector<std::uint32_t> order_;
     std::vector<std::uint8_t> signs_;
     std::optional<PointGroups> groups_;
@@ -197,14 +197,14 @@ void check_points(const Box& box, std::span<const Vec3> points) {
 
 PointTimes query_points(device::Context& context, const scan::Programs& programs,
                         const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
-                        std::span<const Vec3> points, double within, const scan::HostArrays& arrays,
+                        std::span<const Vec3> points, double half_width, const scan::HostArrays& arrays,
                         const std::function<void(double)>& between) {
     PointTimes times;
     if (points.empty()) return times;
     device::guarded([&] {
         try {
             const Stopwatch watch;
-            Query query(context, programs, pool, inputs, points, within);
+            Query query(context, programs, pool, inputs, points, half_width);
             query.find_nearest(between);
             times.sign = query.finish(arrays);
             times.nearest = watch.seconds() - times.sign;

@@ -43,7 +43,7 @@ void check_points(const Box& box, std::span<const Vec3> points);
 /// throw, is called between launches with the fraction done. Throws Error(device_failure or out_of_memory).
 PointTimes query_points(device::Context& context, const scan::Programs& programs,
                         const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
-                        std::span<const Vec3> points, double within, const scan::HostArrays& arrays,
+                        std::span<const Vec3> points, double half_width, const scan::HostArrays& arrays,
                         const std::function<void(double)>& between);
 
 }  // namespace clsdf::points

@@ -80,7 +80,8 @@ struct ByteBox {
 /// The runs as boxes in the coordinates of an array with these strides, each a multiple of the one before. A run, row
 /// or slice that continues in the next one is cut in two.
 void add_boxes(const Runs& runs, std::uint64_t origin, std::vector<ByteBox>& boxes) {
-    ByteBox box{runs.array, {}, {}};
+    const std::size_t first = boxes.size();
+    ByteBox& box = boxes.emplace_back(ByteBox{runs.array, {}, {}});
     std::uint64_t rest = runs.begin - origin;
     for (std::size_t axis = runs.axes; axis > 0; --axis) {
         box.lower[axis] = rest / runs.strides[axis - 1];
@@ -89,37 +90,53 @@ void add_boxes(const Runs& runs, std::uint64_t origin, std::vector<ByteBox>& box
     }
     box.lower[0] = rest;
     box.upper[0] = rest + runs.bytes;
-    std::vector<ByteBox> pieces{box};
     for (std::size_t axis = 0; axis < runs.axes; ++axis) {
         const std::uint64_t length = axis == 0 ? runs.strides[0] : runs.strides[axis] / runs.strides[axis - 1];
-        for (std::size_t n = 0; n < pieces.size(); ++n) {
-            if (pieces[n].upper[axis] <= length) continue;
-            ByteBox next = pieces[n];
+        for (std::size_t n = first; n < boxes.size(); ++n) {
+            if (boxes[n].upper[axis] <= length) continue;
+            ByteBox next = boxes[n];
             next.lower[axis] = 0;
             next.upper[axis] -= length;
             ++next.lower[axis + 1];
             ++next.upper[axis + 1];
-            pieces[n].upper[axis] = length;
-            pieces.push_back(next);
+            boxes[n].upper[axis] = length;
+            boxes.push_back(next);
         }
     }
-    boxes.insert(boxes.end(), pieces.begin(), pieces.end());
 }
 
-/// Throws if two of the boxes of `axes` + 1 axes overlap. Sweeps along the last axis.
-void refuse_overlap(std::vector<ByteBox>& boxes, std::size_t axes) {
+/// Throws if two of the boxes of `axes` + 1 axes overlap. Planes across `axis`, then across the next ones, divide the
+/// boxes. Those that none divides, `undivided` being the axes tried, are compared in the order along the last one.
+void refuse_overlap(std::span<ByteBox> boxes, std::size_t axes, std::size_t axis, std::size_t undivided = 0) {
+    if (boxes.size() < 2) return;
     std::sort(boxes.begin(), boxes.end(),
-              [&](const ByteBox& a, const ByteBox& b) { return a.lower[axes] < b.lower[axes]; });
-    std::vector<const ByteBox*> active;
-    for (const ByteBox& box : boxes) {
-        std::erase_if(active, [&](const ByteBox* other) { return other->upper[axes] <= box.lower[axes]; });
-        for (const ByteBox* other : active) {
-            bool is_apart = false;
-            for (std::size_t axis = 0; axis < axes; ++axis)
-                is_apart |= other->upper[axis] <= box.lower[axis] || box.upper[axis] <= other->lower[axis];
-            if (!is_apart) refuse(*other->array, *box.array);
+              [&](const ByteBox& a, const ByteBox& b) { return a.lower[axis] < b.lower[axis]; });
+    if (undivided > axes) {
+        std::vector<const ByteBox*> active;
+        for (const ByteBox& box : boxes) {
+            std::erase_if(active, [&](const ByteBox* other) { return other->upper[axis] <= box.lower[axis]; });
+            for (const ByteBox* other : active) {
+                bool are_apart = false;
+                for (std::size_t across = 0; across <= axes; ++across)
+                    are_apart |= other->upper[across] <= box.lower[across] || box.upper[across] <= other->lower[across];
+                if (!are_apart) refuse(*other->array, *box.array);
+            }
+            active.push_back(&box);
         }
-        active.push_back(&box);
+        return;
+    }
+    std::size_t begin = 0;
+    std::uint64_t reached = boxes.front().upper[axis];
+    for (std::size_t n = 1; n <= boxes.size(); ++n) {
+        if (n < boxes.size() && boxes[n].lower[axis] < reached) {
+            reached = std::max(reached, boxes[n].upper[axis]);
+            continue;
+        }
+        const std::span<ByteBox> part = boxes.subspan(begin, n - begin);
+        refuse_overlap(part, axes, axis > 0 ? axis - 1 : axes, part.size() < boxes.size() ? 1 : undivided + 1);
+        if (n == boxes.size()) break;
+        begin = n;
+        reached = boxes[n].upper[axis];
     }
 }
 
@@ -210,7 +227,7 @@ void refuse_overlap(const std::vector<WrittenArray>& arrays) {
             const auto first = std::ranges::min_element(group, {}, &Runs::begin);
             std::vector<ByteBox> boxes;
             for (const Runs& runs : group) add_boxes(runs, first->begin, boxes);
-            refuse_overlap(boxes, group.front().axes);
+            refuse_overlap(boxes, group.front().axes, group.front().axes);
         }
         if (is_exact && groups_of_memory.at(std::get<0>(key)) == 1) continue;
         for (const Runs& runs : group) {

@@ -138,7 +138,7 @@ TransformStatistics DistanceTransform::compute(std::span<const Request> requests
 
 TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const CallOptions& call) const {
     return with_host_memory("for the blocks; compute fewer at once", [&] {
-        // As requests they take some hundred bytes each. Neighbours in the list are mostly neighbours in space.
+        // As requests they take over 200 bytes each. Neighbours in the list are mostly neighbours in space.
         constexpr std::size_t most = std::size_t{1} << 15;
         State& state = this->state();
         const std::size_t count = blocks.first.size();

@@ -2,7 +2,7 @@
 
 c_names.py HEADERS OUTPUT COMPILER [SKIPPED...]: writes them as C99 to OUTPUT and compiles that. A type that has no
 counterpart in C, such as a template, is an error, and so is an enumerator without a number of its own. Classes, and
-structs with private members, are objects behind a handle: they are left out, as is clsdf::detail.
+structs with private members, are objects behind a handle, a void*. clsdf::detail is left out.
 """
 
 import pathlib
@@ -14,7 +14,8 @@ import sys
 EXPECTED = """ElementType Output ErrorCode DeviceKind SignRule BoxPlace Length::Unit Progress::Stage ArrayLayout InputArray
 OutputArray OutputTarget OutputInfo Grid GridOptions Band Length Box Region Request BlockSet Progress CallOptions
 TransformOptions SlabOptions KeptMemory TransformStatistics WorkCounts KernelBody DeviceInfo DeviceLimits Topology Defects
-FieldDescription""".split()
+FieldDescription PapersOptions Classification SaddleReport picture::View reference::Nearest reference::CheckReport
+reference::CheckReport::Finding""".split()
 
 PLAIN = {
     "bool": "bool", "int": "int", "unsigned": "unsigned int", "float": "float", "double": "double", "void": "void",
@@ -86,18 +87,21 @@ def split_at_commas(text):
 
 class Interface:
     def __init__(self):
-        self.enums, self.structs, self.aliases, self.declared = {}, {}, {}, set()
+        self.enums, self.structs, self.aliases, self.declared, self.constants = {}, {}, {}, set(), {}
+        self.objects = set()
 
     def read(self, text, scope=""):
         """The declarations of a namespace, or of a struct with this name."""
         members = []
+        self.constants.update(re.findall(r"\binline constexpr [\w:]+ (\w+) = (\d+);", text))
         for head, body in statements(text):
             words = head.split()
             if not words or words[0] == "typedef":
                 continue
             if words[0] == "namespace":
-                if words[-1] == "clsdf":
-                    self.read(body)
+                inner = re.match(r"namespace\s+(?:clsdf)?(?:::)?(\w*)$", head)
+                if inner and inner[1] != "detail":
+                    self.read(body, scope + (inner[1] + "::" if inner[1] else ""))
             elif words[0] == "using":
                 name, equals, type_name = head[len("using"):].partition("=")
                 if equals:
@@ -106,6 +110,8 @@ class Interface:
                 self.read_enum(head, body, scope)
             elif words[0] == "struct":
                 self.read_struct(head, body, scope)
+            elif re.match(r"class\s+\w+$", head) and body is not None:
+                self.objects.add(scope + words[1])
             elif re.match(r"template\b.*\bstruct\b", head, re.S) and "(" not in without_brackets(head, "<", ">"):
                 raise Refused(f"{head}: C has no templates")
             elif scope and not re.match(r"(template|friend|static|constexpr|explicit|class)\b", head):
@@ -136,7 +142,9 @@ class Interface:
         name = scope + match[1]
         if body is None:
             self.declared.add(name)
-        elif not re.search(r"\b(private|protected)\s*:", body):
+        elif re.search(r"\b(private|protected)\s*:", body):
+            self.objects.add(name)
+        else:
             data = []
             if match[2]:
                 data.append((match[2], snake(match[2]), name))
@@ -153,11 +161,14 @@ class Interface:
     # Translation.
 
     def resolved(self, type_name, scope):
-        """The name of a struct or enumeration that a name stands for in a struct."""
-        for name in (f"{scope}::{type_name}", type_name):
-            if name in self.enums or name in self.structs:
+        """The name of a type that a name stands for in a struct."""
+        while True:
+            name = f"{scope}::{type_name}" if scope else type_name
+            if name in self.enums or name in self.structs or name in self.objects:
                 return name
-        return None
+            if not scope:
+                return None
+            scope = scope.rpartition("::")[0]
 
     def single(self, type_name, scope):
         """A type without a count, as what stands before and after its name."""
@@ -166,15 +177,17 @@ class Interface:
             return PLAIN[type_name], ""
         if type_name in self.aliases:
             return self.single(self.aliases[type_name], scope)
-        array = re.match(r"std::array<(.*),\s*(\d+)>$", type_name)
+        array = re.match(r"std::array<(.*),\s*(?:\w+::)*(\w+)>$", type_name)
         if array:
             before, after = self.single(array[1], scope)
-            return before, f"[{array[2]}]{after}"
+            return before, f"[{self.constants.get(array[2], array[2])}]{after}"
         if re.match(r"std::shared_ptr<[\w\s:]+>$", type_name):
             return "const void*", ""
         name = self.resolved(type_name, scope)
         if name is None:
             raise Refused(f"type '{type_name}' in {scope} has no counterpart in C")
+        if name in self.objects:
+            return "void*", ""
         return f"clsdf_{snake(name)}", ""
 
     def declaration(self, type_name, name, scope):

@@ -49,5 +49,5 @@ add_test(NAME scripts COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DS
 # of libraries that a C interface would not have.
 if(CLSDF_TEST_PYTHON)
   add_test(NAME c_names COMMAND ${CLSDF_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/c_names.py ${PROJECT_SOURCE_DIR}/lib/include/clsdf
-                                ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp papers.hpp picture.hpp reference.hpp)
+                                ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp)
 endif()

@@ -162,7 +162,7 @@ std::vector<std::string> compute(const std::vector<std::string>& more = {}) {
 }
 
 /// Four slabs.
-std::vector<std::string> compute_slabs() {
+std::vector<std::string> compute_in_slabs() {
     static const std::string few_triangles = inputs().file("tetrahedron.off", tetrahedron);
     return {"compute", few_triangles, "--resolution", "72", "--band", "3v"};
 }
@@ -215,11 +215,11 @@ BOOST_AUTO_TEST_CASE(at_many_points) {
 }
 
 BOOST_AUTO_TEST_CASE(in_slabs) {
-    check_job({"slabs", compute_slabs(), {small_device}}, 7);
+    check_job({"slabs", compute_in_slabs(), {small_device}}, 7);
 }
 
 BOOST_AUTO_TEST_CASE(in_slabs_on_a_gpu) {
-    check_job({"slabs as on a GPU", compute_slabs(), {as_gpu, small_device}}, 7);
+    check_job({"slabs as on a GPU", compute_in_slabs(), {as_gpu, small_device}}, 7);
 }
 
 BOOST_AUTO_TEST_CASE(slice_by_slice) {

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <stop_token>
+#include <thread>
 
 using clsdf::Device;
 using clsdf::ErrorCode;
@@ -140,9 +141,14 @@ BOOST_AUTO_TEST_CASE(can_be_cancelled_and_then_leave_nothing) {
     const TemporaryFolder folder;
     std::stop_source source;
     SurfaceOptions options = small(400);
-    options.should_stop = [&source] { return source.stop_requested(); };
+    const std::thread::id caller = std::this_thread::get_id();
+    options.should_stop = [&] {
+        BOOST_TEST((std::this_thread::get_id() == caller));
+        return source.stop_requested();
+    };
     double last = 0;
     options.progress = [&](double fraction) {
+        BOOST_TEST((std::this_thread::get_id() == caller));
         BOOST_TEST(fraction > last);
         last = fraction;
         source.request_stop();

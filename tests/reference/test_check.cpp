@@ -8,6 +8,7 @@
 
 #include <oneapi/tbb/global_control.h>
 #include <stop_token>
+#include <thread>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -507,14 +508,19 @@ BOOST_AUTO_TEST_CASE(a_field_that_does_not_fit_its_grid_or_its_mesh_is_an_error)
 BOOST_AUTO_TEST_CASE(a_check_reports_its_progress_and_can_be_cancelled) {
     CheckOptions options = complete();
     double last = 0;
+    const std::thread::id caller = std::this_thread::get_id();
     options.progress = [&](double fraction) {
+        BOOST_TEST((std::this_thread::get_id() == caller));
         BOOST_TEST(fraction > last);
         last = fraction;
     };
     check_broken(right_field(), options);
     BOOST_TEST(last == 1);
     std::stop_source source;
-    options.should_stop = [&source] { return source.stop_requested(); };
+    options.should_stop = [&] {
+        BOOST_TEST((std::this_thread::get_id() == caller));
+        return source.stop_requested();
+    };
     options.progress = [&](double) { source.request_stop(); };
     try {
         check_broken(right_field(), options);

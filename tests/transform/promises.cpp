@@ -14,6 +14,7 @@
 #include <new>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 // Promises of distance_transform.hpp that belong to no one part of it.
@@ -68,7 +69,7 @@ const std::vector<std::pair<std::string, Call>>& all_calls() {
              const std::array<Request, 2> requests{Request{grid(), band(), one}, Request{grid(), Band::full(), other}};
              transform.compute(requests, call);
          }},
-        {"compute_slabs",
+        {"slabs",
          [](const DistanceTransform& transform, const CallOptions& call) {
              transform.compute(
                  grid(), band(), Output::distance, [](const Grid&, const FieldSlab&) {}, {}, call);
@@ -87,7 +88,7 @@ const std::vector<std::pair<std::string, Call>>& all_calls() {
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_later_field) {
+BOOST_AUTO_TEST_CASE(a_callers_function_runs_on_its_thread_and_what_it_throws_is_passed_on_and_changes_no_later_field) {
     const Field expected = compute(noisy_sphere(), grid(), band());
     std::set<std::string> called;
     for (const std::string thrown_type : {"Stop", "bad_alloc", "Error"})
@@ -98,7 +99,8 @@ BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_
                     const Device device = function == "compiling" ? Device::strongest() : test_device();
                     const DistanceTransform transform(device, noisy_sphere());
                     int calls = 0;
-                    const auto run = [&] {
+                    const auto run = [&, caller = std::this_thread::get_id()] {
+                        BOOST_TEST((std::this_thread::get_id() == caller));
                         if (++calls != throwing) return;
                         if (thrown_type == "bad_alloc") throw std::bad_alloc();
                         if (thrown_type == "Error") throw Error(ErrorCode::out_of_memory, "the caller's");
@@ -148,7 +150,7 @@ BOOST_AUTO_TEST_CASE(a_callers_function_that_uses_the_same_transform_is_refused)
                  transform.classify({&box, 1}, 0.1, places);
              }},
             {"a plan", [&] { static_cast<void>(transform.plan(grid(), band())); }},
-            {"move", [&] { transform.set_positions(noisy_sphere().vertices()); }},
+            {"set_positions", [&] { transform.set_positions(noisy_sphere().vertices()); }},
             {"restrict_to",
              [&] {
                  static_cast<void>(transform.restrict_to({box, 0.1, 0.1}));
@@ -198,7 +200,8 @@ BOOST_AUTO_TEST_CASE(what_the_log_throws_is_passed_on) {
     const Mesh open = without_triangle(cube(1), 3);
     const auto transform_with = [&](const std::function<void()>& fail) {
         bool is_called = false;
-        const auto log = [&](const std::string&) {
+        const auto log = [&, caller = std::this_thread::get_id()](const std::string&) {
+            BOOST_TEST((std::this_thread::get_id() == caller));
             is_called = true;
             fail();
         };

@@ -22,7 +22,7 @@ namespace clsdf {
 struct Progress {
     enum class Stage : std::int32_t {
         compiling = 0,  ///< programs are built, loaded or tested
-        computing = 2,
+        computing = 1,
     };
 
     Stage stage = Stage::computing;
@@ -79,7 +79,7 @@ struct Request {
 };
 
 /// Equal blocks of one lattice: the leaves of an octree, the patches of a level. A block takes 24 bytes, where a
-/// Request takes some hundred.
+/// Request takes over 200.
 struct BlockSet {
     Grid lattice;  ///< its origin and spacing count
     Band band;

@@ -136,7 +136,7 @@ public:
         return compute(std::span(&request, 1), call);
     }
 
-    /// Equal blocks of one lattice in one call, as requests with the same bytes.
+    /// Equal blocks of one lattice in one call, as requests with the same bytes. Messages name block n as request n.
     TransformStatistics compute(const BlockSet& blocks, const CallOptions& call = {}) const;
 
     /// A field of any size, slab by slab: hands whole slices to the sink in the order of z, at most slabs_of() at a
@@ -199,7 +199,7 @@ public:
     Plan plan(std::span<const Request> requests, const CallOptions& call = {}) const;
     Plan plan(const Request& request, const CallOptions& call = {}) const { return plan(std::span(&request, 1), call); }
 
-    /// A plan of the blocks, as requests with the same bytes, which take some hundred bytes of host memory each.
+    /// A plan of the blocks, as requests with the same bytes, which it keeps: over 200 bytes of host memory each.
     Plan plan(const BlockSet& blocks, const CallOptions& call = {}) const;
 
     /// The statistics().device_bytes of such a plan, which is made and given back: takes its time and its memory.

@@ -105,9 +105,13 @@ CLSDF_EXPORT void check_targets(std::span<const OutputTarget> targets);
 /// may also be floats: then it is the offset from the sample, whose accuracy does not depend on the size of the
 /// coordinates. Other types are Error(unsupported).
 ///
-/// No two values of a call may lie on the same bytes: arrays that overlap are Error(invalid_argument). Strides,
-/// and memory of the device whose offset is no multiple of what buffers are aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN /
-/// 8) cost a copy of the field.
+/// No two values of a call may lie on the same bytes: arrays that overlap are Error(invalid_argument). Boxes and
+/// components of one large array are told exactly, and so are arrays of which none begins inside another. For arrays
+/// with other strides that lie between each other the search is limited: a call with thousands of them may miss an
+/// overlap.
+///
+/// Strides, and memory of the device whose offset is no multiple of what buffers are aligned to
+/// (CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8) cost a copy of the field.
 class OutputTargets {
 public:
     OutputTargets() = default;

@@ -8,6 +8,7 @@
 #include <vector>
 
 /// For those who test, measure or extend the method. A program that computes fields does not need this header.
+/// TransformOptions::body and CallOptions::count_work are members there because a call takes one set of options.
 namespace clsdf {
 
 namespace tuning {
@@ -29,7 +30,7 @@ enum class KernelBody : std::int32_t {
     by_group = 2,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
 };
 
-/// A count that only a method beside the core has (clsdf/papers.hpp).
+/// A count of a method beside the core, by the name that its library gives it.
 struct MethodCount {
     std::string name;
     std::size_t value = 0;
