@@ -20,8 +20,8 @@ struct Floors {
 
 Floors measure_floors(const Device& device);
 
-/// Operations a lane of the distance from a sample to one triangle in its frame, of kernels/lane_offsets.h; a fused
-/// multiply and add is two.
+/// Operations a lane of the distance from a sample to one triangle in its frame, of kernels/bricks/lane_offsets.h; a
+/// fused multiply and add is two.
 inline constexpr double operations_of_a_distance = 34;
 
 /// The same device with a profiling queue: TransformStatistics then has the kernels' own times.

@@ -1,3 +1,8 @@
+# The kernels of the core, a folder for each stage, in an order in which a folder includes files of the folders before it. A
+# file's name is unique among them: kernels and the host include it by its name alone.
+set(CLSDF_KERNEL_FOLDERS common frusta lists sign outputs bricks points)
+list(TRANSFORM CLSDF_KERNEL_FOLDERS PREPEND ${PROJECT_SOURCE_DIR}/kernels/)
+
 # clsdf_embed_kernels(<target> <file>...): the kernels' sources become strings of the library, so that nothing is looked
 # for at run time: clsdf::kernels::files in its "kernel_sources.hpp", a table of file names and texts.
 set(CLSDF_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_kernels_script.cmake)

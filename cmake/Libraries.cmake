@@ -1,5 +1,18 @@
 # The settings that all libraries share, and the private headers that one may see of another.
 
+# clsdf_part(<target> <part> <folder>): the objects of <part>, an object library, become those of <target>. The folder has the
+# headers that <target>_internals shows of it.
+function(clsdf_part target part folder)
+  set_target_properties(${part} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "STATIC_LIBRARY")
+    target_compile_definitions(${part} PRIVATE CLSDF_STATIC_BUILD)
+  endif()
+  target_sources(${target} PRIVATE $<TARGET_OBJECTS:${part}>)
+  set_property(TARGET ${target} APPEND PROPERTY CLSDF_PARTS ${part})
+  set_property(TARGET ${target} APPEND PROPERTY CLSDF_PART_FOLDERS ${folder})
+endfunction()
+
 # clsdf_library(<target>): a shared library shows what its public headers mark with CLSDF_EXPORT, and nothing else; a static
 # one shows nothing to the outside of the module that contains it.
 function(clsdf_library target)
@@ -60,7 +73,14 @@ function(clsdf_internals target)
     add_library(${internals} INTERFACE)
     target_link_libraries(${internals} INTERFACE ${target})
   else()
-    set(objects $<TARGET_OBJECTS:${target}>)
+    get_target_property(parts ${target} CLSDF_PARTS)
+    if(NOT parts)
+      set(parts ${target})
+    endif()
+    set(objects "")
+    foreach(part IN LISTS parts)
+      list(APPEND objects $<TARGET_OBJECTS:${part}>)
+    endforeach()
     foreach(source IN LISTS arg_STATE_OF_PROCESS)
       string(REPLACE "." "\\." source ${source})
       set(objects $<FILTER:${objects},EXCLUDE,/${source}\\.>)
@@ -70,7 +90,8 @@ function(clsdf_internals target)
     # Targets that link it do not export its copies of the library's functions.
     target_link_options(${internals} INTERFACE LINKER:--exclude-libs,$<TARGET_FILE_NAME:${internals}>)
   endif()
+  get_target_property(folders clsdf CLSDF_PART_FOLDERS)
   target_include_directories(
-    ${internals} INTERFACE ${PROJECT_SOURCE_DIR}/lib ${PROJECT_SOURCE_DIR}/kernels ${arg_FOLDERS}
-                           $<TARGET_PROPERTY:clsdf,CLSDF_KERNEL_SOURCES>)
+    ${internals} INTERFACE ${PROJECT_SOURCE_DIR}/lib ${folders} ${CLSDF_KERNEL_FOLDERS} ${arg_FOLDERS}
+                           $<TARGET_PROPERTY:clsdf_foundations,CLSDF_KERNEL_SOURCES>)
 endfunction()

@@ -5,7 +5,7 @@
 #include "core/parallel.hpp"
 #include "papers/pieces.hpp"
 #include "papers/scans.hpp"
-#include "scan/layout_of.hpp"
+#include "prepare/layout_of.hpp"
 #include "transform/transform_access.hpp"
 
 #include <fmt/format.h>

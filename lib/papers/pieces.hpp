@@ -77,7 +77,7 @@ struct Affine {
     friend Affine operator-(const Affine& a, double length) { return {a.gradient, a.constant - length}; }
 };
 
-/// The frame of a record (kernels/polyhedron.h), and the lengths that follow from it, in double precision.
+/// The frame of a record (kernels/common/polyhedron.h), and the lengths that follow from it, in double precision.
 class RecordFrame {
 public:
     explicit RecordFrame(const Polyhedron& p) : p_(p) {
@@ -151,9 +151,9 @@ private:
 };
 
 /// The pieces of leaned frusta: of each the part above its face and that below, both convex, widened by `slack` units
-/// and cut at `half_width`. They are the sides that the record's test takes together (kernels/polyhedron.h), but for
-/// what that mixes of both within the slack about the face; each by itself holds what docs/method.md, 'Why nothing is
-/// lost', asks of it.
+/// and cut at `half_width`. They are the sides that the record's test takes together (kernels/common/polyhedron.h), but
+/// for what that mixes of both within the slack about the face; each by itself holds what docs/method.md, 'Why nothing
+/// is lost', asks of it.
 ConvexPieces leaned_pieces(std::span<const Polyhedron> polyhedra, double half_width, double slack, const Layout& grid);
 
 /// The bounding polyhedra as Peikert & Sigg published them. They are not exact (docs/method.md, 'Why the published

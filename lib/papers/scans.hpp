@@ -2,7 +2,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "papers/pieces.hpp"
-#include "transform/field_method.hpp"
+#include "plan/field_method.hpp"
 
 #include <clsdf/papers.hpp>
 

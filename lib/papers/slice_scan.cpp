@@ -1,7 +1,7 @@
 #include "papers/scans.hpp"
 
 #include "core/parallel.hpp"
-#include "scan/prefix_sums.hpp"
+#include "launch/prefix_sums.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-# The published methods, for comparisons. The core offers one seam, transform/field_method.hpp.
+# The published methods, for comparisons. The core offers one seam, engine/plan/field_method.hpp.
 add_library(clsdf_papers)
 add_library(clsdf::papers ALIAS clsdf_papers)
 set_target_properties(clsdf_papers PROPERTIES EXPORT_NAME papers)

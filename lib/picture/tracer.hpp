@@ -1,7 +1,7 @@
 #pragma once
 
 #include "device/context.hpp"
-#include "scan/programs.hpp"
+#include "launch/programs.hpp"
 
 #include "render.h"
 

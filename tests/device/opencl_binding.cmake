@@ -1,4 +1,4 @@
-# A static library defines no symbol of OpenCL's C++ binding: a program's own copy has namespace cl (lib/device/opencl_binding.hpp).
+# A static library defines no symbol of OpenCL's C++ binding: a program's own copy has namespace cl (lib/foundations/device/opencl_binding.hpp).
 # NM; LIBRARIES: divided by commas.
 cmake_minimum_required(VERSION 3.25)
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-/// The records of kernels/polyhedron.h at one point of the lattice, in double and in float.
+/// The records of kernels/common/polyhedron.h at one point of the lattice, in double and in float.
 namespace clsdf::test {
 
 /// A polyhedron and its triangle, evaluated in double precision from the sums of the record's floats. Points are given

@@ -4,7 +4,7 @@
 #include "support/hostile_meshes.hpp"
 
 #include "device/context.hpp"
-#include "transform/self_test.hpp"
+#include "self_test/self_test.hpp"
 
 #include <clsdf/papers.hpp>
 #include <clsdf/tuning.hpp>

@@ -1,13 +1,13 @@
 #include "scan/coarse_lists.hpp"
 
 #include "coarse.h"
-#include "scan/layout_of.hpp"
-#include "scan/programs.hpp"
+#include "launch/programs.hpp"
+#include "plan/stages.hpp"
+#include "prepare/layout_of.hpp"
 #include "support/device_memory.hpp"
 #include "support/float_width.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
-#include "transform/stages.hpp"
 
 #include <clsdf/tuning.hpp>
 

@@ -1,13 +1,13 @@
 #include "coarse.h"
 #include "core/parallel.hpp"
+#include "launch/programs.hpp"
+#include "plan/stages.hpp"
 #include "polyhedra/awkward_meshes.hpp"
-#include "scan/kernel_frusta.hpp"
-#include "scan/layout_of.hpp"
-#include "scan/programs.hpp"
+#include "prepare/kernel_frusta.hpp"
+#include "prepare/layout_of.hpp"
 #include "support/device_memory.hpp"
 #include "support/random_meshes.hpp"
 #include "sweep.h"
-#include "transform/stages.hpp"
 
 #include <clsdf/tuning.hpp>
 

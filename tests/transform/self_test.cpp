@@ -8,8 +8,8 @@
 #include "core/outputs.hpp"
 #include "device/context.hpp"
 #include "papers/scans.hpp"
-#include "transform/known_field.hpp"
-#include "transform/self_test.hpp"
+#include "self_test/known_field.hpp"
+#include "self_test/self_test.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,6 +1,6 @@
 #include "device/context.hpp"
 #include "polyhedra/records.hpp"
-#include "scan/layout_of.hpp"
+#include "prepare/layout_of.hpp"
 #include "support/random_meshes.hpp"
 
 #include <clsdf/device.hpp>

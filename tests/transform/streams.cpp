@@ -4,7 +4,7 @@
 
 #include "core/stopwatch.hpp"
 #include "device/context.hpp"
-#include "scan/slabs.hpp"
+#include "plan/slabs.hpp"
 
 #include <clsdf/tuning.hpp>
 

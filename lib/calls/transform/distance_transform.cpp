@@ -1,0 +1,243 @@
+#include <clsdf/distance_transform.hpp>
+
+#include "core/large_memory.hpp"
+#include "core/lifetime.hpp"
+#include "core/outputs.hpp"
+#include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
+#include "plan/slabs.hpp"
+#include "prepare/layout_of.hpp"
+#include "targets/mapped_memory.hpp"
+#include "targets/output_targets.hpp"
+#include "transform/blocks.hpp"
+#include "transform/transform_access.hpp"
+#include "transform/transform_state.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace clsdf {
+
+DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, const TransformOptions& options,
+                                     const CallOptions& call)
+    : state_(with_host_memory("for the mesh", [&] {
+          device::wait_for(device::context_of(device), call.wait_list);
+          return std::make_unique<State>(std::move(device), mesh, options, call);
+      })) {}
+DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, const TransformOptions& options,
+                                     const CallOptions& call) {
+    with_host_memory("for the mesh", [&] {
+        device::MappedMemory memory(device::context_of(device));
+        memory.add(mesh.vertices(), "vertices");
+        memory.add(mesh.triangles(), "triangles");
+        memory.map(call.wait_list);
+        Mesh copy(MeshView(memory.on_host(mesh.vertices()), memory.on_host(mesh.triangles())));
+        memory.unmap();
+        state_ = std::make_unique<State>(std::move(device), std::move(copy), options, call);
+    });
+}
+DistanceTransform::DistanceTransform(std::unique_ptr<State> state) : state_(std::move(state)) {}
+DistanceTransform::DistanceTransform(DistanceTransform&&) noexcept = default;
+DistanceTransform& DistanceTransform::operator=(DistanceTransform&&) noexcept = default;
+DistanceTransform::~DistanceTransform() = default;
+
+DistanceTransform detail::TransformAccess::make(Device device, const Mesh& mesh,
+                                                std::shared_ptr<const FieldMethod> method,
+                                                const TransformOptions& options, const CallOptions& call) {
+    return with_host_memory("for the mesh", [&] {
+        return DistanceTransform(
+            std::make_unique<DistanceTransform::State>(std::move(device), mesh, options, call, std::move(method)));
+    });
+}
+
+DistanceTransform::State& DistanceTransform::state() const {
+    return held_by(state_, "DistanceTransform");
+}
+
+const Topology& DistanceTransform::topology() const {
+    return state().topology;
+}
+SignRule DistanceTransform::sign() const {
+    return state().sign;
+}
+Device DistanceTransform::device() const {
+    return state().device;
+}
+const TransformStatistics& DistanceTransform::statistics() const {
+    return state().setup;
+}
+Box DistanceTransform::box() const {
+    State& state = this->state();
+    const std::scoped_lock lock(state.mutex);
+    return state.mesh().box();
+}
+DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions) const {
+    return with_host_memory("to restrict the transform", [&] {
+        return DistanceTransform(state().restricted({regions.begin(), regions.end()}));
+    });
+}
+void DistanceTransform::set_positions(const InputArray& positions, const CallOptions& call) {
+    with_host_memory("for the positions", [&] {
+        State& state = this->state();
+        check_array(positions, ArrayKind::positions, "positions", ErrorCode::invalid_argument);
+        device::MappedMemory memory(device::context_of(state.device));
+        memory.add(positions, "positions");
+        memory.map(call.wait_list);
+        const PositionArray array(memory.on_host(positions));
+        std::vector<Vec3> copy;
+        if (positions.device != nullptr) {
+            copy.assign(array.get().begin(), array.get().end());
+            memory.unmap();  // which may fail, before anything has moved
+        }
+        state.set_positions(copy.empty() ? array.get() : copy);
+    });
+}
+void DistanceTransform::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+    with_host_memory("for the positions", [&] { state().set_motion(rotation, translation); });
+}
+
+KeptMemory DistanceTransform::memory() const {
+    State& state = this->state();
+    const std::scoped_lock lock(state.mutex);
+    KeptMemory memory{state.stages->host_bytes() + state.first_positions.size() * sizeof(Vec3),
+                      state.stages->device_bytes()};
+    for (const auto& plan : state.plans) memory.device_bytes += state.bytes_of(*plan);
+    return memory;
+}
+
+TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& band, OutputSet outputs,
+                                               const CallOptions& call) const {
+    return with_host_memory("to compile", [&] {
+        State& state = this->state();
+        transform::Caller caller(call);
+        caller.throw_if_stopped();
+        const std::scoped_lock lock(state.mutex);
+        const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
+        state.check(job);
+        transform::Compiling compiling(caller);
+        state.compile(job, compiling);
+        CallStatistics statistics;
+        statistics.compile_seconds = compiling.seconds;
+        statistics.first_use = compiling.first_use;
+        return statistics.published();
+    });
+}
+
+TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
+                                               const CallOptions& call) const {
+    const Request request{grid, band, targets};
+    return compute({&request, 1}, call);
+}
+
+TransformStatistics DistanceTransform::compute(std::span<const Request> requests, const CallOptions& call) const {
+    return with_host_memory("for the computation; compute less at once",
+                            [&] { return state().compute(requests, call).published(); });
+}
+
+TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const CallOptions& call) const {
+    return with_host_memory("for the blocks; compute fewer at once", [&] {
+        // As requests they take over 200 bytes each. Neighbours in the list are mostly neighbours in space.
+        constexpr std::size_t most = std::size_t{1} << 15;
+        State& state = this->state();
+        const std::size_t count = blocks.first.size();
+        if (count > most) {  // else the only part is checked as a whole
+            std::vector<scan::WrittenArray> written;
+            for (std::size_t begin = 0; begin < count; begin += most)
+                transform::check_blocks(
+                    blocks, begin, std::min(begin + most, count), device::context_of(state.device),
+                    [&](const Request& request) {
+                        state.check(transform::job_of(request, scan::outputs_of(request.targets)));
+                    },
+                    written);
+            scan::refuse_overlap(written);
+        }
+        CallStatistics total;
+        for (std::size_t begin = 0; begin < count; begin += most) {
+            const std::size_t end = std::min(begin + most, count);
+            CallOptions part_call = call;
+            if (call.progress)
+                part_call.progress = [&](Progress progress) {
+                    if (progress.stage == Progress::Stage::computing)
+                        progress.fraction =
+                            (static_cast<double>(begin) + static_cast<double>(end - begin) * progress.fraction) /
+                            static_cast<double>(count);
+                    call.progress(progress);
+                };
+            try {
+                add_call(total, state.compute(transform::requests_of(blocks, begin, end), part_call));
+            } catch (const Error& error) {
+                if (count <= most || error.code() != ErrorCode::invalid_argument) throw;
+                throw Error(error.code(), fmt::format("of the blocks {} to {}: {}", begin, end - 1, error.what()),
+                            error.opencl_code());
+            }
+        }
+        return total.published();
+    });
+}
+
+CallStatistics DistanceTransform::State::compute(std::span<const Request> requests, const CallOptions& call) {
+    if (!requests.empty() && scan::are_on_device(requests.front().targets)) return compute_on_device(requests, call);
+    device::wait_for(context(), call.wait_list);
+    return requests.size() == 1 ? compute_one(requests.front(), call) : compute_many(requests, call);
+}
+
+CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {
+    const device::Context& context = this->context();
+    const auto plan = this->plan(true, {requests.begin(), requests.end()}, std::nullopt, call, call.count_work);
+    device::guarded([&] {
+        const Stopwatch watch;
+        const cl::Event end = plan->enqueue(context.callers_queue(), device::events_of(context, call.wait_list), {});
+        end.wait();
+        device::wait_for(context, call.wait_list);  // Intel's runtime reports success
+        if (call.count_work) plan->read_counters();
+        plan->statistics.field_seconds = watch.seconds();
+    });
+    transform::Caller(call).progress(1.0);
+    return plan->statistics;
+}
+
+TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs,
+                                               const SlabSink& sink, const SlabOptions& options,
+                                               const CallOptions& call) const {
+    return with_host_memory("for the slabs; compute a part of the grid", [&] {
+        State& state = this->state();
+        grid.validate();
+        grid.sample_count();
+        const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
+        state.check(job);
+        if (!sink) throw Error(ErrorCode::invalid_argument, "a field in slabs needs a sink, and it is empty");
+        device::wait_for(state.context(), call.wait_list);
+        const auto hand_on = [&](const Grid& part, const scan::HostArrays& values) {
+            sink(part, scan::slab_of(values, part.sample_count()));
+        };
+        scan::SlabPipeline pipeline(state.context(), state.pool, hand_on, options.sink_has_own_thread);
+        const scan::HostArrays arrays = scan::arrays_for(job.outputs);
+        return state.run(job, state.slabs(job, arrays, false), arrays, false, pipeline, call).published();
+    });
+}
+
+std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
+    grid.validate();
+    device::Context::Capabilities unlimited;
+    unlimited.memory = unlimited.largest_allocation = std::numeric_limits<std::size_t>::max();
+    scan::layout_of(grid, Band::signs_only(), SignRule::none);  // which refuses grids that cannot be computed
+    return with_host_memory("for the list of slabs",
+                            [&] { return scan::slabs_of(grid, scan::stream_limits_of(unlimited)); });
+}
+
+Field DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call,
+                                 TransformStatistics* statistics) const {
+    Field field({grid, band, sign(), state().mesh().name()}, scan::extras_of(outputs) | Output::distance);
+    try {
+        const TransformStatistics made = compute(grid, band, field.targets(), call);
+        if (statistics != nullptr) *statistics = made;
+    } catch (const Error&) {
+        if (device::context_of(state_->device).is_lost()) keep_for_good(field);
+        throw;
+    }
+    return field;
+}
+
+}  // namespace clsdf

@@ -1,0 +1,193 @@
+#include "core/large_memory.hpp"
+#include "core/outputs.hpp"
+#include "core/stopwatch.hpp"
+#include "points/box_places.hpp"
+#include "points/face_sides.hpp"
+#include "points/point_query.hpp"
+#include "targets/mapped_memory.hpp"
+#include "targets/output_targets.hpp"
+#include "transform/transform_state.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clsdf {
+
+std::shared_ptr<const points::PointMesh> DistanceTransform::State::points() {
+    const KeepsBudget keeps_budget(*this);
+    const std::scoped_lock lock(mutex);
+    return transform::with_remedies(nullptr, {forgetting()}, [&] { return kept_points->tree(); });
+}
+
+points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, std::size_t count) {
+    return transform::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
+        points::PointInputs inputs;
+        inputs.mesh = kept_points->tree();
+        const bool has_room = !points_are_short_of_memory;
+        const bool are_many = has_room && points::is_scan_worthwhile(programs, count, mesh().triangles().size());
+        if (are_many) inputs.scanned = kept_points->scanned_mesh(programs.point_scan(device::context_of(device)));
+        if (sign != SignRule::none)
+            inputs.sides = kept_points->face_sides(
+                sign, has_room && points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
+        inputs.sites = stages->sites(transform::names_sites(outputs),
+                                     outputs.contains(Output::gradient) || inputs.sides != nullptr);
+        inputs.sign = sign;
+        inputs.is_inside_out = outputs.contains(Output::gradient) && sign != SignRule::none && topology.balanced &&
+                               stages->encloses_negative_volume();
+        return inputs;
+    });
+}
+
+points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, std::size_t asked, double half_width,
+                                                   OutputSet outputs, const scan::HostArrays& arrays,
+                                                   const std::function<void(double)>& between) {
+    const points::PointInputs inputs = point_inputs(outputs, asked);
+    return points::query_points(device::context_of(device), programs, pool, inputs, part, half_width, arrays, between);
+}
+
+CallStatistics DistanceTransform::State::query(std::span<const Vec3> all, double half_width, OutputSet outputs,
+                                               const scan::HostTargets& targets, const CallOptions& call) {
+    const KeepsBudget keeps_budget(*this);
+    CallStatistics statistics;
+    statistics.triangles = mesh().triangles().size();
+    transform::Caller caller(call);
+    transform::Compiling compiling(caller);
+    {
+        const std::scoped_lock lock(mutex);
+        device::context_of(device).require_usable();
+        caller.throw_if_stopped();
+        points::check_points(mesh().box(), all);  // before anything is made
+        if (stages->restriction() != nullptr) stages->restriction()->check(all, half_width);
+        const Stopwatch compile_watch;
+        const device::BuildWatch builds = compiling.watch(transform::point_test_steps);
+        compiling.first_use = transform::ensure_points_tested(device, programs, {}, builds);
+        if (points::is_scan_worthwhile(programs, all.size(), mesh().triangles().size()) &&
+            transform::ensure_points_tested(device, programs, {.are_scanned = true}, builds))
+            compiling.first_use = true;
+        compiling.seconds = compile_watch.seconds();
+        pool->restart_peak();
+        const Stopwatch watch;
+        points_asked += all.size();
+        const points::PointInputs inputs = point_inputs(outputs, all.size());
+        statistics.polyhedra_seconds = watch.seconds();
+        // Only the stages see whether records are made of kept frusta.
+        if (inputs.scanned && inputs.scanned->is_later) {
+            const Stopwatch test_watch;
+            if (transform::ensure_points_tested(device, programs, {.are_scanned = true, .is_later = true},
+                                                compiling.watch(transform::point_test_steps)))
+                compiling.first_use = true;
+            compiling.seconds += test_watch.seconds();
+        }
+    }
+    scan::OwnArrays own;
+    std::size_t most = points::most_points;
+    const auto fewer_than = [&most](std::size_t least) {
+        return transform::Remedy{[&most, least] {
+                                     if (most <= least) return false;
+                                     most /= 2;
+                                     return true;
+                                 },
+                                 true};
+    };
+    for (std::size_t begin = 0, count = 0; begin < all.size(); begin += count) {
+        scan::HostArrays arrays;
+        const auto times = transform::with_remedies(
+            &caller, {forgetting(), fewer_than(std::size_t{1} << 15), without_tables(), fewer_than(256)}, [&] {
+                count = most = std::min(most, all.size() - begin);
+                const std::span<const Vec3> part = all.subspan(begin, count);
+                if (targets.are_packed())
+                    for_each_output([&](const OutputInfo& row, const scan::HostArray& array,
+                                        scan::HostArray& part_array) { part_array = array.from_sample(row, begin); },
+                                    targets.arrays(), arrays);
+                else
+                    arrays = own.for_samples(targets.arrays(), count);
+                const std::scoped_lock lock(mutex);
+                return query(part, all.size(), half_width, outputs, arrays, [&](double fraction) {
+                    caller.throw_if_stopped();
+                    const double done = static_cast<double>(begin) + fraction * static_cast<double>(count);
+                    caller.progress(done / static_cast<double>(all.size()));
+                });
+            });
+        statistics.sign_seconds += times.sign;
+        statistics.field_seconds += times.nearest;
+        if (!targets.are_packed()) targets.store_row(begin, count, arrays);
+    }
+    {
+        const std::scoped_lock lock(mutex);
+        pool->trim();
+        statistics.compile_seconds = compiling.seconds;
+        statistics.first_use = compiling.first_use;
+        statistics.device_bytes = pool->peak();
+    }
+    caller.progress(1.0);
+    return statistics;
+}
+
+TransformStatistics DistanceTransform::query(const InputArray& points, double half_width, const OutputTargets& targets,
+                                             const CallOptions& call) const {
+    return with_host_memory("for the points; give fewer at once", [&] {
+        State& state = this->state();
+        if (!(half_width >= 0))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("points are looked up within the half width {}, which must be 0 or more; infinity "
+                                    "is no limit",
+                                    half_width));
+        if (std::isfinite(half_width) && half_width > static_cast<double>(std::numeric_limits<float>::max()))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("points are looked up within the half width {}, which is beyond the floats that "
+                                    "distances are given in; infinity is no limit",
+                                    half_width));
+        check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
+        if (points.count == 0) {  // vectors without elements have no memory
+            transform::Caller(call).progress(1.0);
+            return CallStatistics().published();
+        }
+        for (const auto& [output, array] : targets.all())
+            if (array.strides[1] != 0 || array.strides[2] != 0)
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("the array of the output {} has the strides ({}, {}, {}); points lie in one "
+                                        "row: set strides[0] alone",
+                                        info_of(output).name, array.strides[0], array.strides[1], array.strides[2]));
+        device::MappedMemory memory(device::context_of(state.device));
+        memory.add(points, "points");
+        scan::add_targets(targets, points.count, memory);
+        memory.map(call.wait_list);
+        const PositionArray positions(memory.on_host(points));
+        const scan::HostTargets on_host =
+            scan::HostTargets::of_points(scan::on_host(targets, points.count, memory), points.count);
+        std::vector<scan::WrittenArray> written;
+        on_host.add_written(0, written);
+        scan::refuse_overlap(written);
+        // The outputs of some points may lie on others.
+        std::vector<Vec3> copy;
+        if (on_host.overlap(std::as_bytes(positions.get())))
+            copy.assign(positions.get().begin(), positions.get().end());
+        const CallStatistics statistics = state.query(copy.empty() ? positions.get() : copy, std::abs(half_width),
+                                                      scan::outputs_of(targets), on_host, call);
+        memory.unmap();
+        return statistics.published();
+    });
+}
+
+void DistanceTransform::classify(std::span<const Box> boxes, double half_width, std::span<BoxPlace> places) const {
+    with_host_memory("for the boxes; give fewer at once", [&] {
+        State& state = this->state();
+        if (!(half_width >= 0))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the half width around boxes is {}, and must be 0 or more", half_width));
+        if (places.size() != boxes.size())
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("{} boxes have {} places for their answers; give as many", boxes.size(), places.size()));
+        points::check_boxes(boxes);
+        if (const auto* restriction = state.stages->restriction()) restriction->check(boxes, half_width);
+        points::find_places(*state.points(), state.sign, boxes, half_width, places);
+    });
+}
+
+}  // namespace clsdf

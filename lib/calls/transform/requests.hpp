@@ -1,0 +1,55 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+#include <clsdf/error.hpp>
+
+#include "plan/job.hpp"
+#include "targets/output_targets.hpp"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace clsdf::transform {
+
+using namespace scan;
+
+/// Requests of one lattice, one band and the same outputs that are computed together, as one block of the lattice.
+struct Batch {
+    Job job;
+    std::vector<std::size_t> requests;  ///< their indices
+    double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
+};
+
+/// Returns what `of_request` does for request number n of `count`. If there are several, the number stands in the
+/// message of the Error that it throws.
+template <class Function>
+auto for_request(std::size_t n, std::size_t count, const Function& of_request) {
+    try {
+        return of_request();
+    } catch (const Error& error) {
+        if (count == 1) throw;  // a call for one grid has no numbers
+        throw Error(error.code(), fmt::format("request {} of {}: {}", n, count, error.what()), error.opencl_code());
+    }
+}
+
+/// The targets of each request. Throws what a call for the request alone would throw, or what `check` throws; if there
+/// are several, with its index in the message.
+std::vector<HostTargets> targets_of(std::span<const Request> requests,
+                                    const std::function<void(const Request&)>& check = {});
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context,
+                                             const std::function<void(const Request&)>& check = {});
+/// The same without memory yet.
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, OutputSet outputs,
+                                             const std::function<void(const Request&)>& check);
+
+/// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request
+/// asks for, and a call for each request has a cost of its own: requests of a lattice are divided if that is
+/// estimated to be cheaper. The division changes no byte. box: the mesh's.
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box,
+                              bool counts);
+
+}  // namespace clsdf::transform

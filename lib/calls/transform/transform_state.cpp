@@ -1,0 +1,269 @@
+#include "transform/transform_state.hpp"
+
+#include "core/lifetime.hpp"
+#include "core/stopwatch.hpp"
+#include "plan/field_method.hpp"
+#include "points/box_places.hpp"
+#include "prepare/layout_of.hpp"
+#include "prepare/sweep_mesh.hpp"
+#include "scan/coarse_lists.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace clsdf {
+
+namespace {
+
+/// For the grids of a time step. More would keep the memory that the next one needs.
+constexpr std::size_t most_plans = 4;
+
+/// With the programs that all jobs need.
+transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method,
+                                const TransformOptions& options, const CallOptions& call) {
+    transform::Caller caller(call);
+    caller.throw_if_stopped();
+    const Stopwatch watch;
+    transform::TestCase test_case;
+    test_case.method = method;
+    transform::Compiling compiling(caller);
+    scan::Programs programs = device::guarded([&] {
+        return scan::Programs(device::context_of(device), options.body,
+                              compiling.watch(transform::step_count(test_case)));
+    });
+    const double seconds = watch.seconds();
+    auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    return {std::move(device), std::move(pool), std::move(programs), std::move(method), SignRule::none, seconds};
+}
+
+}  // namespace
+
+DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
+                                std::shared_ptr<const FieldMethod> method_in)
+    : Workshop(workshop_of(std::move(device_in), std::move(method_in), options, call)),
+      topology(describe_topology(mesh)),
+      vertices(mesh, topology.coincident_vertices > 0) {
+    setup.compile_seconds = compile_seconds;
+    setup.work = std::make_shared<const WorkCounts>();
+    const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
+    sign = resolved.rule;
+    if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
+    stages = std::make_unique<transform::Stages>(
+        context(), pool, std::move(mesh),
+        transform::Stages::Options{method, transform::SetUpBy{programs.mesh_records, programs.mesh_lanes()},
+                                   programs.body == KernelBody::by_vector, options.kept_bytes});
+    kept_points = std::make_unique<points::KeptPoints>(*stages);
+}
+
+DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
+                                std::unique_ptr<transform::Stages> own_stages)
+    : Workshop(other.with(own_pool)),
+      topology(other.topology),
+      vertices(other.vertices),
+      stages(std::move(own_stages)),
+      kept_points(std::make_unique<points::KeptPoints>(*stages)) {}
+
+std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(std::vector<Region> regions) {
+    if (regions.empty())
+        throw Error(ErrorCode::invalid_argument, "a transform is restricted to regions, and there is none; give one");
+    for (std::size_t n = 0; n < regions.size(); ++n) {
+        const auto& [box, half_width, spacing] = regions[n];
+        points::check_box(box, fmt::format("the box of region {} of {}", n, regions.size()));
+        if (!(half_width > 0 && std::isfinite(half_width)))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("region {} of {} has the half width {}, which must be positive and finite: "
+                                    "give the largest one that is asked for; for fields without a band use the whole "
+                                    "transform",
+                                    n, regions.size(), half_width));
+        if (!(spacing >= 0 && std::isfinite(spacing)))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("region {} of {} has the spacing {}; give the largest one of its grids, or 0 if "
+                                    "there are none",
+                                    n, regions.size(), spacing));
+    }
+    const KeepsBudget keeps_budget(*this);
+    const std::scoped_lock lock(mutex);
+    if (stages->restriction() != nullptr)
+        throw Error(ErrorCode::unsupported, "the transform is restricted already; restrict the whole one");
+    if (method)
+        throw Error(ErrorCode::unsupported,
+                    "a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
+    auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    auto own_stages =
+        transform::with_remedies(nullptr, {forgetting()}, [&] { return stages->restricted(own_pool, regions, sign); });
+    return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_stages)));
+}
+
+DistanceTransform::State::~State() {
+    if (!context().is_lost()) return;
+    keep_for_good(stages);  // the device reads its mesh in the host's memory
+    keep_for_good(kept_points);
+}
+
+void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
+    const std::scoped_lock lock(mutex);
+    require_whole();
+    move_vertices(vertices.moved(mesh(), positions));
+}
+
+void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+    const std::scoped_lock lock(mutex);
+    require_whole();
+    move_vertices(transform::Vertices::moved(first_positions.empty() ? mesh().vertices() : first_positions, rotation,
+                                             translation));
+}
+
+void DistanceTransform::State::require_whole() const {
+    if (stages->restriction() != nullptr)
+        throw Error(
+            ErrorCode::unsupported,
+            "the transform is restricted, and triangles would come and go; set the positions of the whole one and "
+            "restrict it again");
+}
+
+void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
+    std::vector<Vec3> before;
+    if (first_positions.empty()) before = mesh().vertices();
+    stages->move(std::move(positions));
+    points_asked = 0;
+    points_are_short_of_memory = false;
+    if (first_positions.empty()) first_positions = std::move(before);
+    plans.clear();
+}
+
+transform::TestCase DistanceTransform::State::test_case_of(const transform::Job& job) const {
+    const Layout layout = scan::layout_of(job.grid, job.band, sign);
+    transform::TestCase test_case;
+    test_case.body = programs.body;
+    test_case.variant = {job.outputs != OutputSet{}, job.counts, scan::has_long_bricks(job.grid)};
+    test_case.is_signed = sign != SignRule::none;
+    if (method)
+        test_case.method = device::guarded([&] { return method->tested_as(context(), layout, test_case.variant); });
+    else
+        test_case.is_wide = !scan::has_uniform_bounds(layout);
+    return test_case;
+}
+
+void DistanceTransform::State::test(const transform::TestCase& test_case, transform::Compiling& compiling) const {
+    if (context().is_tested(test_case.name())) return;
+    const Stopwatch watch;
+    compiling.first_use |=
+        transform::ensure_tested(device, programs, test_case, compiling.watch(transform::step_count(test_case)));
+    compiling.seconds += watch.seconds();
+}
+
+void DistanceTransform::State::check(const transform::Job& job) const {
+    for (const double width : {job.band.inside, job.band.outside})
+        if (width > 0 && static_cast<float>(width) == 0)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the band's half width {} is below the range of floats, in which distances are "
+                                    "given; scale the mesh and the grid up",
+                                    width));
+    if (job.band.has_signs_only && sign == SignRule::none)
+        throw Error(ErrorCode::invalid_argument,
+                    "a field of signs alone is asked for, and the transform has no sign; give the band a width, or "
+                    "make the transform of a closed mesh with a sign rule");
+    if (method) {
+        method->check_outputs(job.outputs);
+        if (job.outputs.contains(Output::distance))
+            throw Error(ErrorCode::unsupported,
+                        "distances in double are computed from leaned frusta, scanned by bricks, alone; give the "
+                        "distance an array of floats");
+    }
+    stages->check(job.grid, job.band, sign);
+}
+
+void DistanceTransform::State::compile(const transform::Job& job, transform::Compiling& compiling) const {
+    context().require_usable();
+    transform::TestCase test_case = test_case_of(job), large = test_case;
+    large.is_large = true;
+    // It runs all that the other one runs.
+    if (context().is_tested(large.name())) return;
+    test(test_case.is_signed && scan::expects_large_triangles(job.grid, mesh()) ? large : test_case, compiling);
+}
+
+transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bool lone) {
+    return transform::with_remedies(nullptr, {forgetting()}, [&] {
+        transform::Inputs inputs = stages->inputs(job.grid, scan::layout_of(job.grid, job.band, sign), sign, lone);
+        if (job.outputs == OutputSet{} || method) return inputs;
+        const bool has_gradients = job.outputs.contains(Output::gradient);
+        inputs.sites =
+            stages->sites(transform::names_sites(job.outputs), has_gradients && stages->may_meet_samples(job.grid));
+        inputs.is_inside_out = has_gradients && topology.balanced && stages->encloses_negative_volume();
+        return inputs;
+    });
+}
+
+std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(const transform::Workshop& from,
+                                                                         transform::Inputs inputs,
+                                                                         const transform::Job& job,
+                                                                         transform::Caller& caller,
+                                                                         transform::Compiling& compiling) {
+    auto plan =
+        std::make_unique<transform::GridPlan>(from, std::move(inputs), job, [&caller] { caller.throw_if_stopped(); });
+    // Known only now: large triangles, and records made from kept frusta. Each has a kernel that must be tested.
+    const bool is_later = plan->inputs.records->is_later;
+    if (plan->has_large_triangles || is_later) {
+        transform::TestCase found = test_case_of(job);
+        found.is_large = plan->has_large_triangles;
+        found.is_later = is_later;
+        try {
+            test(found, compiling);
+        } catch (...) {
+            context().drain();  // the set-up's commands use the plan's buffers
+            throw;
+        }
+    }
+    from.pool->trim();
+    return plan;
+}
+
+std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const transform::Job& job) {
+    const auto found = std::ranges::find(
+        plans, job, [](const auto& plan) -> const auto& { return plan->job; });
+    if (found == plans.end()) return nullptr;
+    std::unique_ptr<transform::GridPlan> plan = std::move(*found);
+    plans.erase(found);
+    // The time of its set-up belongs to the call that made it.
+    plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
+    return plan;
+}
+
+void DistanceTransform::State::keep(std::unique_ptr<transform::GridPlan> plan) {
+    if (!method) plans.push_front(std::move(plan));
+    plan.reset();
+    if (plans.size() > most_plans) plans.pop_back();
+}
+
+std::size_t DistanceTransform::State::bytes_of(const transform::GridPlan& plan) const {
+    return plan.own_bytes() + stages->bytes_beside(plan.inputs);
+}
+
+void DistanceTransform::State::keep_within_budget() {
+    const std::size_t budget = stages->budget();
+    const std::size_t lattices = stages->device_bytes();
+    std::size_t bytes = lattices;
+    for (auto kept = plans.begin(); kept != plans.end();) {
+        const std::size_t more = bytes_of(**kept);
+        if (bytes + more > budget) {
+            kept = plans.erase(kept);
+        } else {
+            bytes += more;
+            ++kept;
+        }
+    }
+    if (lattices > budget) stages->keep_within(budget);
+}
+
+bool DistanceTransform::State::forget() {
+    const std::size_t plans_before = plans.size(), bytes_before = stages->device_bytes();
+    plans.clear();
+    stages->release();
+    return pool->release() > 0 || plans_before > 0 || stages->device_bytes() < bytes_before;
+}
+
+}  // namespace clsdf

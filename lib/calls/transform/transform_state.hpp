@@ -1,0 +1,158 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+#include <clsdf/error.hpp>
+
+#include "core/statistics.hpp"
+#include "launch/programs.hpp"
+#include "mesh/vertices.hpp"
+#include "plan/grid_plan.hpp"
+#include "plan/stages.hpp"
+#include "points/kept_points.hpp"
+#include "points/point_query.hpp"
+#include "self_test/self_test.hpp"
+#include "targets/slab_pipeline.hpp"
+#include "transform/call.hpp"
+#include "transform/plan_state.hpp"
+#include "transform/requests.hpp"
+
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace clsdf {
+
+class FieldMethod;
+
+/// The state of a transform: the mesh and the values made from it, programs, and plans of earlier calls.
+struct __attribute__((visibility("hidden"))) DistanceTransform::State : transform::Workshop {
+    /// method: of a library beside the core; null: leaned frusta by bricks.
+    State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
+          std::shared_ptr<const FieldMethod> method_in = nullptr);
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    ~State();
+
+    /// See DistanceTransform::restrict_to().
+    std::unique_ptr<State> restricted(std::vector<Region> regions);
+
+    const Mesh& mesh() const { return stages->mesh(); }
+
+    void set_positions(std::span<const Vec3> positions);
+    void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
+
+    /// Throws if such a job is refused, whatever the device does.
+    void check(const transform::Job& job) const;
+
+    /// Builds and tests, the first time, what such a job runs on the device.
+    void compile(const transform::Job& job, transform::Compiling& compiling) const;
+
+    /// lone: see Stages::inputs().
+    transform::Inputs inputs(const transform::Job& job, bool lone = false);
+    /// from: this, or with another pool.
+    std::unique_ptr<transform::GridPlan> make_plan(const transform::Workshop& from, transform::Inputs inputs,
+                                                   const transform::Job& job, transform::Caller& caller,
+                                                   transform::Compiling& compiling);
+    /// The plan of an earlier call with the same job, which is the caller's now; null if none is kept.
+    std::unique_ptr<transform::GridPlan> take_plan(const transform::Job& job);
+    /// Keeps a plan for the next call.
+    void keep(std::unique_ptr<transform::GridPlan> plan);
+    /// Drops kept plans and prepared data beyond the budget.
+    void keep_within_budget();
+    /// Calls keep_within_budget() when a call returns or throws. It is made before the mutex is locked.
+    struct KeepsBudget {
+        State& state;
+        /// Throws as CallMutex::lock() does, so that the destructor does not.
+        explicit KeepsBudget(State& state_in) : state(state_in) { state.mutex.check_thread(); }
+        KeepsBudget(const KeepsBudget&) = delete;
+        KeepsBudget& operator=(const KeepsBudget&) = delete;
+        ~KeepsBudget() {
+            const std::scoped_lock lock(state.mutex);
+            state.keep_within_budget();
+        }
+    };
+    /// Device memory that a kept plan holds, beside what the stages keep themselves.
+    std::size_t bytes_of(const transform::GridPlan& plan) const;
+    /// Releases what is kept for later calls. Returns whether there was something.
+    bool forget();
+    /// Forgets what is kept: see with_remedies().
+    transform::Remedy forgetting() {
+        return {[this] { return forget(); }};
+    }
+    /// Gives up the tables for many points.
+    transform::Remedy without_tables() {
+        return {[this] { return !std::exchange(points_are_short_of_memory, true); }};
+    }
+
+    // job_run.cpp
+    class JobRun;
+    /// By the plan of an earlier call with the same job; nothing if none is kept, or if memory is short.
+    std::optional<CallStatistics> run_kept(const transform::Job& job, const scan::HostArrays& arrays,
+                                           const CallOptions& call);
+    /// Slab by slab, into the arrays or, if not in place, to the pipeline's sink.
+    CallStatistics run(const transform::Job& job, std::vector<Grid> slabs, const scan::HostArrays& arrays,
+                       bool in_place, scan::SlabPipeline& pipeline, const CallOptions& call);
+    std::vector<Grid> slabs(const transform::Job& job, const scan::HostArrays& arrays, bool in_place) const;
+    /// Into memory of the host or of the device, which is that of the first request.
+    CallStatistics compute(std::span<const Request> requests, const CallOptions& call);
+    CallStatistics compute_one(const Request& request, const CallOptions& call);
+    CallStatistics compute_many(std::span<const Request> requests, const CallOptions& call);
+    /// Into memory of the device, by way of a plan.
+    CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
+
+    // plans.cpp
+    /// has_own_pool: it takes its buffers from a pool of its own, not from those that the transform uses again.
+    /// outputs_without_targets and counts: see PlanState.
+    std::unique_ptr<Plan::State> plan(bool has_own_pool, std::vector<Request> requests,
+                                      std::optional<OutputSet> outputs_without_targets, const CallOptions& call,
+                                      bool counts = false);
+    /// Makes the blocks of a plan anew, for these requests.
+    void plan(transform::PlanState& made, std::vector<Request> requests,
+              std::optional<OutputSet> outputs_without_targets, const CallOptions& call);
+    void plan(transform::PlanState& made, std::span<const scan::DeviceTargets> targets, const CallOptions& call);
+    /// Adds the plans of all blocks, and what they take to its statistics.
+    void add_blocks(transform::PlanState& made, std::span<const transform::PlanState::Block> blocks,
+                    std::span<const scan::DeviceTargets> targets, transform::Caller& caller,
+                    transform::Compiling& compiling);
+
+    // point_calls.cpp
+    std::shared_ptr<const points::PointMesh> points();
+    CallStatistics query(std::span<const Vec3> all, double half_width, OutputSet outputs,
+                         const scan::HostTargets& targets, const CallOptions& call);
+
+    TransformStatistics setup;  ///< what making it took
+    Topology topology;
+    transform::Vertices vertices;
+
+    transform::CallMutex mutex;  // for what follows, and for the work on the device
+    std::unique_ptr<transform::Stages> stages;
+    std::unique_ptr<points::KeptPoints> kept_points;
+    std::list<std::unique_ptr<transform::GridPlan>> plans;  // of earlier calls; that was used last first
+    std::vector<Vec3> first_positions;                      // of the transform's mesh, from the first move on
+    std::size_t points_asked = 0;                           // by query(), since the last move
+    /// Since the last move, the device's memory did not suffice for what makes queries of many points faster.
+    bool points_are_short_of_memory = false;
+
+private:
+    /// With the mesh of other stages.
+    State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
+          std::unique_ptr<transform::Stages> own_stages);
+
+    /// Throws Error(unsupported) if the transform is restricted: its vertices are not the caller's.
+    void require_whole() const;
+    /// For the transform's own mesh.
+    void move_vertices(std::vector<Vec3> positions);
+    transform::TestCase test_case_of(const transform::Job& job) const;
+    void test(const transform::TestCase& test_case, transform::Compiling& compiling) const;
+
+    /// For a query of `count` points.
+    points::PointInputs point_inputs(OutputSet outputs, std::size_t count);
+    /// A part of the points of a query, which asks for `asked` of them, into packed arrays.
+    points::PointTimes query(std::span<const Vec3> part, std::size_t asked, double half_width, OutputSet outputs,
+                             const scan::HostArrays& arrays, const std::function<void(double)>& between);
+};
+
+}  // namespace clsdf

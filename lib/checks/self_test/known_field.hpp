@@ -1,0 +1,80 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+
+#include "targets/slab_pipeline.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace clsdf::transform {
+
+/// Which of the known fields: what decides which kernels compute it.
+struct KnownFieldKind {
+    bool wide = false;         ///< no band; else one of a few voxels, with other limits inside than outside
+    bool is_signed = true;     ///< negative inside
+    bool long_bricks = false;  ///< samples farther apart along z
+    bool large = false;        ///< triangles with many rows of samples; else with few
+    bool later = false;        ///< a grid of another lattice, with samples on vertices and faces
+    bool fine = false;         ///< a fine grid: no polyhedron overlaps one coarse brick inside and one outside
+};
+
+/// A small field whose values are known: of a cube, a closed fan whose saddle vertex has a gap between its triangles'
+/// polyhedra, and a sliver, on a grid across the corner of eight coarse bricks, or a fine one through a face. The
+/// values come from plain arithmetic in double precision: the least distance to all triangles, and the winding number
+/// along rows. It shares nothing with the polyhedra and the kernels. All kinds have the same mesh.
+class KnownField {
+public:
+    explicit KnownField(const KnownFieldKind& kind);
+
+    const Mesh& mesh() const { return mesh_; }
+    const Grid& grid() const { return grid_; }
+    const Band& band() const { return band_; }
+
+    /// The same samples with a band of this half width on both sides, as points have it.
+    KnownField within(double half_width) const;
+
+    /// Describes values that differ from the known ones by more than their error: the first sample and the number of
+    /// samples. Nothing if all agree. found: packed samples; the distance alone, with the triangle, or with all
+    /// outputs.
+    std::optional<std::string> difference(const scan::HostArrays& found) const;
+    /// The samples whose distance is less than the half width on their side.
+    std::size_t band_samples(const scan::HostArrays& found) const;
+
+private:
+    /// A sample that is compared.
+    struct Sample {
+        std::size_t at;  ///< among the packed ones
+        Vec3 position;
+        double distance;  ///< signed, and not limited by the band
+    };
+    /// Each describes what is wrong, or returns an empty text.
+    std::string wrong_distance(const scan::HostArrays& found, const Sample& sample) const;
+    std::string wrong_triangle(const scan::HostArrays& found, const Sample& sample) const;
+    std::string wrong_outputs(const scan::HostArrays& found, const Sample& sample) const;
+
+    /// The half width on this side of the surface, as elements of the array have it.
+    double limit(bool negative, const scan::HostArray& distance) const;
+    double error() const;
+    double distance_to(std::uint32_t triangle, const Vec3& point) const;
+    /// Whether a triangle is the lowest that shares its site.
+    bool is_lowest(std::uint32_t triangle, std::uint8_t site) const;
+    /// The unit vector along the sum of the normals of the faces at a site, at a vertex weighted by angles.
+    std::array<double, 3> pseudonormal(std::uint32_t triangle, std::uint8_t site) const;
+    /// Negative inside, unless the field has no sign.
+    std::vector<double> values() const;
+    /// 1 outside, -1 inside.
+    void find_signs(std::vector<double>& signs) const;
+
+    KnownFieldKind kind_;
+    Mesh mesh_;
+    Grid grid_;
+    Band band_;
+};
+
+}  // namespace clsdf::transform

@@ -1,0 +1,128 @@
+#include "launch/programs.hpp"
+
+#include "device/opencl.hpp"
+#include "layout.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace clsdf::scan {
+
+namespace {
+
+KernelBody body_for(const device::Context::Capabilities& capabilities, KernelBody asked) {
+    if (asked != KernelBody::automatic) return asked;
+    return capabilities.is_processor ? KernelBody::by_vector : KernelBody::by_group;
+}
+
+/// Lanes of a work-item's vectors: 512 bits if the processor has them, else 256, which narrower ones divide.
+std::size_t lanes_for(const device::Context::Capabilities& capabilities, KernelBody body) {
+    if (body == KernelBody::by_group) return 1;
+    return capabilities.float_width >= 16 ? 16 : 8;
+}
+
+/// Refuses what is known to fail before anything is built: a compiler that fails may end the process.
+ProgramSources usable_sources(const device::Context& context, KernelBody asked) {
+    ProgramSources sources(context.capabilities(), asked);
+    device::refuse_known_fault(context.device(), sources.body);
+    return sources;
+}
+
+/// With options that work around the implementation's faults, which concern programs for vectors alone.
+ProgramSource around_faults(const device::Context& context, ProgramSource source, std::size_t lanes) {
+    if (lanes == 1) return source;
+    const device::Implementation implementation =
+        device::guarded([&] { return device::implementation_of(context.device()); });
+    source.options += device::options_around_faults(implementation, source.kernel_file);
+    return source;
+}
+
+cl::Program compiled(device::Context& context, const ProgramSource& source, const device::BuildWatch& watch) {
+    return context.program(source.kernel_file, source.options, watch);
+}
+
+}  // namespace
+
+std::vector<BrickVariant> every_variant() {
+    std::vector<BrickVariant> variants;
+    for (const bool nearest : {false, true})
+        for (const bool count : {false, true})
+            for (const bool long_bricks : {false, true}) variants.push_back({nearest, count, long_bricks});
+    return variants;
+}
+
+std::string options_of(const BrickVariant& variant) {
+    return fmt::format("{}{}{}", variant.nearest ? " -DNEAREST" : "", variant.count ? " -DCOUNT" : "",
+                       variant.long_bricks ? " -DLONG_BRICKS" : "");
+}
+
+ProgramSources::ProgramSources(const device::Context::Capabilities& capabilities, KernelBody asked)
+    : body(body_for(capabilities, asked)),
+      lanes(lanes_for(capabilities, body)),
+      group_size(capabilities.largest_group >= 128 ? 128 : 64),
+      scattered_access_(capabilities.scattered_access),
+      is_processor_(capabilities.is_processor),
+      device_options_(fmt::format("{}{}", capabilities.rounds_roots ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
+                                  capabilities.plain_inline ? " -DPLAIN_INLINE" : "")) {
+    if (capabilities.largest_group < group_size)
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("the device allows work-groups of {} items, and the kernels need {}; use another device",
+                        capabilities.largest_group, group_size));
+}
+
+std::string ProgramSources::common_options(std::size_t of_lanes) const {
+    return fmt::format("-cl-std=CL1.2 -DLANES={}{}", of_lanes, device_options_);
+}
+
+ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
+    if (body == KernelBody::by_group)
+        return {"bricks_by_group.cl",
+                fmt::format("{} -DGROUP={}{}", common_options(lanes), group_size, options_of(variant))};
+    return {"bricks_by_vector.cl",
+            common_options(lanes) + options_of(variant) + (scattered_access_ ? " -DSCATTERED_ACCESS" : "")};
+}
+
+std::vector<ProgramSource> ProgramSources::every_source() const {
+    std::vector<ProgramSource> sources{scan_source(),   coarse_lists_source(), sign_sweep_source(),  fill_source(),
+                                       points_source(), store_source(),        mesh_records_source()};
+    if (body == KernelBody::by_vector) sources.push_back(point_scan_source());
+    for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
+    return sources;
+}
+
+Programs::Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch)
+    : ProgramSources(usable_sources(context, asked)),
+      scan(compiled(context, scan_source(), watch)),
+      coarse_lists(compiled(context, around_faults(context, coarse_lists_source(), lanes), watch)),
+      sign_sweep(compiled(context, sign_sweep_source(), watch)),
+      fill(compiled(context, fill_source(), watch)),
+      mesh_records(compiled(context, around_faults(context, mesh_records_source(), mesh_lanes()), watch)) {}
+
+cl::Program Programs::bricks(device::Context& context, const BrickVariant& variant,
+                             const device::BuildWatch& watch) const {
+    return compiled(context, bricks_source(variant), watch);
+}
+
+cl::Program Programs::store(device::Context& context, const device::BuildWatch& watch) const {
+    return compiled(context, store_source(), watch);
+}
+
+cl::Program Programs::points(device::Context& context, const device::BuildWatch& watch) const {
+    return compiled(context, points_source(), watch);
+}
+
+cl::Program Programs::point_scan(device::Context& context, const device::BuildWatch& watch) const {
+    return compiled(context, point_scan_source(), watch);
+}
+
+std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {
+    if (body == KernelBody::by_vector) {
+        const std::size_t most = std::max<std::size_t>(most_counters / histogram, 1);
+        return std::min(most, 8 * std::size_t{context.capabilities().compute_units});
+    }
+    return std::clamp<std::size_t>(most_counters / histogram, common_group, 8192) / common_group * common_group;
+}
+
+}  // namespace clsdf::scan

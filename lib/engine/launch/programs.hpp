@@ -1,0 +1,108 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+
+#include <clsdf/tuning.hpp>
+
+#include "device/context.hpp"
+#include "launch/short_launches.hpp"
+
+#include <string>
+#include <vector>
+
+namespace clsdf::scan {
+
+/// Counters of all histograms of a job together: enough for a GPU's work-items, and a few megabytes.
+inline constexpr std::size_t most_counters = std::size_t{1} << 22;
+
+/// The variant of a brick kernel.
+struct BrickVariant {
+    bool nearest = false;      ///< keeps the nearest polyhedron: other outputs than the distance are asked for
+    bool count = false;        ///< counts its work
+    bool long_bricks = false;  ///< spacing so unequal that distances take double
+};
+
+/// All variants.
+std::vector<BrickVariant> every_variant();
+/// The options that a variant adds.
+std::string options_of(const BrickVariant& variant);
+
+/// A program before it is compiled.
+struct ProgramSource {
+    const char* kernel_file;
+    std::string options;          ///< of clBuildProgram
+    device::KernelFiles files{};  ///< of another library, beside the core's
+};
+
+/// The kernel files and options of one body on devices with the same capabilities.
+struct ProgramSources {
+    KernelBody body;             ///< never automatic
+    std::size_t lanes = 1;       ///< of a work-item's vectors
+    std::size_t group_size = 0;  ///< of the body by_group
+
+    /// Throws Error(unsupported) if the device's work-groups are too small for the body.
+    ProgramSources(const device::Context::Capabilities& capabilities, KernelBody asked);
+
+    ProgramSource scan_source() const {
+        return {body == KernelBody::by_group ? "scan_by_group.cl" : "scan.cl", common_options(lanes)};
+    }
+    ProgramSource coarse_lists_source() const {
+        return {body == KernelBody::by_group ? "coarse_lists_by_group.cl" : "coarse_lists.cl", common_options(lanes)};
+    }
+    ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(sweep_lanes())}; }
+    /// Lanes of its vectors of 64-bit integers.
+    std::size_t sweep_lanes() const { return lanes == 1 ? 1 : 8; }
+    ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
+    ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(mesh_lanes())}; }
+    /// Lanes of its vectors of doubles.
+    std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
+    ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
+    /// The scan of many points, by vectors.
+    ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }
+    /// Copies boxes to targets with strides.
+    ProgramSource store_source() const { return {"store_boxes.cl", common_options(1)}; }
+    ProgramSource bricks_source(const BrickVariant& variant) const;
+    /// Every program that a transform may ask for, each once.
+    std::vector<ProgramSource> every_source() const;
+
+    /// The options of every program, for vectors of so many lanes.
+    std::string common_options(std::size_t of_lanes) const;
+
+private:
+    bool scattered_access_;
+    bool is_processor_;
+    std::string device_options_;
+};
+
+/// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
+/// are not shared between threads.
+struct Programs : ProgramSources {
+    cl::Program scan;
+    cl::Program coarse_lists;
+    cl::Program sign_sweep;
+    cl::Program fill;
+    cl::Program mesh_records;
+
+    /// Programs that every computation needs.
+    static constexpr std::size_t common_programs = 5;
+
+    Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch = {});
+
+    cl::Program bricks(device::Context& context, const BrickVariant& variant,
+                       const device::BuildWatch& watch = {}) const;
+
+    /// Copies boxes to targets with strides.
+    cl::Program store(device::Context& context, const device::BuildWatch& watch = {}) const;
+
+    /// Looks up points anywhere.
+    cl::Program points(device::Context& context, const device::BuildWatch& watch = {}) const;
+    /// The scan of many points, by vectors.
+    cl::Program point_scan(device::Context& context, const device::BuildWatch& watch = {}) const;
+
+    /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
+    std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;
+    /// The size of their groups.
+    std::size_t part_group() const { return body == KernelBody::by_group ? common_group : 1; }
+};
+
+}  // namespace clsdf::scan

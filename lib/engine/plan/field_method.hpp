@@ -1,0 +1,50 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/outputs.hpp>
+
+#include "launch/programs.hpp"
+#include "plan/stages.hpp"
+#include "prepare/prepared_mesh.hpp"
+#include "scan/field_scan.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace clsdf {
+
+/// Another way from a mesh to its distances than leaned polyhedra scanned by bricks, from a library beside the core.
+/// The sign, slabs, plans and the self-test are the core's. A method has no state: threads and transforms may share it.
+class FieldMethod {
+public:
+    virtual ~FieldMethod() = default;
+
+    /// Throws Error(unsupported) for an output that it does not give.
+    virtual void check_outputs(OutputSet outputs) const = 0;
+
+    /// The mesh on the device for a grid, which is not kept for other grids.
+    virtual std::shared_ptr<const scan::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
+                                                              const Layout& layout) const = 0;
+
+    /// `inputs.mesh` is the result of prepare().
+    virtual std::unique_ptr<scan::FieldScan> make_scan(const scan::ScanInputs& inputs) const = 0;
+
+    /// The method that the self-test computes its known field with: it runs the kernels that such a computation runs,
+    /// and its fields are exact.
+    virtual std::shared_ptr<const FieldMethod> tested_as(const device::Context& context, const Layout& layout,
+                                                         const scan::BrickVariant& variant) const = 0;
+
+    // Asked of the method that tested_as() returns:
+
+    /// Names the kernels, for messages and for the records of what was tested.
+    virtual std::string name() const = 0;
+    /// The programs that are built beside those that every computation needs.
+    virtual std::vector<cl::Program> build(device::Context& context, const scan::Programs& programs,
+                                           const scan::BrickVariant& variant,
+                                           const device::BuildWatch& watch) const = 0;
+    /// How many programs it builds and launches it tests, about.
+    virtual std::size_t step_count() const = 0;
+};
+
+}  // namespace clsdf

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "plan/job.hpp"
+#include "plan/stages.hpp"
+#include "scan/field_scan.hpp"
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+namespace clsdf::transform {
+
+/// A job's buffers and launches. `between_launches` of the set-up may throw.
+struct GridPlan {
+    GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in,
+             const std::function<void()>& between_launches);
+
+    /// No command that uses it may be under way, unless the device is lost.
+    ~GridPlan();
+    GridPlan(const GridPlan&) = delete;
+    GridPlan& operator=(const GridPlan&) = delete;
+
+    /// Adds the commands of a computation. If the set-up or the computation before may still run on another queue, the
+    /// chain's wait list must have their events. `between_launches` (may be empty) is called with the fraction done
+    /// before each launch, when the commands before it have ended.
+    void enqueue(CommandChain& chain, const OutputBuffers& buffers,
+                 const std::function<void(double)>& between_launches);
+
+    /// Sets the counters and the kernels' times of the last computation, which has ended: the counters if the job has
+    /// them, the times if its queue measures them.
+    void read_back(const cl::CommandQueue& queue);
+
+    Device device;
+    Inputs inputs;
+    Job job;
+    CallStatistics statistics;
+    bool has_large_triangles = false;  ///< see SignBits
+
+    /// Device memory of this plan alone, without the records, which are shared.
+    std::size_t own_bytes() const { return statistics.device_bytes - inputs.records->device_bytes(); }
+
+private:
+    device::BufferPool::Lease sign_bits_;
+    std::optional<Finishing> finishing_;  ///< if more than the distance is asked for
+    std::unique_ptr<FieldScan> scan_;
+    // Events of the latest computation.
+    cl::Event before_launches_;
+    cl::Event after_launches_;
+    cl::Event last_;
+};
+
+}  // namespace clsdf::transform

@@ -1,0 +1,91 @@
+#include "plan/restriction.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace clsdf::transform {
+
+namespace {
+
+std::string text_of(const Box& box) {
+    const auto& [lower, upper] = box;
+    return fmt::format("({}, {}, {}) to ({}, {}, {})", lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]);
+}
+
+bool is_within(const Box& box, const Box& other, double slack) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (!(box.lower[axis] >= other.lower[axis] - slack && box.upper[axis] <= other.upper[axis] + slack))
+            return false;
+    return true;
+}
+
+/// The square of the distance between two boxes' centres.
+double square_between(const Box& a, const Box& b) {
+    double square = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double difference = (a.lower[axis] + a.upper[axis] - b.lower[axis] - b.upper[axis]) / 2;
+        square += difference * difference;
+    }
+    return square;
+}
+
+std::vector<Box> boxes_of(const std::vector<Region>& regions) {
+    std::vector<Box> boxes;
+    boxes.reserve(regions.size());
+    for (const Region& region : regions) boxes.push_back(region.box);
+    return boxes;
+}
+
+}  // namespace
+
+Restriction::Restriction(std::vector<Region> regions_in) : regions(std::move(regions_in)), index_(boxes_of(regions)) {}
+
+bool Restriction::holds(const Box& box, double half_width, double spacing, double slack) const {
+    return index_.any(widened(box, slack), [&](std::size_t n) {
+        const Region& region = regions[n];
+        return half_width <= region.half_width && spacing <= region.spacing && is_within(box, region.box, slack);
+    });
+}
+
+void Restriction::refuse(const std::string& what, const Box& box) const {
+    const Region& nearest = *std::min_element(regions.begin(), regions.end(), [&](const Region& a, const Region& b) {
+        return square_between(a.box, box) < square_between(b.box, box);
+    });
+    throw Error(
+        ErrorCode::invalid_argument,
+        fmt::format("{}, and the transform is restricted: the nearest of its {} regions is the box from {}, for "
+                    "half widths up to {} and spacings up to {}; restrict the whole transform to more",
+                    what, regions.size(), text_of(nearest.box), nearest.half_width, nearest.spacing));
+}
+
+void Restriction::check(const Grid& grid, const Band& band, SignRule sign) const {
+    const Box samples{grid.position(0, 0, 0), grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)};
+    const double longest = *std::max_element(grid.spacing.begin(), grid.spacing.end());
+    const double widest = sign == SignRule::none ? band.outside : band.widest();
+    // Samples are as far off as their positions are rounded.
+    if (!holds(samples, widest, longest, 1e-6 * longest))
+        refuse(fmt::format("the grid's samples reach from {}, its spacing is {} and the band's half width {}",
+                           text_of(samples), longest, widest),
+               samples);
+}
+
+void Restriction::check(std::span<const Vec3> points, double half_width) const {
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (const Box box{points[i], points[i]}; !holds(box, half_width, 0, 0))
+            refuse(fmt::format("point {} lies at ({}, {}, {}) and is looked up within {}", i, points[i][0],
+                               points[i][1], points[i][2], half_width),
+                   box);
+}
+
+void Restriction::check(std::span<const Box> boxes, double half_width) const {
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+        if (!holds(boxes[i], half_width, 0, 0))
+            refuse(fmt::format("box {} reaches from {} and is widened by {}", i, text_of(boxes[i]), half_width),
+                   boxes[i]);
+}
+
+}  // namespace clsdf::transform

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <clsdf/calls.hpp>
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
+
+#include "mesh/box_index.hpp"
+#include "prepare/prepared_mesh.hpp"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace clsdf::transform {
+
+/// The regions of a restricted transform, and the values that it needs of the whole mesh.
+class Restriction {
+public:
+    explicit Restriction(std::vector<Region> regions_in);
+
+    std::vector<Region> regions;
+    std::size_t record_count = 0;        ///< that a lattice keeps at most
+    std::vector<std::uint32_t> numbers;  ///< of the part's triangles, in the whole mesh
+    scan::SurfaceSample sample;          ///< of the whole mesh
+    bool encloses_negative_volume = false;
+
+    /// Each throws Error(invalid_argument) if the part of the mesh does not suffice for the field, points or boxes.
+    void check(const Grid& grid, const Band& band, SignRule sign) const;
+    void check(std::span<const Vec3> points, double half_width) const;
+    void check(std::span<const Box> boxes, double half_width) const;
+
+private:
+    BoxIndex index_;  // of the regions
+
+    /// Whether a region with such lengths holds the box. slack: of its limits.
+    bool holds(const Box& box, double half_width, double spacing, double slack) const;
+    [[noreturn]] void refuse(const std::string& what, const Box& box) const;
+};
+
+}  // namespace clsdf::transform

@@ -1,0 +1,240 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+
+#include "device/buffer_pool.hpp"
+#include "launch/programs.hpp"
+#include "layout.h"
+#include "plan/restriction.hpp"
+#include "polyhedra/cluster_index.hpp"
+#include "polyhedra/frusta.hpp"
+#include "polyhedra/topology.hpp"
+#include "prepare/device_faces.hpp"
+#include "prepare/finishing.hpp"
+#include "prepare/kernel_frusta.hpp"
+#include "prepare/prepared_mesh.hpp"
+#include "prepare/sweep_mesh.hpp"
+
+#include <functional>
+#include <list>
+#include <memory>
+#include <new>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace clsdf {
+class FieldMethod;
+}
+
+namespace clsdf::transform {
+
+// Everything here is made by the scan, or for it.
+using namespace scan;
+
+/// The inputs of the computation of a grid.
+struct Inputs {
+    std::shared_ptr<const PreparedMesh> records;
+    RecordSelection selection;                    ///< those that matter; null for all, and with another method
+    std::shared_ptr<const SurfacePoints> points;  ///< null if the band is so narrow that no bound would be below it
+    std::shared_ptr<const SweepMesh> sweep_mesh;  ///< null if the field has no sign
+    SweepSelection sweep_selection;               ///< its triangles that matter
+    std::shared_ptr<const DeviceSites> sites;     ///< null for the distance alone
+    bool is_inside_out = false;                   ///< the faces look inwards
+};
+
+/// The kernels that make a mesh's polyhedra. The host makes them without a program.
+struct SetUpBy {
+    cl::Program program;    ///< of kernels/frusta/mesh_records.cl
+    std::size_t lanes = 1;  ///< that it is compiled for
+};
+
+/// The values that a transform keeps of its mesh. Each is made from those above it when it is needed first, and again
+/// only if one of them has changed.
+///
+///     MeshTopology   of the triangles                    kept
+///     Frusta, index  + positions                         kept until the vertices move
+///     device's faces + positions                         the same
+///     sites' names   of the triangles                    kept, once an output names sites
+///     pseudonormals  + positions                         kept until the vertices move, once gradients need them
+///     records        + lattice (origin and spacing)      kept for the lattices that were used last
+///
+/// Others may keep values beside these: keep_also().
+///
+/// A grid that is small beside the mesh gets records of what is near it, which are not kept. If many such grids of a
+/// lattice are asked for, all records of the lattice are made and kept, and each grid gets a selection of them. The
+/// field has the same bytes either way. For one thread at a time.
+class Stages {
+public:
+    struct Options {
+        std::shared_ptr<const FieldMethod> method{};  ///< null for leaned polyhedra scanned by bricks
+        SetUpBy set_up{};
+        bool has_selections = false;              ///< the kernels can make lists of a part of the records
+        std::optional<std::size_t> kept_bytes{};  ///< see TransformOptions
+        bool is_whole = false;                    ///< small grids, too, get records of the whole mesh
+    };
+
+    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options);
+    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh)
+        : Stages(context, std::move(pool), std::move(mesh), Options()) {}
+
+    Stages(const Stages&) = delete;
+    Stages& operator=(const Stages&) = delete;
+    ~Stages();
+
+    /// Stages that keep only what samples and points of a box can need; see DistanceTransform::restrict_to().
+    std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
+                                       SignRule sign);
+    /// Null for the whole mesh.
+    const Restriction* restriction() const { return restriction_ ? &*restriction_ : nullptr; }
+    /// Throws if a restricted mesh does not suffice for the field, or if the grid has more samples than kernels can
+    /// number or lies too far from the mesh; see Restriction::check(), layout_of() and check_distance().
+    void check(const Grid& grid, const Band& band, SignRule sign) const;
+
+    device::Context& context() const { return context_; }
+    const std::shared_ptr<device::BufferPool>& pool() const { return pool_; }
+    const Mesh& mesh() const { return mesh_; }
+    const polyhedra::MeshTopology& topology() { return *shared_topology(); }
+    std::shared_ptr<const polyhedra::MeshTopology> shared_topology();
+    const polyhedra::Frusta& frusta();
+
+    /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
+    void move(std::vector<Vec3> positions);
+
+    /// lone: a small grid gets inputs of its own, which contain only triangles near it. Throws Error(invalid_argument,
+    /// unsupported or out_of_memory).
+    Inputs inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone = false);
+
+    /// Reduces a grid's inputs to those near a part of it, unless most of them are. Throws Error(out_of_memory).
+    void select(const Grid& part, const Layout& layout, Inputs& inputs);
+
+    /// Whether samples of the grid's lattice may lie on an edge or a vertex, so that gradients need pseudonormals.
+    bool may_meet_samples(const Grid& grid);
+    bool encloses_negative_volume();
+
+    /// The sites that finishing reads: their names for outputs that tell them (names_sites()), their pseudonormals for
+    /// gradients on edges and vertices. Throws Error(out_of_memory).
+    std::shared_ptr<const DeviceSites> sites(bool with_names, bool with_normals);
+
+    /// The records of the whole mesh, which are not kept. Throws Error(out_of_memory).
+    PreparedMesh all_records(const polyhedra::LatticeView& lattice);
+
+    /// A value that is kept. Its device_bytes count against the budget.
+    struct KeptValue {
+        const char* name;
+        std::size_t host_bytes;
+        std::size_t device_bytes;
+        bool of_positions;  ///< forgotten when the vertices move
+        bool of_points;     ///< queries of points need it
+        std::function<void()> forget;
+    };
+    /// Values that somebody else keeps, who lives as long as calls are made. `values` lists them, those that are kept
+    /// first if memory is short first.
+    void keep_also(std::function<std::vector<KeptValue>()> values) { others_ = std::move(values); }
+
+    /// Returns what make() returns. Throws Error(out_of_memory) if the host has too little memory.
+    template <typename Make>
+    auto prepare(const Make& make) const {
+        try {
+            return make();
+        } catch (const std::bad_alloc&) {
+            refuse_memory();
+        }
+    }
+
+    /// Limit of the device memory that is kept, in bytes.
+    std::size_t budget();
+    /// Forgets what does not fit in the budget, in bytes of the device's memory. The mesh's own data come first, then
+    /// the lattices, the last used first.
+    void keep_within(std::size_t budget);
+    /// Drops everything that no plan holds. Dropping the rest would free no memory.
+    void release();
+
+    std::size_t host_bytes();    ///< all memory of the host that is kept
+    std::size_t device_bytes();  ///< all memory of the device that is kept
+    /// Device memory of a grid's records and triangles of the sweep, if they are not among what is kept.
+    std::size_t bytes_beside(const Inputs& inputs) const;
+    /// Bytes of the records that a lattice keeps.
+    std::size_t record_bytes() const;
+
+private:
+    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
+           Restriction restriction, Options options);
+
+    struct Lattice {
+        Vec3 origin{};
+        Vec3 spacing{};
+        std::shared_ptr<const PreparedMesh> records;
+        std::shared_ptr<const SweepMesh> sweep_mesh;
+        std::shared_ptr<const SurfacePoints> points;
+        /// Numbers of faces whose records, or triangles of the sweep, were made for small grids only.
+        std::size_t faces_packed = 0;
+        std::size_t faces_swept = 0;
+        std::optional<polyhedra::NearRecords> kept{};  ///< what `records` are of
+        std::optional<bool> may_meet_samples{};        ///< see may_meet_samples()
+
+        std::size_t bytes() const;
+        /// Whether plans hold parts of it, too.
+        bool is_in_use() const;
+    };
+
+    /// All but the lattices; those that are kept first if memory is short come first.
+    std::vector<KeptValue> kept_values();
+    [[noreturn]] void refuse_memory() const;
+
+    const polyhedra::ClusterIndex& index();
+    /// On a processor its destructor enqueues a marker, for which wait_for_readers() waits: the commands before it may
+    /// read the frusta.
+    class ReaderMark;
+    /// Waits until no kernel reads the frusta any more: on a processor kernels use the host's memory.
+    void wait_for_readers();
+    DeviceSetUp set_up() const { return {context_, pool_, options_.set_up.program, options_.set_up.lanes}; }
+    /// Whether kernels make the frusta.
+    bool has_kernels();
+    const std::shared_ptr<const DeviceFaces::Names>& names();
+    /// Makes the frusta, and their records for a lattice if it is not null and kernels make them.
+    std::optional<PreparedMesh> make_frusta(const polyhedra::LatticeView* lattice);
+    /// Null if the host makes the lattice's records, and the vertices of its sweep.
+    std::shared_ptr<const DeviceFaces> device_faces(const polyhedra::LatticeView& lattice);
+    PreparedMesh records(const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
+                         std::span<const polyhedra::RecordRange> of_sites);
+    /// The lattice of a grid, which becomes the one that was used last.
+    Lattice& lattice(const Grid& grid);
+    /// The records that the lattice of a grid keeps: all; for a part of a mesh, those that distances in its box can
+    /// need. Faces that a part has for the sign alone need no records.
+    const polyhedra::NearRecords& kept_records(const Grid& grid);
+    /// The part of the mesh that a grid needs, for its coarse bricks' lists or for its rows' crossings; nothing if that
+    /// is more than half of the `faces` that there are.
+    std::optional<polyhedra::NearRecords> near_box(const Box& box, std::size_t faces);
+    std::optional<polyhedra::NearRecords> near_bricks(const Grid& grid, const Layout& layout);
+    std::optional<polyhedra::NearRecords> near_rows(const Grid& grid, const Layout& layout);
+    /// Whether small grids are to get selections of a lattice's values, which are kept or are to be made: if grids of
+    /// the lattice needed more than `most` faces so far, and the budget allows it.
+    bool is_shared(bool is_kept, std::size_t packed, double most);
+    void set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
+    void set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
+
+    device::Context& context_;
+    std::shared_ptr<device::BufferPool> pool_;
+    Options options_;
+    Mesh mesh_;
+    std::optional<Restriction> restriction_;
+    std::shared_ptr<const polyhedra::MeshTopology> topology_;
+    bool has_moved_ = false;
+    std::shared_ptr<const FrustaSources> frusta_sources_;  // kept from the first move on
+    std::optional<polyhedra::Frusta> frusta_;
+    std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
+    std::shared_ptr<const DeviceFaces::Names> names_;
+    std::shared_ptr<const DeviceFaces> faces_;
+    cl::Event last_reader_;  // of the frusta, on a processor
+    bool is_last_reader_known_ = true;
+    DeviceSites sites_;
+    std::optional<bool> encloses_negative_volume_;
+    std::function<std::vector<KeptValue>()> others_;
+    std::list<Lattice> lattices_;  // that was used last first
+};
+
+}  // namespace clsdf::transform

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include "face_sources.h"
+#include "polyhedron.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace clsdf::polyhedra {
+
+using Vector = Eigen::Vector3d;
+
+inline Vector to_vector(const Vec3& v) {
+    return {v[0], v[1], v[2]};
+}
+
+/// A product of two vectors, summed in this order always, as in kernels/frusta/face_frames.h.
+inline double dot(const Vector& a, const Vector& b) {
+    return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
+}
+
+/// A unit vector perpendicular to the unit vector `v`.
+inline Vector any_perpendicular(const Vector& v) {
+    const Vector axis = std::abs(v.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY();
+    return v.cross(axis).normalized();
+}
+
+/// A mesh seen from a lattice: positions in units, in the metric frame, relative to the lattice's sample (0, 0, 0). The
+/// unit is the caller's choice, of the order of the smallest spacing; a power of two scales without rounding.
+struct LatticeView {
+    Vec3 origin{};                   ///< of the lattice, in the mesh's units
+    double unit = 1;                 ///< in the mesh's units
+    Vec3 spacing_in_units{1, 1, 1};  ///< per axis
+
+    /// On an axis, in units from sample (0, 0, 0). Beyond, one double is too coarse for a position.
+    static constexpr double far = 0x1p24;
+
+    /// The difference position - sample number `sample` on an axis, in units. If both are far from sample (0, 0, 0),
+    /// each is taken as the sum of two doubles, so that the rounding is relative to the difference.
+    double from_sample(std::size_t axis, double position, double sample) const {
+        const double head = position - origin[axis];
+        const double place = sample * spacing_in_units[axis];
+        if (!(std::abs(head / unit) > far)) return head / unit - place;
+        const double subtracted = head - position;
+        const double tail = (position - (head - subtracted)) - (origin[axis] + subtracted);
+        const double place_tail = std::fma(sample, spacing_in_units[axis], -place);
+        return (head / unit - place) + (tail / unit - place_tail);
+    }
+    Vec3 from_sample(const Vec3& position, const std::array<std::int32_t, 3>& sample) const {
+        return {from_sample(0, position[0], sample[0]), from_sample(1, position[1], sample[1]),
+                from_sample(2, position[2], sample[2])};
+    }
+};
+
+/// The lattice as kernels take it.
+inline FaceLattice face_lattice(const LatticeView& lattice) {
+    FaceLattice result{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        result.origin[axis] = lattice.origin[axis];
+        result.spacing[axis] = lattice.spacing_in_units[axis];
+        result.sample[axis] = lattice.spacing_in_units[axis] * lattice.unit;  // exact: a unit is a power of two
+    }
+    result.per_unit = 1 / lattice.unit;
+    return result;
+}
+
+/// The frame of kernels/common/polyhedron.h in double precision, in units of the lattice. The members that
+/// tests of edges read come first, for the caches.
+// NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
+struct TriangleFrame {
+    Vector normal;                  ///< Z
+    std::array<Vector, 3> inwards;  ///< by edge of the triangle: unit vector in the plane, perpendicular to the edge
+
+    double altitude;
+    double turn;  ///< bounds the angle by which rounding turns the frame around its edges; infinite for a box
+    std::uint32_t base_edge;  ///< 0 to 2; edge k of the triangle runs from its vertex k to the next
+    bool is_box;              ///< so degenerate that its lateral planes are left out: all its slopes are open
+
+    Vector along;                ///< X, along the longest edge: the base
+    Vector foot;                 ///< of the altitude, from the lattice's sample (0, 0, 0)
+    std::array<double, 2> base;  ///< by half: from the foot to the end of the base
+
+    // By half (CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT), components of the slanted edge's outward normal:
+    std::array<double, 2> normal_along;   ///< along X away from the foot
+    std::array<double, 2> normal_across;  ///< along Y
+
+    /// Y, from the base to the apex.
+    const Vector& across() const { return inwards[base_edge]; }
+
+    double base_length() const { return base[0] + base[1]; }
+
+    /// Index of edge k of the triangle in the polyhedron: CLSDF_EDGE_BASE, _RIGHT or _LEFT.
+    std::uint32_t polyhedron_edge(std::uint32_t k) const { return k >= base_edge ? k - base_edge : k + 3 - base_edge; }
+};
+
+/// Bounds the sum of a frame's roundings: some thirty of 2^-53 by count, 3e-15.
+inline constexpr double frame_roundings = 1e-13;
+
+/// The frame of a triangle, also of a degenerate one (twice the area <= 1e-8 times the square of the longest edge): of
+/// a segment the base is the segment. Of a triangle no longer than 1e-100 units everything has length zero.
+TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice);
+
+/// The frame of an equilateral triangle that has shrunk to the point at `position`, in units.
+TriangleFrame point_frame(const Vector& position, const Vector& normal);
+
+/// Faces of a mesh, in an order of their own, as seen from a lattice.
+struct MeshFaces {
+    std::span<const Vec3> positions;  ///< of the vertices
+    std::span<const Triangle> triangles;
+    const LatticeView& lattice;
+
+    const Vec3& position(std::uint32_t vertex) const { return positions[vertex]; }
+    std::array<Vec3, 3> corners(std::size_t face) const {
+        const auto& [a, b, c] = triangles[face];
+        return {position(a), position(b), position(c)};
+    }
+    TriangleFrame frame(std::size_t face) const { return triangle_frame(corners(face), lattice); }
+};
+
+}  // namespace clsdf::polyhedra

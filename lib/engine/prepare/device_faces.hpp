@@ -1,0 +1,145 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+#include "face_sources.h"
+#include "launch/commands.hpp"
+#include "polyhedra/cluster_index.hpp"
+#include "polyhedra/frusta.hpp"
+#include "polyhedra/topology.hpp"
+#include "prepare/prepared_mesh.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace clsdf::scan {
+
+/// An upper estimate of a core's time for the record or the slopes of a face; it limits the work of a launch.
+inline constexpr double seconds_per_face = 1e-6;
+
+/// Makes data of a mesh on the device: by the program of kernels/frusta/mesh_records.cl, compiled for so many lanes.
+struct DeviceSetUp {
+    device::Context& context;
+    const std::shared_ptr<device::BufferPool>& pool;
+    const cl::Program& program;
+    std::size_t lanes;
+
+    /// Faces of a work-item.
+    std::size_t item_faces() const { return lanes == 1 ? 1 : 256; }
+    /// The launch of a kernel for so many faces.
+    WorkItems items_of(std::size_t faces) const {
+        return {(faces + item_faces() - 1) / item_faces(), lanes == 1 ? common_group : 1};
+    }
+
+    /// Whether kernels use arrays of the host in place.
+    bool shares_memory() const { return context.capabilities().is_processor; }
+    /// A buffer in an array of the host, which must outlive it; it has no bytes of its own.
+    template <class Values>
+    device::BufferPool::Lease shared(const Values& values, cl_mem_flags access = CL_MEM_READ_ONLY) const {
+        if (values.empty()) return {};
+        // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): `access` says what the device may do
+        auto* const host = const_cast<void*>(static_cast<const void*>(values.data()));
+        const std::size_t bytes = values.size() * sizeof(values[0]);
+        return {nullptr, device::guarded([&] {
+                    return cl::Buffer(context.context(), access | CL_MEM_USE_HOST_PTR, bytes, host);
+                }),
+                0};
+    }
+    /// Copies values to the device, and does not wait.
+    template <class Values>
+    device::BufferPool::Lease upload(const Values& values, const char* purpose) const {
+        if (values.empty()) return {};
+        device::HostFilling filling(context, pool, values.size() * sizeof(values[0]), purpose);
+        std::copy(values.begin(), values.end(),
+                  static_cast<std::remove_cvref_t<decltype(values[0])>*>(filling.memory()));
+        return filling.finish();
+    }
+    /// Values that kernels read: the host's own if it shares its memory, else a copy. They must outlive it.
+    template <class Values>
+    device::BufferPool::Lease input(const Values& values, const char* purpose) const {
+        return shares_memory() ? shared(values) : upload(values, purpose);
+    }
+};
+
+/// The faces of a mesh on the device. Records and the vertices of the sign's sweep are made of them there, for each
+/// lattice. If device and host share their memory, the arrays are those of the topology and of the frusta.
+struct DeviceFaces {
+    /// The data that moving vertices leave as they are.
+    struct Names {
+        std::shared_ptr<const polyhedra::MeshTopology> topology;
+        device::BufferPool::Lease triangles;  ///< Triangle, numbers of vertices as in MeshTopology::faces
+        device::BufferPool::Lease names;      ///< see face_sources.h
+
+        std::size_t face_count() const { return topology->order.size(); }
+        std::size_t vertex_count() const { return topology->faces.vertices.size(); }
+        std::size_t bytes() const { return triangles.bytes() + names.bytes(); }
+    };
+
+    std::shared_ptr<const Names> names;
+    device::BufferPool::Lease positions;  ///< Vec3 of each vertex
+    device::BufferPool::Lease slopes;     ///< polyhedra::FaceSlopes of each face
+
+    /// On the device, without the names.
+    std::size_t own_bytes() const { return positions.bytes() + slopes.bytes(); }
+};
+
+DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology);
+/// `frusta` must outlive them.
+DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+                         const polyhedra::Frusta& frusta);
+
+/// Whether the kernels' plain arithmetic suffices for a lattice: the mesh is not far from its sample (0, 0, 0), and not
+/// vanishingly small beside a voxel. It is a function of mesh and lattice alone.
+bool is_plain(const Mesh& mesh, const polyhedra::LatticeView& lattice);
+
+void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
+                 std::size_t item_words, const cl::Buffer& items);
+/// Enqueues a copy of items that the host wrote to their places in an array on the device.
+template <class T>
+void place_items(const DeviceSetUp& job, const std::vector<T>& written, const std::vector<cl_uint>& places,
+                 const cl::Buffer& items) {
+    static_assert(sizeof(T) % sizeof(cl_uint) == 0);
+    if (places.empty()) return;
+    const auto values = job.upload(written, "data that the host writes");
+    const auto numbers = job.upload(places, "their places");
+    place_words(job, *values, *numbers, places.size(), sizeof(T) / sizeof(cl_uint), items);
+}
+
+/// Records that the host writes into those on the device: of faces that are nearly degenerate, and of point sites.
+class WrittenRecords {
+public:
+    /// `faces`: those of the host, ascending.
+    WrittenRecords(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                   const polyhedra::LatticeView& lattice, std::span<const std::uint32_t> faces)
+        : topology_(topology), frusta_(frusta), lattice_(lattice), faces_(faces) {}
+
+    /// Adds a range of faces, whose records begin at `record`. The last face of the mesh fills up its
+    /// group.
+    void add_faces(const polyhedra::RecordRange& range, std::size_t record);
+    void add_sites(const polyhedra::RecordRange& range, std::size_t record);
+
+    /// Enqueues their way to their places.
+    void place(const DeviceSetUp& job, const cl::Buffer& records) const;
+
+private:
+    const polyhedra::MeshTopology& topology_;
+    const polyhedra::Frusta& frusta_;
+    const polyhedra::LatticeView& lattice_;
+    std::span<const std::uint32_t> faces_;
+    std::vector<std::uint32_t> written_faces_;
+    std::vector<cl_uint> face_places_;
+    std::vector<Polyhedron> sites_;
+    std::vector<cl_uint> site_places_;
+};
+
+/// The records of ranges of faces, each of which begins with a group (polyhedra::record_group), and of point sites.
+PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
+                               const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                               const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
+                               std::span<const polyhedra::RecordRange> of_sites);
+
+}  // namespace clsdf::scan

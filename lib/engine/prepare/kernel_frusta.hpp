@@ -1,0 +1,41 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+#include "polyhedra/frusta.hpp"
+#include "polyhedra/kernel_topology.hpp"
+#include "prepare/device_faces.hpp"
+#include "prepare/prepared_mesh.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+namespace clsdf::scan {
+
+/// A mesh's topology for the kernels that make frusta.
+struct FrustaSources {
+    polyhedra::KernelTopology of_kernels;
+    device::BufferPool::Lease opposite, fan_words, fan_items;
+
+    FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology);
+
+    std::size_t host_bytes() const { return of_kernels.bytes(); }
+    std::size_t device_bytes() const { return opposite.bytes() + fan_words.bytes() + fan_items.bytes(); }
+};
+
+/// Whether the topology has few enough faces for the kernels' numbers.
+bool suits_kernels(const polyhedra::MeshTopology& topology);
+
+struct MadeFrusta {
+    polyhedra::Frusta frusta;  ///< whose arrays the faces share if device and host share their memory
+    DeviceFaces faces;
+    std::optional<PreparedMesh> records{};  ///< for the lattice, if there is one
+};
+
+/// The frusta of a mesh with these faces: made by kernels, and completed by the host, exactly. One wait for the device.
+/// `lattice`: whose records are made, too; null for none.
+MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
+                             const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
+                             const polyhedra::LatticeView* lattice);
+
+}  // namespace clsdf::scan

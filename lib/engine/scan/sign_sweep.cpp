@@ -1,0 +1,238 @@
+#include "scan/sign_sweep.hpp"
+
+#include "device/in_flight.hpp"
+#include "device/opencl.hpp"
+#include "launch/commands.hpp"
+#include "launch/prefix_sums.hpp"
+#include "launch/programs.hpp"
+#include "prepare/layout_of.hpp"
+#include "sweep.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+namespace clsdf::scan {
+
+namespace {
+
+// The first room for crossings, per row on average (see sign_bytes_of_slice). If there are more crossings, they are
+// found twice.
+constexpr std::size_t records_per_row = 4;
+constexpr const char* records_purpose = "crossings of the sign's sweep";
+constexpr const char* listed = "crossings of the surface by rows of samples";
+
+// Upper estimates for one core; they limit the work of a launch.
+constexpr double seconds_per_row = 2e-8;       // that is tested against a triangle
+constexpr double seconds_per_triangle = 5e-7;  // of the first launch: with CLSDF_LARGE_ROWS rows
+constexpr double seconds_per_record = 2e-8;
+constexpr double seconds_per_word = 5e-9;  // of sign bits
+
+// A large triangle is divided among work-items, each of which takes a strip of its slices.
+constexpr std::size_t rows_of_a_strip = std::size_t{1} << 14;
+constexpr std::size_t most_strips = 64;
+
+// Rows that lie together, most of which meet no surface, of one work-item on a processor.
+constexpr std::size_t rows_of_a_core = 64;
+
+}  // namespace
+
+/// The crossings of the part's rows of samples and the surface.
+struct Crossings {
+    std::size_t count = 0;
+    device::BufferPool::Lease starts;   ///< of the rows' crossings, were they listed row by row; and `count`
+    device::BufferPool::Lease records;  ///< SweepRecord, in no order
+    std::size_t record_count = 0;       ///< those that are left over included
+    bool has_large_triangles = false;   ///< see SignBits
+};
+
+/// The launches that find the crossings.
+class CrossingSearch {
+public:
+    explicit CrossingSearch(const SweepInputs& inputs)
+        : inputs_(inputs),
+          queue_(inputs.context.queue()),
+          seen_(inputs.layout),
+          row_count_(sign_row_count(inputs.layout)),
+          triangle_count_(has_selection() ? inputs.selection.count : inputs.mesh->triangle_count),
+          parts_(inputs.programs.parallel_parts(inputs.context, 1)),
+          row_counts_(inputs.pool->lease(row_count_ * sizeof(cl_uint), "counts of the sign's crossings")),
+          totals_(inputs.pool->lease(sizeof(SweepTotals), "totals of the sign's sweep")),
+          large_(inputs.pool->lease(triangle_count_ * sizeof(cl_uint), "large triangles of the sign's sweep")),
+          small_kernel_(inputs.programs.sign_sweep, "sign_crossings"),
+          large_kernel_(inputs.programs.sign_sweep, "sign_crossings_of_large") {
+        seen_.brick_first[0] -= inputs.mesh->first_x / CLSDF_BRICK;
+        crossings_.starts = inputs.pool->lease((row_count_ + 1) * sizeof(cl_uint), "starts of the sign's crossings");
+        const std::size_t left_over = std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK;
+        const std::size_t most =
+            std::min<std::size_t>(inputs.context.capabilities().largest_allocation / sizeof(SweepRecord),
+                                  std::numeric_limits<cl_uint>::max());
+        // The first capacity is a guess. If there is no memory for it, crossings are only counted at first.
+        capacity_ = std::min(records_per_row * row_count_ + left_over, most);
+        if (auto guess = inputs.pool->lease_if_it_fits(capacity_ * sizeof(SweepRecord), records_purpose))
+            crossings_.records = std::move(*guess);
+        else
+            crossings_.records = inputs.pool->lease(capacity_ = 0, records_purpose);
+    }
+
+    /// Enqueues the search with room for `capacity_` records, and what says where each row's start; does not wait.
+    void begin() {
+        totals_found_.begin();
+        queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
+        queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
+        inputs_.launches.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
+            launch(small_kernel_, cl::NDRange(parts_), cl::NDRange(inputs_.programs.part_group()), begin, end,
+                   cl_int{has_selection() ? 1 : 0},
+                   has_selection() ? inputs_.selection.triangles : inputs_.mesh->triangles());
+        });
+        add_up();
+    }
+
+    /// Waits for what was found, unless the host has waited for later commands of the queue. Searches again if there
+    /// was too little room. Throws Error(out_of_memory) if there are 2^32 crossings or more.
+    Crossings finish() {
+        for (;;) {
+            end();
+            // The counter of records has 32 bits and wraps; the scan's total shows it.
+            if (crossings_.count > crossings_.record_count) throw too_many(listed);
+            if (crossings_.record_count <= capacity_) return std::move(crossings_);
+            capacity_ = crossings_.record_count;
+            crossings_.records = {};  // the smaller one goes back first
+            crossings_.records = inputs_.pool->lease_for_list(capacity_ * sizeof(SweepRecord), records_purpose);
+            begin();
+        }
+    }
+
+private:
+    bool has_selection() const { return inputs_.selection.triangles() != nullptr; }
+
+    /// Waits, and sets the crossings' numbers: of the records those that it took, also if there was room for fewer.
+    void end() {
+        SweepTotals totals = wait_for_totals();
+        crossings_.has_large_triangles = totals.large > 0;
+        if (totals.large > 0) {
+            find_large(totals);
+            add_up();
+            totals = wait_for_totals();
+        }
+        crossings_.record_count = totals.records;
+        totals_found_.end();
+    }
+
+    void find_large(const SweepTotals& totals) {
+        const std::size_t strips = std::min(totals.largest_rows / rows_of_a_strip + 1, most_strips);
+        const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
+        const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
+        inputs_.launches.over(totals.large, seconds, [&](std::size_t begin, std::size_t end) {
+            launch(large_kernel_, cl::NDRange(in_whole_groups(end - begin), strips), cl::NDRange(common_group, 1),
+                   begin, end);
+        });
+    }
+
+    /// With the arguments that both kernels have, and those that only one has.
+    template <class... Arguments>
+    void launch(cl::Kernel& kernel, const cl::NDRange& items, const cl::NDRange& group, std::size_t begin,
+                std::size_t end, const Arguments&... others) const {
+        const SweepMesh& mesh = *inputs_.mesh;
+        set_arguments(kernel, 0, seen_, static_cast<cl_uint>(begin), static_cast<cl_uint>(end), mesh.triangles(),
+                      *mesh.vertices, cl_int{mesh.bits_y}, cl_int{mesh.bits_z}, *row_counts_,
+                      static_cast<cl_uint>(capacity_), *crossings_.records, *totals_, *large_, others...);
+        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group);
+    }
+
+    /// Sums the crossings so far. The sums do not wait until it is known whether large triangles are left: waking the
+    /// host takes as long.
+    void add_up() {
+        sums_.emplace(inputs_.context, inputs_.programs, inputs_.pool, *row_counts_, *crossings_.starts, row_count_,
+                      listed);
+        CommandGate gate(inputs_.context);
+        sums_->enqueue();
+        queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_->get(), nullptr,
+                                 &totals_read_);
+        gate.open();
+    }
+
+    SweepTotals wait_for_totals() {
+        device::wait_for(totals_read_);
+        crossings_.count = sums_->total();
+        return **totals_found_;
+    }
+
+    const SweepInputs& inputs_;
+    const cl::CommandQueue& queue_;
+    Layout seen_;  ///< from where the mesh's x is counted
+    std::size_t row_count_;
+    std::size_t triangle_count_;
+    std::size_t parts_;
+    device::BufferPool::Lease row_counts_;
+    device::BufferPool::Lease totals_;
+    device::BufferPool::Lease large_;
+    cl::Kernel small_kernel_;
+    cl::Kernel large_kernel_;
+    cl::Event totals_read_;
+    std::optional<PrefixSums> sums_;
+    Crossings crossings_;
+    std::size_t capacity_ = 0;  ///< records that there is room for
+    device::InFlight<std::unique_ptr<SweepTotals>> totals_found_{inputs_.context, std::make_unique<SweepTotals>()};
+};
+
+namespace {
+
+/// The keys of the crossings, row by row.
+device::BufferPool::Lease keys_by_row(const SweepInputs& inputs, const Crossings& crossings) {
+    auto keys = inputs.pool->lease_for_list(crossings.count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
+    cl::Kernel scatter(inputs.programs.sign_sweep, "sign_scatter");
+    inputs.launches.over_items(scatter, crossings.record_count, seconds_per_record, [&](cl_uint begin, cl_uint end) {
+        set_arguments(scatter, 0, begin, end, *crossings.records, *crossings.starts, *keys);
+    });
+    return keys;
+}
+
+}  // namespace
+
+SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
+    device::guarded([&] {
+        const std::size_t bytes =
+            sign_row_count(inputs.layout) * static_cast<std::size_t>(inputs.layout.sign_words) * sizeof(cl_uint);
+        result_.bits = inputs.pool->lease(bytes, "sign bits");
+        const bool is_empty = inputs.mesh == nullptr || inputs.mesh->triangle_count == 0 ||
+                              (inputs.selection.triangles() != nullptr && inputs.selection.count == 0);
+        if (is_empty) {
+            inputs.context.queue().enqueueFillBuffer(*result_.bits, cl_uint{0}, 0, bytes);
+        } else {
+            search_ = std::make_unique<CrossingSearch>(inputs_);
+            search_->begin();
+        }
+    });
+}
+
+SignSweep::~SignSweep() = default;
+
+SignBits SignSweep::finish() {
+    return device::guarded([&] {
+        if (search_) {
+            const Crossings crossings = search_->finish();
+            result_.has_large_triangles = crossings.has_large_triangles;
+            sweep_rows(crossings);
+        }
+        return std::move(result_);
+    });
+}
+
+void SignSweep::sweep_rows(const Crossings& crossings) {
+    const Layout& layout = inputs_.layout;
+    const auto keys = keys_by_row(inputs_, crossings);
+    const std::size_t rows = sign_row_count(layout);
+    cl::Kernel sweep(inputs_.programs.sign_sweep, "sign_rows");
+    const std::size_t item_rows = inputs_.programs.body == KernelBody::by_group ? 1 : rows_of_a_core;
+    const double words_and_keys =
+        layout.sign_words + 8.0 * static_cast<double>(crossings.record_count) / static_cast<double>(rows);
+    inputs_.launches.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
+        const std::size_t items = chunk_count(end - begin, item_rows);
+        launch(inputs_.context.queue(), sweep, {items, inputs_.programs.part_group()}, layout,
+               static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
+               cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *crossings.starts, *keys, *result_.bits);
+    });
+}
+
+}  // namespace clsdf::scan

@@ -1,0 +1,443 @@
+#include "targets/output_targets.hpp"
+
+#include "core/outputs.hpp"
+#include "core/parallel.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <span>
+
+namespace clsdf::scan {
+
+namespace {
+
+Error misuse(const std::string& what) {
+    return {ErrorCode::invalid_argument, what};
+}
+
+/// Sets the type of a target, and throws if there is no way to such numbers.
+void resolve_type(const OutputInfo& row, OutputArray& target) {
+    if (target.type == ElementType::automatic) target.type = row.type;
+    const bool is_float = target.type == ElementType::float32 || target.type == ElementType::float64;
+    // No triangle is -1 in signed numbers.
+    const bool is_signed = row.type == ElementType::uint32 && target.type == ElementType::int32;
+    if (target.type == row.type || is_signed || (is_real(row) && is_float)) return;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("the output {} cannot be written as {}; give it an array of type {}", row.name,
+                            name_of(target.type),
+                            is_real(row)                      ? "float or double"
+                            : row.type == ElementType::uint32 ? "uint32 or int32"
+                                                              : name_of(row.type)));
+}
+
+std::ptrdiff_t width_of(ElementType type) {
+    return static_cast<std::ptrdiff_t>(bytes_of(type));
+}
+
+bool is_in_double(const OutputArray& target) {
+    return target.type == ElementType::float64;
+}
+
+/// Bytes of the samples, which lie side by side.
+std::size_t packed_bytes(const OutputInfo& row, const OutputArray& target, const Grid& grid) {
+    return grid.sample_count() * sample_bytes(row, is_in_double(target));
+}
+
+std::array<std::ptrdiff_t, 3> packed_strides(std::ptrdiff_t sample_bytes, const Grid& grid) {
+    return {sample_bytes, sample_bytes * grid.size[0], sample_bytes * grid.size[0] * grid.size[1]};
+}
+
+/// Sets the strides that are left open; whether the target is packed.
+bool resolve_strides(const OutputInfo& row, const Grid& grid, OutputArray& target) {
+    const std::ptrdiff_t width = width_of(target.type);
+    const bool has_strides = std::any_of(target.strides.begin(), target.strides.end(), [](auto s) { return s != 0; });
+    const auto packed = packed_strides(static_cast<std::ptrdiff_t>(sample_bytes(row, is_in_double(target))), grid);
+    if (target.component_stride == 0) target.component_stride = width;
+    // Components that lie elsewhere leave no room between the samples.
+    if (!has_strides) target.strides = target.component_stride == width ? packed : packed_strides(width, grid);
+    return target.strides == packed && (row.components == 1 || target.component_stride == width);
+}
+
+/// Throws if two values of a target may lie on the same bytes: each stride must be at
+/// least the span of all axes with shorter strides.
+void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& target) {
+    struct Axis {
+        double step, count;
+        const char* name;
+    };
+    std::array<Axis, 4> axes{
+        Axis{static_cast<double>(target.component_stride), static_cast<double>(row.components),
+             "from component to component"},
+        Axis{static_cast<double>(target.strides[0]), static_cast<double>(grid.size[0]), "along x"},
+        Axis{static_cast<double>(target.strides[1]), static_cast<double>(grid.size[1]), "along y"},
+        Axis{static_cast<double>(target.strides[2]), static_cast<double>(grid.size[2]), "along z"}};
+    for (Axis& axis : axes) axis.step = std::abs(axis.step);
+    std::sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.step < b.step; });
+    auto span = static_cast<double>(width_of(target.type));
+    for (const Axis& axis : axes) {
+        if (axis.count < 2) continue;
+        if (axis.step < span)
+            throw misuse(
+                fmt::format("the target of the output {} has a stride of {:.0f} bytes {}, and {:.0f} bytes are "
+                            "written at each step: values would overlap; a stride of {:.0f} bytes or more is needed, "
+                            "or strides of 0 for packed values",
+                            row.name, axis.step, axis.name, span, span));
+        span += axis.step * (axis.count - 1);
+    }
+}
+
+/// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, unless these are unknown, or not
+/// where its numbers can.
+ByteRange range_of(const OutputInfo& row, const Grid& grid, const OutputArray& target, std::size_t bytes) {
+    if (grid.sample_count() == 0) return {};
+    const std::ptrdiff_t width = width_of(target.type);
+    // In double, which no sum of such products overflows.
+    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
+    const auto extend = [&](std::ptrdiff_t stride, double steps) {
+        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * steps;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
+    extend(target.component_stride, static_cast<double>(row.components - 1));
+    if (bytes != ArrayLayout::unknown_size && (lowest < 0 || highest > static_cast<double>(bytes)))
+        throw misuse(
+            fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
+                        "strides, and its memory holds {} bytes; give more memory, or other strides (with negative "
+                        "ones the offset names the first sample)",
+                        row.name, lowest, highest, bytes));
+    const auto check_multiple = [&](const char* what, std::ptrdiff_t length) {
+        if (length % width == 0) return;
+        throw misuse(
+            fmt::format("the target of the output {} has {} of {} bytes, which is no multiple of the {} bytes "
+                        "of its elements; copy through an array that is aligned",
+                        row.name, what, length, width));
+    };
+    check_multiple("an offset", static_cast<std::ptrdiff_t>(target.offset));
+    check_multiple("a component stride", target.component_stride);
+    for (const std::ptrdiff_t stride : target.strides) check_multiple("a stride", stride);
+    check_overlap(row, grid, target);
+    if (lowest < 0) return {};  // of unknown memory
+    return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
+}
+
+void check_host_memory(const OutputInfo& row, const Grid& grid, const char* owner, const OutputArray& target,
+                       bool is_plain) {
+    if (target.device != nullptr)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("the target of the output {} is memory of the device, and this call writes to the "
+                                "host's; give all targets memory of the host, or all memory of the device",
+                                row.name));
+    const std::ptrdiff_t width = width_of(target.type);
+    if (is_plain && target.bytes != ArrayLayout::unknown_size) {
+        if (target.bytes == packed_bytes(row, target, grid)) return;
+        throw misuse(
+            fmt::format("{}, and the array given for the output {} has room for {} values; {} are needed: give a span "
+                        "of exactly these, or set the strides",
+                        fmt::format(fmt::runtime(owner), grid.sample_count()), row.name,
+                        target.bytes / static_cast<std::size_t>(width),
+                        static_cast<std::size_t>(grid.sample_count()) * row.components));
+    }
+    range_of(row, grid, target, target.bytes);
+}
+
+/// The target of each output. Throws if the distance has none.
+TargetArrays target_arrays(const OutputTargets& targets) {
+    TargetArrays arrays;
+    for (const OutputTarget& target : targets.all()) arrays[info_of(target.output).output] = target.array;
+    for_each_output(
+        [](const OutputInfo& row, const OutputArray& array) {
+            if (array.host != nullptr && array.device != nullptr)
+                throw misuse(
+                    fmt::format("the target of the output {} has memory of the host and of the device; give "
+                                "one of them",
+                                row.name));
+        },
+        arrays);
+    if (!arrays[Output::distance].is_given())
+        throw misuse("the distance has no target; give it memory, whatever else is asked for");
+    return arrays;
+}
+
+}  // namespace
+
+namespace {
+
+/// begin: of the memory, see WrittenArray::first.
+WrittenArray written_array(const OutputInfo& info, const OutputArray& target, const Index3& size, std::size_t request,
+                           const void* memory, std::uint64_t begin) {
+    return {memory,          begin + target.offset,   bytes_of(target.type), size,   target.strides,
+            info.components, target.component_stride, info.output,           request};
+}
+
+}  // namespace
+
+OutputSet extras_of(OutputSet outputs) {
+    if (outputs.bits() >> CLSDF_OUTPUT_COUNT != 0)
+        throw misuse(fmt::format("the set of outputs has the bits {:#x}; there are {} outputs", outputs.bits(),
+                                 static_cast<int>(CLSDF_OUTPUT_COUNT)));
+    outputs.erase(Output::distance);
+    return outputs;
+}
+
+OutputSet outputs_of(const OutputTargets& targets) {
+    OutputSet outputs = extras_of(targets.outputs());
+    const OutputArray* distance = targets.find(Output::distance);
+    if (distance != nullptr && is_in_double(*distance)) outputs.insert(Output::distance);
+    return outputs;
+}
+
+OutputSet outputs_of(const HostArrays& arrays) {
+    OutputSet outputs;
+    for_each_output(
+        [&](const OutputInfo& info, const HostArray& array) {
+            const bool is_finished = info.output == Output::distance ? array.in_double : array.is_wanted;
+            if (is_finished) outputs.insert(info.output);
+        },
+        arrays);
+    return outputs;
+}
+
+bool are_on_device(const OutputTargets& targets) {
+    const OutputArray* distance = targets.find(Output::distance);
+    return distance != nullptr && distance->device != nullptr;
+}
+
+HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid)
+    : HostTargets(targets, grid, "the grid has {} samples") {}
+
+HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const char* owner)
+    : targets_(target_arrays(targets)), grid_(grid) {
+    for_each_output(
+        [&](const OutputInfo& row, OutputArray& target, HostArray& array) {
+            if (!target.is_given()) return;
+            resolve_type(row, target);
+            const bool is_plain =
+                target.offset == 0 && target.component_stride == 0 && target.strides == OutputArray().strides;
+            const bool is_packed = resolve_strides(row, grid, target);
+            check_host_memory(row, grid, owner, target, is_plain);
+            are_packed_ = are_packed_ && is_packed;
+            array = {true, is_in_double(target), static_cast<std::byte*>(target.host) + target.offset};
+        },
+        targets_, arrays_);
+}
+
+namespace {
+
+Grid row_of(std::size_t count) {
+    Grid row;
+    row.size = {static_cast<std::int64_t>(count), 1, 1};
+    return row;
+}
+
+/// visit(row, target, range, is_packed) for targets in memory of the device, whose types and strides are set.
+template <typename Visit>
+OutputTargets visit_device_targets(const OutputTargets& targets, std::size_t points, const Visit& visit) {
+    const Grid grid = row_of(points);
+    OutputTargets visited;
+    for (const OutputTarget& given : targets.all()) {
+        OutputArray& target = visited[given.output];
+        target = given.array;
+        if (target.device == nullptr || target.host != nullptr) continue;
+        const OutputInfo& row = info_of(given.output);
+        resolve_type(row, target);
+        const bool is_packed = resolve_strides(row, grid, target);
+        const std::size_t bytes =
+            device::guarded([&] { return cl::Buffer(target.device, true).getInfo<CL_MEM_SIZE>(); });
+        visit(row, target, points == 0 ? ByteRange{} : range_of(row, grid, target, bytes), is_packed);
+    }
+    return visited;
+}
+
+}  // namespace
+
+HostTargets HostTargets::of_points(const OutputTargets& targets, std::size_t count) {
+    return {targets, row_of(count), "there are {} points"};
+}
+
+void add_targets(const OutputTargets& targets, std::size_t points, device::MappedMemory& memory) {
+    using Use = device::MappedMemory::Use;
+    visit_device_targets(targets, points,
+                         [&](const OutputInfo& row, const OutputArray& target, const ByteRange& range, bool is_packed) {
+                             memory.add(target.device, range, is_packed ? Use::overwrite : Use::write,
+                                        fmt::format("output {}", row.name));
+                         });
+}
+
+OutputTargets on_host(const OutputTargets& targets, std::size_t points, const device::MappedMemory& memory) {
+    static std::byte nothing{};
+    return visit_device_targets(targets, points,
+                                [&](const OutputInfo&, OutputArray& target, const ByteRange& range, bool is_packed) {
+                                    target.host = range.is_empty() ? &nothing : memory.at(target.device, range.begin);
+                                    target.device = nullptr;
+                                    target.offset = range.is_empty() ? 0 : target.offset - range.begin;
+                                    target.bytes = range.end - range.begin;
+                                    if (is_packed) target.strides = {};
+                                });
+}
+
+void HostTargets::add_written(std::size_t request, std::vector<WrittenArray>& written) const {
+    for_each_output(
+        [&](const OutputInfo& info, const OutputArray& target) {
+            if (target.is_given())
+                written.push_back(written_array(info, target, grid_.size, request, nullptr,
+                                                reinterpret_cast<std::uintptr_t>(target.host)));
+        },
+        targets_);
+}
+
+bool HostTargets::overlap(std::span<const std::byte> bytes) const {
+    if (bytes.empty()) return false;
+    bool result = false;
+    const std::less<const std::byte*> is_before;
+    for_each_output(
+        [&](const OutputInfo& row, const OutputArray& target) {
+            if (!target.is_given()) return;
+            const auto* first = static_cast<const std::byte*>(target.host) + target.offset;
+            std::ptrdiff_t lowest = 0, highest = width_of(target.type);
+            const auto extend = [&](std::ptrdiff_t stride, std::size_t count) {
+                (stride < 0 ? lowest : highest) += stride * (static_cast<std::ptrdiff_t>(count) - 1);
+            };
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                extend(target.strides[axis], static_cast<std::size_t>(grid_.size[axis]));
+            extend(target.component_stride, row.components);
+            result = result || (is_before(first + lowest, bytes.data() + bytes.size()) &&
+                                is_before(bytes.data(), first + highest));
+        },
+        targets_);
+    return result;
+}
+
+void HostTargets::store(const Grid& slab, const HostArrays& values) const {
+    // The samples that both have, by their numbers on the lattice.
+    Index3 begin{}, count{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        begin[axis] = std::max(slab.first[axis], grid_.first[axis]);
+        count[axis] = std::min(slab.first[axis] + slab.size[axis], grid_.first[axis] + grid_.size[axis]) - begin[axis];
+        if (count[axis] <= 0) return;
+    }
+    const auto width = static_cast<std::size_t>(count[0]), rows_of_slice = static_cast<std::size_t>(count[1]);
+    for_each_output(
+        [&](const OutputInfo& row, const OutputArray& target, const HostArray& array) {
+            if (!target.is_given()) return;
+            const std::size_t sample = sample_bytes(row, array.in_double), element = sample / row.components;
+            const bool is_row_packed = target.strides[0] == static_cast<std::ptrdiff_t>(sample) &&
+                                       (row.components == 1 || target.component_stride == width_of(target.type));
+            std::byte* const first = static_cast<std::byte*>(target.host) + target.offset;
+            for_each_index(rows_of_slice * static_cast<std::size_t>(count[2]), [&](std::size_t number) {
+                const Index3 at{begin[0], begin[1] + static_cast<std::int64_t>(number % rows_of_slice),
+                                begin[2] + static_cast<std::int64_t>(number / rows_of_slice)};
+                const std::byte* from = array.data + sample * slab.offset(at[0] - slab.first[0], at[1] - slab.first[1],
+                                                                          at[2] - slab.first[2]);
+                std::byte* to = first;
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    to += static_cast<std::ptrdiff_t>(at[axis] - grid_.first[axis]) * target.strides[axis];
+                if (is_row_packed) {
+                    std::memcpy(to, from, width * sample);
+                    return;
+                }
+                for (std::size_t x = 0; x < width; ++x, to += target.strides[0])
+                    for (std::size_t c = 0; c < row.components; ++c, from += element)
+                        std::memcpy(to + static_cast<std::ptrdiff_t>(c) * target.component_stride, from, element);
+            });
+        },
+        targets_, values);
+}
+
+void HostTargets::store_row(std::size_t first, std::size_t count, const HostArrays& values) const {
+    Grid row;
+    row.first = {static_cast<std::int64_t>(first), 0, 0};
+    row.size = {static_cast<std::int64_t>(count), 1, 1};
+    store(row, values);
+}
+
+namespace {
+
+/// The buffer from `offset` on, which is aligned.
+cl::Buffer buffer_from(const cl::Buffer& buffer, std::size_t offset, std::size_t bytes) {
+    if (offset == 0) return buffer;
+    cl::Buffer parent = buffer;
+    if (const auto whole = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>(); whole() != nullptr) {
+        offset += buffer.getInfo<CL_MEM_OFFSET>();
+        parent = cl::Buffer(whole(), true);
+    }
+    const cl_buffer_region region{offset, bytes};
+    return parent.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
+}
+
+/// Memory that kernels cannot or may not write would fail later and less clearly.
+void check_memory(const OutputInfo& row, const cl::Memory& memory, const device::Context& context) {
+    device::require_buffer(context, memory, fmt::format("the target of the output {}", row.name));
+    if ((memory.getInfo<CL_MEM_FLAGS>() & CL_MEM_READ_ONLY) != 0)
+        throw misuse(
+            fmt::format("the target of the output {} is a buffer made with CL_MEM_READ_ONLY; kernels write to "
+                        "it, so make it with CL_MEM_READ_WRITE",
+                        row.name));
+}
+
+}  // namespace
+
+DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, const device::Context& context)
+    : targets_(target_arrays(targets)), size_(grid.size) {
+    OutputBuffers buffers;
+    const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
+    for_each_output(
+        [&](const OutputInfo& row, OutputArray& target, HostArray& array, cl::Buffer& buffer) {
+            if (!target.is_given()) {
+                target = {};
+                return;
+            }
+            if (target.device == nullptr)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} is memory of the host, and this call writes to "
+                                        "the device's; give all targets memory of the device, or call compute() "
+                                        "with memory of the host",
+                                        row.name));
+            resolve_type(row, target);
+            const bool is_packed = resolve_strides(row, grid, target);
+            const cl::Buffer memory(target.device, true);
+            check_memory(row, memory, context);
+            range_of(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
+            array = {true, is_in_double(target), nullptr};
+            if (array.in_double) buffers.in_double |= bit_of(row);
+            if (!why_not_in_place_.empty()) return;
+            if (!is_packed)
+                why_not_in_place_ = fmt::format("{} has strides", row.name);
+            else if (target.offset % alignment != 0)
+                why_not_in_place_ = fmt::format("{} begins at byte {} of its buffer, which is no multiple of {}",
+                                                row.name, target.offset, alignment);
+            else
+                buffer = buffer_from(memory, target.offset, packed_bytes(row, target, grid));
+        },
+        targets_, arrays_, buffers);
+    if (why_not_in_place_.empty()) in_place_ = buffers;
+}
+
+void DeviceTargets::add_written(std::size_t request, std::vector<WrittenArray>& written) const {
+    for_each_output(
+        [&](const OutputInfo& info, const OutputArray& target) {
+            if (target.device == nullptr) return;
+            const cl::Buffer memory(target.device, true);
+            const auto whole = memory.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>();
+            const bool is_part = whole() != nullptr;
+            written.push_back(written_array(info, target, size_, request, is_part ? whole() : target.device,
+                                            is_part ? memory.getInfo<CL_MEM_OFFSET>() : 0));
+        },
+        targets_);
+}
+
+DeviceTargets::DeviceTargets(OutputSet outputs, const Grid& grid)
+    : arrays_(arrays_for(outputs)), in_place_(OutputBuffers()) {
+    for_each_output(
+        [&](const OutputInfo& row, OutputArray& target, const HostArray& array) {
+            if (!array.is_wanted) return;
+            resolve_type(row, target);
+            resolve_strides(row, grid, target);
+        },
+        targets_, arrays_);
+}
+
+}  // namespace clsdf::scan
