@@ -146,105 +146,6 @@ INLINE void sweep_triangle(Layout layout, uint t, __global const uint* triangles
     find_crossings(layout, a, b, c, rows, bits_y, bits_z, writer);
 }
 
-#if LANES == 8
-// As RowRange.
-typedef struct LaneRows {
-    longL begin_y, end_y, begin_z, end_z;
-    longL count;  // of the rows
-} LaneRows;
-
-INLINE LaneRows lane_rows_within(Layout layout, LaneVertices a, LaneVertices b, LaneVertices c, int bits_y,
-                                 int bits_z) {
-    const long first_y = (long)layout.brick_first[1] * CLSDF_BRICK, first_z = (long)layout.brick_first[2] * CLSDF_BRICK;
-    const long last_y = first_y + (long)layout.bricks[1] * CLSDF_BRICK - 1,
-               last_z = first_z + (long)layout.bricks[2] * CLSDF_BRICK - 1;
-#define LEAST(axis) LESSER(a.axis, LESSER(b.axis, c.axis))
-#define GREATEST(axis) GREATER(a.axis, GREATER(b.axis, c.axis))
-    const longL low_y = LEAST(y), high_y = GREATEST(y), low_z = LEAST(z), high_z = GREATEST(z);
-#undef GREATEST
-#undef LEAST
-    const longL begin_y = -(-low_y >> bits_y), end_y = high_y >> bits_y, begin_z = -(-low_z >> bits_z),
-                end_z = high_z >> bits_z;
-    LaneRows rows;
-    rows.begin_y = GREATER(begin_y, (longL)first_y);
-    rows.end_y = LESSER(end_y, (longL)last_y);
-    rows.begin_z = GREATER(begin_z, (longL)first_z);
-    rows.end_z = LESSER(end_z, (longL)last_z);
-    const longL is_crossed = rows.begin_y <= rows.end_y && rows.begin_z <= rows.end_z;
-    // Triangles that may overflow 64 bits count as large.
-    const longL is_wide = high_y - low_y >= (1L << 30) || high_z - low_z >= (1L << 30);
-    const longL count = is_wide ? (longL)(CLSDF_LARGE_ROWS + 1)
-                                : product_of_ints(rows.end_y - rows.begin_y + 1, rows.end_z - rows.begin_z + 1);
-    rows.count = is_crossed ? count : (longL)0;
-    return rows;
-}
-
-// Writes the crossings of lanes whose `rows.count` is not 0. Every lane steps through the rows of its own box.
-INLINE void find_crossings_in_lanes(Layout layout, LaneVertices a, LaneVertices b, LaneVertices c, LaneRows rows,
-                                    int bits_y, int bits_z, __private Writer* writer) {
-    const longL orientation = product_of_ints(b.y - a.y, c.z - a.z) - product_of_ints(b.z - a.z, c.y - a.y);
-    const longL faces_back = orientation < 0;
-    const LaneVertices second = chosen_vertices(faces_back, c, b), third = chosen_vertices(faces_back, b, c);
-    const intL left = TO_INTS(orientation != 0 ? rows.count : (longL)0);
-    const longL y = rows.begin_y << bits_y, z = rows.begin_z << bits_z, last = rows.end_y - rows.begin_y;
-    LaneEdges of_a = lane_edges_at(second, third, y, z, last, bits_y, bits_z),
-              of_b = lane_edges_at(third, a, y, z, last, bits_y, bits_z),
-              of_c = lane_edges_at(a, second, y, z, last, bits_y, bits_z);
-    const int first_x = layout.brick_first[0] * CLSDF_BRICK, end_x = first_x + layout.bricks[0] * CLSDF_BRICK;
-    const int first_y = layout.brick_first[1] * CLSDF_BRICK, first_z = layout.brick_first[2] * CLSDF_BRICK,
-              rows_y = layout.bricks[1] * CLSDF_BRICK;
-    const intL last_in_row = TO_INTS(last);
-    uintL row = AS_UINTS(TO_INTS(rows.begin_z) - first_z) * (uint)rows_y + AS_UINTS(TO_INTS(rows.begin_y) - first_y);
-    intL in_row = 0;
-    for (int n = 0;; ++n) {
-        const intL is_left = left > n;
-        if (lanes_to_bits(is_left) == 0) return;
-        const longL is_inside = as_long8(of_a.value | of_b.value | of_c.value) >= 0;
-        uint crossed = lanes_to_bits(is_left && TO_INTS(is_inside));
-        if (crossed != 0) {
-            // As write_weighted().
-            const doubleL wa = lane_weights_of(of_a), wb = lane_weights_of(of_b), wc = lane_weights_of(of_c);
-            const doubleL x = (wa * a.x + wb * second.x + wc * third.x) / (wa + wb + wc);
-            const doubleL above = GREATER(x, (doubleL)first_x), limited = LESSER(above, (doubleL)end_x);
-            const doubleL truncated = TO_DOUBLES(TO_INTS(limited));
-            const intL sample = TO_INTS(limited > truncated ? truncated + 1.0 : truncated) - first_x;
-            uint keys[LANES], numbers[LANES];
-            store_lanes(AS_UINTS(2 * sample - TO_INTS(faces_back)), 0, keys);
-            store_lanes(row, 0, numbers);
-            for (; crossed != 0; crossed &= crossed - 1) {
-                const uint lane = lowest_bit(crossed);
-                write_crossing(writer, numbers[lane], keys[lane]);
-            }
-        }
-        const intL ends = in_row == last_in_row;
-        const longL ends_row = TO_LONGS(ends);
-        of_a.value += ends_row ? of_a.to_next_row : of_a.along_y;
-        of_b.value += ends_row ? of_b.to_next_row : of_b.along_y;
-        of_c.value += ends_row ? of_c.to_next_row : of_c.along_y;
-        row += AS_UINTS(ends ? rows_y - last_in_row : (intL)1);
-        in_row = ends ? (intL)0 : in_row + 1;
-    }
-}
-
-// LANES triangles at once, of which numbers[0, valid) count.
-INLINE void sweep_lanes(Layout layout, __private const uint* numbers, uint valid, __global const uint* triangles,
-                        __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* large,
-                        __private Writer* writer) {
-    uint of_a[LANES], of_b[LANES], of_c[LANES];
-    load_corners(triangles, numbers, of_a, of_b, of_c);
-    const LaneVertices a = lane_vertices(vertices, of_a), b = lane_vertices(vertices, of_b),
-                       c = lane_vertices(vertices, of_c);
-    LaneRows rows = lane_rows_within(layout, a, b, c, bits_y, bits_z);
-    const uint crossed = lanes_to_bits(TO_INTS(rows.count > 0)) & (LANE_BITS >> (LANES - valid));
-    if (crossed == 0) return;
-    const longL is_small = rows.count <= CLSDF_LARGE_ROWS && TO_LONGS(as_int8(LANE_NUMBERS) < (int)valid);
-    for (uint others = crossed & ~lanes_to_bits(TO_INTS(is_small)); others != 0; others &= others - 1)
-        sweep_triangle(layout, numbers[lowest_bit(others)], triangles, vertices, bits_y, bits_z, large, writer);
-    rows.count = is_small ? rows.count : (longL)0;
-    find_crossings_in_lanes(layout, a, b, c, rows, bits_y, bits_z, writer);
-}
-#endif
-
 // Each work-item takes a range of the triangles [begin, end), or, if has_chosen, of those that `chosen` names there:
 // it handles those with few rows, and appends the numbers of the others to `large`. Keys: 2 k + (1 if the surface
 // faces -x), k the first sample at or after the crossing, counted from the first brick's first sample and clamped to
@@ -256,21 +157,8 @@ __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const
     const uint part = get_global_id(0), parts = get_global_size(0), count = end - begin;
     const uint own_end = begin + share_of(count, part + 1, parts);
     Writer writer = {row_counts, records, capacity, totals, 0, 0};
-    for (uint n = begin + share_of(count, part, parts); n < own_end;) {
-#if LANES == 8
-        uint numbers[LANES];
-        for (uint lane = 0; lane < LANES; ++lane) {
-            const uint number = min(n + lane, own_end - 1);
-            numbers[lane] = has_chosen ? chosen[number] : number;
-        }
-        sweep_lanes(layout, numbers, min((uint)LANES, own_end - n), triangles, vertices, bits_y, bits_z, large,
-                    &writer);
-        n += LANES;
-#else
+    for (uint n = begin + share_of(count, part, parts); n < own_end; ++n)
         sweep_triangle(layout, has_chosen ? chosen[n] : n, triangles, vertices, bits_y, bits_z, large, &writer);
-        ++n;
-#endif
-    }
     leave_records(writer);
 }
 

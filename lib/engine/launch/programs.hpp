@@ -49,9 +49,7 @@ struct ProgramSources {
     ProgramSource coarse_lists_source() const {
         return {body == KernelBody::by_group ? "coarse_lists_by_group.cl" : "coarse_lists.cl", common_options(lanes)};
     }
-    ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(sweep_lanes())}; }
-    /// Lanes of its vectors of 64-bit integers.
-    std::size_t sweep_lanes() const { return lanes == 1 ? 1 : 8; }
+    ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(1)}; }
     ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
     ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(mesh_lanes())}; }
     /// Lanes of its vectors of doubles.
