@@ -25,14 +25,7 @@ typedef struct Samples {
 
 // The indices of samples (i, j, k) of a coarse brick among its bricks' minima.
 INLINE uintL indices_of(uintL i, uintL j, uintL k) {
-#ifdef LOOK_UP
-    // Tables hold the indices of all coordinates.
-#define OF_TABLE(INDEX, indices) LOOK_UP(INDEX(LANE_NUMBERS), INDEX(LANE_NUMBERS + 16u), indices)
-    return OF_TABLE(INDEX_OF_X, i) | OF_TABLE(INDEX_OF_Y, j) | OF_TABLE(INDEX_OF_Z, k);
-#undef OF_TABLE
-#else
     return INDEX_OF_X(i) | INDEX_OF_Y(j) | INDEX_OF_Z(k);
-#endif
 }
 
 // SCATTERED_ACCESS: instructions that gather and scatter are fast on this device. The list's first sample fills the

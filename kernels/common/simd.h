@@ -338,12 +338,6 @@ INLINE uintL packed(uintL values, uint bits) {
 #define SHUFFLED(table, indices) __builtin_ia32_vpermilvarps256(table, as_int8(indices))
 #endif
 
-// Looks the lowest five bits of `indices` up in a table of two vectors.
-#if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermi2vard512)
-#define LOOK_UP(table, rest_of_table, indices) \
-    as_uint16(__builtin_ia32_vpermi2vard512(as_int16(table), as_int16(indices), as_int16(rest_of_table)))
-#endif
-
 // Loads of floats from scattered addresses, and stores.
 #if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && \
     HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
