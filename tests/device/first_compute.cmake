@@ -1,4 +1,5 @@
-# The library alone writes no file, and obeys no variable for tests, unless the program asks for it. PROGRAM: first_compute;
+# The library alone prints nothing, writes no file, and obeys no variable for tests, unless the program asks for it.
+# PROGRAM: first_compute;
 # SCRATCH: a directory of this test's own. POCL_CACHE_DIR names another one.
 cmake_minimum_required(VERSION 3.25)
 
@@ -17,6 +18,16 @@ function(compute)
   set(files "${files}" PARENT_SCOPE)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
+
+# Compilers of OpenCL print warnings on standard error. Programs are compiled anew: by one process, and by two at once.
+set(program ${CMAKE_COMMAND} -E env POCL_CACHE_DIR=${SCRATCH}/kernels XDG_CACHE_HOME=${SCRATCH}/kernels ${PROGRAM})
+file(REMOVE_RECURSE ${SCRATCH})
+execute_process(COMMAND ${program} ERROR_VARIABLE errors COMMAND_ERROR_IS_FATAL ANY)
+file(REMOVE_RECURSE ${SCRATCH})
+execute_process(COMMAND ${program} COMMAND ${program} ERROR_VARIABLE errors_of_two COMMAND_ERROR_IS_FATAL ANY)
+if(NOT "${errors}${errors_of_two}" STREQUAL "")
+  message(SEND_ERROR "A first run wrote this on standard error:\n${errors}${errors_of_two}")
+endif()
 
 compute()
 if(files)
