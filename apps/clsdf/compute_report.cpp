@@ -245,15 +245,16 @@ Json describe(const ComputeLayout& layout, const Computation& computation) {
                             {"point_sites", work.point_sites},
                             {"coarse_pairs", work.coarse_pairs},
                             {"coarse_bricks", work.coarse_bricks},
-                            {"brick_pairs", work.brick_pairs},
-                            {"samples_covered", work.samples_covered},
-                            {"lanes_evaluated", work.lanes_evaluated},
                             {"slabs", statistics.slabs},
                             {"device_bytes", statistics.device_bytes},
                             {"host_bytes", statistics.host_bytes},
-                            {"samples_covered_per_band_sample", ratio(work.samples_covered, computation.band_samples)},
-                            {"lanes_evaluated_per_band_sample", ratio(work.lanes_evaluated, computation.band_samples)},
                             {"box_polyhedra_per_triangle", ratio(work.box_polyhedra, work.triangles)}};
+    if (work.lanes_evaluated > 0)  // counted
+        for (const auto& [name, count] :
+             {std::pair("samples_covered", work.samples_covered), std::pair("lanes_evaluated", work.lanes_evaluated)}) {
+            result["statistics"][name] = count;
+            result["statistics"][fmt::format("{}_per_band_sample", name)] = ratio(count, computation.band_samples);
+        }
     for (const char* name : {"closed_gaps", "active_pieces", "slice_intersections", "empty_intersections"}) {
         const auto count = std::ranges::find(work.method_counts, name, &clsdf::MethodCount::name);
         result["statistics"][name] = count != work.method_counts.end() ? count->value : 0;

@@ -61,12 +61,9 @@ namespace {
 struct Call {
     const char* name;
     bool triangle;
-    bool count;
 };
 
-constexpr std::array<Call, 4> calls{Call{"compute", false, false}, Call{"compute --json", false, true},
-                                    Call{"compute --with triangle", true, false},
-                                    Call{"compute --with triangle --json", true, true}};
+constexpr std::array<Call, 2> calls{Call{"compute", false}, Call{"compute --with triangle", true}};
 
 /// The time of one call.
 struct Step {
@@ -83,7 +80,6 @@ public:
     /// Kernels that sweep large triangles are among these: the faces of a cube.
     Step compile(const Call& call) {
         clsdf::CallOptions watched;
-        watched.count_work = call.count;
         watched.should_stop = [this] { return stop_.stop_requested(); };
         ProgressBar progress(!report_.quiet);
         watched.progress = [&](const clsdf::Progress& step) {
@@ -334,7 +330,7 @@ Command add_devices(Parser& program) {
         "this list, or a part of the name of one device or of its platform.\n\n"
         "Kernels are compiled at their first use, which takes some seconds, and drivers keep them. --prepare compiles\n"
         "and tests them now, and writes them to the folder of CLSDF_CACHE_DIR: those of \"clsdf compute\", with and\n"
-        "without --json and --with triangle, of \"clsdf query\" and of \"clsdf render\".\n\n"
+        "without --with triangle, of \"clsdf query\" and of \"clsdf render\".\n\n"
         "Examples:\n"
         "  clsdf devices\n"
         "  clsdf devices --json\n"

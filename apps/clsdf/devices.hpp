@@ -25,8 +25,8 @@ class ProgressBar;
 /// The bar of a call that computes, or the text of one that compiles.
 void show(ProgressBar& bar, const clsdf::Progress& progress);
 
-/// Compiles and tests the default kernels of the subcommands on each device: those of compute, with and without --json
-/// (which counts) and --with, in narrow and wide bands, those of query and those of render. `again`: also kernels that
+/// Compiles and tests the default kernels of the subcommands on each device: those of compute
+/// with and without --with, in narrow and wide bands, those of query and those of render. `again`: also kernels that
 /// were tested before, and those whose compilation has ended a process. Adds a member "prepared" to the report. The
 /// last error of a device is thrown after all devices were tried; earlier errors are warnings.
 void prepare(Report& report, const std::vector<clsdf::DeviceInfo>& devices, bool again);

@@ -191,8 +191,7 @@ BOOST_AUTO_TEST_CASE(reports_what_it_did_as_json_and_nothing_when_quiet) {
     const json& statistics = result["statistics"];
     BOOST_TEST(statistics["triangles"].get<int>() == 4);
     BOOST_TEST(statistics["band_samples"].get<int>() > 0);
-    BOOST_TEST(statistics["lanes_evaluated_per_band_sample"].get<double>() >= 1);
-    BOOST_TEST(statistics["samples_covered_per_band_sample"].get<double>() >= 1);
+    BOOST_TEST(!statistics.contains("lanes_evaluated"));  // counting takes other kernels
 }
 
 BOOST_AUTO_TEST_CASE(counts_the_same_samples_in_text_and_json) {

@@ -61,11 +61,11 @@ BOOST_AUTO_TEST_CASE(are_said_to_be_compiled_when_they_are) {
     BOOST_TEST(!has(second.error, "compiled"), second.error);
     BOOST_TEST(has(second.error, "computed in "), second.error);
 
-    // Another variant of the kernels, which counts.
-    std::vector<std::string> with_json = caches.compute("c.nrrd");
-    with_json.insert(with_json.end(), {"--json", "--quiet"});
+    // Another variant of the kernels.
+    std::vector<std::string> with_triangle = caches.compute("c.nrrd");
+    with_triangle.insert(with_triangle.end(), {"--with", "triangle", "--json", "--quiet"});
     for (const bool is_first : {true, false}) {
-        const Outcome outcome = run_command(with_json, caches.environment());
+        const Outcome outcome = run_command(with_triangle, caches.environment());
         const json result = json::parse(outcome.out);
         BOOST_TEST(result["first_use"] == is_first);
         // Compilation is in none of the other times.
