@@ -11,12 +11,18 @@
 // On processors, vectors that are passed through memory cost more than the work of these functions, so all are inlined.
 // With LANES 1 the compiler decides; "static" gives a body to compilers that do not inline. The host defines
 // PLAIN_INLINE for a compiler that takes C99's "inline" alone.
+//
+// OUT_OF_LINE is for functions on processors whose work is far more than a call. PoCL compiles each kernel three times,
+// with all that is inlined; these functions it compiles once.
 #if LANES != 1
 #define INLINE static inline __attribute__((always_inline))
+#define OUT_OF_LINE static __attribute__((noinline))
 #elif defined(PLAIN_INLINE)
 #define INLINE inline
+#define OUT_OF_LINE inline
 #else
 #define INLINE static inline
+#define OUT_OF_LINE static inline
 #endif
 
 // A comparison with a select; fmin and fmax take more instructions, because they treat NaN.

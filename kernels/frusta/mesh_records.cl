@@ -158,9 +158,9 @@ INLINE uint lane_bits(longL condition) {
     return lanes_to_bits(TO_INTS(condition));
 }
 
-INLINE void load_item(FanItem item, __global const uint* words, __private const uint* numbers,
-                      __global const uint* triangles, __global const double* positions, __global const float* signs,
-                      double per_unit, __private Fans* fans) {
+OUT_OF_LINE void load_item(FanItem item, __global const uint* words, __private const uint* numbers,
+                           __global const uint* triangles, __global const double* positions,
+                           __global const float* signs, double per_unit, __private Fans* fans) {
     uint places[LANES];
     const uint stride = CLSDF_FAN_STRIDE * item.faces;
     for (uint lane = 0; lane < LANES; ++lane)
@@ -169,9 +169,9 @@ INLINE void load_item(FanItem item, __global const uint* words, __private const 
 }
 
 // Clears CLSDF_VERTEX_IS_OPEN of the vertices numbers[0, valid) of an item that surely have no gap.
-INLINE void look_at_all(FanItem item, __global const uint* words, __private const uint* numbers, uint valid,
-                        __global const uint* triangles, __global const double* positions, __global const float* signs,
-                        double per_unit, __global uchar* answers) {
+OUT_OF_LINE void look_at_all(FanItem item, __global const uint* words, __private const uint* numbers, uint valid,
+                             __global const uint* triangles, __global const double* positions,
+                             __global const float* signs, double per_unit, __global uchar* answers) {
     Fans fans;
     load_item(item, words, numbers, triangles, positions, signs, per_unit, &fans);
     const uint covered = lane_bits(are_covered(&fans, item.faces, true));

@@ -119,7 +119,7 @@ INLINE doubleL best_of_all(__private const Vectors* v, uint faces, Vectors middl
 }
 
 // True if three of the conditions surely contradict each other, at both edges and on both sides.
-INLINE longL are_covered(__private const Fans* fans, uint faces, bool look_at_all) {
+OUT_OF_LINE longL are_covered(__private const Fans* fans, uint faces, bool look_at_all) {
     doubleL least = 1.0;
 #pragma unroll
     for (uint which = 0; which < 4; ++which) {
