@@ -28,8 +28,8 @@ public:
                             : std::size_t{2048} * context.capabilities().compute_units),
           group_(processor_ ? 1 : std::min<std::size_t>(128, context.capabilities().largest_group)),
           bytes_(std::min(store_bytes, context.capabilities().largest_allocation)),
-          program_(context.program("bench_floors.cl", fmt::format("-cl-std=CL1.2 -DLANES=1 -DFLOATS={}", lanes_), {},
-                                   kernels::files)),
+          program_(context.program(
+              {"bench_floors.cl", fmt::format("-cl-std=CL1.2 -DLANES=1 -DFLOATS={}", lanes_), kernels::files})),
           target_(context.context(), CL_MEM_READ_WRITE, bytes_) {}
 
     bool has(const char* kernel) const {

@@ -281,7 +281,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
             result.write_seconds += write.seconds();
         },
         {.sink_has_own_thread = true}, call);
-    result.statistics.compile_seconds += transform.statistics().compile_seconds + compiled.compile_seconds;
+    result.statistics.compile_seconds += compiled.compile_seconds;
     result.statistics.first_use |= compiled.first_use;
     result.setup_seconds = std::max(0.0, setup_seconds - result.statistics.compile_seconds);
     result.field_seconds = compute.seconds();

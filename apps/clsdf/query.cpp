@@ -70,7 +70,6 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
     const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
     found.sign = transform.sign();
     found.statistics = transform.query(points, half_width, found.values.targets(), call);
-    found.statistics.compile_seconds += transform.statistics().compile_seconds;
     found.seconds = std::max(0.0, watch.seconds() - found.statistics.compile_seconds);
     found.device_name = device.name();
     found.device_platform = device.platform();

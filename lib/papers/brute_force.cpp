@@ -33,7 +33,7 @@ scan::ProgramSource finish_source(const scan::ProgramSources& programs, const sc
 
 cl::Program program_of(device::Context& context, const scan::ProgramSource& source,
                        const device::BuildWatch& watch = {}) {
-    return context.program(source.kernel_file, source.options, watch, source.files);
+    return context.program(source, watch);
 }
 
 /// Layers of bricks by z that are computed together, then all their samples, some triangles at a time.

@@ -303,8 +303,7 @@ scan::ProgramSource slices_source(const scan::ProgramSources& programs, const Sl
 
 cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const SliceVariant& variant,
                            const device::BuildWatch& watch) {
-    const scan::ProgramSource source = slices_source(programs, variant);
-    return context.program(source.kernel_file, source.options, watch, source.files);
+    return context.program(slices_source(programs, variant), watch);
 }
 
 void enqueue_finish(CommandChain& chain, const cl::Kernel& kernel, const Layout& layout, std::size_t slices) {

@@ -219,8 +219,7 @@ Tracer::Tracer(const Field& field, const TracedSamples& samples, const Device& d
                                 "device, or compute the field with a lower resolution",
                                 size_text(bytes), device.name(), size_text(most)));
     device::guarded([&] {
-        const scan::ProgramSource source = tracer_source();
-        program_ = context_->program(source.kernel_file, source.options, {}, source.files);
+        program_ = context_->program(tracer_source());
         samples_ = cl::Buffer(context_->context(), CL_MEM_READ_ONLY, bytes);
         copy_to_device(field, samples);
     });

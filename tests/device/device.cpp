@@ -173,9 +173,9 @@ BOOST_AUTO_TEST_CASE(a_program_is_built_once_for_all_threads) {
     std::vector<cl::Program> programs(4);
     std::vector<std::thread> threads;
     for (cl::Program& program : programs)
-        threads.emplace_back([&] { program = device::context_of(device).program("scan.cl", "-cl-std=CL1.2"); });
+        threads.emplace_back([&] { program = device::context_of(device).program({"scan.cl", "-cl-std=CL1.2"}); });
     for (std::thread& thread : threads) thread.join();
     for (const cl::Program& program : programs) BOOST_TEST(program() == programs.front()());
-    const cl::Program other = device::context_of(device).program("scan.cl", "-cl-std=CL1.2 -DOTHER");
+    const cl::Program other = device::context_of(device).program({"scan.cl", "-cl-std=CL1.2 -DOTHER"});
     BOOST_TEST(other() != programs.front()());
 }

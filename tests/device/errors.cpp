@@ -17,7 +17,9 @@ BOOST_AUTO_TEST_CASE(a_failed_call_is_named_with_its_code) {
         device::guarded([&] { context.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, beyond.size(), beyond.data()); });
     });
     test::check_throws(ErrorCode::device_failure, {"clCreateKernel", "CL_INVALID_KERNEL_NAME"}, [&] {
-        device::guarded([&] { cl::Kernel(device::context_of(device).program("scan.cl", "-cl-std=CL1.2"), "absent"); });
+        device::guarded([&] {
+            cl::Kernel(device::context_of(device).program({"scan.cl", "-cl-std=CL1.2"}), "absent");
+        });
     });
 }
 
@@ -76,8 +78,9 @@ BOOST_AUTO_TEST_CASE(a_kernel_that_does_not_build_is_an_error_with_the_compilers
     // The kernels' vectors have 8 or 16 lanes.
     test::check_throws(
         ErrorCode::device_failure,
-        {"clBuildProgram", "CL_BUILD_PROGRAM_FAILURE", "coarse_lists.cl", "-DLANES=3", device.name(), "floatL"},
-        [&] { device::context_of(device).program("coarse_lists.cl", "-cl-std=CL1.2 -DLANES=3"); });
+        {"clBuildProgram", "CL_BUILD_PROGRAM_FAILURE", "coarse_lists.cl", "-DLANES=3", device.name(), "floatL"}, [&] {
+            device::context_of(device).program({"coarse_lists.cl", "-cl-std=CL1.2 -DLANES=3"});
+        });
 }
 
 BOOST_AUTO_TEST_CASE(a_kernel_file_that_is_not_there_is_named) {

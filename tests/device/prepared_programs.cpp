@@ -42,7 +42,7 @@ bool computes(const Device& device, const cl::Program& program) {
 /// Whether a program of the device is compiled from its source. It must work.
 bool compiles(const Device& device, const std::string& with = options) {
     bool is_compiled = false;
-    const cl::Program program = device::context_of(device).program("scan.cl", with, {[&] { is_compiled = true; }});
+    const cl::Program program = device::context_of(device).program({"scan.cl", with}, {[&] { is_compiled = true; }});
     BOOST_TEST(computes(device, program));
     return is_compiled;
 }

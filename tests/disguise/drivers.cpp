@@ -149,7 +149,8 @@ BOOST_AUTO_TEST_CASE(a_compiler_that_says_nothing_is_an_error_with_a_remedy) {
     const Device device = Device::strongest();
     disguise::restart({.call = "clBuildProgram", .number = 1, .code = CL_BUILD_PROGRAM_FAILURE});
     check_throws(ErrorCode::device_failure,
-                 {"clBuildProgram", "CL_BUILD_PROGRAM_FAILURE", "said nothing", "update the driver"},
-                 [&] { device::context_of(device).program("scan.cl", "-cl-std=CL1.2"); });
+                 {"clBuildProgram", "CL_BUILD_PROGRAM_FAILURE", "said nothing", "update the driver"}, [&] {
+                     device::context_of(device).program({"scan.cl", "-cl-std=CL1.2"});
+                 });
     disguise::restart();
 }

@@ -267,22 +267,18 @@ BOOST_AUTO_TEST_CASE(statistics_say_what_was_computed) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(the_compilation_of_the_constructor_is_in_no_call) {
+BOOST_AUTO_TEST_CASE(compile_leaves_nothing_to_compile) {
     const Device device = Device::automatic();
     const DistanceTransform transform(device, mesh());
-    BOOST_TEST(transform.statistics().compile_seconds > 0);
-    BOOST_TEST(transform.statistics().work != nullptr);
     const Grid grid = around_mesh();
     const Band band = Band::symmetric(3 * grid.voxel());
     const TransformStatistics compiled = transform.compile(grid, band);
     BOOST_TEST(compiled.first_use);
     BOOST_TEST(compiled.compile_seconds > 0);
-    const double of_constructor = transform.statistics().compile_seconds;
     TransformStatistics statistics;
     transform.compute(grid, band, {}, CallOptions(), &statistics);
     BOOST_TEST(!statistics.first_use);
-    BOOST_TEST(statistics.compile_seconds < 0.1 * of_constructor);
-    BOOST_TEST(transform.statistics().compile_seconds == of_constructor);
+    BOOST_TEST(statistics.compile_seconds < 0.1 * compiled.compile_seconds);
 }
 
 BOOST_AUTO_TEST_CASE(a_transform_names_its_device_and_the_box_of_its_positions) {

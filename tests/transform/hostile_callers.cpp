@@ -233,7 +233,6 @@ BOOST_AUTO_TEST_CASE(a_transform_that_was_moved_from_answers_with_an_error) {
         [&] { from.memory(); },
         [&] { from.box(); },
         [&] { from.device(); },
-        [&] { from.statistics(); },
         [&] { from.set_positions(mesh.vertices()); },
         [&] {
             from.set_motion({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {});

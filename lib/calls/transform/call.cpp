@@ -51,12 +51,11 @@ void CallMutex::unlock() {
     mutex_.unlock();
 }
 
-device::BuildWatch Compiling::watch(std::size_t variant_steps) {
-    const std::size_t most = scan::Programs::common_programs + variant_steps;
-    return {[this, most] {
+device::BuildWatch Compiling::watch(std::size_t expected) {
+    return {[this, expected] {
         ++step_;
         caller_.throw_if_stopped();
-        const std::size_t steps = std::max(most, step_);
+        const std::size_t steps = std::max(expected, step_);
         caller_.report(
             {Progress::Stage::compiling, static_cast<double>(step_ - 1) / static_cast<double>(steps), step_, steps});
     }};

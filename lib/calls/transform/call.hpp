@@ -95,8 +95,8 @@ class Compiling {
 public:
     explicit Compiling(Caller& caller) : caller_(caller) {}
 
-    /// `variant_steps`: those of building beside the programs that all computations need.
-    device::BuildWatch watch(std::size_t variant_steps);
+    /// expected: about how many steps there are.
+    device::BuildWatch watch(std::size_t expected);
 
     double seconds = 0;
     bool first_use = false;

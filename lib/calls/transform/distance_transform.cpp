@@ -65,9 +65,6 @@ SignRule DistanceTransform::sign() const {
 Device DistanceTransform::device() const {
     return state().device;
 }
-const TransformStatistics& DistanceTransform::statistics() const {
-    return state().setup;
-}
 Box DistanceTransform::box() const {
     State& state = this->state();
     const std::scoped_lock lock(state.mutex);

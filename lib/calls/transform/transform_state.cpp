@@ -22,33 +22,21 @@ namespace {
 /// For the grids of a time step. More would keep the memory that the next one needs.
 constexpr std::size_t most_plans = 4;
 
-/// With the programs that all jobs need.
-transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method,
-                                const TransformOptions& options, const CallOptions& call) {
-    transform::Caller caller(call);
-    caller.throw_if_stopped();
-    const Stopwatch watch;
-    transform::TestCase test_case;
-    test_case.method = method;
-    transform::Compiling compiling(caller);
-    scan::Programs programs = device::guarded([&] {
-        return scan::Programs(device::context_of(device), options.body,
-                              compiling.watch(transform::step_count(test_case)));
-    });
-    const double seconds = watch.seconds();
+transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, KernelBody body,
+                                const CallOptions& call) {
+    transform::Caller(call).throw_if_stopped();
+    scan::Programs programs = device::guarded([&] { return scan::Programs(device::context_of(device), body); });
     auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    return {std::move(device), std::move(pool), std::move(programs), std::move(method), SignRule::none, seconds};
+    return {std::move(device), std::move(pool), std::move(programs), std::move(method)};
 }
 
 }  // namespace
 
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
-    : Workshop(workshop_of(std::move(device_in), std::move(method_in), options, call)),
+    : Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)),
       topology(describe_topology(mesh)),
       vertices(mesh, topology.coincident_vertices > 0) {
-    setup.compile_seconds = compile_seconds;
-    setup.work = std::make_shared<const WorkCounts>();
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
     if (!resolved.warning.empty() && call.log) call.log(resolved.warning);

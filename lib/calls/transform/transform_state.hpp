@@ -123,7 +123,6 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
     CallStatistics query(std::span<const Vec3> all, double half_width, OutputSet outputs,
                          const scan::HostTargets& targets, const CallOptions& call);
 
-    TransformStatistics setup;  ///< what making it took
     Topology topology;
     transform::Vertices vertices;
 

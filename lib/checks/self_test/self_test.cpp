@@ -42,10 +42,6 @@ std::string key_of(const device::Context& context, const std::string& name, cons
     return key;
 }
 
-std::vector<cl::Program> common_programs(const Programs& programs) {
-    return {programs.scan, programs.coarse_lists, programs.sign_sweep, programs.fill, programs.mesh_records};
-}
-
 /// On the first lattice the values that may be floats or doubles have the type of fields, on the others the other type,
 /// which other code stores. Only finishing makes distances in double.
 HostArrays arrays_of(OutputSet outputs, bool is_first, bool is_finished) {
@@ -158,19 +154,13 @@ std::string TestCase::name() const {
                        is_wide ? "wide" : "narrow", is_large ? " large" : "", is_later ? " later" : "");
 }
 
-std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
-                                          const device::BuildWatch& watch) {
-    if (test_case.method) return test_case.method->build(context, programs, test_case.variant, watch);
-    return {programs.bricks(context, test_case.variant, watch)};
-}
-
 std::size_t step_count(const TestCase& test_case) {
     const std::size_t sweep = test_case.is_signed ? (test_case.is_large ? 4 : 3) : 0;
-    if (test_case.method) return test_case.method->step_count() + sweep;
+    if (test_case.method) return Programs::field_programs + test_case.method->step_count() + sweep;
     // The program, and on each lattice the lists and the scan. The first buffer is too small for this mesh's pairs, so
     // the counting pass runs twice.
     const std::size_t lists = test_case.is_wide ? 4 : 3, lattices = test_case.is_wide ? 2 : 3;
-    return 1 + lattices * (sweep + lists + 1);
+    return Programs::field_programs + 1 + lattices * (sweep + lists + 1);
 }
 
 std::optional<std::string> run_self_test(const Device& device, const Programs& programs, const TestCase& test_case,
@@ -230,9 +220,14 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
                    const device::BuildWatch& watch) {
     device::Context& context = device::context_of(device);
     if (context.is_tested(test_case.name())) return false;
-    TestSubject subject{test_case.name(), common_programs(programs)};
-    for (cl::Program& program : device::guarded([&] { return variant_programs(context, programs, test_case, watch); }))
-        subject.programs.push_back(std::move(program));
+    TestSubject subject{test_case.name(), {}};
+    device::guarded([&] {
+        const BrickVariant& variant = test_case.variant;
+        subject.programs = programs.of_fields(watch);
+        for (cl::Program& program : test_case.method ? test_case.method->build(context, programs, variant, watch)
+                                                     : std::vector{programs.bricks(context, variant, watch)})
+            subject.programs.push_back(std::move(program));
+    });
     const bool is_run = test_once(device, subject, [&] {
         std::optional<std::string> difference = run_self_test(device, programs, test_case, watch);
         if (!difference)
@@ -253,8 +248,8 @@ bool ensure_points_tested(const Device& device, const Programs& programs, const 
     device::guarded([&] {
         subject.programs.push_back(programs.points(context, watch));
         if (!test_case.are_scanned) return;
+        subject.programs.push_back(programs.mesh_records.get(watch));
         subject.programs.push_back(programs.point_scan(context, watch));
-        subject.programs.push_back(programs.mesh_records);
     });
     return test_once(device, subject, [&] { return run_point_test(device, programs, test_case); });
 }

@@ -27,10 +27,6 @@ struct TestCase {
     std::string name() const;
 };
 
-/// The programs of a case that a computation builds beside those that all have.
-std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
-                                          const device::BuildWatch& watch = {});
-
 /// How often `begins` of a watch is called by ensure_tested() for a case that has not been tested, about.
 std::size_t step_count(const TestCase& test_case);
 

@@ -38,10 +38,6 @@ ProgramSource around_faults(const device::Context& context, ProgramSource source
     return source;
 }
 
-cl::Program compiled(device::Context& context, const ProgramSource& source, const device::BuildWatch& watch) {
-    return context.program(source.kernel_file, source.options, watch);
-}
-
 }  // namespace
 
 std::vector<BrickVariant> every_variant() {
@@ -92,29 +88,44 @@ std::vector<ProgramSource> ProgramSources::every_source() const {
     return sources;
 }
 
-Programs::Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch)
+LazyProgram::LazyProgram(device::Context& context, ProgramSource source)
+    : state_(new State{context, std::move(source)}) {}
+
+const cl::Program& LazyProgram::get(const device::BuildWatch& watch) const {
+    std::call_once(state_->once, [&] { state_->program = state_->context.program(state_->source, watch); });
+    return state_->program;
+}
+
+Programs::Programs(device::Context& context, KernelBody asked)
     : ProgramSources(usable_sources(context, asked)),
-      scan(compiled(context, scan_source(), watch)),
-      coarse_lists(compiled(context, around_faults(context, coarse_lists_source(), lanes), watch)),
-      sign_sweep(compiled(context, sign_sweep_source(), watch)),
-      fill(compiled(context, fill_source(), watch)),
-      mesh_records(compiled(context, around_faults(context, mesh_records_source(), mesh_lanes()), watch)) {}
+      scan(context, scan_source()),
+      coarse_lists(context, around_faults(context, coarse_lists_source(), lanes)),
+      sign_sweep(context, sign_sweep_source()),
+      fill(context, fill_source()),
+      mesh_records(context, around_faults(context, mesh_records_source(), mesh_lanes())) {}
+
+std::vector<cl::Program> Programs::of_fields(const device::BuildWatch& watch) const {
+    std::vector<cl::Program> built;
+    for (const LazyProgram& program : {scan, coarse_lists, sign_sweep, fill, mesh_records})
+        built.push_back(program.get(watch));
+    return built;
+}
 
 cl::Program Programs::bricks(device::Context& context, const BrickVariant& variant,
                              const device::BuildWatch& watch) const {
-    return compiled(context, bricks_source(variant), watch);
+    return context.program(bricks_source(variant), watch);
 }
 
 cl::Program Programs::store(device::Context& context, const device::BuildWatch& watch) const {
-    return compiled(context, store_source(), watch);
+    return context.program(store_source(), watch);
 }
 
 cl::Program Programs::points(device::Context& context, const device::BuildWatch& watch) const {
-    return compiled(context, points_source(), watch);
+    return context.program(points_source(), watch);
 }
 
 cl::Program Programs::point_scan(device::Context& context, const device::BuildWatch& watch) const {
-    return compiled(context, point_scan_source(), watch);
+    return context.program(point_scan_source(), watch);
 }
 
 std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {

@@ -7,6 +7,8 @@
 #include "device/context.hpp"
 #include "launch/short_launches.hpp"
 
+#include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -27,12 +29,7 @@ std::vector<BrickVariant> every_variant();
 /// The options that a variant adds.
 std::string options_of(const BrickVariant& variant);
 
-/// A program before it is compiled.
-struct ProgramSource {
-    const char* kernel_file;
-    std::string options;          ///< of clBuildProgram
-    device::KernelFiles files{};  ///< of another library, beside the core's
-};
+using device::ProgramSource;
 
 /// The kernel files and options of one body on devices with the same capabilities.
 struct ProgramSources {
@@ -72,19 +69,42 @@ private:
     std::string device_options_;
 };
 
+/// A program that is built when it is used first. Copies share it.
+class LazyProgram {
+public:
+    LazyProgram(device::Context& context, ProgramSource source);
+
+    /// Throws Error(device_failure) with the build log.
+    const cl::Program& get(const device::BuildWatch& watch = {}) const;
+    operator const cl::Program&() const { return get(); }
+
+private:
+    struct State {
+        device::Context& context;
+        ProgramSource source;
+        std::once_flag once{};
+        cl::Program program{};
+    };
+    std::shared_ptr<State> state_;
+};
+
 /// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
 /// are not shared between threads.
 struct Programs : ProgramSources {
-    cl::Program scan;
-    cl::Program coarse_lists;
-    cl::Program sign_sweep;
-    cl::Program fill;
-    cl::Program mesh_records;
+    LazyProgram scan;
+    LazyProgram coarse_lists;
+    LazyProgram sign_sweep;
+    LazyProgram fill;
+    LazyProgram mesh_records;
 
-    /// Programs that every computation needs.
-    static constexpr std::size_t common_programs = 5;
+    /// Programs that every field needs.
+    static constexpr std::size_t field_programs = 5;
 
-    Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch = {});
+    /// Throws Error(unsupported) if the device cannot run the body.
+    Programs(device::Context& context, KernelBody asked);
+
+    /// Builds the programs of all fields.
+    std::vector<cl::Program> of_fields(const device::BuildWatch& watch = {}) const;
 
     cl::Program bricks(device::Context& context, const BrickVariant& variant,
                        const device::BuildWatch& watch = {}) const;

@@ -47,7 +47,6 @@ struct Workshop {
     scan::Programs programs;
     std::shared_ptr<const FieldMethod> method{};  ///< null: leaned polyhedra scanned by bricks
     SignRule sign = SignRule::none;
-    double compile_seconds = 0;  ///< that building or loading the programs took
 
     device::Context& context() const { return device::context_of(device); }
     /// The same with buffers from another pool.

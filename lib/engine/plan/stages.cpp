@@ -177,7 +177,7 @@ const polyhedra::Frusta& Stages::frusta() {
 }
 
 bool Stages::has_kernels() {
-    return options_.set_up.program() != nullptr && suits_kernels(topology());
+    return options_.set_up.program && suits_kernels(topology());
 }
 
 const std::shared_ptr<const DeviceFaces::Names>& Stages::names() {

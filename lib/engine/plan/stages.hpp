@@ -48,8 +48,8 @@ struct Inputs {
 
 /// The kernels that make a mesh's polyhedra. The host makes them without a program.
 struct SetUpBy {
-    cl::Program program;    ///< of kernels/frusta/mesh_records.cl
-    std::size_t lanes = 1;  ///< that it is compiled for
+    std::optional<scan::LazyProgram> program{};  ///< of kernels/frusta/mesh_records.cl
+    std::size_t lanes = 1;                       ///< that it is compiled for
 };
 
 /// The values that a transform keeps of its mesh. Each is made from those above it when it is needed first, and again
@@ -191,7 +191,7 @@ private:
     class ReaderMark;
     /// Waits until no kernel reads the frusta any more: on a processor kernels use the host's memory.
     void wait_for_readers();
-    DeviceSetUp set_up() const { return {context_, pool_, options_.set_up.program, options_.set_up.lanes}; }
+    DeviceSetUp set_up() const { return {context_, pool_, *options_.set_up.program, options_.set_up.lanes}; }
     /// Whether kernels make the frusta.
     bool has_kernels();
     const std::shared_ptr<const DeviceFaces::Names>& names();

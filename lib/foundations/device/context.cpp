@@ -240,13 +240,12 @@ void Context::forget_records() {
     tested_.clear();
 }
 
-cl::Program Context::program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
-                             KernelFiles beside) {
+cl::Program Context::program(const ProgramSource& source, const BuildWatch& watch) {
     std::shared_ptr<Slot> slot;
     const auto built = [&] {
         const std::scoped_lock lock(programs_mutex_);
         if (!slot) {
-            std::shared_ptr<Slot>& found = programs_[fmt::format("{} {}", kernel_file, options)];
+            std::shared_ptr<Slot>& found = programs_[fmt::format("{} {}", source.kernel_file, source.options)];
             if (!found) found = std::make_shared<Slot>();
             slot = found;
         }
@@ -255,24 +254,23 @@ cl::Program Context::program(std::string_view kernel_file, const std::string& op
     if (const cl::Program program = built(); program() != nullptr) return program;
     const std::scoped_lock building(slot->building);
     if (const cl::Program program = built(); program() != nullptr) return program;
-    Built made = build(kernel_file, options, watch, beside);
+    Built made = build(source, watch);
     const std::scoped_lock lock(programs_mutex_);
     return slot->built.emplace(std::move(made)).program;
 }
 
-Context::Built Context::build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
-                              KernelFiles beside) const {
+Context::Built Context::build(const ProgramSource& source, const BuildWatch& watch) const {
     std::unique_lock lock(programs_mutex_);
     const PreparedPrograms prepared = prepared_;
     lock.unlock();
-    std::string source = kernel_text(kernel_file, beside);
-    if (text_edit_) text_edit_(kernel_file, source);
-    const std::string key = fmt::format("{} {} {:016x}", kernel_file, options, hash_of(source));
-    if (const std::optional<cl::Program> program = prepared.find(context_, device_, options, source))
+    std::string text = kernel_text(source.kernel_file, source.files);
+    if (text_edit_) text_edit_(source.kernel_file, text);
+    const std::string key = fmt::format("{} {} {:016x}", source.kernel_file, source.options, hash_of(text));
+    if (const std::optional<cl::Program> program = prepared.find(context_, device_, source.options, text))
         return {*program, key + " prepared"};
     if (watch.begins) watch.begins();
-    const cl::Program program = compile(kernel_file, source, options);
-    const cl::Program written = prepared.write(program, context_, device_, options, source);
+    const cl::Program program = compile(source, text);
+    const cl::Program written = prepared.write(program, context_, device_, source.options, text);
     return {written, key + (written() == program() ? " source" : " prepared")};
 }
 
@@ -288,17 +286,16 @@ bool Context::is_first_use_of(const cl::Kernel& kernel) {
     return used_programs_.insert(kernel.getInfo<CL_KERNEL_PROGRAM>()()).second;
 }
 
-cl::Program Context::compile(std::string_view kernel_file, const std::string& source,
-                             const std::string& options) const {
-    cl::Program program(context_, source);
+cl::Program Context::compile(const ProgramSource& source, const std::string& text) const {
+    cl::Program program(context_, text);
     // The binding's build() asks for a log in any case, and reports that there is none in place of the failure.
     // No warnings: PoCL writes their number to standard error.
-    const cl_int code = clBuildProgram(program(), 1, &device_(), (options + " -w").c_str(), nullptr, nullptr);
+    const cl_int code = clBuildProgram(program(), 1, &device_(), (source.options + " -w").c_str(), nullptr, nullptr);
     if (code == CL_SUCCESS) return program;
     throw Error(
         ErrorCode::device_failure,
         fmt::format("the OpenCL call clBuildProgram failed for {}: {}; options \"{}\" on \"{}\"; the compiler said{}",
-                    kernel_file, code_name(code), options, device_.getInfo<CL_DEVICE_NAME>(),
+                    source.kernel_file, code_name(code), source.options, device_.getInfo<CL_DEVICE_NAME>(),
                     build_log(program, device_)),
         code);
 }

@@ -33,6 +33,13 @@ using KernelFiles = std::span<const KernelFile>;
 /// they name, each once: OpenCL compilers look for nothing at run time.
 std::string kernel_text(std::string_view file_name, KernelFiles beside = {});
 
+/// A program before it is compiled.
+struct ProgramSource {
+    std::string kernel_file;
+    std::string options;  ///< of clBuildProgram
+    KernelFiles files{};  ///< of another library, beside the core's
+};
+
 /// Callback of a build, on the thread that waits for it. It may be empty, and may throw.
 struct BuildWatch {
     std::function<void()> begins{};  ///< a program is compiled, or a part of one
@@ -69,10 +76,9 @@ public:
     /// The limits and folders of another context of the device, before anything is computed.
     void take_settings(const Context& other);
 
-    /// Builds an embedded kernel file, of the core or of `beside`, once per options, or takes a prepared program.
+    /// Builds an embedded kernel file, once per options, or takes a prepared program.
     /// Throws Error(device_failure) with the build log.
-    cl::Program program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch = {},
-                        KernelFiles beside = {});
+    cl::Program program(const ProgramSource& source, const BuildWatch& watch = {});
 
     /// All that the code of a program depends on beside the device, in a line: file, options, a hash of the text, and
     /// whether it was built from source or is a prepared one.
@@ -133,9 +139,8 @@ private:
         std::optional<Built> built;  // guarded by programs_mutex_
     };
 
-    Built build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
-                KernelFiles beside) const;
-    cl::Program compile(std::string_view kernel_file, const std::string& source, const std::string& options) const;
+    Built build(const ProgramSource& source, const BuildWatch& watch) const;
+    cl::Program compile(const ProgramSource& source, const std::string& text) const;
 
     cl::Context context_;
     cl::Device device_;

@@ -215,10 +215,7 @@ public:
     SignRule sign() const;
     Device device() const;
     KeptMemory memory() const;
-    /// What making it took: compile_seconds and first_use.
-    const TransformStatistics& statistics() const;
-
-    /// Builds the other programs that such a field needs and, the first time, tests them: known fields are computed and
+    /// Builds the programs that such a field needs and, the first time, tests them: known fields are computed and
     /// compared. Computations do it by themselves; this is for programs that want to choose when. Returns
     /// compile_seconds and first_use. Throws Error(wrong_results) that names the device, its platform and their
     /// versions if the device computes wrong values; Error(device_failure) if its compiler fails or has ended earlier
