@@ -137,6 +137,19 @@ Mesh noisy_sphere(std::uint32_t frequency, double noise, std::uint64_t seed) {
     return {std::move(vertices), std::move(triangles), describe_seed(seed)};
 }
 
+double triangle_area(const Mesh& mesh, std::size_t triangle) {
+    const auto& [a, b, c] = mesh.triangles()[triangle];
+    const Vec3 &p = mesh.vertices()[a], &q = mesh.vertices()[b], &r = mesh.vertices()[c];
+    const Vec3 u{q[0] - p[0], q[1] - p[1], q[2] - p[2]}, v{r[0] - p[0], r[1] - p[1], r[2] - p[2]};
+    return length({u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]}) / 2;
+}
+
+double mean_triangle_area(const Mesh& mesh) {
+    double sum = 0;
+    for (std::size_t t = 0; t < mesh.triangles().size(); ++t) sum += triangle_area(mesh, t);
+    return sum / static_cast<double>(mesh.triangles().size());
+}
+
 Mesh split_triangles(const Mesh& mesh) {
     std::vector<Vec3> vertices = mesh.vertices();
     std::vector<Triangle> triangles;

@@ -2,6 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -24,6 +25,10 @@ std::string short_name(const std::string& name_or_file);
 /// A unit sphere of 20 frequency^2 triangles, an icosahedron's faces divided evenly; each vertex is moved along its
 /// radius by up to `noise` mean edge lengths, inwards or outwards. It never cuts itself.
 Mesh noisy_sphere(std::uint32_t frequency, double noise, std::uint64_t seed);
+
+/// In the mesh's units, squared.
+double triangle_area(const Mesh& mesh, std::size_t triangle);
+double mean_triangle_area(const Mesh& mesh);
 
 /// Splits each triangle into four at the midpoints of its edges: the same surface.
 Mesh split_triangles(const Mesh& mesh);

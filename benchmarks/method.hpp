@@ -55,13 +55,16 @@ struct Entry {
 
 /// clsdf on a device: with a transform that is kept between calls, as in a simulation code, and with a new one for each
 /// call.
-std::unique_ptr<Method> make_kept_transform(const Device& device);
-std::unique_ptr<Method> make_transform_anew(const Device& device);
+std::unique_ptr<Method> make_kept_transform(const Device& device, const std::string& name = "clsdf, again");
+std::unique_ptr<Method> make_transform_anew(const Device& device, const std::string& name = "clsdf");
 
 // The peers, one file each.
 Entry embree_entry();
 Entry openvdb_entry();
 Entry cgal_entry();
+
+/// clsdf's band of a share of the mesh's longest side, continued over the whole grid by OpenVDB's fast sweeping.
+Entry openvdb_sweep_entry(const Device& device, double share);
 
 /// Signed distances at points, by a peer that is set up for a mesh. Empty if the peer is not built in.
 using PointPeer = std::function<void(std::span<const Vec3> points, std::span<float> distance)>;

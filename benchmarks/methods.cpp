@@ -6,9 +6,9 @@ namespace {
 
 class KeptTransform final : public Method {
 public:
-    explicit KeptTransform(Device device) : device_(std::move(device)) {}
+    KeptTransform(Device device, std::string name) : device_(std::move(device)), name_(std::move(name)) {}
 
-    std::string name() const override { return "clsdf, again"; }
+    std::string name() const override { return name_; }
     std::string note() const override { return "the transform is kept, and with it what the call before has prepared"; }
     bool gets_every_call() const override { return true; }
 
@@ -27,14 +27,15 @@ public:
 
 private:
     Device device_;
+    std::string name_;
     std::unique_ptr<DistanceTransform> transform_;
 };
 
 class TransformAnew final : public Method {
 public:
-    explicit TransformAnew(Device device) : device_(std::move(device)) {}
+    TransformAnew(Device device, std::string name) : device_(std::move(device)), name_(std::move(name)) {}
 
-    std::string name() const override { return "clsdf"; }
+    std::string name() const override { return name_; }
     std::string note() const override {
         return "from the mesh's arrays anew; only the device and its programs are kept";
     }
@@ -47,6 +48,7 @@ public:
 
 private:
     Device device_;
+    std::string name_;
 };
 
 #if !CLSDF_PEER_EMBREE || !CLSDF_PEER_OPENVDB
@@ -61,12 +63,12 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Method> make_kept_transform(const Device& device) {
-    return std::make_unique<KeptTransform>(device);
+std::unique_ptr<Method> make_kept_transform(const Device& device, const std::string& name) {
+    return std::make_unique<KeptTransform>(device, name);
 }
 
-std::unique_ptr<Method> make_transform_anew(const Device& device) {
-    return std::make_unique<TransformAnew>(device);
+std::unique_ptr<Method> make_transform_anew(const Device& device, const std::string& name) {
+    return std::make_unique<TransformAnew>(device, name);
 }
 
 #if !CLSDF_PEER_EMBREE
@@ -80,6 +82,9 @@ PointPeer embree_points(const Mesh&) {
 #if !CLSDF_PEER_OPENVDB
 Entry openvdb_entry() {
     return absent("openvdb", CLSDF_MISSING_OPENVDB);
+}
+Entry openvdb_sweep_entry(const Device&, double) {
+    return absent("openvdb_sweep", CLSDF_MISSING_OPENVDB);
 }
 #endif
 

@@ -1,10 +1,14 @@
 #include "benchmarks/papers.hpp"
 
+#include "benchmarks/meshes.hpp"
+
 #include <clsdf/tuning.hpp>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace clsdf::bench {
 
@@ -70,6 +74,50 @@ private:
     std::unique_ptr<DistanceTransform> transform_;
 };
 
+/// DistanceTransform::query() at all samples of the grid.
+class TreeOfPoints final : public Method {
+public:
+    TreeOfPoints(Device device, std::string name, bool is_kept)
+        : device_(std::move(device)), name_(std::move(name)), is_kept_(is_kept) {}
+
+    std::string name() const override { return name_; }
+    std::string note() const override {
+        return is_kept_ ? "the transform and the samples' positions are kept" : "the samples' positions are kept";
+    }
+    bool gets_every_call() const override { return true; }
+
+    void prepare(const Workload& workload) override {
+        const Grid& grid = workload.grid;
+        positions_.resize(grid.sample_count());
+        tbb::parallel_for(std::int64_t{0}, grid.size[2], [&](std::int64_t k) {
+            for (std::int64_t j = 0; j < grid.size[1]; ++j)
+                for (std::int64_t i = 0; i < grid.size[0]; ++i)
+                    positions_[grid.offset(i, j, k)] = grid.position(i, j, k);
+        });
+        if (is_kept_) kept_ = std::make_unique<DistanceTransform>(device_, workload.mesh);
+    }
+
+    Cost compute(const Workload& workload, std::span<float> distance, std::size_t) override {
+        if (is_kept_)
+            kept_->query(positions_, workload.band.outside, distance);
+        else
+            DistanceTransform(device_, workload.mesh).query(positions_, workload.band.outside, distance);
+        return {};
+    }
+
+private:
+    Device device_;
+    std::string name_;
+    bool is_kept_;
+    std::vector<Vec3> positions_;
+    std::unique_ptr<DistanceTransform> kept_;
+};
+
+/// The margin that make_workload() gives a grid, as a share of the mesh's longest side.
+double margin_of(const Length& half_width) {
+    return half_width.is_infinite() ? 0.05 : half_width.resolve(0, 1);
+}
+
 }  // namespace
 
 std::unique_ptr<PapersMethod> make_software_mauch(std::size_t threads) {
@@ -113,6 +161,71 @@ std::vector<PapersCase> papers_cases() {
     for (const std::int64_t resolution : {64, 128}) add("bunny00", resolution, 10, "");
     for (const int percent : {1, 3}) add("bunny00", 256, percent, "");
     return cases;
+}
+
+std::vector<Entry> far_field_methods(const Device& device) {
+    std::vector<Entry> methods;
+    methods.emplace_back("clsdf", "", "", make_transform_anew(device));
+    for (const double share : {0.02, 0.05, 0.1}) {
+        Entry sweep = openvdb_sweep_entry(device, share);
+        sweep.name = fmt::format("band of {:g}%, OpenVDB's fast sweeping", 100 * share);
+        methods.push_back(std::move(sweep));
+    }
+    return methods;
+}
+
+const std::vector<std::string>& far_field_meshes() {
+    static const std::vector<std::string> meshes{"knot", "bunny00"};
+    return meshes;
+}
+
+Layout UnderSampledCase::layout(const Length& half_width) const {
+    const double voxel = std::sqrt(triangles_per_voxel * mean_triangle_area(mesh));
+    const double side = mesh.box().longest_side() * (1 + 2 * margin_of(half_width));
+    constexpr std::int64_t fewest = 8;
+    return {fmt::format("{:g} triangles per voxel", triangles_per_voxel),
+            std::max(fewest, static_cast<std::int64_t>(std::lround(side / voxel)) + 1), half_width};
+}
+
+std::vector<UnderSampledCase> under_sampled_cases(const std::string& series, const Mesh& mesh, bool is_quick) {
+    std::vector<UnderSampledCase> cases;
+    if (series == "sphere6") {
+        const auto add = [&](int level, double triangles_per_voxel) {
+            const std::string name = fmt::format("sphere{}", is_quick ? level - 3 : level);
+            cases.push_back({series, make_shape(name), triangles_per_voxel});
+        };
+        add(5, 0.1);
+        add(7, 1);
+        add(8, 10);
+        add(9, 100);
+        add(9, 1000);
+        return cases;
+    }
+    cases.push_back({series, mesh, 1});
+    const Mesh split = is_quick ? mesh : split_triangles(split_triangles(mesh));
+    for (const double triangles_per_voxel : {10, 100, 1000}) cases.push_back({series, split, triangles_per_voxel});
+    return cases;
+}
+
+std::vector<Entry> under_sampled_methods(const Device& device) {
+    std::vector<Entry> methods;
+    methods.emplace_back("bricks", "", "", make_transform_anew(device, "bricks"));
+    methods.emplace_back("tree", "", "", std::make_unique<TreeOfPoints>(device, "tree of points", false));
+    methods.emplace_back("bricks_again", "", "", make_kept_transform(device, "bricks, again"));
+    methods.emplace_back("tree_again", "", "", std::make_unique<TreeOfPoints>(device, "tree of points, again", true));
+    methods.push_back(embree_entry());
+    return methods;
+}
+
+std::vector<double> crossovers(std::span<const TimesOfTwo> times) {
+    std::vector<double> found;
+    for (std::size_t i = 0; i + 1 < times.size(); ++i) {
+        const TimesOfTwo &a = times[i], &b = times[i + 1];
+        const double before = std::log(a.first / a.second), after = std::log(b.first / b.second);
+        if ((before > 0) == (after > 0)) continue;
+        found.push_back(a.value * std::pow(b.value / a.value, before / (before - after)));
+    }
+    return found;
 }
 
 }  // namespace clsdf::bench

@@ -5,6 +5,7 @@
 #include <clsdf/papers.hpp>
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,5 +47,39 @@ struct PapersCase {
     Layout layout() const;
 };
 std::vector<PapersCase> papers_cases();
+
+/// Every sample of a grid, computed by clsdf; and by clsdf in bands of 2, 5 and 10% of the longest side, which
+/// OpenVDB's fast sweeping continues.
+std::vector<Entry> far_field_methods(const Device& device);
+/// The meshes on which these are compared.
+const std::vector<std::string>& far_field_meshes();
+
+/// A mesh on a grid on which the surface has a given number of triangles per voxel, which is the inverse of a
+/// triangle's mean area in faces of a voxel.
+struct UnderSampledCase {
+    std::string series;  ///< the mesh of papers_cases() with which the case runs
+    Mesh mesh;
+    double triangles_per_voxel = 0;
+
+    /// The grid of the same kind and band that comes nearest to the number.
+    Layout layout(const Length& half_width) const;
+};
+
+/// From 0.1 to 1,000 triangles per voxel, on spheres for the mesh sphere6, on the split mesh for any other. Quick: of a
+/// 64th of the triangles at most, on smaller grids.
+std::vector<UnderSampledCase> under_sampled_cases(const std::string& series, const Mesh& mesh, bool is_quick);
+
+/// The samples by polyhedra and bricks, and by the tree of query(), each from the mesh's arrays and on a kept
+/// transform; and by Embree, which is given the samples of the band.
+std::vector<Entry> under_sampled_methods(const Device& device);
+
+/// Times of two methods for one value of a parameter.
+struct TimesOfTwo {
+    double value = 0;
+    double first = 0, second = 0;
+};
+
+/// The values, in the order of `times`, at which the faster of the two changes, by interpolation on logarithmic scales.
+std::vector<double> crossovers(std::span<const TimesOfTwo> times);
 
 }  // namespace clsdf::bench

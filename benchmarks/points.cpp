@@ -1,6 +1,7 @@
 #include "benchmarks/points.hpp"
 
 #include "benchmarks/cost.hpp"
+#include "benchmarks/meshes.hpp"
 #include "benchmarks/method.hpp"
 
 #include <clsdf/reference.hpp>
@@ -24,7 +25,7 @@ class PointMaker {
 public:
     PointMaker(const Mesh& mesh, std::uint64_t seed) : mesh_(mesh), random_(seed) {
         double area = 0;
-        for (std::size_t t = 0; t < mesh.triangles().size(); ++t) areas_.push_back(area += area_of(t));
+        for (std::size_t t = 0; t < mesh.triangles().size(); ++t) areas_.push_back(area += triangle_area(mesh, t));
     }
 
     /// In the box and 10% of its longest side around it.
@@ -63,15 +64,6 @@ public:
 private:
     const Vec3& corner(std::size_t triangle, std::size_t k) const {
         return mesh_.vertices()[mesh_.triangles()[triangle][k]];
-    }
-
-    double area_of(std::size_t triangle) const {
-        Vec3 u{}, v{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            u[axis] = corner(triangle, 1)[axis] - corner(triangle, 0)[axis];
-            v[axis] = corner(triangle, 2)[axis] - corner(triangle, 0)[axis];
-        }
-        return std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
     }
 
     Vec3 in_box() {

@@ -36,6 +36,7 @@ void Judgement::take_worse(const Judgement& other) {
     leaked = std::max(leaked, other.leaked);
     wrong_values = std::max(wrong_values, other.wrong_values);
     max_error_voxels = std::max(max_error_voxels, other.max_error_voxels);
+    mean_error_voxels = std::max(mean_error_voxels, other.mean_error_voxels);
 }
 
 std::vector<Truth::Sample> Truth::choose(const Workload& workload, std::size_t samples, std::uint64_t seed) {
@@ -90,6 +91,7 @@ Truth::Truth(const Workload& workload, std::size_t samples, std::uint64_t seed)
 
 Judgement Truth::judge(std::span<const float> distance, bool takes_list, std::size_t stride) const {
     Judgement judgement;
+    std::size_t in_band = 0;
     for (const Sample& sample : samples_) {
         if (takes_list && (sample.brick == not_listed || sample.brick % stride != 0)) continue;
         ++judgement.samples;
@@ -111,9 +113,12 @@ Judgement Truth::judge(std::span<const float> distance, bool takes_list, std::si
         } else {
             const double error = std::abs(magnitude - sample.distance);
             judgement.max_error_voxels = std::max(judgement.max_error_voxels, error / voxel_);
+            judgement.mean_error_voxels += error / voxel_;
+            ++in_band;
             if (error > margin) ++judgement.wrong_values;
         }
     }
+    judgement.mean_error_voxels /= static_cast<double>(std::max<std::size_t>(in_band, 1));
     return judgement;
 }
 

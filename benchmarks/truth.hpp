@@ -17,6 +17,7 @@ struct Judgement {
     std::size_t leaked = 0;        ///< beyond the band, but with a value within it
     std::size_t wrong_values = 0;  ///< in the band, off by more than 1e-5 voxel and 2 ulp
     double max_error_voxels = 0;   ///< of the magnitudes, over the samples of the band that are not missed
+    double mean_error_voxels = 0;  ///< over the same samples
 
     bool exact() const { return wrong_signs + missed + leaked + wrong_values == 0; }
     /// The worse of both, count by count.

@@ -1,5 +1,7 @@
 #include "benchmarks/workload.hpp"
 
+#include "benchmarks/meshes.hpp"
+
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -61,6 +63,11 @@ std::size_t SampleList::count(std::size_t stride) const {
     std::size_t sum = 0;
     for (std::size_t brick = 0; brick < bricks(); brick += stride) sum += starts[brick + 1] - starts[brick];
     return sum;
+}
+
+double mean_area_voxels(const Workload& workload) {
+    const double voxel = workload.grid.voxel();
+    return mean_triangle_area(workload.mesh) / (voxel * voxel);
 }
 
 const std::vector<Layout>& standard_layouts() {

@@ -32,6 +32,9 @@ struct Workload {
     double largest_distance = 0;  ///< of those samples
 };
 
+/// The mean area of a triangle, in faces of a voxel. Its inverse is the number of triangles per voxel of the surface.
+double mean_area_voxels(const Workload& workload);
+
 /// A grid around a mesh and a band, as "clsdf compute --cubic" would lay them out.
 struct Layout {
     std::string name;

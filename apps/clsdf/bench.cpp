@@ -65,6 +65,7 @@ Json describe(const Workload& workload) {
     return {{"workload", workload.name},
             {"mesh", workload.mesh_name},
             {"triangles", workload.mesh.triangles().size()},
+            {"mean_area_voxels", clsdf::bench::mean_area_voxels(workload)},
             {"grid", describe(workload.grid)},
             {"half_width_voxels", workload.band.outside / workload.grid.voxel()},
             {"sign", name_of(workload.sign)},
@@ -75,6 +76,7 @@ Json describe(const Judgement& judgement) {
     return {{"exact", judgement.exact()},
             {"samples", judgement.samples},
             {"max_error_voxels", judgement.max_error_voxels},
+            {"mean_error_voxels", judgement.mean_error_voxels},
             {"wrong_values", judgement.wrong_values},
             {"wrong_signs", judgement.wrong_signs},
             {"missed", judgement.missed},
@@ -117,9 +119,10 @@ std::string title_of(const Workload& workload) {
         std::isinf(workload.band.outside)
             ? "every sample"
             : fmt::format("half width {:.2f} voxels", workload.band.outside / workload.grid.voxel());
-    return fmt::format("{}, {}: {} triangles, {} x {} x {} samples, {}, {} with their distance", workload.name,
-                       workload.mesh_name, workload.mesh.triangles().size(), size[0], size[1], size[2], band,
-                       workload.list.samples.size());
+    return fmt::format(
+        "{}, {}: {} triangles of {:.3g} voxels on average, {} x {} x {} samples, {}, {} with their distance",
+        workload.name, workload.mesh_name, workload.mesh.triangles().size(), mean_area_voxels(workload), size[0],
+        size[1], size[2], band, workload.list.samples.size());
 }
 
 using clsdf::Error;

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
 using clsdf::bench::Measurement;
 using clsdf::bench::PapersCase;
@@ -113,6 +115,147 @@ Json measure_case(const PapersCase& c, const Workload& workload,
     return rows;
 }
 
+/// A row for each method of a comparison, also for those that are not built in: these say how to get them.
+struct Comparison {
+    std::vector<Measurement> measurements;  ///< of the methods that are built in, in their order
+    std::vector<const clsdf::bench::Entry*> absent;
+};
+
+Comparison compare(const Workload& workload, const std::vector<clsdf::bench::Entry>& entries,
+                   const BenchOptions& options) {
+    std::vector<clsdf::bench::Method*> timed;
+    Comparison comparison;
+    for (const clsdf::bench::Entry& entry : entries)
+        if (entry.method)
+            timed.push_back(entry.method.get());
+        else
+            comparison.absent.push_back(&entry);
+    comparison.measurements = measure_in_turns(workload, timed, options.measure);
+    return comparison;
+}
+
+/// Time beside error, and the first method's median time divided by each one's.
+BenchTable comparison_table(const char* parameter) {
+    return BenchTable({parameter, "samples on a side", "method", "least, ms", "median", "most", "times the first",
+                       "mean error, voxel", "max error, voxel", "wrong values", "wrong signs", "missed", "leaked",
+                       "judged"});
+}
+
+void add_rows(const std::string& parameter, const Workload& workload, const Comparison& comparison, BenchTable& table,
+              Json& rows) {
+    const double first = median_wall(comparison.measurements.front());
+    const std::string side = std::to_string(workload.grid.size[0]);
+    for (const Measurement& m : comparison.measurements) {
+        const clsdf::bench::Spread wall = clsdf::bench::spread_of(m.wall);
+        std::vector<std::string> cells{parameter,
+                                       side,
+                                       m.method,
+                                       milliseconds(wall.least),
+                                       milliseconds(wall.median),
+                                       milliseconds(wall.most),
+                                       fmt::format("{:.3g}", first / wall.median),
+                                       fmt::format("{:.2g}", m.judgement.mean_error_voxels)};
+        for (std::string& cell : cells_of(m.judgement)) cells.push_back(std::move(cell));
+        table.add(std::move(cells));
+        Json row = ::describe(workload);
+        row.update(::describe(m));
+        row["speed_up_over_first"] = first / wall.median;
+        rows.push_back(std::move(row));
+    }
+    for (const clsdf::bench::Entry* entry : comparison.absent) {
+        std::vector<std::string> cells{parameter, side, fmt::format("{}: {}", entry->name, entry->remedy)};
+        cells.resize(14, "-");
+        table.add(std::move(cells));
+        Json row = ::describe(workload);
+        row["method"] = entry->name;
+        row["remedy"] = entry->remedy;
+        rows.push_back(std::move(row));
+    }
+}
+
+/// The paper computes a band, and leaves the far field to methods that continue it.
+Json measure_far_field(const std::vector<NamedMesh>& meshes, const clsdf::Device& device, const BenchOptions& options) {
+    const std::vector<clsdf::bench::Entry> methods = clsdf::bench::far_field_methods(device);
+    Json rows = Json::array();
+    for (const std::string& name : clsdf::bench::far_field_meshes()) {
+        const clsdf::Mesh* const mesh = find_mesh(meshes, name);
+        if (mesh == nullptr) continue;
+        const Workload workload = clsdf::bench::make_workload(
+            {"far field", options.scaled(256), clsdf::Length::infinite()}, name, *mesh, device);
+        BenchTable table = comparison_table("mesh");
+        add_rows(name, workload, compare(workload, methods, options), table, rows);
+        options.say(fmt::format("\n{}\nscripts/far-field measures scikit-fmm's fast marching.\n\n{}",
+                                title_of(workload), table.text()));
+    }
+    return rows;
+}
+
+double median_of(const std::vector<Measurement>& measurements, const std::string& method) {
+    const auto found = std::find_if(measurements.begin(), measurements.end(),
+                                    [&](const Measurement& measurement) { return measurement.method == method; });
+    return median_wall(*found);
+}
+
+/// The faster of two methods on either side of each crossover.
+std::string describe_crossovers(const std::string& first, const std::string& second,
+                                const std::vector<clsdf::bench::TimesOfTwo>& times,
+                                const std::vector<double>& crossovers) {
+    const bool first_is_faster = times.front().first < times.front().second;
+    const std::string& at_first = first_is_faster ? first : second;
+    if (crossovers.empty()) {
+        double least = INFINITY, most = 0;
+        for (const clsdf::bench::TimesOfTwo& t : times) {
+            const double ratio = first_is_faster ? t.second / t.first : t.first / t.second;
+            least = std::min(least, ratio);
+            most = std::max(most, ratio);
+        }
+        return fmt::format("no crossover: {} takes {:.1f} to {:.1f} times as long as {}",
+                           first_is_faster ? second : first, least, most, at_first);
+    }
+    return fmt::format("crossover at {:.3g} triangles per voxel; with fewer triangles {} is faster than {}",
+                       fmt::join(crossovers, " and "), at_first, first_is_faster ? second : first);
+}
+
+/// Grids that are coarse for their mesh: the paper expects a search from each sample to be faster there.
+Json measure_under_sampled(const std::vector<NamedMesh>& meshes, const clsdf::Device& device,
+                           const BenchOptions& options) {
+    const std::vector<clsdf::bench::Entry> methods = clsdf::bench::under_sampled_methods(device);
+    Json rows = Json::array(), found = Json::array();
+    for (const char* series : {"sphere6", "bunny00"}) {
+        const clsdf::Mesh* const mesh = find_mesh(meshes, series);
+        if (mesh == nullptr) continue;
+        const auto cases = clsdf::bench::under_sampled_cases(series, *mesh, options.quick);
+        for (const auto& [band, half_width] :
+             {std::pair{"10%", clsdf::Length::of_extent(0.1)}, std::pair{"every sample", clsdf::Length::infinite()}}) {
+            BenchTable table = comparison_table("triangles per voxel");
+            std::vector<clsdf::bench::TimesOfTwo> anew, again;
+            for (const clsdf::bench::UnderSampledCase& c : cases) {
+                const Workload workload =
+                    make_workload(c.layout(half_width), clsdf::bench::short_name(c.mesh.name()), c.mesh, device);
+                const Comparison comparison = compare(workload, methods, options);
+                const double per_voxel = 1 / mean_area_voxels(workload);
+                add_rows(fmt::format("{:.3g}", per_voxel), workload, comparison, table, rows);
+                const auto median = [&](const char* name) { return median_of(comparison.measurements, name); };
+                anew.push_back({per_voxel, median("bricks"), median("tree of points")});
+                again.push_back({per_voxel, median("bricks, again"), median("tree of points, again")});
+            }
+            std::string lines;
+            for (const auto& [calls, times] : {std::pair{"from arrays", &anew}, std::pair{"again", &again}}) {
+                const std::vector<double> crossovers = clsdf::bench::crossovers(*times);
+                const std::string line = describe_crossovers("bricks", "tree of points", *times, crossovers);
+                lines += fmt::format("{}: {}\n", calls, line);
+                found.push_back({{"series", series},
+                                 {"band", band},
+                                 {"calls", calls},
+                                 {"triangles_per_voxel", crossovers},
+                                 {"text", line}});
+            }
+            options.say(fmt::format("\nunder-sampled grids, {}, {}\n\n{}\n{}", series, band, table.text(), lines));
+        }
+    }
+    return {{"rows", rows}, {"crossovers", found}};
+}
+
 /// The papers compare their own meshes.
 std::vector<NamedMesh> load_papers_meshes(const BenchOptions& options) {
     std::vector<std::string> known;
@@ -147,5 +290,7 @@ Json run_bench_papers(const BenchOptions& options) {
         const Json rows = measure_case(c, workload, methods, options);
         for (const Json& row : rows.elements()) result["rows"].push_back(row);
     }
+    result["far_field"] = measure_far_field(meshes, device, options);
+    result["under_sampled"] = measure_under_sampled(meshes, device, options);
     return result;
 }

@@ -4,6 +4,8 @@
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 using clsdf::test::check_refused;
@@ -95,6 +97,70 @@ BOOST_AUTO_TEST_CASE(papers_have_their_polyhedra_distances_and_errors_beside_the
         }
         if (row["mesh"] == "sphere6")
             BOOST_TEST(row["polyhedra"].get<int>() == (method.starts_with("mauch") ? 98306 : 32768), method);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(the_far_field_is_exact_by_clsdf_and_its_continued_bands_are_not) {
+    const json rows = result_of({"papers", "knot"})["far_field"];
+    BOOST_TEST_REQUIRE(rows.size() == 4U);
+    BOOST_TEST(rows[0]["method"] == "clsdf");
+    BOOST_TEST(rows[0]["judgement"]["exact"].get<bool>());
+    BOOST_TEST(rows[0]["judgement"]["mean_error_voxels"].get<double>() < 1e-6);
+    std::set<std::string> bands;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+        const json& row = rows[i];
+        const std::string method = row["method"];
+        BOOST_TEST_INFO_SCOPE(method);
+        bands.insert(method.substr(0, method.find(',')));
+        BOOST_TEST(row["band_samples"] == rows[0]["band_samples"]);
+        if (row.contains("remedy")) {
+            BOOST_TEST(!row["remedy"].get<std::string>().empty());
+            continue;
+        }
+        BOOST_TEST(row["wall_seconds"]["median"].get<double>() > 0);
+        // Of first order: never exact, but it follows the surface, and its signs are those of the band.
+        const json& judgement = row["judgement"];
+        BOOST_TEST(judgement["wrong_signs"] == 0);
+        BOOST_TEST(judgement["missed"] == 0);
+        BOOST_TEST(judgement["wrong_values"].get<int>() > 0);
+        BOOST_TEST(judgement["mean_error_voxels"].get<double>() > 1e-3);
+        BOOST_TEST(judgement["max_error_voxels"].get<double>() < 2);
+    }
+    BOOST_TEST((bands == std::set<std::string>{"band of 2%", "band of 5%", "band of 10%"}));
+}
+
+BOOST_AUTO_TEST_CASE(under_sampled_grids_are_computed_in_three_ways_which_have_a_crossover_or_none) {
+    const json result = result_of({"papers", "sphere6"})["under_sampled"];
+    std::set<std::string> methods;
+    double least = INFINITY, most = 0;
+    for (const json& row : result["rows"]) {
+        const std::string method = row["method"];
+        BOOST_TEST_INFO_SCOPE(method << " on " << row["mesh"]);
+        methods.insert(method.substr(0, method.find(':')));
+        if (row.contains("remedy")) continue;
+        const double area = row["mean_area_voxels"];
+        least = std::min(least, 1 / area);
+        most = std::max(most, 1 / area);
+        // The unit sphere of so many triangles.
+        const double side = row["grid"]["spacing"][0];
+        BOOST_TEST(area * row["triangles"].get<double>() * side * side == 4 * 3.14159265,
+                   boost::test_tools::tolerance(0.06));
+        BOOST_TEST(row["wall_seconds"]["median"].get<double>() > 0);
+        BOOST_TEST(row["judgement"]["samples"].get<int>() > 0);
+        if (method != "Embree") BOOST_TEST(row["judgement"]["exact"].get<bool>());
+    }
+    for (const char* way : {"bricks", "bricks, again", "tree of points", "tree of points, again"})
+        BOOST_TEST(methods.contains(way), way);
+    BOOST_TEST((methods.contains("Embree") || methods.contains("embree")));
+    BOOST_TEST(least < 0.2);
+    BOOST_TEST(most > 50);  // the quick grids have at least nine samples on a side
+    BOOST_TEST(result["crossovers"].size() == 4U);
+    for (const json& crossover : result["crossovers"]) {
+        BOOST_TEST(crossover["text"].get<std::string>().find("crossover") != std::string::npos);
+        for (const json& value : crossover["triangles_per_voxel"]) {
+            BOOST_TEST(value.get<double>() >= least);
+            BOOST_TEST(value.get<double>() <= most);
+        }
     }
 }
 

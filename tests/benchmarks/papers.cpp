@@ -1,9 +1,11 @@
 #include "small_workload.hpp"
 
+#include "benchmarks/meshes.hpp"
 #include "benchmarks/papers.hpp"
 
 #include <boost/test/unit_test.hpp>
 
+#include <cmath>
 #include <set>
 
 using namespace clsdf;
@@ -52,6 +54,40 @@ BOOST_AUTO_TEST_CASE(mauch_has_the_same_polyhedra_in_software_and_on_the_device)
         BOOST_TEST(static_cast<double>(software.distances) < 1.1 * static_cast<double>(device.distances));
         BOOST_TEST(static_cast<double>(software.distances) > 0.9 * static_cast<double>(device.distances));
     }
+}
+
+// Time over the value is a straight line on logarithmic scales.
+BOOST_AUTO_TEST_CASE(crossovers_are_found_between_the_values) {
+    const auto times = [](double value, double first_exponent, double second) {
+        return TimesOfTwo{value, std::pow(value, first_exponent), second};
+    };
+    const std::vector<TimesOfTwo> rising{times(1, 0.5, 4), times(10, 0.5, 4), times(100, 0.5, 4)};
+    const std::vector<double> once = crossovers(rising);
+    BOOST_TEST_REQUIRE(once.size() == 1U);
+    BOOST_TEST(once[0] == 16, boost::test_tools::tolerance(1e-9));
+    const std::vector<TimesOfTwo> above{times(1, 0.5, 40), times(100, 0.5, 40)};
+    BOOST_TEST(crossovers(above).empty());
+    const std::vector<TimesOfTwo> there_and_back{{1, 1, 2}, {10, 2, 1}, {100, 1, 2}};
+    BOOST_TEST(crossovers(there_and_back).size() == 2U);
+}
+
+BOOST_AUTO_TEST_CASE(under_sampled_grids_have_the_number_of_triangles_per_voxel) {
+    for (const UnderSampledCase& c : under_sampled_cases("sphere6", make_shape("sphere6"), true))
+        for (const Length& half_width : {Length::of_extent(0.1), Length::infinite()}) {
+            const Layout layout = c.layout(half_width);
+            if (layout.resolution < 10) continue;  // the smallest grid
+            const Workload workload = make_workload(layout, "sphere", c.mesh, Device::strongest());
+            BOOST_TEST(1 / mean_area_voxels(workload) == c.triangles_per_voxel, boost::test_tools::tolerance(0.1));
+        }
+}
+
+// Two right triangles, a square of two voxels on a side.
+BOOST_AUTO_TEST_CASE(the_mean_area_is_in_voxels) {
+    const Mesh square({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+    BOOST_TEST(triangle_area(square, 1) == 0.5);
+    Grid grid;
+    grid.spacing = {0.5, 0.5, 0.5};
+    BOOST_TEST(mean_area_voxels({"small", "square", square, grid, {}, {}, {}, 0}) == 2);
 }
 
 BOOST_AUTO_TEST_SUITE_END()
