@@ -84,7 +84,6 @@ public:
     std::string note() const override {
         return is_kept_ ? "the transform and the samples' positions are kept" : "the samples' positions are kept";
     }
-    bool gets_every_call() const override { return true; }
 
     void prepare(const Workload& workload) override {
         const Grid& grid = workload.grid;
@@ -197,13 +196,17 @@ std::vector<UnderSampledCase> under_sampled_cases(const std::string& series, con
         add(5, 0.1);
         add(7, 1);
         add(8, 10);
+        add(8, 30);
         add(9, 100);
+        add(9, 300);
         add(9, 1000);
         return cases;
     }
+    const Mesh once = is_quick ? mesh : split_triangles(mesh);
+    const Mesh twice = is_quick ? mesh : split_triangles(once);
     cases.push_back({series, mesh, 1});
-    const Mesh split = is_quick ? mesh : split_triangles(split_triangles(mesh));
-    for (const double triangles_per_voxel : {10, 100, 1000}) cases.push_back({series, split, triangles_per_voxel});
+    cases.push_back({series, once, 10});
+    for (const double triangles_per_voxel : {30, 100, 300, 1000}) cases.push_back({series, twice, triangles_per_voxel});
     return cases;
 }
 
