@@ -184,6 +184,14 @@ std::vector<clsdf::bench::Method*> BenchOptions::choose(const std::vector<Entry>
     return chosen;
 }
 
+std::vector<std::string> BenchOptions::series_of(const std::vector<std::string>& known) const {
+    for (const std::string& name : series)
+        if (!contains(known, name))
+            throw Error(ErrorCode::invalid_argument, fmt::format("--series {} is no series of bench {}, which has {}",
+                                                                 name, benchmark, fmt::join(known, ", ")));
+    return series.empty() ? known : series;
+}
+
 std::int64_t BenchOptions::scaled(std::int64_t resolution) const {
     return quick ? resolution / 8 : resolution;
 }
@@ -219,7 +227,7 @@ const std::vector<Benchmark> benchmarks{
      run_bench_scaling,
      {"--method", "--series", "--seconds-per-call"}},
     {"floors", "the device's own limits, and each stage against them", run_bench_floors, {"--workload"}},
-    {"papers", "the comparisons of the papers: polyhedra, scans, saddle vertices", run_bench_papers, {}},
+    {"papers", "the comparisons of the papers: polyhedra, scans, saddle vertices", run_bench_papers, {"--series"}},
     {"calls", "the calls of a time step: a grid again, one sample, patches, vertices that move", run_bench_calls, {}},
     {"points", "points anywhere: uniform, near the surface, along rays, in many calls", run_bench_points, {"--points"}},
     {"memory",
@@ -268,8 +276,11 @@ Command add_bench(Parser& program) {
         .takes_some_of({"W1", "W2", "W3", "W4"});
     parser.add("--method", options->methods, "of peers and scaling, separated by commas [peers: all, scaling: clsdf]")
         .takes_some_of({"clsdf", "again", "embree", "openvdb", "cgal"});
-    parser.add("--series", options->series, "of scaling, separated by commas [all]")
-        .takes_some_of({"N", "d", "triangles", "threads"});
+    parser
+        .add("--series", options->series,
+             "of scaling (N, d, triangles, threads) and papers (table-1, scans, far-field, under-sampled), separated "
+             "by commas [all]")
+        .takes_some_of({"N", "d", "triangles", "threads", "table-1", "scans", "far-field", "under-sampled"});
     parser.add("--points", options->points, "of points: a file, .npy, .csv or .ply, for random ones").takes("FILE");
     parser.add("--repetitions", options->measure.repetitions, "timed calls of each method, after those that warm up")
         .takes_whole_number("N", 1, 10000);

@@ -46,6 +46,9 @@ struct BenchOptions {
     /// The methods that were named, or all that are built in. Throws Error(unsupported) if a named one is not built in.
     std::vector<clsdf::bench::Method*> choose(const std::vector<clsdf::bench::Entry>& entries) const;
 
+    /// The series that were named, or all that the benchmark has. Throws Error(invalid_argument) for others.
+    std::vector<std::string> series_of(const std::vector<std::string>& known) const;
+
     /// With --quick, an eighth of the samples on a side.
     std::int64_t scaled(std::int64_t resolution) const;
 

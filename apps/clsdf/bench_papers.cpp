@@ -115,6 +115,22 @@ Json measure_case(const PapersCase& c, const Workload& workload,
     return rows;
 }
 
+Json measure_scans(const std::vector<NamedMesh>& meshes, const clsdf::Device& device, const BenchOptions& options) {
+    Json rows = Json::array();
+    for (PapersCase c : clsdf::bench::papers_cases()) {
+        const clsdf::Mesh* const mesh = find_mesh(meshes, c.mesh);
+        if (mesh == nullptr) continue;
+        c.resolution = options.scaled(c.resolution);
+        // The paper's figures are for its own grid.
+        if (options.quick) c.remark.clear();
+        const Workload workload = make_workload(c.layout(), c.mesh, *mesh, device);
+        const auto methods = clsdf::bench::papers_methods(device, workload);
+        const Json measured = measure_case(c, workload, methods, options);
+        for (const Json& row : measured.elements()) rows.push_back(row);
+    }
+    return rows;
+}
+
 /// A row for each method of a comparison, also for those that are not built in: these say how to get them.
 struct Comparison {
     std::vector<Measurement> measurements;  ///< of the methods that are built in, in their order
@@ -274,23 +290,13 @@ std::vector<NamedMesh> load_papers_meshes(const BenchOptions& options) {
 }  // namespace
 
 Json run_bench_papers(const BenchOptions& options) {
+    const std::vector<std::string> series = options.series_of({"table-1", "scans", "far-field", "under-sampled"});
     const std::vector<NamedMesh> meshes = load_papers_meshes(options);
     const clsdf::Device device = options.open_device();
     Json result = describe_run("papers", options, device);
-    result["table_1"] = count_saddles(meshes, options);
-    result["rows"] = Json::array();
-    for (PapersCase c : clsdf::bench::papers_cases()) {
-        const clsdf::Mesh* const mesh = find_mesh(meshes, c.mesh);
-        if (mesh == nullptr) continue;
-        c.resolution = options.scaled(c.resolution);
-        // The paper's figures are for its own grid.
-        if (options.quick) c.remark.clear();
-        const Workload workload = make_workload(c.layout(), c.mesh, *mesh, device);
-        const auto methods = clsdf::bench::papers_methods(device, workload);
-        const Json rows = measure_case(c, workload, methods, options);
-        for (const Json& row : rows.elements()) result["rows"].push_back(row);
-    }
-    result["far_field"] = measure_far_field(meshes, device, options);
-    result["under_sampled"] = measure_under_sampled(meshes, device, options);
+    if (contains(series, "table-1")) result["table_1"] = count_saddles(meshes, options);
+    if (contains(series, "scans")) result["rows"] = measure_scans(meshes, device, options);
+    if (contains(series, "far-field")) result["far_field"] = measure_far_field(meshes, device, options);
+    if (contains(series, "under-sampled")) result["under_sampled"] = measure_under_sampled(meshes, device, options);
     return result;
 }

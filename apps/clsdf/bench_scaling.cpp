@@ -172,8 +172,7 @@ std::string table_of(const Json& rows) {
 Json run_bench_scaling(const BenchOptions& stated) {
     BenchOptions options = stated;
     if (options.methods.empty()) options.methods = {"clsdf"};
-    const std::vector<std::string> series =
-        options.series.empty() ? std::vector<std::string>{"threads", "N", "d", "triangles"} : options.series;
+    const std::vector<std::string> series = options.series_of({"threads", "N", "d", "triangles"});
     const std::optional<NamedMesh> mesh = load_mesh(options);
     const clsdf::Device device = options.open_device();
     const std::vector<Entry> entries = clsdf::bench::all_methods(device);
