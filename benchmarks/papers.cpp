@@ -205,8 +205,8 @@ std::vector<UnderSampledCase> under_sampled_cases(const std::string& series, con
     const Mesh once = is_quick ? mesh : split_triangles(mesh);
     const Mesh twice = is_quick ? mesh : split_triangles(once);
     cases.push_back({series, mesh, 1});
-    cases.push_back({series, once, 10});
-    for (const double triangles_per_voxel : {30, 100, 300, 1000}) cases.push_back({series, twice, triangles_per_voxel});
+    for (const double triangles_per_voxel : {10, 30}) cases.push_back({series, once, triangles_per_voxel});
+    for (const double triangles_per_voxel : {100, 300, 1000}) cases.push_back({series, twice, triangles_per_voxel});
     return cases;
 }
 
