@@ -8,6 +8,14 @@
 #include "layout.h"
 #include "simd.h"
 
+// (X, Y, Z, -) at a point given in samples of the lattice.
+INLINE double4 frame_at(__global const Polyhedron* p, double x, double y, double z) {
+    return vload4(0, p->exact_gradient_x) * (x - p->origin_x) +
+           (vload4(0, p->exact_gradient_y) * (y - p->origin_y) +
+            (vload4(0, p->exact_gradient_z) * (z - p->origin_z) + vload4(0, p->exact_constant_at_origin)));
+}
+
+#ifdef __OPENCL_VERSION__
 // From the first sample of a brick, or of a coarse brick, to its centre, in samples.
 #define BRICK_CENTRE (0.5f * (CLSDF_BRICK - 1))
 #define COARSE_CENTRE (0.5f * (CLSDF_COARSE - 1))
@@ -22,13 +30,6 @@ typedef struct Offsets {
     float before_right, before_left;    // distance along it before its end at the base; negative on the edge
     float past_right, past_left;        // past its end at the apex
 } Offsets;
-
-// (X, Y, Z, -) at a point given in samples of the lattice.
-INLINE double4 frame_at(__global const Polyhedron* p, double x, double y, double z) {
-    return vload4(0, p->exact_gradient_x) * (x - p->origin_x) +
-           (vload4(0, p->exact_gradient_y) * (y - p->origin_y) +
-            (vload4(0, p->exact_gradient_z) * (z - p->origin_z) + vload4(0, p->exact_constant_at_origin)));
-}
 
 INLINE Offsets offsets_at(__global const Polyhedron* p, double x, double y, double z) {
     const double4 frame = frame_at(p, x, y, z);
@@ -113,5 +114,7 @@ static inline void prefetch_foot(__global const Polyhedron* p) {
     prefetch_line(p->foot);
     prefetch_line(&p->origin_z);
 }
+
+#endif
 
 #endif

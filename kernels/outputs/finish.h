@@ -15,6 +15,7 @@
 #include "layout.h"
 #include "outputs.h"
 #include "simd.h"
+#include "vectors.h"
 
 // In units: above the rounding of frames, and far below what the outputs promise.
 #define SITE_TOLERANCE 1.0e-10
@@ -163,6 +164,12 @@ static inline NamedSite name_site(__private const Finishing* finishing, __global
     return named;
 }
 
+// Rounding may leave it a little outside.
+INLINE double within_0_and_1(double weight) {
+    const double positive = GREATER(weight, 0.0);
+    return LESSER(positive, 1.0);
+}
+
 // Weights of the named triangle's vertices 1 and 2 that make the closest point. first, second: of frame_weights().
 INLINE double2 named_weights(__global const Polyhedron* p, NamedSite named, double first, double second) {
     double weights[3] = {0.0, 0.0, 0.0};
@@ -178,7 +185,7 @@ INLINE double2 named_weights(__global const Polyhedron* p, NamedSite named, doub
         weights[(left + 1u) % 3u] = first;
         weights[(left + 2u) % 3u] = second;
     }
-    return clamp((double2)(weights[1], weights[2]), 0.0, 1.0);
+    return DOUBLE2(within_0_and_1(weights[1]), within_0_and_1(weights[2]));
 }
 
 // sample: in samples of the lattice, which need not be whole numbers.
@@ -191,17 +198,16 @@ static inline void find_nearest_at(__private const Finishing* finishing, double3
     double halves[7];
     load_halves(p, halves);
     from_site(halves, at.x, at.y, at.z, &from_x, &from_y, &frame_site);
-    const double2 in_plane = (double2)(from_x, from_y);
     nearest->frame_site = (uint)frame_site;
-    nearest->from = (double3)(in_plane, at.z);
+    nearest->from = DOUBLE3(from_x, from_y, at.z);
     nearest->axes[0] = vload3(0, p->exact_gradient_x) * how.per_spacing[0];
     nearest->axes[1] = vload3(0, p->exact_gradient_y) * how.per_spacing[1];
     nearest->axes[2] = vload3(0, p->exact_gradient_z) * how.per_spacing[2];
     nearest->sign = negative ? -1.0 : 1.0;
-    nearest->position = (double3)(how.origin[0] + sample.x * how.spacing[0], how.origin[1] + sample.y * how.spacing[1],
-                                  how.origin[2] + sample.z * how.spacing[2]);
+    nearest->position = DOUBLE3(how.origin[0] + sample.x * how.spacing[0], how.origin[1] + sample.y * how.spacing[1],
+                                how.origin[2] + sample.z * how.spacing[2]);
     nearest->polyhedron = p;
-    nearest->foot = at.xy - in_plane;
+    nearest->foot = DOUBLE2(at.x - from_x, at.y - from_y);
     // Set in each case: PoCL 7 crashes if one branch alone sets it (docs/devices.md).
     const NamedSite unnamed = UNNAMED_SITE;
     nearest->named = unnamed;
@@ -210,8 +216,8 @@ static inline void find_nearest_at(__private const Finishing* finishing, double3
 
 // From the closest point to the sample, along the mesh's axes, in units.
 INLINE double3 offset_of(__private const Nearest* nearest) {
-    return (double3)(dot(nearest->axes[0], nearest->from), dot(nearest->axes[1], nearest->from),
-                     dot(nearest->axes[2], nearest->from));
+    return DOUBLE3(scalar_product(nearest->axes[0], nearest->from), scalar_product(nearest->axes[1], nearest->from),
+                   scalar_product(nearest->axes[2], nearest->from));
 }
 
 // The pseudonormal of a vertex or an edge, not turned for a mesh that is inside out.
@@ -221,6 +227,7 @@ INLINE double3 pseudonormal_of(__private const Finishing* finishing, __private c
         vload3(6 * (size_t)p->triangle + site_of_triangle(p, nearest->frame_site), finishing->normals));
 }
 
+#ifdef __OPENCL_VERSION__
 // The distance of a sample beyond the band.
 INLINE double distance_beyond(__private const Finishing* finishing, bool negative) {
     return negative ? finishing->how.inside_fill : finishing->how.outside_fill;
@@ -241,12 +248,13 @@ INLINE double finished_distance(__private const Finishing* finishing, __private 
     load_halves(nearest->polyhedron, halves);
     const double2 in_plane = nearest->foot + nearest->from.xy;
     const double squared =
-        without_rounding(halves, in_plane.x, in_plane.y, nearest->from.z, dot(nearest->from, nearest->from));
+        without_rounding(halves, in_plane.x, in_plane.y, nearest->from.z, scalar_product(nearest->from, nearest->from));
     const double root = sqrt(squared) * finishing->how.unit;
     const double most = fabs(distance_beyond(finishing, negative));
     const double length = LESSER(root, most);
     return negative && length != 0.0 ? -length : length;
 }
+#endif
 
 // Each other output's value, by its name in the table. ----------------------------------------------------------------
 
@@ -265,11 +273,11 @@ INLINE double3 finished_closest(__private const Finishing* finishing, __private 
 }
 
 INLINE double3 finished_gradient(__private const Finishing* finishing, __private const Nearest* nearest) {
-    const double squared = dot(nearest->from, nearest->from);
+    const double squared = scalar_product(nearest->from, nearest->from);
     if (squared > SQUARE_OF_NO_DISTANCE) return offset_of(nearest) * (nearest->sign / sqrt(squared));
     const double outward = finishing->how.outward;
     if (nearest->frame_site == CLSDF_SITE_OF_FACE)
-        return outward * (double3)(nearest->axes[0].z, nearest->axes[1].z, nearest->axes[2].z);
+        return outward * DOUBLE3(nearest->axes[0].z, nearest->axes[1].z, nearest->axes[2].z);
     return outward * pseudonormal_of(finishing, nearest);
 }
 
@@ -315,6 +323,7 @@ static inline void store_outputs(__private const Finishing* finishing, __private
 #undef FINISH
 }
 
+#ifdef __OPENCL_VERSION__
 // The same from the sample's nearest polyhedron, and its distance in double. at: its place in the part.
 static inline void finish_sample(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative,
                                  size_t at) {
@@ -323,6 +332,7 @@ static inline void finish_sample(__private const Finishing* finishing, int3 samp
     if (IS_DOUBLE(finishing, distance)) finishing->of_distance[at] = finished_distance(finishing, &nearest);
     store_outputs(finishing, &nearest, at);
 }
+#endif
 
 // Stores the same of a sample beyond the band.
 static inline void leave_sample(__private const Finishing* finishing, size_t at) {

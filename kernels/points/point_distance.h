@@ -1,4 +1,5 @@
-// Squared distances in double between points and the faces of a tree: each kernel has the same bits of the same pair.
+// Squared distances in double between points and the faces of a tree: each kernel, and the host, has the same bits of
+// the same pair. So multiply-adds are not fused here.
 //
 // A kernel that takes one pair at a time defines REAL and TRUTH as double and long; the others take LANES pairs.
 #ifndef CLSDF_POINT_DISTANCE_H
@@ -12,6 +13,8 @@
 #define REAL doubleL
 #define TRUTH longL
 #endif
+
+#pragma OPENCL FP_CONTRACT OFF
 
 DEFINE_EDGE_OFFSETS(PointEdgeOffsets, point_edge_offsets, REAL, TRUTH)
 DEFINE_SQUARED_FROM_EDGE(point_squared_from_edge, REAL)
@@ -42,5 +45,7 @@ INLINE FaceDistance face_distance(__global const Polyhedron* record, __global co
 #undef COORDINATE
     return d;
 }
+
+#pragma OPENCL FP_CONTRACT ON
 
 #endif
