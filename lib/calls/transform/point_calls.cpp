@@ -3,6 +3,7 @@
 #include "core/stopwatch.hpp"
 #include "points/box_places.hpp"
 #include "points/face_sides.hpp"
+#include "points/few_points.hpp"
 #include "points/point_query.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/output_targets.hpp"
@@ -24,14 +25,14 @@ std::shared_ptr<const points::PointMesh> DistanceTransform::State::points() {
     return transform::with_remedies(nullptr, {forgetting()}, [&] { return kept_points->tree(); });
 }
 
-points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, std::size_t count) {
+points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, std::size_t count, bool on_host) {
     return transform::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
         points::PointInputs inputs;
         inputs.mesh = kept_points->tree();
-        const bool has_room = !points_are_short_of_memory;
+        const bool has_room = !on_host && !points_are_short_of_memory;
         const bool are_many = has_room && points::is_scan_worthwhile(programs, count, mesh().triangles().size());
         if (are_many) inputs.scanned = kept_points->scanned_mesh(programs.point_scan(device::context_of(device)));
-        if (sign != SignRule::none)
+        if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
         inputs.sites = stages->sites(transform::names_sites(outputs),
@@ -39,19 +40,64 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         inputs.sign = sign;
         inputs.is_inside_out = outputs.contains(Output::gradient) && sign != SignRule::none && topology.balanced &&
                                stages->encloses_negative_volume();
+        if (on_host) points::bring_to_host(inputs);
         return inputs;
     });
+}
+
+points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3> all, double half_width,
+                                                            OutputSet outputs, transform::Caller& caller,
+                                                            CallStatistics& statistics) {
+    mutex.check_thread();
+    device::context_of(device).require_usable();
+    const auto check = [&](const Box& box) {
+        caller.throw_if_stopped();
+        points::check_points(box, all);
+        if (stages->restriction() != nullptr) stages->restriction()->check(all, half_width);
+    };
+    if (std::optional<points::PointInputs> inputs = kept_points->inputs_of_few(outputs)) {
+        check(inputs->mesh->box);
+        return std::move(*inputs);
+    }
+    const KeepsBudget keeps_budget(*this);
+    const std::scoped_lock lock(mutex);
+    check(mesh().box());  // before anything is made
+    pool->restart_peak();
+    const Stopwatch watch;
+    points::PointInputs inputs = point_inputs(outputs, all.size(), true);
+    kept_points->remember(inputs, outputs);
+    statistics.polyhedra_seconds = watch.seconds();
+    pool->trim();
+    statistics.device_bytes = pool->peak();
+    return inputs;
+}
+
+CallStatistics DistanceTransform::State::query_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
+                                                   const scan::HostTargets& targets, const CallOptions& call) {
+    CallStatistics statistics;
+    transform::Caller caller(call);
+    const points::PointInputs inputs = inputs_of_few(all, half_width, outputs, caller, statistics);
+    statistics.triangles = inputs.mesh->face_count();
+    const Stopwatch watch;
+    scan::OwnArrays own;
+    const bool in_place = targets.are_packed();
+    const scan::HostArrays arrays = in_place ? targets.arrays() : own.for_samples(targets.arrays(), all.size());
+    points::answer_points(inputs, all, half_width, arrays);
+    if (!in_place) targets.store_row(0, all.size(), arrays);
+    statistics.field_seconds = watch.seconds();
+    caller.progress(1.0);
+    return statistics;
 }
 
 points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, std::size_t asked, double half_width,
                                                    OutputSet outputs, const scan::HostArrays& arrays,
                                                    const std::function<void(double)>& between) {
-    const points::PointInputs inputs = point_inputs(outputs, asked);
+    const points::PointInputs inputs = point_inputs(outputs, asked, false);
     return points::query_points(device::context_of(device), programs, pool, inputs, part, half_width, arrays, between);
 }
 
-CallStatistics DistanceTransform::State::query(std::span<const Vec3> all, double half_width, OutputSet outputs,
-                                               const scan::HostTargets& targets, const CallOptions& call) {
+CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, double half_width, OutputSet outputs,
+                                                    const scan::HostTargets& targets, const CallOptions& call) {
     const KeepsBudget keeps_budget(*this);
     CallStatistics statistics;
     statistics.triangles = mesh().triangles().size();
@@ -73,7 +119,7 @@ CallStatistics DistanceTransform::State::query(std::span<const Vec3> all, double
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += all.size();
-        const points::PointInputs inputs = point_inputs(outputs, all.size());
+        const points::PointInputs inputs = point_inputs(outputs, all.size(), false);
         statistics.polyhedra_seconds = watch.seconds();
         // Only the stages see whether records are made of kept frusta.
         if (inputs.scanned && inputs.scanned->is_later) {
@@ -167,8 +213,10 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
         std::vector<Vec3> copy;
         if (on_host.overlap(std::as_bytes(positions.get())))
             copy.assign(positions.get().begin(), positions.get().end());
-        const CallStatistics statistics = state.query(copy.empty() ? positions.get() : copy, std::abs(half_width),
-                                                      scan::outputs_of(targets), on_host, call);
+        const std::span<const Vec3> all = copy.empty() ? positions.get() : copy;
+        const auto answer = all.size() <= points::most_few_points ? &State::query_few : &State::query_many;
+        const CallStatistics statistics =
+            (state.*answer)(all, std::abs(half_width), scan::outputs_of(targets), on_host, call);
         memory.unmap();
         return statistics.published();
     });

@@ -120,8 +120,12 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
 
     // point_calls.cpp
     std::shared_ptr<const points::PointMesh> points();
-    CallStatistics query(std::span<const Vec3> all, double half_width, OutputSet outputs,
-                         const scan::HostTargets& targets, const CallOptions& call);
+    /// By the host, at most points::most_few_points.
+    CallStatistics query_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
+                             const scan::HostTargets& targets, const CallOptions& call);
+    /// By the device.
+    CallStatistics query_many(std::span<const Vec3> all, double half_width, OutputSet outputs,
+                              const scan::HostTargets& targets, const CallOptions& call);
 
     Topology topology;
     transform::Vertices vertices;
@@ -147,8 +151,11 @@ private:
     transform::TestCase test_case_of(const transform::Job& job) const;
     void test(const transform::TestCase& test_case, transform::Compiling& compiling) const;
 
-    /// For a query of `count` points.
-    points::PointInputs point_inputs(OutputSet outputs, std::size_t count);
+    /// For a query of `count` points. on_host: the host answers it.
+    points::PointInputs point_inputs(OutputSet outputs, std::size_t count, bool on_host);
+    /// The same for the host, after the checks of the call. Waits for other calls only if something is to be made.
+    points::PointInputs inputs_of_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
+                                      transform::Caller& caller, CallStatistics& statistics);
     /// A part of the points of a query, which asks for `asked` of them, into packed arrays.
     points::PointTimes query(std::span<const Vec3> part, std::size_t asked, double half_width, OutputSet outputs,
                              const scan::HostArrays& arrays, const std::function<void(double)>& between);

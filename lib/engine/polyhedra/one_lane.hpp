@@ -1,34 +1,14 @@
 #pragma once
 
+#include "core/kernel_language.hpp"
 #include "polyhedra/frames.hpp"
 
 #include "face_sources.h"
 
-#include <bit>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-
 /// kernels/frusta/face_frames.h, compiled by the host with one lane.
 namespace clsdf::polyhedra::one_lane {
 
-using uint = std::uint32_t;
-using uchar = std::uint8_t;
-using ulong = std::uint64_t;
-using std::fabs;
-using std::sqrt;
-
-template <typename T>
-float as_float(T x) {
-    return std::bit_cast<float>(x);
-}
-template <typename T>
-uint as_uint(T x) {
-    return std::bit_cast<uint>(x);
-}
-inline double as_double(ulong x) {
-    return std::bit_cast<double>(x);
-}
+using namespace kernel_language;
 
 #define LANES 1
 #define __global

@@ -58,20 +58,26 @@ Finishing::Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<cons
     finish_.outward = is_inside_out ? -1.0F : 1.0F;
 }
 
-cl_uint Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
+Finish Finishing::finish(std::uint32_t wanted, std::uint32_t in_double) const {
     Finish finish = finish_;
-    finish.in_double = outputs.in_double;
+    finish.wanted = wanted;
+    finish.in_double = in_double;
     finish.renumbered = static_cast<clsdf_uint32>(sites_->renumbered);
+    return finish;
+}
+
+cl_uint Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
     const cl::Buffer& unused = outputs[Output::distance];
     const auto given = [&](const auto& lease) -> const cl::Buffer& { return lease ? **lease : unused; };
+    std::uint32_t wanted = 0;
     cl_uint argument = first + 3;
     for_each_extra(
         [&](const OutputInfo& row, const cl::Buffer& buffer) {
-            if (buffer() != nullptr) finish.wanted |= bit_of(row);
+            if (buffer() != nullptr) wanted |= bit_of(row);
             kernel.setArg(argument++, buffer() != nullptr ? buffer : unused);
         },
         outputs);
-    kernel.setArg(first, finish);
+    kernel.setArg(first, finish(wanted, outputs.in_double));
     kernel.setArg(first + 1, given(sites_->names));
     kernel.setArg(first + 2, given(sites_->normals));
     return argument;

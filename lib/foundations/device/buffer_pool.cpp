@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <memory>
 #include <new>
+#include <utility>
 
 namespace clsdf::device {
 
@@ -47,13 +48,25 @@ BufferPool::Lease& BufferPool::Lease::operator=(Lease&& other) noexcept {
         pool_ = std::move(other.pool_);
         buffer_ = std::move(other.buffer_);
         bytes_ = other.bytes_;
+        mapped_ = std::exchange(other.mapped_, nullptr);
     }
     return *this;
+}
+
+const void* BufferPool::Lease::on_host() const {
+    if (mapped_ == nullptr && bytes_ > 0)
+        mapped_ = guarded(
+            [&] { return pool_->context_->queue().enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_READ, 0, bytes_); });
+    return mapped_;
 }
 
 // NOLINTNEXTLINE(bugprone-exception-escape): as its class
 void BufferPool::Lease::give_back() noexcept {
     if (!pool_) return;
+    // The next user enqueues after it.
+    if (mapped_ != nullptr)
+        clEnqueueUnmapMemObject(pool_->context_->queue()(), buffer_(), mapped_, 0, nullptr, nullptr);
+    mapped_ = nullptr;
     try {
         const std::scoped_lock lock(pool_->mutex_);
         pool_->leased_bytes_ -= bytes_;

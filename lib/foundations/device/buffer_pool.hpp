@@ -37,12 +37,17 @@ public:
         Lease() = default;
         Lease(std::shared_ptr<BufferPool> pool, cl::Buffer buffer, std::size_t bytes)
             : pool_(std::move(pool)), buffer_(std::move(buffer)), bytes_(bytes) {}
-        Lease(Lease&& other) noexcept = default;
+        Lease(Lease&& other) noexcept { *this = std::move(other); }
         Lease& operator=(Lease&& other) noexcept;
         ~Lease() { give_back(); }
 
         const cl::Buffer& operator*() const { return buffer_; }
         std::size_t bytes() const { return bytes_; }
+
+        /// The buffer's content in the host's memory, as long as the lease lasts: on a processor the buffer itself.
+        /// From the first call on nothing may write to the buffer; kernels may read it. The first call waits for the
+        /// queue, later ones are for any number of threads. Throws Error(device_failure or out_of_memory).
+        const void* on_host() const;
 
     private:
         void give_back() noexcept;
@@ -50,6 +55,7 @@ public:
         std::shared_ptr<BufferPool> pool_;
         cl::Buffer buffer_;
         std::size_t bytes_ = 0;
+        mutable void* mapped_ = nullptr;
     };
     // NOLINTEND(bugprone-exception-escape)
 

@@ -1,6 +1,7 @@
 #include <clsdf/device.hpp>
 #include <clsdf/distance_transform.hpp>
 
+#include "core/floating_point.hpp"
 #include "core/lifetime.hpp"
 #include "device/context.hpp"
 #include "device/found_devices.hpp"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cfenv>
 #include <charconv>
 #include <compare>
 #include <cstdlib>
@@ -23,26 +23,6 @@ namespace clsdf {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-/// Rounding to nearest and no traps during its lifetime. The threads of a driver for processors inherit the
-/// floating-point environment of the thread that starts them. Kernels divide by zero, and rely on that rounding.
-class DefaultEnvironment {
-public:
-    DefaultEnvironment() {
-        std::fegetenv(&callers_);
-        std::fesetenv(FE_DFL_ENV);
-    }
-    DefaultEnvironment(const DefaultEnvironment&) = delete;
-    DefaultEnvironment& operator=(const DefaultEnvironment&) = delete;
-    ~DefaultEnvironment() { std::fesetenv(&callers_); }
-
-private:
-    std::fenv_t callers_{};
-};
-
-}  // namespace
-
 namespace detail {
 
 const std::shared_ptr<DeviceContext>& DeviceContext::of(const Device& device) {
@@ -51,7 +31,7 @@ const std::shared_ptr<DeviceContext>& DeviceContext::of(const Device& device) {
 }
 
 Device DeviceContext::open(const DeviceInfo& info) {
-    const DefaultEnvironment environment;
+    const DefaultFloatingPoint as_usual;
     const cl::Device device(info.id, true);
     const cl::Context context(device);
     return Device(std::make_shared<DeviceContext>(context, device, cl::CommandQueue(context, device)));
@@ -71,7 +51,7 @@ Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queu
     if (context == nullptr || id == nullptr || queue == nullptr)
         throw Error(ErrorCode::invalid_argument,
                     "Device::from_handles needs a context, a device and a queue; one of them is null");
-    const DefaultEnvironment environment;
+    const DefaultFloatingPoint as_usual;
     return device::guarded([&] {
         const cl::CommandQueue callers(queue, true);
         if (callers.getInfo<CL_QUEUE_CONTEXT>()() != context || callers.getInfo<CL_QUEUE_DEVICE>()() != id)
@@ -112,7 +92,7 @@ Device Device::limited(const DeviceLimits& limits) const {
     const cl_device_id whole = id();
     if (limits.memory == std::size_t{0})
         throw Error(ErrorCode::invalid_argument, "a limit of 0 bytes of device memory leaves none; leave it out");
-    const DefaultEnvironment environment;
+    const DefaultFloatingPoint as_usual;
     return device::guarded([&] {
         const cl::Device part =
             limits.compute_units ? part_of(cl::Device(whole, true), *limits.compute_units) : cl::Device(whole, true);
@@ -125,7 +105,7 @@ Device Device::limited(const DeviceLimits& limits) const {
 }
 
 DeviceInfo Device::info() const {
-    const DefaultEnvironment environment;
+    const DefaultFloatingPoint as_usual;
     return device::guarded([&] {
         const device::Context& context = device::context_of(*this);
         DeviceInfo info = device::info_of(context.device());
@@ -280,7 +260,7 @@ const DeviceInfo& with_name(const std::vector<DeviceInfo>& infos, const std::str
 }  // namespace
 
 Device Device::strongest() {
-    const DefaultEnvironment environment;
+    const DefaultFloatingPoint as_usual;
     const std::vector<device::FoundDevice> found = device::guarded(device::find_devices);
     if (found.empty()) throw no_device_found();
     std::string failures;
@@ -345,7 +325,7 @@ const char* name_of(DeviceKind kind) noexcept {
 }
 
 std::vector<DeviceInfo> Device::all() {
-    const DefaultEnvironment environment;
+    const DefaultFloatingPoint as_usual;
     std::vector<DeviceInfo> infos;
     for (device::FoundDevice& found : device::guarded(device::find_devices)) infos.push_back(std::move(found.info));
     return infos;

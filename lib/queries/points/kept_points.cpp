@@ -41,11 +41,42 @@ std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_f
     });
 }
 
+std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
+    const std::scoped_lock lock(mutex_);
+    PointInputs inputs;
+    inputs.mesh = remembered_.mesh.lock();
+    scan::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered};
+    if (!inputs.mesh || (scan::names_sites(outputs) && !sites.names) ||
+        (outputs.contains(Output::gradient) && !sites.normals))
+        return std::nullopt;
+    inputs.sites = std::make_shared<const scan::DeviceSites>(std::move(sites));
+    inputs.sign = remembered_.sign;
+    inputs.is_inside_out = remembered_.is_inside_out;
+    return inputs;
+}
+
+void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
+    const std::scoped_lock lock(mutex_);
+    remembered_.mesh = inputs.mesh;
+    remembered_.names = inputs.sites->names;
+    remembered_.renumbered = inputs.sites->renumbered;
+    remembered_.sign = inputs.sign;
+    if (!outputs.contains(Output::gradient)) return;
+    remembered_.normals = inputs.sites->normals;
+    remembered_.is_inside_out = inputs.is_inside_out;
+}
+
+void KeptPoints::forget_tree() {
+    tree_.reset();
+    const std::scoped_lock lock(mutex_);
+    remembered_ = {};
+}
+
 std::vector<transform::Stages::KeptValue> KeptPoints::values() {
     if (!tree_ && !scanned_mesh_ && !face_sides_) return {};
     return {
         {"points' tree", tree_ ? tree_->host_bytes() : 0, tree_ ? tree_->device_bytes() : 0, true, true,
-         [this] { tree_.reset(); }},
+         [this] { forget_tree(); }},
         {"scanned mesh", 0, scanned_mesh_ ? scanned_mesh_->device_bytes() : 0, true, true,
          [this] { scanned_mesh_.reset(); }},
         {"face sides", 0, face_sides_ ? face_sides_->sides.bytes() : 0, true, true, [this] { face_sides_.reset(); }},

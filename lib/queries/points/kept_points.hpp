@@ -3,9 +3,12 @@
 #include "plan/stages.hpp"
 #include "points/face_sides.hpp"
 #include "points/point_mesh.hpp"
+#include "points/point_query.hpp"
 #include "points/point_scan.hpp"
 
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 namespace clsdf::points {
@@ -34,13 +37,31 @@ public:
     /// null for a part of a mesh. The sign rule is the same in all calls.
     std::shared_ptr<const FaceSides> face_sides(SignRule sign, bool is_found);
 
+    /// The inputs of few points that remember() was called with, if they suffice for the outputs and are still kept.
+    /// For any number of threads, also beside the one that calls the others.
+    std::optional<PointInputs> inputs_of_few(OutputSet outputs) const;
+    /// outputs: for which the inputs are. Does not keep them.
+    void remember(const PointInputs& inputs, OutputSet outputs);
+
 private:
     std::vector<transform::Stages::KeptValue> values();
+    void forget_tree();
 
     transform::Stages& stages_;
     std::shared_ptr<const PointMesh> tree_;
     std::shared_ptr<const ScannedMesh> scanned_mesh_;
     std::shared_ptr<const FaceSides> face_sides_;
+
+    /// See remember().
+    struct Remembered {
+        std::weak_ptr<const PointMesh> mesh;
+        std::weak_ptr<const device::BufferPool::Lease> names, normals;
+        std::size_t renumbered = 0;
+        SignRule sign = SignRule::none;
+        bool is_inside_out = false;  ///< if the normals are set
+    };
+    mutable std::mutex mutex_;
+    Remembered remembered_;  // guarded by it
 };
 
 }  // namespace clsdf::points

@@ -149,11 +149,7 @@ private:
         }
     }
 
-    /// The limit of the search, above all rounding of what is compared with `half_width` at the end.
-    double most() const {
-        const double units = half_width_ / inputs_.mesh->lattice.unit * (1 + 1e-9) + 1e-6;
-        return units * units;
-    }
+    double most() const { return search_limit(*inputs_.mesh, half_width_); }
 
     std::size_t run() const {
         if (programs_.body == KernelBody::by_group) return 1;
@@ -177,6 +173,11 @@ private:
 };
 
 }  // namespace
+
+double search_limit(const PointMesh& mesh, double half_width) {
+    const double units = half_width / mesh.lattice.unit * (1 + 1e-9) + 1e-6;
+    return units * units;
+}
 
 void check_points(const Box& box, std::span<const Vec3> points) {
     const double longest = box.longest_side();

@@ -36,6 +36,10 @@ struct PointTimes {
 /// Points that are computed at once. The memory that they take is bounded by it; results do not depend on it.
 inline constexpr std::size_t most_points = std::size_t{1} << 20;
 
+/// The limit of the search for the nearest face: a squared distance in units, above all rounding of what is compared
+/// with `half_width` at the end.
+double search_limit(const PointMesh& mesh, double half_width);
+
 /// Throws Error(invalid_argument) that names the first point that is not finite or too far from the mesh's box.
 void check_points(const Box& box, std::span<const Vec3> points);
 

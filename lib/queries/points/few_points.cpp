@@ -1,0 +1,140 @@
+#include "points/few_points.hpp"
+
+#include "core/floating_point.hpp"
+#include "core/kernel_language.hpp"
+#include "core/parallel.hpp"
+#include "points/point_signs.hpp"
+
+#include "layout.h"
+#include "outputs.h"
+#include "point_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+// Inlines all that a function calls, for CLSDF_SEVERAL_TARGETS.
+#ifdef __GNUC__
+#define CLSDF_FLATTEN __attribute__((flatten))
+#else
+#define CLSDF_FLATTEN
+#endif
+
+/// kernels/points/point_search.h and finish_point.h, compiled by the host with one lane.
+namespace clsdf::points::one_lane {
+
+using namespace kernel_language;
+
+#define LANES 1
+#define REAL double
+#define TRUTH long
+#define __global
+#define __private
+#ifdef __GNUC__
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wcast-align"
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wdouble-promotion"
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
+#include "finish_point.h"
+#include "point_search.h"
+#ifdef __GNUC__
+#pragma GCC diagnostic pop
+#endif
+#undef LANES
+#undef REAL
+#undef TRUTH
+#undef __global
+#undef __private
+
+}  // namespace clsdf::points::one_lane
+
+namespace clsdf::points {
+
+namespace {
+
+template <typename Value>
+const Value* values_of(const device::BufferPool::Lease& lease) {
+    return static_cast<const Value*>(lease.on_host());
+}
+template <typename Value>
+const Value* values_of(const std::shared_ptr<const device::BufferPool::Lease>& lease) {
+    return lease ? values_of<Value>(*lease) : nullptr;
+}
+
+one_lane::PointMesh sources_of(const PointMesh& mesh) {
+    return {mesh.nodes.data() + mesh.tree.count[0], values_of<PointLeaf>(mesh.leaves),
+            values_of<Polyhedron>(mesh.polyhedra), values_of<PointFace>(mesh.faces)};
+}
+
+/// As the kernel nearest_of_points does.
+CLSDF_SEVERAL_TARGETS CLSDF_FLATTEN void find_nearest(const PointMesh& mesh, std::span<const one_lane::double3> points,
+                                                      double most, std::uint32_t* faces, double* squared) {
+    const one_lane::PointMesh sources = sources_of(mesh);
+    std::uint32_t near = CLSDF_NO_FACE;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const one_lane::NearestFace found = one_lane::nearest_face(mesh.tree, sources, points[i], most, near);
+        faces[i] = one_lane::lowest_face(sources.faces, found.face);
+        squared[i] = found.squared;
+        if (found.face != CLSDF_NO_FACE) near = found.face;
+    }
+}
+
+one_lane::Finishing finishing_of(const PointInputs& inputs, const scan::HostArrays& arrays) {
+    std::uint32_t wanted = 0, in_double = 0;
+    for_each_output(
+        [&](const OutputInfo& row, const scan::HostArray& array) {
+            if (row.output != Output::distance && array.is_wanted) wanted |= bit_of(row);
+            if (array.in_double) in_double |= bit_of(row);
+        },
+        arrays);
+    const auto bytes_of = [&](Output output) { return reinterpret_cast<std::uint8_t*>(arrays[output].data); };
+    one_lane::Finishing finishing{};
+    finishing.how = scan::Finishing(inputs.mesh->lattice, inputs.sites, inputs.is_inside_out).finish(wanted, in_double);
+    finishing.polyhedra = values_of<Polyhedron>(inputs.mesh->polyhedra);
+    finishing.sites = values_of<TriangleSites>(inputs.sites->names);
+    finishing.normals = values_of<float>(inputs.sites->normals);
+    finishing.of_distance = reinterpret_cast<double*>(arrays[Output::distance].data);
+#define SET_OUTPUT(name, content, element, components) finishing.of_##name = bytes_of(Output::name);
+    CLSDF_OUTPUTS(SET_OUTPUT)
+#undef SET_OUTPUT
+    return finishing;
+}
+
+}  // namespace
+
+void bring_to_host(const PointInputs& inputs) {
+    sources_of(*inputs.mesh);
+    values_of<TriangleSites>(inputs.sites->names);
+    values_of<float>(inputs.sites->normals);
+}
+
+void answer_points(const PointInputs& inputs, std::span<const Vec3> points, double half_width,
+                   const scan::HostArrays& arrays) {
+    const DefaultFloatingPoint as_kernels;
+    const PointMesh& mesh = *inputs.mesh;
+    std::array<one_lane::double3, most_few_points> in_units;
+    std::array<std::uint32_t, most_few_points> faces, order;
+    std::array<double, most_few_points> squared;
+    std::array<std::uint8_t, most_few_points> signs;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto& [x, y, z] = mesh.in_units(points[i]);
+        in_units[i] = {x, y, z};
+    }
+    find_nearest(mesh, std::span(in_units).first(points.size()), search_limit(mesh, half_width), faces.data(),
+                 squared.data());
+    std::iota(order.begin(), order.begin() + points.size(), 0U);
+    std::fill_n(signs.begin(), points.size(), std::uint8_t{CLSDF_POINT_UNDECIDED});
+    find_signs(mesh, inputs.sign,
+               {points, std::span(order).first(points.size()), std::span(squared).first(points.size())}, signs);
+    const one_lane::Finishing finishing = finishing_of(inputs, arrays);
+    auto* const distance = reinterpret_cast<float*>(arrays[Output::distance].data);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        one_lane::finish_point(&finishing, distance, in_units[i], faces[i], signs[i], nullptr, half_width, i);
+}
+
+}  // namespace clsdf::points
