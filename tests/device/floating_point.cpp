@@ -29,6 +29,21 @@ BOOST_AUTO_TEST_CASE(a_solver_that_traps_exceptions_can_make_a_device_and_comput
         const std::vector<Vec3> points(20'000, Vec3{0.1, 0.2, 0.3});
         std::vector<float> distance(points.size());
         transform.query(points, 1, distance);
+        // The host looks up few points.
+        const std::vector<Vec3> few(mesh.vertices().begin(), mesh.vertices().begin() + 8);
+        std::vector<double> exact(few.size()), closest(3 * few.size()), gradient(3 * few.size()),
+            barycentric(2 * few.size());
+        const OutputTargets targets{{Output::distance, exact},
+                                    {Output::closest, closest},
+                                    {Output::gradient, gradient},
+                                    {Output::barycentric, barycentric}};
+        transform.query(few, 1, targets);
+        const std::vector<double> rounded_to_nearest = closest;
+        std::fesetround(FE_UPWARD);
+        transform.query(few, 1, targets);
+        BOOST_TEST(std::fegetround() == FE_UPWARD);
+        std::fesetround(FE_TONEAREST);
+        BOOST_TEST(closest == rounded_to_nearest);
         const std::vector<Box> boxes{grid.box()};
         std::vector<BoxPlace> places(1);
         transform.classify(boxes, 0.1, places);

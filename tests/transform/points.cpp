@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -317,6 +318,157 @@ BOOST_AUTO_TEST_CASE(many_points_give_the_bytes_of_few) {
         }
 }
 
+/// The outputs of points, those that have real numbers in double.
+struct DoubleOutputs {
+    std::vector<double> distance, closest, gradient, barycentric;
+
+    DoubleOutputs(const DistanceTransform& transform, std::span<const Vec3> points, double half_width)
+        : distance(points.size()),
+          closest(3 * points.size()),
+          gradient(3 * points.size()),
+          barycentric(2 * points.size()) {
+        transform.query(points, half_width,
+                        {{Output::distance, distance},
+                         {Output::closest, closest},
+                         {Output::gradient, gradient},
+                         {Output::barycentric, barycentric}});
+    }
+
+    /// Whether points of this from number `first` on have the bytes of the other.
+    bool has_from(std::size_t first, const DoubleOutputs& part) const {
+        const auto is_same = [first, count = part.distance.size()](const auto& all, const auto& some) {
+            const std::size_t components = some.size() / count;
+            return std::memcmp(all.data() + first * components, some.data(), some.size() * sizeof(double)) == 0;
+        };
+        return is_same(distance, part.distance) && is_same(closest, part.closest) && is_same(gradient, part.gradient) &&
+               is_same(barycentric, part.barycentric);
+    }
+};
+
+/// Points around a mesh; all of its vertices and points of its edges, or some; points next to these; points far away;
+/// zeros with a sign.
+std::vector<Vec3> points_on_and_around(const Mesh& mesh, std::uint64_t seed) {
+    std::vector<Vec3> points = points_around(mesh, 300, seed);
+    std::mt19937_64 generator(seed);
+    for (std::size_t i = 0; i < 100; ++i) {
+        const std::size_t triangle = generator() % mesh.triangles().size();
+        points.push_back(corner(mesh, triangle, i % 3));
+        points.push_back(on_triangle(mesh, triangle, 0.5, i % 2 == 0 ? 0.5 : 0.25));
+        for (const double distance : {1e-3, 1e-9, 1e-15}) {
+            Vec3 p = points[points.size() - 1 - i % 2];
+            p[i % 3] += distance * mesh.box().longest_side();
+            points.push_back(p);
+        }
+    }
+    for (const double far : {1e3, 1e6, 1e10, 1e13})
+        for (const Vec3& direction : {Vec3{1, 0, 0}, Vec3{0.6, -0.8, 0}, Vec3{0.5, 0.5, -0.7}})
+            points.push_back(along(corner(mesh, 0, 0), far * voxel_of(mesh), direction));
+    points.push_back({-0.0, 0.0, -0.0});
+    return points;
+}
+
+// The host answers queries of few points, the device those of many.
+BOOST_AUTO_TEST_CASE(few_points_have_the_bytes_of_many) {
+    std::vector<Mesh> all = meshes();
+    for (Mesh& mesh : meshes_with_near_sides()) all.push_back(std::move(mesh));
+    all.push_back(box_with_fillers());
+    all.push_back(make_shape("sphere4"));
+    all.push_back(reversed(shifted(make_shape("torus"), {1e3, -7, 1e-3})));
+    all.push_back(Mesh(std::vector<Vec3>{{1, 2, 3}, {4, 2, 3}}, std::vector<Triangle>{{0, 0, 0}, {0, 1, 1}},
+                       "a point and a segment"));
+    for (const Mesh& mesh : all) {
+        const std::vector<Vec3> points = points_on_and_around(mesh, 91);
+        const std::span<const Vec3> span(points);
+        for (const KernelBody body : both_bodies) {
+            const DistanceTransform transform(test_device(), mesh, {.body = body});
+            for (const double half_width : {no_limit, 0.05 * mesh.box().longest_side(), 0.0}) {
+                const Field many = query(transform, points, half_width);
+                const DoubleOutputs many_doubles(transform, points, half_width);
+                std::size_t different = 0, first = points.size();
+                const auto compare = [&](std::size_t begin, std::size_t count) {
+                    const Field few = query(transform, span.subspan(begin, count), half_width);
+                    bool is_same = many_doubles.has_from(begin, {transform, span.subspan(begin, count), half_width});
+                    for (const OutputInfo& info : output_table())
+                        is_same = is_same && differences(many, begin, few, 0, count, info).count == 0;
+                    if (is_same) return;
+                    ++different;
+                    first = std::min(first, begin);
+                };
+                for (std::size_t i = 0; i < points.size(); ++i) compare(i, 1);
+                for (std::size_t begin = 0; begin < points.size(); begin += 37)
+                    compare(begin, std::min<std::size_t>(37, points.size() - begin));
+                BOOST_TEST(different == 0U, mesh.name() << " within " << half_width << ": " << different
+                                                        << " calls differ, first at point " << first);
+            }
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(any_number_of_threads_ask_for_few_points_at_once) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    const std::vector<Vec3> points = points_around(mesh, 800, 97);
+    const Field expected = query(DistanceTransform(test_device(), mesh), points);
+    for (int round = 0; round < 3; ++round) {
+        DistanceTransform transform(test_device(), mesh);  // the first points of all threads prepare it
+        std::atomic<std::size_t> different = 0;
+        {
+            std::vector<std::jthread> threads;
+            for (std::size_t thread = 0; thread < 8; ++thread)
+                threads.emplace_back([&, thread] {
+                    for (std::size_t i = thread % 4; i < points.size(); i += 4) {
+                        const Field few = query(transform, std::span(points).subspan(i, 1));
+                        for (const OutputInfo& info : output_table())
+                            different += differences(expected, i, few, 0, 1, info).count;
+                    }
+                });
+            const Grid grid = grid_around(mesh, 60, 4);
+            BOOST_TEST(transform.compute(grid, Band::symmetric(3 * grid.voxel())).distance().size() > 0U);
+        }
+        BOOST_TEST(different == 0U);
+        // Then they move.
+        const Mesh last = moved(mesh, [](const Vec3& p) { return Vec3{1.5 * p[0], p[1], p[2] - p[0]}; });
+        transform.set_positions(last.vertices());
+        const std::span<const Vec3> few = std::span(points).first(20);
+        BOOST_TEST(same_bytes(query(transform, few), query(DistanceTransform(test_device(), last), few)));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(few_points_have_the_errors_of_many) {
+    const DistanceTransform transform(test_device(), cube(1));
+    const DistanceTransform part = transform.restrict_to({{{0, 0, 0}, {1, 1, 1}}, 0.5, 0});
+    const auto message = [](const DistanceTransform& asked, std::size_t count, const Vec3& last, double half_width) {
+        std::vector<Vec3> points(count, {0.5, 0.5, 0.5});
+        points[2] = last;
+        std::vector<float> distance(count);
+        try {
+            asked.query(points, half_width, distance);
+        } catch (const Error& error) {
+            return fmt::format("{}: {}", static_cast<int>(error.code()), error.what());
+        }
+        return std::string("none");
+    };
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const Vec3& wrong : {Vec3{0, nan, 0}, Vec3{no_limit, 0, 0}, Vec3{0, 0, -1e300}}) {
+        BOOST_TEST(message(transform, 3, wrong, 1) != "none");
+        BOOST_TEST(message(transform, 3, wrong, 1) == message(transform, 3000, wrong, 1));
+    }
+    BOOST_TEST(message(transform, 3, {0, 0, 0}, nan) == message(transform, 3000, {0, 0, 0}, nan));
+    BOOST_TEST(message(part, 3, {5, 0, 0}, 0.5) != "none");
+    BOOST_TEST(message(part, 3, {5, 0, 0}, 0.5) == message(part, 3000, {5, 0, 0}, 0.5));
+    BOOST_TEST(message(part, 3, {0.1, 0, 0}, 0.7) == message(part, 3000, {0.1, 0, 0}, 0.7));
+}
+
+// No kernel is compiled for them.
+BOOST_AUTO_TEST_CASE(the_first_of_few_points_compile_nothing) {
+    const DistanceTransform transform(Device::strongest(), cube(1));
+    const std::vector<Vec3> points(1, {0.5, 0, 0});
+    std::vector<float> distance(1);
+    const TransformStatistics statistics = transform.query(points, 1, distance);
+    BOOST_TEST(distance[0] == -0.5F);
+    BOOST_TEST(statistics.compile_seconds == 0);
+    BOOST_TEST(!statistics.first_use);
+}
+
 BOOST_AUTO_TEST_CASE(few_points_do_not_depend_on_how_many_were_asked_for_before) {
     for (const KernelBody body : both_bodies)
         for (const Mesh& mesh : {make_shape("knot"), overlapping_cubes()}) {
@@ -515,7 +667,10 @@ BOOST_AUTO_TEST_CASE(a_device_that_finds_wrong_triangles_is_refused) {
         {"points.cl", "inside ? -rounded : rounded", "rounded"},
         {"point_scan.cl", "chosen[length] = list ? list[k] : k", "chosen[length] = list ? list[i] : i", {by_vector}},
         {"point_scan.cl", "outward * outward + z * z", "outward * outward", {by_vector}},
-        {"point_scan.cl", "lowest_face(all_faces, brick->face[i])", "lowest_face(all_faces, brick->face[0])", {by_vector}},
+        {"point_scan.cl",
+         "lowest_face(all_faces, brick->face[i])",
+         "lowest_face(all_faces, brick->face[0])",
+         {by_vector}},
         {"point_scan.cl", "o.across * o.beyond - o.along * y", "o.across * o.beyond + o.along * y", {by_vector}}};
     for (const auto& [file, from, to, bodies] : changes)
         for (const KernelBody body : bodies) {
@@ -531,7 +686,7 @@ BOOST_AUTO_TEST_CASE(a_device_that_finds_wrong_triangles_is_refused) {
             });
             const DistanceTransform transform(device, cube(1), {.body = body});
             const bool are_many = std::string(file) == "point_scan.cl";
-            const std::vector<Vec3> points(are_many ? 20000 : 5, {0.5, 0, 0});
+            const std::vector<Vec3> points(are_many ? 20000 : 500, {0.5, 0, 0});
             std::vector<float> distance(points.size());
             BOOST_TEST_CONTEXT(file << ": " << to)
             check_throws(ErrorCode::wrong_results, {"computes wrong fields", "points"},
