@@ -335,6 +335,39 @@ CallCost measure_moved_points(const Job& job) {
     return cost;
 }
 
+/// Queries of one point, as a robot or a loop in Python asks them.
+CallCost measure_one_point(const Job& job, CallJudge& judge, bool has_all_outputs) {
+    CallCost cost{has_all_outputs ? "one_point_all_outputs" : "one_point",
+                  fmt::format("a query of one point {}, a million of them (its ratio is the microseconds of one) / a "
+                              "second",
+                              has_all_outputs ? "with all outputs" : "for its distance")};
+    cost.limit = has_all_outputs ? 40 : 20;
+    const std::vector<Vec3> points = points_around(job.mesh, job.is_quick ? 1'000 : 20'000, job.options.seed);
+    Field field;
+    for (const OutputInfo& info : output_table()) field.resize(info.output, 1);
+    std::vector<float> distance(points.size());
+    const DistanceTransform transform = job.transform();
+    const auto query = [&](std::size_t i) {
+        OutputTargets targets = std::span(distance).subspan(i, 1);
+        if (has_all_outputs) {
+            targets = field.targets();
+            targets[Output::distance] = std::span(distance).subspan(i, 1);
+        }
+        transform.query(std::span(points).subspan(i, 1), std::numeric_limits<double>::infinity(), targets);
+    };
+    query(0);  // builds the tree
+    job.measure(
+        cost,
+        [&] {
+            return 1e6 / static_cast<double>(points.size()) * seconds_of([&] {
+                       for (std::size_t i = 0; i < points.size(); ++i) query(i);
+                   });
+        },
+        [] { return 1.0; });
+    judge.look_at(points, distance, job.mesh.box().longest_side() / 256, job.options.samples_judged, cost);
+    return cost;
+}
+
 CallCost measure_plan_update(const Job& job) {
     CallCost cost{"plan_update",
                   "vertices and a plan move, and a run of the plan, a field of 256 samples on the longest side in "
@@ -449,11 +482,12 @@ std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, cons
                                     bool is_quick) {
     const Job job{mesh, device, options, is_quick};
     CallJudge judge(mesh, options.seed);
-    return {measure_again(job, judge),      measure_outputs(job, judge, false), measure_outputs(job, judge, true),
-            measure_one_sample(job, judge), measure_patches(job, judge, false), measure_patches(job, judge, true),
-            measure_band_boxes(job, judge), measure_moved(job, "moved", 256),   measure_moved(job, "moved_128", 128),
-            measure_moved_points(job),      measure_plan_update(job),           measure_classify(job, judge),
-            measure_small_meshes(job)};
+    return {
+        measure_again(job, judge),          measure_outputs(job, judge, false),   measure_outputs(job, judge, true),
+        measure_one_sample(job, judge),     measure_one_point(job, judge, false), measure_one_point(job, judge, true),
+        measure_patches(job, judge, false), measure_patches(job, judge, true),    measure_band_boxes(job, judge),
+        measure_moved(job, "moved", 256),   measure_moved(job, "moved_128", 128), measure_moved_points(job),
+        measure_plan_update(job),           measure_classify(job, judge),         measure_small_meshes(job)};
 }
 
 }  // namespace clsdf::bench
