@@ -662,7 +662,7 @@ BOOST_AUTO_TEST_CASE(a_device_that_finds_wrong_triangles_is_refused) {
     };
     const std::vector<Change> changes{
         {"points.cl", "(y - altitude) - o.across * o.away", "(y - altitude) + o.across * o.away"},
-        {"points.cl", "squared <= (floatL)(most", "squared < (floatL)(0.9f * most"},
+        {"points.cl", "return most * most", "return 0.9f * most * most"},
         {"points.cl", "child >= children", "child + 1 >= children"},
         {"points.cl", "inside ? -rounded : rounded", "rounded"},
         {"point_scan.cl", "chosen[length] = list ? list[k] : k", "chosen[length] = list ? list[i] : i", {by_vector}},
