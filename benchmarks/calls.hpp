@@ -27,8 +27,8 @@ struct CallCost {
     double max_error_voxels = 0;  ///< of the band's samples
 };
 
-/// The calls of a time step: a grid again, outputs beside the distance, one sample, one point, patches of three levels, vertices
-/// that move (then a field, points or the run of a plan), boxes to classify, many small meshes.
+/// The calls of a time step: a grid again, outputs beside the distance, one sample, one point, patches of three levels,
+/// vertices that move (then a field, points or the run of a plan), boxes to classify, many small meshes.
 std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, const MeasureOptions& options,
                                     bool is_quick);
 

@@ -163,9 +163,9 @@ public:
     /// memory, points and outputs pass through the host, which sorts the points. Until the call returns, no other
     /// command or call may write to an array's buffer between the array's first and last byte.
     ///
-    /// A result depends on the point, `half_width` and the mesh's positions: not on other points, their order or number,
-    /// not on threads, and not on the device if its arithmetic is that of IEEE 754. The first call prepares the mesh
-    /// (memory()). An error leaves the arrays undefined.
+    /// A result depends on the point, `half_width` and the mesh's positions: not on other points, their order or
+    /// number, not on threads, and not on the device if its arithmetic is that of IEEE 754. The first call prepares the
+    /// mesh (memory()). An error leaves the arrays undefined.
     ///
     /// At most 96 points are answered by the calling thread, without a kernel. Any number of threads may ask at once;
     /// once the mesh is prepared they do not wait for other calls of the transform.
