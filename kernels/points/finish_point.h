@@ -48,9 +48,9 @@ INLINE uint sign_by_sides(__private const Finishing* finishing, __private const 
                                                                                         : CLSDF_POINT_OUTSIDE;
 }
 
-// Stores the outputs of a point. place: where they go. sign: CLSDF_POINT_UNDECIDED if sides_of_faces, which is null
-// otherwise, is to decide it. face: CLSDF_NO_FACE beyond the search's limit. within: in the mesh's units. Returns the
-// sign; a point that stays undecided has no outputs.
+// Stores the outputs of a point. place: where they go. sign: CLSDF_POINT_UNDECIDED if sides_of_faces decides it, which
+// may be null. face: CLSDF_NO_FACE beyond the search's limit. within: in the mesh's units. Returns the sign; a point
+// that stays undecided has no outputs.
 INLINE uint finish_point(__private const Finishing* finishing, __global float* distance, double3 point, uint face,
                          uint sign, __global const ushort* sides_of_faces, double within, size_t place) {
     const bool is_double = IS_DOUBLE(finishing, distance);

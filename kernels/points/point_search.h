@@ -60,7 +60,7 @@ DEFINE_SQUARED_FROM_EDGE(squared_from_edge, floatL)
 
 #ifndef __OPENCL_VERSION__
 // Bits of CLSDF_TREE_WIDTH numbers that are not above `most`.
-INLINE uint bits_below(const float* numbers, float most) {
+INLINE uint bits_not_above(const float* numbers, float most) {
     uint bits = 0;
     for (int i = 0; i < CLSDF_TREE_WIDTH; ++i) bits |= (uint)(numbers[i] <= most) << i;
     return bits;
@@ -109,7 +109,7 @@ INLINE uint near_faces(__global const PointLeaf* leaf, float3 p, float error, fl
     for (int i = 0; i < CHILDREN_AT_ONCE; ++i) squared[i] = squared_to_faces(leaf, p, first + i);
     float least = squared[0];
     for (int i = 1; i < CHILDREN_AT_ONCE; ++i) least = LESSER(squared[i], least);
-    return bits_below(squared, most_of_faces(least, bound, error));
+    return bits_not_above(squared, most_of_faces(least, bound, error));
 #endif
 }
 
@@ -154,7 +154,7 @@ INLINE uint near_boxes(__global const PointNode* node, PointBox p, float bound, 
     return bits;
 #else
     for (int i = 0; i < CHILDREN_AT_ONCE; ++i) squares[i] = squared_to_boxes(node, p, first + i) * SHRINK;
-    return bits_below(squares, bound);
+    return bits_not_above(squares, bound);
 #endif
 }
 

@@ -16,7 +16,7 @@
 #include "shares.h"
 #include "sweep_edges.h"
 
-// A crossing has the same coordinate in every vector width, on every device.
+// A crossing has the same coordinate on every device.
 #pragma OPENCL FP_CONTRACT OFF
 
 // The rows (y, z) of the part that a box holds, limits included.

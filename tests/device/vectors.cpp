@@ -206,7 +206,7 @@ BOOST_AUTO_TEST_CASE(distances_by_table_are_those_of_the_triangle_with_and_witho
 
 BOOST_AUTO_TEST_CASE(kernels_of_vectors_are_plain_opencl_c_where_the_compiler_has_nothing_else) {
     const Device device = Device::strongest();
-    for (const char* file : {"scan.cl", "coarse_lists.cl", "sign_sweep.cl", "bricks_by_vector.cl", "fill.cl"})
+    for (const char* file : {"scan.cl", "coarse_lists.cl", "bricks_by_vector.cl", "fill.cl"})
         for (const unsigned lanes : {8U, 16U})
             BOOST_CHECK_NO_THROW(
                 device::guarded([&] { build(device::context_of(device), forget + device::kernel_text(file), lanes); }));

@@ -180,7 +180,7 @@ std::vector<std::string> query(std::size_t points) {
         table += fmt::format("{},{},{}\n", coordinate(random), coordinate(random), coordinate(random));
     return {"query", mesh(), inputs().file(fmt::format("{}.csv", points), table), "--with", all_outputs};
 }
-constexpr std::size_t few_points = 500, many_points = 17000;
+constexpr std::size_t searched_points = 500, many_points = 17000;
 
 }  // namespace
 
@@ -203,11 +203,11 @@ BOOST_AUTO_TEST_CASE(with_all_outputs_on_a_gpu) {
 }
 
 BOOST_AUTO_TEST_CASE(at_points) {
-    check_job({"points", query(few_points), {}}, 6);
+    check_job({"points", query(searched_points), {}}, 6);
 }
 
 BOOST_AUTO_TEST_CASE(at_points_on_a_gpu) {
-    check_job({"points as on a GPU", query(few_points), {as_gpu}}, 6);
+    check_job({"points as on a GPU", query(searched_points), {as_gpu}}, 6);
 }
 
 BOOST_AUTO_TEST_CASE(at_many_points) {

@@ -106,7 +106,7 @@ BOOST_AUTO_TEST_CASE(a_mesh_that_moves_and_another_lattice) {
 }
 
 // The library's own test of its kernels for many points, which compares the results. (The simulator cannot run the
-// search for few points: its compiler leaves a declaration in the code that the simulator does not know.)
+// search for points one by one: its compiler leaves a declaration in the code that the simulator does not know.)
 BOOST_AUTO_TEST_CASE(many_points) {
     unsetenv("CLSDF_SELF_TEST");
     const scan::Programs programs(device::context_of(test_device()), KernelBody::by_vector);

@@ -250,7 +250,7 @@ BOOST_AUTO_TEST_CASE(samples_on_the_surface_have_a_positive_zero) {
     }
 }
 
-// Of few points, which search the tree, and of many, which are scanned; the limit is the caller's double.
+// Of points that search the tree, and of many, which are scanned; the limit is the caller's double.
 BOOST_AUTO_TEST_CASE(points_have_the_distance_of_double_precision) {
     Errors errors;
     Random random(37);

@@ -1,7 +1,5 @@
 #include "transform/call.hpp"
 
-#include "launch/programs.hpp"
-
 #include <algorithm>
 
 namespace clsdf::transform {

@@ -40,7 +40,13 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         inputs.sign = sign;
         inputs.is_inside_out = outputs.contains(Output::gradient) && sign != SignRule::none && topology.balanced &&
                                stages->encloses_negative_volume();
-        if (on_host) points::bring_to_host(inputs);
+        if (!on_host) return inputs;
+        // Only what these outputs need.
+        scan::DeviceSites sites = *inputs.sites;
+        if (!transform::names_sites(outputs)) sites.names.reset();
+        if (!outputs.contains(Output::gradient)) sites.normals.reset();
+        inputs.sites = std::make_shared<const scan::DeviceSites>(std::move(sites));
+        points::bring_to_host(inputs);
         return inputs;
     });
 }
@@ -78,13 +84,14 @@ CallStatistics DistanceTransform::State::query_few(std::span<const Vec3> all, do
     transform::Caller caller(call);
     const points::PointInputs inputs = inputs_of_few(all, half_width, outputs, caller, statistics);
     statistics.triangles = inputs.mesh->face_count();
-    const Stopwatch watch;
+    statistics.device_bytes = std::max(statistics.device_bytes, inputs.mesh->device_bytes());
     scan::OwnArrays own;
     const bool in_place = targets.are_packed();
     const scan::HostArrays arrays = in_place ? targets.arrays() : own.for_samples(targets.arrays(), all.size());
-    points::answer_points(inputs, all, half_width, arrays);
+    const points::PointTimes times = points::answer_points(inputs, all, half_width, arrays);
     if (!in_place) targets.store_row(0, all.size(), arrays);
-    statistics.field_seconds = watch.seconds();
+    statistics.field_seconds = times.nearest;
+    statistics.sign_seconds = times.sign;
     caller.progress(1.0);
     return statistics;
 }

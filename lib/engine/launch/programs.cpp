@@ -91,9 +91,11 @@ std::vector<ProgramSource> ProgramSources::every_source() const {
 LazyProgram::LazyProgram(device::Context& context, ProgramSource source)
     : state_(new State{context, std::move(source)}) {}
 
-const cl::Program& LazyProgram::get(const device::BuildWatch& watch) const {
-    std::call_once(state_->once, [&] { state_->program = state_->context.program(state_->source, watch); });
-    return state_->program;
+cl::Program LazyProgram::get(const device::BuildWatch& watch) const {
+    const std::scoped_lock lock(state_->mutex);
+    if (!state_->program)
+        state_->program = device::guarded([&] { return state_->context.program(state_->source, watch); });
+    return *state_->program;
 }
 
 Programs::Programs(device::Context& context, KernelBody asked)

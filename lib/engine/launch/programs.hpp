@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -75,15 +76,15 @@ public:
     LazyProgram(device::Context& context, ProgramSource source);
 
     /// Throws Error(device_failure) with the build log.
-    const cl::Program& get(const device::BuildWatch& watch = {}) const;
-    operator const cl::Program&() const { return get(); }
+    cl::Program get(const device::BuildWatch& watch = {}) const;
+    operator cl::Program() const { return get(); }
 
 private:
     struct State {
         device::Context& context;
         ProgramSource source;
-        std::once_flag once{};
-        cl::Program program{};
+        std::mutex mutex{};
+        std::optional<cl::Program> program{};
     };
     std::shared_ptr<State> state_;
 };

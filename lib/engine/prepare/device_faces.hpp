@@ -25,7 +25,7 @@ inline constexpr double seconds_per_face = 1e-6;
 struct DeviceSetUp {
     device::Context& context;
     const std::shared_ptr<device::BufferPool>& pool;
-    const cl::Program& program;
+    cl::Program program;
     std::size_t lanes;
 
     /// Faces of a work-item.

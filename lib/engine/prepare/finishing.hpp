@@ -52,7 +52,7 @@ public:
     /// For points, in units of a lattice.
     Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
 
-    /// What finishing is told of the outputs. Both: bits of outputs (bit_of).
+    /// The struct for kernels. wanted, in_double: bits of outputs (bit_of).
     Finish finish(std::uint32_t wanted, std::uint32_t in_double) const;
 
     /// The arguments of the macro FINISHING_PARAMETERS. Returns the number of the next one.

@@ -44,7 +44,7 @@ struct Vector2 {
     Vector2(T x_in, T y_in) : x(x_in), y(y_in) {}
     explicit Vector2(T all) : x(all), y(all) {}
 
-    /// Of each pair of components.
+    /// Combines each pair of components.
     template <typename Combine>
     friend Vector2 combined(const Vector2& a, const Vector2& b, const Combine& combine) {
         return {combine(a.x, b.x), combine(a.y, b.y)};

@@ -60,9 +60,9 @@ class CLSDF_EXPORT DistanceTransform {
 public:
     // Make.
 
-    /// Copies and checks the mesh, describes its topology and builds the programs that all computations need. Throws
-    /// Error(invalid_mesh), also if it does not meet the sign rule; Error(device_failure, wrong_results, unsupported,
-    /// out_of_memory, cancelled).
+    /// Copies and checks the mesh and describes its topology. Compiles nothing: the first call that needs a program
+    /// does. Of `call`, should_stop and log count. Throws Error(invalid_mesh), also if it does not meet the sign rule;
+    /// Error(device_failure, unsupported, out_of_memory, cancelled).
     DistanceTransform(Device device, const Mesh& mesh, const TransformOptions& options = {},
                       const CallOptions& call = {});
     /// The view's arrays may be memory of the device's context.
@@ -173,7 +173,7 @@ public:
     /// Throws Error(invalid_argument) that names the index of a point that is not finite or more than 1e14 voxels from
     /// the mesh's box; for a `half_width` that is negative, NaN or finite beyond a float; for memory too small or of
     /// another context, and for arrays that overlap. Error(unsupported) for a buffer that the host may not read or
-    /// write; Error(out_of_memory or cancelled).
+    /// write; Error(device_failure, wrong_results, out_of_memory or cancelled).
     TransformStatistics query(const InputArray& points, double half_width, const OutputTargets& targets,
                               const CallOptions& call = {}) const;
 

@@ -3,6 +3,7 @@
 #include "core/floating_point.hpp"
 #include "core/kernel_language.hpp"
 #include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
 #include "points/point_signs.hpp"
 
 #include "layout.h"
@@ -113,9 +114,10 @@ void bring_to_host(const PointInputs& inputs) {
     values_of<float>(inputs.sites->normals);
 }
 
-void answer_points(const PointInputs& inputs, std::span<const Vec3> points, double half_width,
-                   const scan::HostArrays& arrays) {
+PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points, double half_width,
+                         const scan::HostArrays& arrays) {
     const DefaultFloatingPoint as_kernels;
+    const Stopwatch watch;
     const PointMesh& mesh = *inputs.mesh;
     std::array<one_lane::double3, most_few_points> in_units;
     std::array<std::uint32_t, most_few_points> faces, order;
@@ -129,12 +131,15 @@ void answer_points(const PointInputs& inputs, std::span<const Vec3> points, doub
                  squared.data());
     std::iota(order.begin(), order.begin() + points.size(), 0U);
     std::fill_n(signs.begin(), points.size(), std::uint8_t{CLSDF_POINT_UNDECIDED});
+    const Stopwatch sign_watch;
     find_signs(mesh, inputs.sign,
                {points, std::span(order).first(points.size()), std::span(squared).first(points.size())}, signs);
+    const double sign_seconds = sign_watch.seconds();
     const one_lane::Finishing finishing = finishing_of(inputs, arrays);
     auto* const distance = reinterpret_cast<float*>(arrays[Output::distance].data);
     for (std::size_t i = 0; i < points.size(); ++i)
         one_lane::finish_point(&finishing, distance, in_units[i], faces[i], signs[i], nullptr, half_width, i);
+    return {watch.seconds() - sign_seconds, sign_seconds};
 }
 
 }  // namespace clsdf::points

@@ -58,7 +58,7 @@ std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
 void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     const std::scoped_lock lock(mutex_);
     remembered_.mesh = inputs.mesh;
-    remembered_.names = inputs.sites->names;
+    if (scan::names_sites(outputs)) remembered_.names = inputs.sites->names;
     remembered_.renumbered = inputs.sites->renumbered;
     remembered_.sign = inputs.sign;
     if (!outputs.contains(Output::gradient)) return;

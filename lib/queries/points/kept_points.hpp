@@ -40,7 +40,7 @@ public:
     /// The inputs of few points that remember() was called with, if they suffice for the outputs and are still kept.
     /// For any number of threads, also beside the one that calls the others.
     std::optional<PointInputs> inputs_of_few(OutputSet outputs) const;
-    /// outputs: for which the inputs are. Does not keep them.
+    /// Remembers inputs that suffice for the outputs, without keeping them alive.
     void remember(const PointInputs& inputs, OutputSet outputs);
 
 private:
