@@ -88,8 +88,8 @@ BOOST_AUTO_TEST_CASE(a_terminal_shows_a_bar_with_the_time_left_until_control_c) 
 
 BOOST_AUTO_TEST_CASE(a_terminal_shows_each_step_of_a_compilation) {
     const TemporaryFolder folder, caches;
-    const OnTerminal terminal({"query", folder.file("mesh.off", clsdf::test::tetrahedron),
-                               folder.file("points.csv", "x,y,z\n0.1,0.1,0.1\n"), "-o", folder.file("found.csv")},
+    const OnTerminal terminal({"compute", folder.file("mesh.off", clsdf::test::tetrahedron), "-o",
+                               folder.file("field.npy"), "--resolution", "16", "--band", "3v"},
                               {"CLSDF_CACHE_DIR=" + caches.file("own"), "POCL_CACHE_DIR=" + caches.file("pocl")});
     const std::regex compiling(R"(\rcompiling kernels [0-9]+ of [0-9]+)");
     std::string text;
