@@ -228,7 +228,8 @@ BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
                   {"m.csv: line 1: columns 1 and 3 both", "'x' and 'X'"});
     check_refused(query("points.xyz"), 2, {"points.xyz", ".npy, .csv and .ply"});
     check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", "found.xyz"}), 2, {"found.xyz", ".npy"});
-    check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--half-width", "-1"}), 2, {"--half-width"});
+    check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--half-width", "-1"}), 2,
+                  {"--half-width"});
     const std::string points = content_of(inputs.csv);
     const std::string link = inputs.folder.file("link.csv");
     std::filesystem::create_symlink(inputs.csv, link);
