@@ -112,11 +112,6 @@ private:
     std::unique_ptr<DistanceTransform> kept_;
 };
 
-/// The margin that make_workload() gives a grid, as a share of the mesh's longest side.
-double margin_of(const Length& half_width) {
-    return half_width.is_infinite() ? 0.05 : half_width.resolve(0, 1);
-}
-
 }  // namespace
 
 std::unique_ptr<PapersMethod> make_software_mauch(std::size_t threads) {
@@ -180,7 +175,7 @@ const std::vector<std::string>& far_field_meshes() {
 
 Layout UnderSampledCase::layout(const Length& half_width) const {
     const double voxel = std::sqrt(triangles_per_voxel * mean_triangle_area(mesh));
-    const double side = mesh.box().longest_side() * (1 + 2 * margin_of(half_width));
+    const double side = mesh.box().longest_side() * (1 + 2 * margin_of(half_width).resolve(0, 1));
     constexpr std::int64_t fewest = 8;
     return {fmt::format("{:g} triangles per voxel", triangles_per_voxel),
             std::max(fewest, static_cast<std::int64_t>(std::lround(side / voxel)) + 1), half_width};

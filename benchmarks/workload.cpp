@@ -78,11 +78,15 @@ const std::vector<Layout>& standard_layouts() {
     return layouts;
 }
 
+Length margin_of(const Length& half_width) {
+    return half_width.is_infinite() ? Length::of_extent(0.05) : half_width;
+}
+
 Workload make_workload(const Layout& layout, const std::string& mesh_name, const Mesh& mesh, const Device& device) {
     GridOptions options;
     options.resolution = layout.resolution;
     options.cubic = true;
-    options.margin = layout.half_width.is_infinite() ? Length::of_extent(0.05) : layout.half_width;
+    options.margin = margin_of(layout.half_width);
     Workload workload{layout.name, mesh_name, mesh, Grid::around(mesh.box(), options), {}, {}, {}, 0};
     const Grid& grid = workload.grid;
     if (grid.sample_count() > std::numeric_limits<std::uint32_t>::max())

@@ -42,6 +42,9 @@ struct Layout {
     Length half_width;
 };
 
+/// The grid's margin around the mesh's box.
+Length margin_of(const Length& half_width);
+
 /// W1: 256 samples on a side, a band of 10%; W2: 512, 3 voxels; W3: 256, every sample; W4: 128, every sample.
 const std::vector<Layout>& standard_layouts();
 
