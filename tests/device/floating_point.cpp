@@ -1,6 +1,9 @@
 #include "support/exact_field.hpp"
 
+#include <algorithm>
 #include <cfenv>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 // Solvers trap floating-point exceptions, and set the rounding mode, before they make a device.
@@ -30,7 +33,8 @@ BOOST_AUTO_TEST_CASE(a_solver_that_traps_exceptions_can_make_a_device_and_comput
         std::vector<float> distance(points.size());
         transform.query(points, 1, distance);
         // The host looks up few points.
-        const std::vector<Vec3> few(mesh.vertices().begin(), mesh.vertices().begin() + 8);
+        const std::span<const Vec3> vertices = mesh.vertices();
+        const std::vector<Vec3> few(vertices.begin(), vertices.begin() + std::min<std::size_t>(8, vertices.size()));
         std::vector<double> exact(few.size()), closest(3 * few.size()), gradient(3 * few.size()),
             barycentric(2 * few.size());
         const OutputTargets targets{{Output::distance, exact},
