@@ -7,6 +7,7 @@
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "second_compiler.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
@@ -246,13 +247,19 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
 
     const Stopwatch setup;
     const clsdf::Device device = named ? *named : open_device({});
+    std::optional<SecondCompiler> second_compiler;
+    if (request.scan == clsdf::Scan::bricks && is_first_use(device))
+        second_compiler.emplace(device, bricks_ahead(request.outputs));
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
     clsdf::CallOptions call;
     // The published methods are compared by their work. Kernels that count it are compiled beside the usual ones.
     call.count_work = report.json && request.scan != clsdf::Scan::bricks;
     call.should_stop = [&stop] { return stop.stop_requested(); };
-    call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
+    call.progress = [&](const clsdf::Progress& step) {
+        show(progress, step);
+        if (step.stage == clsdf::Progress::Stage::testing && second_compiler) second_compiler->wait(stop);
+    };
     call.log = [&](const std::string& message) {
         if (message == layout.sign_warning) return;  // has been said
         progress.clear();
@@ -261,6 +268,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     const clsdf::DistanceTransform transform = make_transform(
         device, layout.mesh, {.polyhedra = request.polyhedra, .scan = request.scan}, transform_options, call);
     const clsdf::TransformStatistics compiled = transform.compile(layout.grid, layout.band, layout.outputs, call);
+    second_compiler.reset();
     result.device_name = device.name();
     result.device_platform = device.platform();
     const std::string folder = device.record_folder();

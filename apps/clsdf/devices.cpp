@@ -4,20 +4,24 @@
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "second_compiler.hpp"
 
 #include "core/stopwatch.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/picture.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <system_error>
 #include <vector>
 
 using clsdf::DeviceInfo;
@@ -48,6 +52,11 @@ clsdf::Device open_device(const std::string& choice) {
     device.keep_records(folder);
     device.read_programs(folder);
     return device;
+}
+
+bool is_first_use(const clsdf::Device& device) {
+    std::error_code error;
+    return std::filesystem::directory_iterator(device.record_folder(), error) == std::filesystem::directory_iterator();
 }
 
 std::string device_variable() {
@@ -142,6 +151,15 @@ private:
     clsdf::Mesh mesh_;
 };
 
+/// A device that writes the programs that it compiles. PoCL puts kernels specialised for the usual work-groups into a
+/// binary, so that their first launch compiles nothing.
+clsdf::Device open_to_prepare(const std::string& choice) {
+    ::setenv("POCL_BINARY_SPECIALIZE_WG", "1-1-1-goffs0-smallgrid", 0);
+    clsdf::Device device = open_device(choice);
+    device.write_programs(clsdf::Device::default_record_folder());
+    return device;
+}
+
 Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const std::stop_token& stop) {
     Json steps = Json::array();
     const auto add = [&](const Step& step) {
@@ -149,14 +167,18 @@ Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const st
         steps.push_back({{"name", step.name}, {"seconds", step.seconds}, {"tested", step.is_tested}});
     };
     report.print("{}  {} ({})\n", info.index, info.name, info.platform);
-    const clsdf::Device device = open_device(std::to_string(info.index));
+    const clsdf::Device device = open_to_prepare(std::to_string(info.index));
+    std::optional<SecondCompiler> second_compiler;
     if (again) {
         device.forget_records();
         device.read_programs("");
+    } else {
+        second_compiler.emplace(device, std::vector<std::string>{"--prepare"});
     }
-    device.write_programs(clsdf::Device::default_record_folder());
     Preparation preparation(report, device, stop);
-    for (const Call& call : calls) add(preparation.compile(call));
+    add(preparation.compile(calls[0]));
+    if (second_compiler) second_compiler->wait(stop);
+    add(preparation.compile(calls[1]));
     add(preparation.query());
     add(preparation.render());
     return {{"index", info.index}, {"name", info.name}, {"steps", steps}};
@@ -175,10 +197,17 @@ void show(ProgressBar& bar, const clsdf::Progress& progress) {
         bar.show(text_of(progress));
 }
 
+void prepare_ahead(Report& report, const std::string& choice) {
+    const Interruption interruption;
+    const clsdf::Device device = open_to_prepare(choice);
+    clsdf::tuning::compile_bricks(device, clsdf::Output::triangle);
+    Preparation preparation(report, device, interruption.token());
+    preparation.query();
+    preparation.render();
+}
+
 void prepare(Report& report, const std::vector<clsdf::DeviceInfo>& devices, bool again) {
     const Interruption interruption;
-    // PoCL puts kernels specialised for these work-groups into a binary, so that their first launch compiles nothing.
-    ::setenv("POCL_BINARY_SPECIALIZE_WG", "1-1-1-goffs0-smallgrid", 0);
     std::optional<clsdf::Error> failure;
     report.result["prepared"] = Json::array();
     for (const clsdf::DeviceInfo& info : devices) {

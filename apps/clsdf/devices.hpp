@@ -15,6 +15,9 @@ void add_device_option(Parser& parser, std::string& choice, const std::string& d
 /// Error(no_device), which names the option if it was given.
 clsdf::Device open_device(const std::string& choice);
 
+/// Whether the user's folder has no record of a test yet.
+bool is_first_use(const clsdf::Device& device);
+
 /// The value of CLSDF_DEVICE; empty if it is not set.
 std::string device_variable();
 
@@ -30,3 +33,6 @@ void show(ProgressBar& bar, const clsdf::Progress& progress);
 /// were tested before, and those whose compilation has ended a process. Adds a member "prepared" to the report. The
 /// last error of a device is thrown after all devices were tried; earlier errors are warnings.
 void prepare(Report& report, const std::vector<clsdf::DeviceInfo>& devices, bool again);
+
+/// The part of it that another process can do meanwhile: the bricks of compute --with, query and render.
+void prepare_ahead(Report& report, const std::string& device);

@@ -25,6 +25,7 @@ using clsdf::ErrorCode;
 
 Command add_help(Parser& program);
 Command add_generate(Parser& program);
+Command add_compile_ahead(Parser& program);
 
 namespace {
 
@@ -78,6 +79,7 @@ CommandLine::CommandLine(Report& report)
     }
     add(add_help(program_));
     add(add_generate(program_));
+    add(add_compile_ahead(program_));
 }
 
 void CommandLine::add(Command command) {

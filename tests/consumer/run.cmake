@@ -175,7 +175,7 @@ elseif(WAY STREQUAL "shared")
   run(${build}/consumer_papers)
   run(${build}/consumer_interrupted ${build}/cache)
   # A little more than there are.
-  check_exports(clsdf 118)
+  check_exports(clsdf 119)
   check_exports(clsdf_meshes 9)
   check_exports(clsdf_io 17)
   check_exports(clsdf_papers 18)

@@ -34,7 +34,8 @@ BOOST_AUTO_TEST_CASE(a_solver_that_traps_exceptions_can_make_a_device_and_comput
         transform.query(points, 1, distance);
         // The host looks up few points.
         const std::span<const Vec3> vertices = mesh.vertices();
-        const std::vector<Vec3> few(vertices.begin(), vertices.begin() + std::min<std::size_t>(8, vertices.size()));
+        const std::span<const Vec3> first = vertices.first(std::min<std::size_t>(8, vertices.size()));
+        const std::vector<Vec3> few(first.begin(), first.end());
         std::vector<double> exact(few.size()), closest(3 * few.size()), gradient(3 * few.size()),
             barycentric(2 * few.size());
         const OutputTargets targets{{Output::distance, exact},

@@ -50,13 +50,15 @@ void CallMutex::unlock() {
 }
 
 device::BuildWatch Compiling::watch(std::size_t expected) {
-    return {[this, expected] {
-        ++step_;
-        caller_.throw_if_stopped();
-        const std::size_t steps = std::max(expected, step_);
-        caller_.report(
-            {Progress::Stage::compiling, static_cast<double>(step_ - 1) / static_cast<double>(steps), step_, steps});
-    }};
+    const auto report_as = [this, expected](Progress::Stage stage) {
+        return [this, expected, stage] {
+            ++step_;
+            caller_.throw_if_stopped();
+            const std::size_t steps = std::max(expected, step_);
+            caller_.report({stage, static_cast<double>(step_ - 1) / static_cast<double>(steps), step_, steps});
+        };
+    };
+    return {report_as(Progress::Stage::compiling), report_as(Progress::Stage::testing)};
 }
 
 }  // namespace clsdf::transform

@@ -82,7 +82,7 @@ std::optional<std::string> run_field_test(const Device& device, const Programs& 
                   {grid, known.band(), outputs, {}, test_case.variant.count}, watch.begins);
     return device::guarded([&] {
         const auto between = [&](double) {
-            if (watch.begins) watch.begins();
+            if (watch.tests) watch.tests();
         };
         CommandChain chain(context.queue(), {});
         plan.enqueue(chain, memories.buffers(), between);

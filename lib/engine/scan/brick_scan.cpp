@@ -193,3 +193,20 @@ std::unique_ptr<FieldScan> make_brick_scan(const ScanInputs& inputs) {
 }
 
 }  // namespace clsdf::scan
+
+namespace clsdf {
+
+void tuning::compile_bricks(const Device& device, OutputSet outputs) {
+    device::Context& context = device::context_of(device);
+    outputs.erase(Output::distance);
+    const scan::BrickVariant variant{.nearest = !outputs.empty()};
+    device::guarded([&] {
+        const scan::Programs programs(context, KernelBody::automatic);
+        if (programs.body == KernelBody::by_vector)
+            scan::specialise_bricks_by_vector(context, programs, variant);
+        else
+            programs.bricks(context, variant);
+    });
+}
+
+}  // namespace clsdf

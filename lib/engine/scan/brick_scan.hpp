@@ -69,6 +69,8 @@ private:
 
 /// The body for processors: a work-item a core, lanes of samples.
 std::unique_ptr<FieldScan> make_bricks_by_vector(const ScanInputs& inputs);
+/// Compilers specialise a kernel at its first launch. This launches an empty one and waits for it. Throws cl::Error.
+void specialise_bricks_by_vector(device::Context& context, const Programs& programs, const BrickVariant& variant);
 /// The body for GPUs: a work-group a brick.
 std::unique_ptr<FieldScan> make_bricks_by_group(const ScanInputs& inputs);
 

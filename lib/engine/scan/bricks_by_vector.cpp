@@ -56,20 +56,10 @@ private:
         first_output_ = set_arguments(kernel_, 4, *next_slots_, order_, *lists_.starts,
                                       static_cast<cl_uint>(lists_.parts), *lists_.entries, *lists_.bounds,
                                       *inputs.mesh.polyhedra, inputs.sign_bits, *computed_, *scratch_, *minima_);
-        if (!launches_.empty() && inputs.context.is_first_use_of(kernel_)) warm_up(inputs.queue());
     }
 
     void set_launch(std::size_t launch, cl_uint begin, cl_uint end) {
         set_arguments(kernel_, 1, static_cast<cl_uint>(launch), begin, end);
-    }
-
-    void warm_up(const cl::CommandQueue& queue) {
-        set_launch(0, 0, 0);
-        OutputBuffers outputs;
-        outputs[Output::distance] = *computed_;  // nothing is written
-        set_outputs(kernel_, first_output_, outputs);
-        scan::launch(queue, kernel_, {work_items_, 1});
-        queue.finish();
     }
 
     std::size_t work_items_;
@@ -81,6 +71,23 @@ private:
 };
 
 }  // namespace
+
+void specialise_bricks_by_vector(device::Context& context, const Programs& programs, const BrickVariant& variant) {
+    cl::Kernel kernel(programs.bricks(context, variant), "bricks_by_vector");
+    // Of the arrays only the counter of the slots and the minima are written.
+    const cl::Buffer array(context.context(), CL_MEM_READ_WRITE, minima_bytes(variant));
+    const cl_uint none = 0;
+    cl_uint next = set_arguments(kernel, 0, Layout{}, none, none, none, array, array, array, none);
+    const std::size_t arguments = kernel.getInfo<CL_KERNEL_NUM_ARGS>();
+    const cl_uint finish = next + 8;  // after the lists, the mesh, the signs, the marks, the scratch and the distance
+    for (; next < arguments; ++next)
+        if (variant.nearest && next == finish)
+            kernel.setArg(next, Finish{});
+        else
+            kernel.setArg(next, array);
+    launch(context.queue(), kernel, {1, 1});
+    context.queue().finish();
+}
 
 std::unique_ptr<FieldScan> make_bricks_by_vector(const ScanInputs& inputs) {
     return std::make_unique<BricksByVector>(inputs);

@@ -43,6 +43,7 @@ struct ProgramSource {
 /// Callback of a build, on the thread that waits for it. It may be empty, and may throw.
 struct BuildWatch {
     std::function<void()> begins{};  ///< a program is compiled, or a part of one
+    std::function<void()> tests{};   ///< a program computes a known field
 };
 
 /// One OpenCL device with its context, its queue and the programs built for it.

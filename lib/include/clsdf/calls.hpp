@@ -21,12 +21,13 @@ namespace clsdf {
 /// How far a call is.
 struct Progress {
     enum class Stage : std::int32_t {
-        compiling = 0,  ///< programs are built, loaded or tested
+        compiling = 0,  ///< programs are built or loaded
         computing = 1,
+        testing = 2,  ///< programs that were compiled compute a known field; a step of compiling, too
     };
 
     Stage stage = Stage::computing;
-    double fraction = 0;    ///< of the stage, 0 to 1; of compiling an estimate that need not reach 1
+    double fraction = 0;    ///< of the stage, 0 to 1; of compiling and testing an estimate that need not reach 1
     std::size_t step = 0;   ///< of compiling, from 1
     std::size_t steps = 0;  ///< of compiling, at most; >= step
 };

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <clsdf/device.hpp>
 #include <clsdf/export.hpp>
+#include <clsdf/outputs.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +22,11 @@ namespace tuning {
 /// - CLSDF_MAX_FLOAT_WIDTH=FLOATS: the most floats in a vector of a device; read at the same time.
 /// - CLSDF_SELF_TEST=0: the programs of a device are not tested; read when a program is first used.
 CLSDF_EXPORT void read_environment() noexcept;
+
+/// Compiles the program that takes longest, that of the bricks of a field with these outputs, and no other one. For a
+/// second process beside one that computes: PoCL compiles one program at a time in a process, and keeps programs on
+/// disk for all processes. Thread-safe. Throws Error(device_failure).
+CLSDF_EXPORT void compile_bricks(const Device& device, OutputSet outputs);
 
 }  // namespace tuning
 
