@@ -123,7 +123,8 @@ install(
   FILES_MATCHING
   PATTERN "*.md"
   PATTERN "*.png"
-  PATTERN "*.cpp")
+  PATTERN "*.cpp"
+  PATTERN "*.hpp")
 install(
   DIRECTORY benchmarks
   DESTINATION ${CMAKE_INSTALL_DOCDIR}

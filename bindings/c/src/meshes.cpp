@@ -40,7 +40,10 @@ clsdf_status clsdf_mesh_read(const char* path, clsdf_mesh** mesh) {
 }
 
 clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** welded) {
-    return made(welded, "welded", [&] { return new clsdf_mesh(weld(of(mesh).mesh), mesh->index_base); });
+    return made(welded, "welded", [&] {
+        const clsdf_mesh& self = of(mesh);
+        return new clsdf_mesh(weld(self.mesh), self.index_base);
+    });
 }
 
 clsdf_status clsdf_mesh_write(const clsdf_mesh* mesh, const char* path, const std::uint8_t* colours,

@@ -134,7 +134,8 @@ clsdf_status clsdf_plan_update_requests(clsdf_plan* plan, const clsdf_transform*
     return guarded([&] {
         const Call caller(call);
         Plan& self = of(plan).plan;
-        self.update(of(transform).transform, requests_of(*transform, requests, count), caller);
+        const clsdf_transform& from = of(transform);
+        self.update(from.transform, requests_of(from, requests, count), caller);
     });
 }
 
@@ -143,7 +144,8 @@ clsdf_status clsdf_plan_update_blocks(clsdf_plan* plan, const clsdf_transform* t
     return guarded([&] {
         const Call caller(call);
         Plan& self = of(plan).plan;
-        self.update(of(transform).transform, blocks_of(*transform, blocks), caller);
+        const clsdf_transform& from = of(transform);
+        self.update(from.transform, blocks_of(from, blocks), caller);
     });
 }
 

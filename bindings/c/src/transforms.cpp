@@ -52,8 +52,9 @@ clsdf_status clsdf_transform_create(const clsdf_device* device, const clsdf_mesh
                                     clsdf_transform** transform) {
     return made(transform, "transform", [&] {
         const Call caller(call);
-        return new clsdf_transform(DistanceTransform(of(device).device, of(mesh).mesh, options_of(options), caller),
-                                   mesh->index_base);
+        const clsdf_mesh& self = of(mesh);
+        return new clsdf_transform(DistanceTransform(of(device).device, self.mesh, options_of(options), caller),
+                                   self.index_base);
     });
 }
 
@@ -71,11 +72,12 @@ clsdf_status clsdf_transform_from_arrays(const clsdf_device* device, const clsdf
 clsdf_status clsdf_transform_restrict(const clsdf_transform* transform, const clsdf_region* regions, std::int64_t count,
                                       clsdf_transform** restricted) {
     return made(restricted, "restricted", [&] {
+        const clsdf_transform& self = of(transform);
         c::elements(regions, count, "regions");
         std::vector<Region> to;
         for (std::int64_t i = 0; i < count; ++i)
             to.push_back({c::box_of(&regions[i].box), regions[i].half_width, regions[i].spacing});
-        return new clsdf_transform(of(transform).transform.restrict_to(to), transform->index_base);
+        return new clsdf_transform(self.transform.restrict_to(to), self.index_base);
     });
 }
 
