@@ -11,20 +11,20 @@ static double fraction(double step, int64_t i) {
     return fmod(step * (double)(i + 1), 1.0);
 }
 
-int main(int argument_count, char **arguments) {
+int main(int argument_count, char** arguments) {
     const int64_t count = argument_count > 1 ? atol(arguments[1]) : 20000;
     const int steps = argument_count > 2 ? atoi(arguments[2]) : 20;
     const double nowhere[3] = {0, 0, 0};
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *transform;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
     clsdf_box box;
     clsdf_array points;
     clsdf_target targets[3];
     double(*position)[3], (*velocity)[3];
     double side, radius, time;
     float *distance, (*normal)[3];
-    uint32_t *triangle;
+    uint32_t* triangle;
     int64_t i, contacts = 0, inside = 0;
     int step, axis;
 

@@ -1,5 +1,5 @@
-/* A grid is divided among the ranks of a parallel simulation. Each rank has a layer of ghost samples, and keeps only what
- * its block needs of the mesh.
+/* A grid is divided among the ranks of a parallel simulation. Each rank has a layer of ghost samples, and keeps only
+ * what its block needs of the mesh.
  *
  * A part of a grid keeps the origin and spacing of the grid, and has the same bytes as the whole. So ghost samples are
  * equal on both sides and need no exchange. A transform that is restricted to the block gives these bytes, too. */
@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* The samples of one rank of `ranks` along x, with a ghost layer on each side that has a neighbour. */
-static clsdf_grid block_of(const clsdf_grid *domain, int64_t rank, int64_t ranks) {
+static clsdf_grid block_of(const clsdf_grid* domain, int64_t rank, int64_t ranks) {
     const int64_t ghosts = 2, samples = domain->size[0];
     int64_t begin = samples * rank / ranks - ghosts, end = samples * (rank + 1) / ranks + ghosts;
     int64_t offset[3] = {0, 0, 0}, size[3];
@@ -25,8 +25,8 @@ static clsdf_grid block_of(const clsdf_grid *domain, int64_t rank, int64_t ranks
 }
 
 /* The transform of a rank: the part that its block needs. */
-static clsdf_transform *transform_for(const clsdf_grid *block, double half_width, const clsdf_device *device,
-                                      const clsdf_mesh *mesh) {
+static clsdf_transform* transform_for(const clsdf_grid* block, double half_width, const clsdf_device* device,
+                                      const clsdf_mesh* mesh) {
     clsdf_transform *whole, *part;
     clsdf_region region;
     check(clsdf_transform_create(device, mesh, NULL, NULL, &whole));
@@ -39,15 +39,15 @@ static clsdf_transform *transform_for(const clsdf_grid *block, double half_width
 }
 
 /* The number of samples that differ between the block and the whole. */
-static int64_t differences(const clsdf_grid *grid, const float *distance, const clsdf_grid *whole,
-                           const float *all_distances) {
+static int64_t differences(const clsdf_grid* grid, const float* distance, const clsdf_grid* whole,
+                           const float* all_distances) {
     const int64_t shift = grid->first[0] - whole->first[0];
     int64_t i, j, k, count = 0;
     for (k = 0; k < grid->size[2]; ++k)
         for (j = 0; j < grid->size[1]; ++j)
             for (i = 0; i < grid->size[0]; ++i) {
-                const float *here = &distance[clsdf_grid_offset(grid, i, j, k)];
-                const float *there = &all_distances[clsdf_grid_offset(whole, i + shift, j, k)];
+                const float* here = &distance[clsdf_grid_offset(grid, i, j, k)];
+                const float* there = &all_distances[clsdf_grid_offset(whole, i + shift, j, k)];
                 count += memcmp(here, there, sizeof *here) != 0 ? 1 : 0;
             }
     return count;
@@ -55,10 +55,10 @@ static int64_t differences(const clsdf_grid *grid, const float *distance, const 
 
 int main(void) {
     const int64_t ranks = 3;
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *all;
-    clsdf_field *whole;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* all;
+    clsdf_field* whole;
     clsdf_array all_distances;
     clsdf_box box;
     clsdf_grid domain;
@@ -79,9 +79,9 @@ int main(void) {
     check(clsdf_field_array(whole, CLSDF_DISTANCE, &all_distances));
     for (rank = 0; rank < ranks; ++rank) {
         const clsdf_grid block = block_of(&domain, rank, ranks);
-        clsdf_transform *transform = transform_for(&block, band.outside, device, mesh);
+        clsdf_transform* transform = transform_for(&block, band.outside, device, mesh);
         clsdf_target target;
-        float *distance; /* memory of the simulation */
+        float* distance; /* memory of the simulation */
         int64_t samples, different;
         check(clsdf_grid_sample_count(&block, &samples));
         distance = allocate((size_t)samples * sizeof *distance);

@@ -14,17 +14,17 @@ static inline void check(clsdf_status status) {
     exit(2);
 }
 
-static inline void *allocate(size_t bytes) {
-    void *memory = malloc(bytes > 0 ? bytes : 1);
+static inline void* allocate(size_t bytes) {
+    void* memory = malloc(bytes > 0 ? bytes : 1);
     if (memory == NULL) exit(3);
     return memory;
 }
 
 /* For tests alone: appends the bytes to the file that the environment variable CLSDF_EXAMPLE_ARRAYS names, if it is
  * set, so that the same example in another language can be compared with this one. */
-static inline void record(const void *bytes, size_t size) {
-    const char *path = getenv("CLSDF_EXAMPLE_ARRAYS");
-    FILE *file;
+static inline void record(const void* bytes, size_t size) {
+    const char* path = getenv("CLSDF_EXAMPLE_ARRAYS");
+    FILE* file;
     if (path == NULL) return;
     file = fopen(path, "ab");
     if (file == NULL || fwrite(bytes, 1, size, file) != size) abort();

@@ -1,15 +1,15 @@
 /* Computes a field in the caller's own OpenCL context, queue and memory, for the caller's own kernels.
  *
  * A plan allocates everything once. Then clsdf_plan_enqueue_to() puts the computation of the field into the caller's
- * queue, between the caller's own commands. It neither blocks nor copies. Here a kernel integrates the volume of a solid
- * over the field. Only eight bytes return to the host. */
+ * queue, between the caller's own commands. It neither blocks nor copies. Here a kernel integrates the volume of a
+ * solid over the field. Only eight bytes return to the host. */
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
 #include "example.h"
 
-static void require(cl_int status, const char *call) {
+static void require(cl_int status, const char* call) {
     if (status == CL_SUCCESS) return;
     fprintf(stderr, "%s failed: OpenCL error %d\n", call, status);
     exit(2);
@@ -17,7 +17,7 @@ static void require(cl_int status, const char *call) {
 
 /* The solid share of a cell is a smoothed Heaviside function of the distance, `width` on both sides of the surface. The
  * kernels sum it over each row of samples, then over all rows. */
-static const char *integration =
+static const char* integration =
     "#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n"
     "float solid_share(float distance, float width) {\n"
     "    const float x = clamp(distance / width, -1.0f, 1.0f);\n"
@@ -42,7 +42,7 @@ static cl_mem buffer_of(cl_context context, size_t bytes) {
     return memory;
 }
 
-static cl_kernel kernel_of(cl_program program, const char *name) {
+static cl_kernel kernel_of(cl_program program, const char* name) {
     cl_int status = CL_SUCCESS;
     cl_kernel kernel = clCreateKernel(program, name, &status);
     require(status, "clCreateKernel");
@@ -62,10 +62,10 @@ int main(void) {
     size_t row_count, one = 1;
 
     clsdf_grid_options options = CLSDF_GRID_OPTIONS_INIT;
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *transform;
-    clsdf_plan *plan;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
+    clsdf_plan* plan;
     clsdf_grid grid;
     clsdf_band band;
     clsdf_box box;
@@ -123,7 +123,8 @@ int main(void) {
     require(clSetKernelArg(sum_rows, 1, sizeof row_length, &row_length), "clSetKernelArg");
     require(clSetKernelArg(sum_rows, 2, sizeof width, &width), "clSetKernelArg");
     require(clSetKernelArg(sum_rows, 3, sizeof sums, &sums), "clSetKernelArg");
-    require(clEnqueueNDRangeKernel(queue, sum_rows, 1, NULL, &row_count, NULL, 0, NULL, NULL), "clEnqueueNDRangeKernel");
+    require(clEnqueueNDRangeKernel(queue, sum_rows, 1, NULL, &row_count, NULL, 0, NULL, NULL),
+            "clEnqueueNDRangeKernel");
     require(clSetKernelArg(sum_all, 0, sizeof sums, &sums), "clSetKernelArg");
     require(clSetKernelArg(sum_all, 1, sizeof rows, &rows), "clSetKernelArg");
     require(clSetKernelArg(sum_all, 2, sizeof cell, &cell), "clSetKernelArg");

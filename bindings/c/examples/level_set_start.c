@@ -8,17 +8,17 @@
 
 #include <math.h>
 
-int main(int argument_count, char **arguments) {
+int main(int argument_count, char** arguments) {
     clsdf_grid_options options = CLSDF_GRID_OPTIONS_INIT;
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *transform;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
     clsdf_grid grid;
     clsdf_band band;
     clsdf_box box;
     clsdf_target targets[3];
     float *phi, (*normal)[3];
-    double (*closest)[3];
+    double(*closest)[3];
     double voxel, fastest = 0, largest_gap = 0;
     int64_t samples, i, j, k, in_band = 0;
     int axis;

@@ -1,6 +1,6 @@
-/* A solid that moves through a fixed grid: 100 steps of a rigid motion, each with a new field in the simulation's memory.
- * A motion is always that of the first positions, so no error adds up: a body that comes back to its first place has
- * its first field, byte for byte.
+/* A solid that moves through a fixed grid: 100 steps of a rigid motion, each with a new field in the simulation's
+ * memory. A motion is always that of the first positions, so no error adds up: a body that comes back to its first
+ * place has its first field, byte for byte.
  *
  * moving_body [STEPS [RESOLUTION]] */
 
@@ -12,7 +12,7 @@
 #define PI 3.14159265358979323846
 
 /* The volume inside: a cell that the surface crosses counts by its part, which the distance tells to first order. */
-static double volume(const clsdf_grid *grid, const float *distance, int64_t samples) {
+static double volume(const clsdf_grid* grid, const float* distance, int64_t samples) {
     double cells = 0, voxel;
     int64_t n;
     check(clsdf_grid_voxel(grid, &voxel));
@@ -23,14 +23,14 @@ static double volume(const clsdf_grid *grid, const float *distance, int64_t samp
     return cells * grid->spacing[0] * grid->spacing[1] * grid->spacing[2];
 }
 
-int main(int argument_count, char **arguments) {
+int main(int argument_count, char** arguments) {
     const int steps = argument_count > 1 ? atoi(arguments[1]) : 100;
     const double at_rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
     clsdf_grid_options options = CLSDF_GRID_OPTIONS_INIT;
     clsdf_kept_memory memory = CLSDF_KEPT_MEMORY_INIT;
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *transform;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
     clsdf_grid grid;
     clsdf_band band;
     clsdf_box box;

@@ -1,9 +1,9 @@
-/* Patches of a moving body, in the caller's own layout on the device, between the caller's own kernels on a queue that is
- * out of order.
+/* Patches of a moving body, in the caller's own layout on the device, between the caller's own kernels on a queue that
+ * is out of order.
  *
- * All patches lie in one buffer, each with ghost samples, x slowest, as in a code with arrays phi[patch][x][y][z]. A plan
- * allocates everything once; clsdf_plan_update() prepares it for the next positions of the body. The kernel waits for
- * the event of the patches, and the next patches wait for the event of the kernel, which reads them. */
+ * All patches lie in one buffer, each with ghost samples, x slowest, as in a code with arrays phi[patch][x][y][z]. A
+ * plan allocates everything once; clsdf_plan_update() prepares it for the next positions of the body. The kernel waits
+ * for the event of the patches, and the next patches wait for the event of the kernel, which reads them. */
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -14,14 +14,14 @@
 
 enum { INNER = 16, GHOSTS = 2, SIDE = INNER + 2 * GHOSTS, SAMPLES = SIDE * SIDE * SIDE };
 
-static void require(cl_int status, const char *call) {
+static void require(cl_int status, const char* call) {
     if (status == CL_SUCCESS) return;
     fprintf(stderr, "%s failed: OpenCL error %d\n", call, status);
     exit(2);
 }
 
 /* The solid part of a patch's cells without its ghosts: a smoothed Heaviside function of the distance, summed. */
-static const char *integration =
+static const char* integration =
     "__kernel void solid_cells(__global const float* phi, float width, __global float* sums) {\n"
     "    __global const float* patch = phi + get_global_id(0) * 20 * 20 * 20;\n"
     "    float sum = 0;\n"
@@ -35,7 +35,7 @@ static const char *integration =
     "}\n";
 
 /* The patches that cover the grid are equal blocks of one lattice: returns their number. */
-static int64_t find_blocks(const clsdf_grid *grid, int64_t (*first)[3]) {
+static int64_t find_blocks(const clsdf_grid* grid, int64_t (*first)[3]) {
     int64_t x, y, z, count = 0;
     for (z = 0; z < grid->size[2]; z += INNER)
         for (y = 0; y < grid->size[1]; y += INNER)
@@ -51,17 +51,17 @@ static int64_t find_blocks(const clsdf_grid *grid, int64_t (*first)[3]) {
 int main(void) {
     const clsdf_band around = clsdf_band_symmetric(0.2);
     clsdf_block_set blocks = CLSDF_BLOCK_SET_INIT;
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *transform;
-    clsdf_plan *plan;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
+    clsdf_plan* plan;
     clsdf_grid grid;
     clsdf_box box;
     clsdf_target target;
-    int64_t (*first)[3];
+    int64_t(*first)[3];
     int64_t bytes, n;
     double voxel, side, radius, ball;
-    void *handles[3];
+    void* handles[3];
 
     cl_int status = CL_SUCCESS;
     cl_context context;

@@ -1,6 +1,6 @@
-/* Patches of three levels of refinement: the start of a level set, or the walls of an adaptive mesh (AMR). The transform
- * says which patches the surface may cross: these are refined. Then one call computes the patches of all levels, ghost
- * samples included. */
+/* Patches of three levels of refinement: the start of a level set, or the walls of an adaptive mesh (AMR). The
+ * transform says which patches the surface may cross: these are refined. Then one call computes the patches of all
+ * levels, ghost samples included. */
 
 #include "example.h"
 
@@ -21,18 +21,18 @@ typedef struct {
 
 typedef struct {
     clsdf_grid lattice;
-    place *places; /* sorted */
+    place* places; /* sorted */
     int64_t count;
 } level;
 
-static int compare(const void *first, const void *second) {
+static int compare(const void* first, const void* second) {
     const place *a = first, *b = second;
     if (a->x != b->x) return a->x < b->x ? -1 : 1;
     if (a->y != b->y) return a->y < b->y ? -1 : 1;
     return a->z < b->z ? -1 : a->z > b->z;
 }
 
-static clsdf_grid block_at(const clsdf_grid *lattice, place at) {
+static clsdf_grid block_at(const clsdf_grid* lattice, place at) {
     const int64_t size[3] = {SIDE, SIDE, SIDE};
     int64_t first[3];
     clsdf_grid block;
@@ -44,7 +44,7 @@ static clsdf_grid block_at(const clsdf_grid *lattice, place at) {
 }
 
 /* The coarsest level covers the mesh. */
-static level first_level(const clsdf_mesh *mesh) {
+static level first_level(const clsdf_mesh* mesh) {
     const clsdf_band all = clsdf_band_full();
     level result = {{{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}}, NULL, 0};
     int64_t counts[3];
@@ -61,10 +61,10 @@ static level first_level(const clsdf_mesh *mesh) {
 }
 
 /* The patches of the next level that lie within the given ones and that the surface may cross. */
-static level next_level(const clsdf_transform *transform, const level *coarse) {
+static level next_level(const clsdf_transform* transform, const level* coarse) {
     const int64_t candidates = coarse->count * RATIO * RATIO * RATIO;
-    clsdf_box *boxes = allocate((size_t)candidates * sizeof *boxes);
-    uint8_t *answers = allocate((size_t)candidates);
+    clsdf_box* boxes = allocate((size_t)candidates * sizeof *boxes);
+    uint8_t* answers = allocate((size_t)candidates);
     level result = {{{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}}, NULL, 0};
     double voxel;
     int64_t n, i = 0;
@@ -72,7 +72,7 @@ static level next_level(const clsdf_transform *transform, const level *coarse) {
     check(clsdf_grid_voxel(&result.lattice, &voxel));
     result.places = allocate((size_t)candidates * sizeof *result.places);
     for (i = 0; i < candidates; ++i) {
-        const place *parent = &coarse->places[i / (RATIO * RATIO * RATIO)];
+        const place* parent = &coarse->places[i / (RATIO * RATIO * RATIO)];
         clsdf_grid block;
         n = i % (RATIO * RATIO * RATIO);
         result.places[i].x = RATIO * parent->x + n % RATIO;
@@ -91,7 +91,7 @@ static level next_level(const clsdf_transform *transform, const level *coarse) {
 }
 
 /* The number of samples of the lattice that two patches share and that have different values in them. */
-static int64_t differences(const clsdf_request *a, const clsdf_request *b) {
+static int64_t differences(const clsdf_request* a, const clsdf_request* b) {
     const float *in_a = a->targets.items[0].array.host, *in_b = b->targets.items[0].array.host;
     int64_t begin[3], end[3], i, j, k, count = 0;
     int axis;
@@ -112,11 +112,11 @@ static int64_t differences(const clsdf_request *a, const clsdf_request *b) {
 }
 
 int main(void) {
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *transform;
-    clsdf_request *requests;
-    patch *patches;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
+    clsdf_request* requests;
+    patch* patches;
     level levels[LEVELS];
     int64_t total = 0, n = 0, i, j, different = 0;
     int number;
@@ -135,7 +135,7 @@ int main(void) {
         double voxel;
         check(clsdf_grid_voxel(&levels[number].lattice, &voxel));
         for (i = 0; i < levels[number].count; ++i, ++n) {
-            clsdf_target *targets = patches[n].targets;
+            clsdf_target* targets = patches[n].targets;
             const clsdf_grid inner = block_at(&levels[number].lattice, levels[number].places[i]);
             targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT32, patches[n].distance, SAMPLES);
             targets[1] = clsdf_host_target(CLSDF_GRADIENT, CLSDF_FLOAT32, patches[n].gradient, SAMPLES);

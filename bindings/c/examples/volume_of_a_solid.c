@@ -1,7 +1,7 @@
 /* From arrays in memory to a signed distance field, and a use of it.
  *
- * A simulation has a solid as arrays of vertices and triangles. It needs to know which of its cells are solid, the solid
- * share of a cell on the surface, and the triangle of the wall that is nearest to a fluid particle. */
+ * A simulation has a solid as arrays of vertices and triangles. It needs to know which of its cells are solid, the
+ * solid share of a cell on the surface, and the triangle of the wall that is nearest to a fluid particle. */
 
 #include "example.h"
 
@@ -46,7 +46,7 @@ static double exact_volume(void) {
     return six_volumes / 6;
 }
 
-static int32_t say(void *user, const char *message) {
+static int32_t say(void* user, const char* message) {
     (void)user;
     printf("clsdf says: %s\n", message);
     return 0;
@@ -58,13 +58,13 @@ int main(void) {
     /* Distances up to a tenth of a unit on both sides of the surface. */
     const clsdf_band band = clsdf_band_symmetric(0.1);
     clsdf_target targets[2];
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *transform;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
     clsdf_grid grid;
     int64_t samples, n, particle, i[3];
-    float *distance;
-    uint32_t *triangle;
+    float* distance;
+    uint32_t* triangle;
     double h, exact, by_counting = 0, by_distance = 0;
     const double place[3] = {1.45, 0, 0};
     int axis, right;
@@ -91,8 +91,8 @@ int main(void) {
     record(distance, (size_t)samples * sizeof *distance);
     record(triangle, (size_t)samples * sizeof *triangle);
 
-    /* A cell is solid if its centre is inside, in the band or beyond it. The distance gives the solid share of a cell on
-     * the surface. */
+    /* A cell is solid if its centre is inside, in the band or beyond it. The distance gives the solid share of a cell
+     * on the surface. */
     check(clsdf_grid_voxel(&grid, &h));
     for (n = 0; n < samples; ++n) {
         const double share = 0.5 - distance[n] / h;

@@ -3,17 +3,17 @@
 
 enum { N = 12, SAMPLES = N * N * N };
 
-static clsdf_device *device;
-static clsdf_mesh *mesh;           /* a torus */
-static clsdf_transform *transform; /* of it */
+static clsdf_device* device;
+static clsdf_mesh* mesh;           /* a torus */
+static clsdf_transform* transform; /* of it */
 static clsdf_grid grid;            /* around it, N^3 samples */
 static clsdf_band band;
 static float distance[SAMPLES]; /* of the grid: what other calls are compared with */
 static uint32_t triangle[SAMPLES];
 
 static void check_devices(void) {
-    clsdf_devices *list;
-    clsdf_device *other;
+    clsdf_devices* list;
+    clsdf_device* other;
     clsdf_device_info info = CLSDF_DEVICE_INFO_INIT, listed = CLSDF_DEVICE_INFO_INIT;
     clsdf_device_limits limits = CLSDF_DEVICE_LIMITS_INIT;
     clsdf_thread_limit *limit, *lower;
@@ -120,10 +120,10 @@ static void check_meshes(void) {
     clsdf_defects defects = CLSDF_DEFECTS_INIT;
     clsdf_mesh *own, *other;
     clsdf_box box;
-    const double *positions;
-    const uint32_t *indices;
+    const double* positions;
+    const uint32_t* indices;
     const uint8_t colours[12] = {255, 0, 0};
-    const char *name;
+    const char* name;
     char warning[64];
     int64_t count, length;
     int32_t rule, base;
@@ -228,15 +228,15 @@ static void check_arrays(void) {
 }
 
 /* A slab of the field; or the end of the call. */
-static int32_t take_slab(void *user, const clsdf_grid *part, const clsdf_target *values, int64_t count) {
-    int64_t *slices = user;
+static int32_t take_slab(void* user, const clsdf_grid* part, const clsdf_target* values, int64_t count) {
+    int64_t* slices = user;
     int64_t n;
     if (*slices < 0) {
         clsdf_set_last_error("the disk is full");
         return 1234;
     }
     for (n = 0; n < count; ++n) {
-        const char *bytes = (values[n].output == CLSDF_DISTANCE ? (const char *)distance : (const char *)triangle);
+        const char* bytes = (values[n].output == CLSDF_DISTANCE ? (const char*)distance : (const char*)triangle);
         CHECK(values[n].output == CLSDF_DISTANCE || values[n].output == CLSDF_TRIANGLE);
         CHECK(values[n].array.count == part->size[0] * part->size[1] * part->size[2]);
         CHECK(memcmp(values[n].array.host, bytes + 4 * N * N * part->first[2], (size_t)values[n].array.bytes) == 0);
@@ -255,7 +255,7 @@ static void check_many(void) {
     clsdf_block_set blocks = CLSDF_BLOCK_SET_INIT;
     clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
     clsdf_slab_options own_thread = CLSDF_SLAB_OPTIONS_INIT;
-    clsdf_field *field;
+    clsdf_field* field;
     clsdf_field_description description = CLSDF_FIELD_DESCRIPTION_INIT;
     clsdf_array array;
     clsdf_grid slabs[1];
@@ -269,7 +269,8 @@ static void check_many(void) {
         requests[n].targets.count = 1;
     }
     OK(clsdf_compute_requests(transform, requests, 2, NULL, &statistics));
-    CHECK(memcmp(of_request[0], distance, sizeof distance) == 0 && memcmp(of_request[1], distance, sizeof distance) == 0);
+    CHECK(memcmp(of_request[0], distance, sizeof distance) == 0 &&
+          memcmp(of_request[1], distance, sizeof distance) == 0);
     CHECK(statistics.field_seconds > 0 && statistics.slabs > 0);
     requests[1].band.outside = -1;
     FAILS(CLSDF_INVALID_ARGUMENT, "request 1", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
@@ -358,10 +359,10 @@ static void check_motion(void) {
     clsdf_transform *other, *part;
     clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
     clsdf_region region;
-    clsdf_device *same;
+    clsdf_device* same;
     clsdf_box box;
     clsdf_array array;
-    const double *positions;
+    const double* positions;
     int64_t count;
     int32_t rule, base;
     OK(clsdf_transform_create(device, mesh, NULL, NULL, &other));
@@ -410,8 +411,8 @@ static void check_base(void) {
     clsdf_block_set blocks = CLSDF_BLOCK_SET_INIT;
     clsdf_request request;
     clsdf_target targets[2];
-    clsdf_transform *of_base_1;
-    clsdf_field *field;
+    clsdf_transform* of_base_1;
+    clsdf_field* field;
     clsdf_array array;
     int64_t n, beyond = 0;
     OK(clsdf_mesh_set_index_base(mesh, 1));
@@ -469,19 +470,19 @@ typedef struct {
     char message[256];
 } caller;
 
-static int32_t progressed(void *user, const clsdf_progress *progress) {
-    caller *own = user;
+static int32_t progressed(void* user, const clsdf_progress* progress) {
+    caller* own = user;
     CHECK(progress->fraction >= 0 && progress->fraction <= 1);
     ++own->calls;
     return own->answer;
 }
-static int32_t stopped(void *user) {
-    caller *own = user;
+static int32_t stopped(void* user) {
+    caller* own = user;
     ++own->calls;
     return own->answer;
 }
-static int32_t logged(void *user, const char *message) {
-    caller *own = user;
+static int32_t logged(void* user, const char* message) {
+    caller* own = user;
     ++own->calls;
     snprintf(own->message, sizeof own->message, "%s", message);
     return own->answer;
@@ -494,7 +495,7 @@ static void check_callbacks(void) {
     const clsdf_target target = float_target(values, SAMPLES);
     clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
     clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
-    clsdf_transform *open;
+    clsdf_transform* open;
     caller own = {0, 0, ""};
     call.user = &own;
     call.progress = progressed;

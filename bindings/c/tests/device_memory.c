@@ -9,11 +9,11 @@ enum { N = 16, SAMPLES = N * N * N };
 static cl_context context;
 static cl_command_queue queue;
 
-static cl_mem buffer_of(size_t bytes, const void *content) {
+static cl_mem buffer_of(size_t bytes, const void* content) {
     cl_int status;
     union {
-        const void *input;
-        void *memory;
+        const void* input;
+        void* memory;
     } from;
     cl_mem memory;
     from.input = content;
@@ -23,8 +23,8 @@ static cl_mem buffer_of(size_t bytes, const void *content) {
     return memory;
 }
 
-static void check_read(cl_mem memory, size_t offset, const float *expected, size_t count) {
-    float *values = allocate(count * sizeof *values);
+static void check_read(cl_mem memory, size_t offset, const float* expected, size_t count) {
+    float* values = allocate(count * sizeof *values);
     CHECK(clEnqueueReadBuffer(queue, memory, CL_TRUE, offset, count * sizeof *values, values, 0, NULL, NULL) ==
           CL_SUCCESS);
     CHECK(memcmp(values, expected, count * sizeof *values) == 0);
@@ -36,10 +36,10 @@ int main(void) {
     const double quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
     const double points[2][3] = {{0, 0, 0}, {0.1, 0.1, 0.1}};
     const int64_t first[2][3] = {{0, 0, 0}, {0, 0, 8}}, half[3] = {N, N, 8};
-    clsdf_device *device;
-    clsdf_mesh *mesh;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
     clsdf_transform *transform, *from_buffers;
-    clsdf_plan *plan;
+    clsdf_plan* plan;
     clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
     clsdf_block_set blocks = CLSDF_BLOCK_SET_INIT;
     clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
@@ -50,8 +50,8 @@ int main(void) {
     clsdf_grid grid, read_grid;
     clsdf_band band = clsdf_band_full(), read_band;
     clsdf_array array;
-    const double *vertices;
-    const uint32_t *triangles;
+    const double* vertices;
+    const uint32_t* triangles;
     cl_mem phi, other, positions, faces, at;
     cl_event event;
     void *handles[2], *done;
@@ -119,7 +119,7 @@ int main(void) {
     OK(clsdf_plan_enqueue_to(plan, queue, &targets, 1, NULL, 0, &done));
     target.array.device = other;
     {
-        void *first_run = done;
+        void* first_run = done;
         OK(clsdf_plan_enqueue_to(plan, NULL, &targets, 1, &first_run, 1, &done));
         event = first_run;
         clReleaseEvent(event);

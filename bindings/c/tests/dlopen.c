@@ -5,37 +5,37 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static void *library;
+static void* library;
 
 /* A pointer to a function, by way of memory: C99 converts no other pointer to one. */
-static void find(const char *name, void *function) {
-    void *found = dlsym(library, name);
+static void find(const char* name, void* function) {
+    void* found = dlsym(library, name);
     if (found == NULL) {
         fprintf(stderr, "%s\n", dlerror());
         exit(1);
     }
-    *(void **)function = found;
+    *(void**)function = found;
 }
 
-int main(int count, char **arguments) {
+int main(int count, char** arguments) {
     int64_t (*version)(void);
-    const char *(*last_error)(void);
-    clsdf_status (*shape)(const char *, clsdf_mesh **);
-    clsdf_status (*automatic)(clsdf_device **);
-    clsdf_status (*create)(const clsdf_device *, const clsdf_mesh *, const clsdf_transform_options *,
-                           const clsdf_call_options *, clsdf_transform **);
-    clsdf_status (*query)(const clsdf_transform *, const clsdf_array *, double, const clsdf_target *, int64_t,
-                          const clsdf_call_options *, clsdf_statistics *);
-    void (*release_mesh)(clsdf_mesh *);
-    void (*release_device)(clsdf_device *);
-    void (*release_transform)(clsdf_transform *);
+    const char* (*last_error)(void);
+    clsdf_status (*shape)(const char*, clsdf_mesh**);
+    clsdf_status (*automatic)(clsdf_device**);
+    clsdf_status (*create)(const clsdf_device*, const clsdf_mesh*, const clsdf_transform_options*,
+                           const clsdf_call_options*, clsdf_transform**);
+    clsdf_status (*query)(const clsdf_transform*, const clsdf_array*, double, const clsdf_target*, int64_t,
+                          const clsdf_call_options*, clsdf_statistics*);
+    void (*release_mesh)(clsdf_mesh*);
+    void (*release_device)(clsdf_device*);
+    void (*release_transform)(clsdf_transform*);
     const double point[3] = {0.5, 0.5, 0.5};
     double distance = 0;
     const clsdf_array points = clsdf_host_array(CLSDF_FLOAT64, point, 1);
     const clsdf_target target = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT64, &distance, 1);
-    clsdf_mesh *mesh;
-    clsdf_device *device;
-    clsdf_transform *transform;
+    clsdf_mesh* mesh;
+    clsdf_device* device;
+    clsdf_transform* transform;
 
     if (count == 2) library = dlopen(arguments[1], RTLD_NOW | RTLD_LOCAL);
     if (library == NULL) {

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-static const char *const missing = "null";
+static const char* const missing = "null";
 
 static void check_null(void) {
     const double three[3] = {0, 0, 0};
@@ -11,20 +11,20 @@ static void check_null(void) {
     clsdf_grid grid = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {0, 0, 0}};
     clsdf_box box = {{0, 0, 0}, {1, 1, 1}};
     clsdf_array array = CLSDF_ARRAY_INIT;
-    clsdf_device *device = NULL;
-    clsdf_mesh *mesh = NULL;
-    clsdf_transform *transform = NULL;
-    clsdf_plan *plan = NULL;
-    clsdf_field *field = NULL;
-    clsdf_points *points = NULL;
-    clsdf_thread_limit *limit = NULL;
-    clsdf_devices *devices = NULL;
+    clsdf_device* device = NULL;
+    clsdf_mesh* mesh = NULL;
+    clsdf_transform* transform = NULL;
+    clsdf_plan* plan = NULL;
+    clsdf_field* field = NULL;
+    clsdf_points* points = NULL;
+    clsdf_thread_limit* limit = NULL;
+    clsdf_devices* devices = NULL;
     clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
     float value = 0;
     const clsdf_target target = float_target(&value, 1);
     int32_t number;
     int64_t count;
-    const char *name;
+    const char* name;
 
     /* Null handles may be retained and released. */
     clsdf_devices_retain(NULL), clsdf_devices_release(NULL);
@@ -134,21 +134,22 @@ static void check_null(void) {
           limit == NULL && devices == NULL);
 }
 
-static void check_wrong_handles(const clsdf_device *device, const clsdf_mesh *mesh) {
-    clsdf_device *made = NULL;
-    clsdf_transform *transform = (clsdf_transform *)&made;
+static void check_wrong_handles(const clsdf_device* device, const clsdf_mesh* mesh) {
+    clsdf_device* made = NULL;
+    clsdf_transform* transform = (clsdf_transform*)&made;
     clsdf_box box;
     FAILS(CLSDF_INVALID_ARGUMENT, "the handle given as a device is one of a mesh",
-          clsdf_device_limited((const clsdf_device *)mesh, NULL, &made));
+          clsdf_device_limited((const clsdf_device*)mesh, NULL, &made));
     FAILS(CLSDF_INVALID_ARGUMENT, "the handle given as a mesh is one of a device",
-          clsdf_mesh_box((const clsdf_mesh *)device, &box));
-    FAILS(CLSDF_INVALID_ARGUMENT, "transform", clsdf_transform_box((const clsdf_transform *)mesh, &box));
-    FAILS(CLSDF_INVALID_ARGUMENT, "one of a device", clsdf_transform_create(device, (const clsdf_mesh *)device, NULL, NULL, &transform));
+          clsdf_mesh_box((const clsdf_mesh*)device, &box));
+    FAILS(CLSDF_INVALID_ARGUMENT, "transform", clsdf_transform_box((const clsdf_transform*)mesh, &box));
+    FAILS(CLSDF_INVALID_ARGUMENT, "one of a device",
+          clsdf_transform_create(device, (const clsdf_mesh*)device, NULL, NULL, &transform));
     CHECK(transform == NULL);
 }
 
 /* Sizes of structs. */
-static void check_sizes(const clsdf_device *device, const clsdf_mesh *mesh) {
+static void check_sizes(const clsdf_device* device, const clsdf_mesh* mesh) {
     struct {
         clsdf_transform_options known;
         uint64_t later[2];
@@ -160,7 +161,7 @@ static void check_sizes(const clsdf_device *device, const clsdf_mesh *mesh) {
     clsdf_transform_options options = CLSDF_TRANSFORM_OPTIONS_INIT;
     clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
     clsdf_defects defects = CLSDF_DEFECTS_INIT;
-    clsdf_transform *transform;
+    clsdf_transform* transform;
     size_t size;
     /* Nonsense, as of memory that was not set. */
     const size_t wrong[] = {0, 1, 7, sizeof(size_t), 23, 1 << 20, (size_t)-1};
@@ -199,15 +200,15 @@ static void check_sizes(const clsdf_device *device, const clsdf_mesh *mesh) {
     CHECK(defects.components == -5 && defects.duplicate_faces == 0);
 }
 
-static void check_numbers(const clsdf_device *device, clsdf_mesh *mesh) {
+static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     clsdf_transform_options options = CLSDF_TRANSFORM_OPTIONS_INIT;
     clsdf_output_info info = CLSDF_OUTPUT_INFO_INIT;
     clsdf_grid_options around = CLSDF_GRID_OPTIONS_INIT;
     clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
     clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
-    clsdf_transform *transform;
-    clsdf_mesh *none;
-    clsdf_field *field;
+    clsdf_transform* transform;
+    clsdf_mesh* none;
+    clsdf_field* field;
     clsdf_band band = clsdf_band_full();
     clsdf_grid grid = {{-1, -1, -1}, {0.5, 0.5, 0.5}, {5, 5, 5}, {0, 0, 0}};
     clsdf_box box = {{0, 0, 0}, {1, 1, 1}};
@@ -272,7 +273,8 @@ static void check_numbers(const clsdf_device *device, clsdf_mesh *mesh) {
     grid.size[1] = 5;
     FAILS(CLSDF_INVALID_ARGUMENT, "outputs",
           clsdf_compute_field(transform, &grid, &band, 1U << 31, NULL, NULL, &field));
-    FAILS(CLSDF_INVALID_ARGUMENT, "sink", clsdf_compute_slabs(transform, &grid, &band, 0, NULL, NULL, NULL, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "sink",
+          clsdf_compute_slabs(transform, &grid, &band, 0, NULL, NULL, NULL, NULL, NULL));
     call.wait_count = 1;
     FAILS(CLSDF_INVALID_ARGUMENT, "wait_list", clsdf_compute(transform, &grid, &band, targets, 1, &call, NULL));
     FAILS(CLSDF_INVALID_ARGUMENT, "requests", clsdf_compute_requests(transform, NULL, 3, NULL, NULL));
@@ -307,14 +309,14 @@ static void check_numbers(const clsdf_device *device, clsdf_mesh *mesh) {
     FAILS(CLSDF_INVALID_MESH, "2 numbers", clsdf_mesh_create(&arrays, &none));
     FAILS(CLSDF_UNREADABLE_INPUT, "nowhere.ply", clsdf_mesh_read("nowhere.ply", &none));
     FAILS(CLSDF_INVALID_ARGUMENT, "cube", clsdf_mesh_shape("cubf", &none));
-    FAILS(CLSDF_NO_DEVICE, "no such device", clsdf_device_select("no such device", (clsdf_device **)&none));
+    FAILS(CLSDF_NO_DEVICE, "no such device", clsdf_device_select("no such device", (clsdf_device**)&none));
     /* A success clears the message. */
     OK(clsdf_band_validate(&band));
 }
 
 int main(void) {
-    clsdf_device *device;
-    clsdf_mesh *mesh;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
     check_null();
     OK(clsdf_device_automatic(&device));
     OK(clsdf_mesh_shape("cube", &mesh));

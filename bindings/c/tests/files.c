@@ -7,20 +7,20 @@ enum { N = 10, SAMPLES = N * N * N };
 
 int main(void) {
     const clsdf_band band = clsdf_band_symmetric(0.2);
-    const char *names[] = {"field.nrrd", "field.npy", "field.vti", "field.h5", "slabs.nrrd"};
+    const char* names[] = {"field.nrrd", "field.npy", "field.vti", "field.h5", "slabs.nrrd"};
     const double positions[2][3] = {{1, 2, 3}, {4, 5, 6}};
     float values[2] = {0.5F, -1};
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *transform;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
     clsdf_field *field, *other;
-    clsdf_field_writer *writer;
+    clsdf_field_writer* writer;
     clsdf_field_description description = CLSDF_FIELD_DESCRIPTION_INIT, read = CLSDF_FIELD_DESCRIPTION_INIT;
     clsdf_grid grid;
     clsdf_array array, from_file;
     clsdf_target targets[2];
-    clsdf_points *points;
-    const double *found;
+    clsdf_points* points;
+    const double* found;
     const uint32_t both = CLSDF_SET(CLSDF_DISTANCE) | CLSDF_SET(CLSDF_TRIANGLE);
     uint32_t outputs;
     int64_t count, length, n, i;
@@ -43,7 +43,7 @@ int main(void) {
         uint32_t *triangles = from_file.host, *from_0 = allocate(SAMPLES * sizeof *from_0);
         for (n = 0; n < SAMPLES; ++n) from_0[n] = triangles[n] - 1U;
         for (n = 0; n < N; n += 5) {
-            targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT32, (float *)array.host + n * N * N, 5 * N * N);
+            targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT32, (float*)array.host + n * N * N, 5 * N * N);
             targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_UINT32, from_0 + n * N * N, 5 * N * N);
             OK(clsdf_field_writer_append(writer, targets, 2, 5));
         }
@@ -70,7 +70,7 @@ int main(void) {
             clsdf_array from_1;
             OK(clsdf_field_array(field, CLSDF_TRIANGLE, &from_1));
             OK(clsdf_field_array(other, CLSDF_TRIANGLE, &from_file));
-            for (n = 0; n < SAMPLES; ++n) CHECK(((uint32_t *)from_file.host)[n] + 1U == ((uint32_t *)from_1.host)[n]);
+            for (n = 0; n < SAMPLES; ++n) CHECK(((uint32_t*)from_file.host)[n] + 1U == ((uint32_t*)from_1.host)[n]);
         }
         clsdf_field_release(other);
     }
@@ -84,7 +84,7 @@ int main(void) {
     FAILS(CLSDF_UNREADABLE_INPUT, "nowhere.nrrd", clsdf_field_read("nowhere.nrrd", &other));
     FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_field_write(NULL, "x.nrrd"));
     FAILS(CLSDF_INVALID_ARGUMENT, "the handle given as a field is one of a mesh",
-          clsdf_field_write((const clsdf_field *)mesh, "x.nrrd"));
+          clsdf_field_write((const clsdf_field*)mesh, "x.nrrd"));
     FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_field_read(NULL, &other));
     FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_field_writer_finish(NULL));
     OK(clsdf_field_writer_create("never.nrrd", &description, 0, &writer));

@@ -3,9 +3,9 @@
 
 #include <ctype.h>
 
-int main(int count, char **arguments) {
+int main(int count, char** arguments) {
     static char text[1 << 18];
-    FILE *file = count == 2 ? fopen(arguments[1], "rb") : NULL;
+    FILE* file = count == 2 ? fopen(arguments[1], "rb") : NULL;
     size_t size;
     int32_t output;
     CHECK(file != NULL);
@@ -16,7 +16,7 @@ int main(int count, char **arguments) {
     for (output = 0; output < clsdf_output_count(); ++output) {
         clsdf_output_info info = CLSDF_OUTPUT_INFO_INIT;
         char line[128];
-        char *letter;
+        char* letter;
         OK(clsdf_output_describe(output, &info));
         CHECK(info.output == output && info.components >= 1 && info.description[0] != 0);
         snprintf(line, sizeof line, "#define CLSDF_%s %d ", info.name, (int)output);

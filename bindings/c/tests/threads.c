@@ -6,14 +6,14 @@
 enum { THREADS = 8, POINTS = 300, ROUNDS = 20 };
 
 typedef struct {
-    const clsdf_transform *transform;
-    clsdf_mesh *mesh;
+    const clsdf_transform* transform;
+    clsdf_mesh* mesh;
     int number;
     float distance[POINTS];
 } work;
 
-static void *ask(void *argument) {
-    work *own = argument;
+static void* ask(void* argument) {
+    work* own = argument;
     double(*points)[3] = allocate(POINTS * sizeof *points);
     const clsdf_array array = clsdf_host_array(CLSDF_FLOAT64, points, POINTS);
     const clsdf_target target = float_target(own->distance, POINTS);
@@ -25,7 +25,7 @@ static void *ask(void *argument) {
     snprintf(name, sizeof name, "nothing %d", own->number);
     snprintf(expected, sizeof expected, "'%s'", name);
     for (round = 0; round < ROUNDS; ++round) {
-        clsdf_mesh *none;
+        clsdf_mesh* none;
         clsdf_grid grid;
         clsdf_array some = array;
         clsdf_target of_some = target;
@@ -45,9 +45,9 @@ static void *ask(void *argument) {
 int main(void) {
     static work works[THREADS];
     pthread_t threads[THREADS];
-    clsdf_device *device;
-    clsdf_mesh *mesh;
-    clsdf_transform *transform;
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
     int n;
     OK(clsdf_mesh_shape("torus", &mesh));
     OK(clsdf_device_automatic(&device));
