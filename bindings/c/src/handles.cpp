@@ -25,7 +25,7 @@ const char* name_of(Kind kind) noexcept {
         case Kind::none:
             break;
     }
-    return "none";
+    return "kind that is not known";
 }
 
 }  // namespace clsdf::c

@@ -64,9 +64,8 @@ Handle& of(Handle* handle) {
     if (handle == nullptr)
         throw misuse(std::string("the ") + name_of(expected) + " is null; give a handle that a call of clsdf made");
     if (handle->kind != expected)
-        throw misuse(std::string("the handle given as a ") + name_of(expected) + " is one of " +
-                     (name_of(handle->kind)[0] == 'n' ? "no known kind" : std::string("a ") + name_of(handle->kind)) +
-                     "; give a handle of the right kind that was not released");
+        throw misuse(std::string("the handle given as a ") + name_of(expected) + " is one of a " +
+                     name_of(handle->kind) + "; give a handle of the right kind that was not released");
     return *handle;
 }
 
