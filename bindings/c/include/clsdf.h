@@ -85,8 +85,8 @@ typedef int32_t clsdf_status;
 #define CLSDF_UINT64 6
 #define CLSDF_UINT8 7
 
-/* Outputs. Beyond the band the triangle is index_base - 1 (as uint32 of base 0: 4294967295), the site 255, and vectors
- * are NaN. */
+/* Outputs. Beyond the band the triangle is index_base - 1 (in uint32: 4294967295 or 0), the site 255, and vectors are
+ * NaN. */
 #define CLSDF_DISTANCE 0    /* signed; always computed */
 #define CLSDF_TRIANGLE 1    /* the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it */
 #define CLSDF_SITE 2        /* its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face */
@@ -447,7 +447,8 @@ typedef struct clsdf_mesh_arrays {
     size_t struct_size;
     clsdf_array vertices;  /* three float32 or float64 an item */
     clsdf_array triangles; /* three indices an item, int32, int64, uint32 or uint64, counter-clockwise from outside */
-    int32_t index_base;    /* 0 or 1: of the indices of vertices, and of triangles in outputs and messages of results */
+    int32_t index_base;    /* 0 or 1: what indices of vertices count from, and triangles of outputs. With 1, `triangles`
+                              lie on the host, and a copy of them is made for the call */
     int32_t reserved;
     const char* name; /* in messages and files; null: "mesh" */
 } clsdf_mesh_arrays;
@@ -641,8 +642,9 @@ typedef struct clsdf_slab_options {
 
 /* Threads: calls with a const transform any number; their work takes turns on the device. Others: one.
  *
- * Triangles of outputs count from the mesh's index base. With base 1, outputs of triangles on the host cost one more
- * pass, and in memory of the device they are CLSDF_UNSUPPORTED: a plan or call for a buffer has base 0. */
+ * Triangles of outputs count from the mesh's index base: beyond the band they are -1 with base 0 and 0 with base 1.
+ * With base 1 they cost one more pass over the output, and the output must lie on the host: in a buffer, and so in a
+ * plan, it is CLSDF_UNSUPPORTED. */
 
 /* Copies and checks the mesh. Compiles nothing: the first call that needs a program does. */
 CLSDF_API clsdf_status clsdf_transform_create(const clsdf_device* device, const clsdf_mesh* mesh,
@@ -681,7 +683,7 @@ CLSDF_API clsdf_status clsdf_compute_slabs(const clsdf_transform* transform, con
                                            const clsdf_band* band, uint32_t outputs, clsdf_slab_function sink,
                                            void* user, const clsdf_slab_options* options,
                                            const clsdf_call_options* call, clsdf_statistics* statistics);
-/* The field in memory of the library. */
+/* The field in memory of the library. Its triangles count from the mesh's index base; those of files count from 0. */
 CLSDF_API clsdf_status clsdf_compute_field(const clsdf_transform* transform, const clsdf_grid* grid,
                                            const clsdf_band* band, uint32_t outputs, const clsdf_call_options* call,
                                            clsdf_statistics* statistics, clsdf_field** field);

@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
 
 struct clsdf_thread_limit : clsdf::c::Counted<clsdf_thread_limit> {
     static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::thread_limit;

@@ -7,7 +7,9 @@
 #include <clsdf/io.hpp>
 
 #include <algorithm>
-#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 struct clsdf_field_writer : clsdf::c::Counted<clsdf_field_writer> {
     static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::field_writer;

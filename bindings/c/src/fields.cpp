@@ -3,7 +3,8 @@
 
 #include <clsdf/mesh_files.hpp>
 
-#include <algorithm>
+#include <memory>
+#include <vector>
 
 using namespace clsdf;
 using c::given;

@@ -1,6 +1,8 @@
 #include "handles.hpp"
 #include "values.hpp"
 
+#include <algorithm>
+
 using namespace clsdf;
 using c::given;
 using c::grid_of;

@@ -3,7 +3,6 @@
 #include "handles.hpp"
 #include "values.hpp"
 
-#include <clsdf/io.hpp>
 #include <clsdf/mesh_files.hpp>
 
 #include <array>

@@ -3,6 +3,9 @@
 #include "values.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <span>
+#include <vector>
 
 using namespace clsdf;
 using c::Call;

@@ -4,6 +4,7 @@
 #include "values.hpp"
 
 #include <memory>
+#include <vector>
 
 using namespace clsdf;
 using c::Call;
