@@ -36,8 +36,8 @@ int main(void) {
     const double quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
     const double points[2][3] = {{0, 0, 0}, {0.1, 0.1, 0.1}};
     const int64_t first[2][3] = {{0, 0, 0}, {0, 0, 8}}, half[3] = {N, N, 8};
-    clsdf_device* device;
-    clsdf_mesh* mesh;
+    clsdf_device *device, *no_device;
+    clsdf_mesh *mesh, *none;
     clsdf_transform *transform, *from_buffers;
     clsdf_plan* plan;
     clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
@@ -92,8 +92,7 @@ int main(void) {
     check_read(phi, sizeof expected, expected, SAMPLES);
     OK(clsdf_transform_set_positions(from_buffers, &arrays.vertices, NULL));
     clsdf_transform_release(from_buffers);
-    FAILS(CLSDF_UNSUPPORTED, "memory of the device", clsdf_mesh_create(&arrays, &mesh));
-    OK(clsdf_mesh_shape("knot", &mesh));
+    FAILS(CLSDF_UNSUPPORTED, "memory of the device", clsdf_mesh_create(&arrays, &none));
     FAILS(CLSDF_UNSUPPORTED, "memory of the device", clsdf_mesh_set_positions(mesh, &arrays.vertices));
     at = buffer_of(sizeof points, points);
     array = clsdf_buffer_array(CLSDF_FLOAT64, at, 2);
@@ -181,8 +180,9 @@ int main(void) {
     OK(clsdf_plan_enqueue(plan, queue, NULL, 0, NULL));
     check_read(phi, 0, moved, SAMPLES);
     clsdf_plan_release(plan);
-    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_device_from_handles(context, NULL, queue, &device));
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_device_from_handles(context, NULL, queue, &no_device));
 
+    clsdf_device_release(device);
     clsdf_mesh_release(mesh);
     clReleaseMemObject(at);
     clReleaseMemObject(other);
