@@ -16,7 +16,7 @@ const OutputArray* triangles_of(std::int32_t base, const OutputTargets& targets)
 }
 
 void add_1(std::byte* at) {
-    std::uint32_t value;
+    std::uint32_t value = 0;
     std::memcpy(&value, at, sizeof value);
     ++value;
     std::memcpy(at, &value, sizeof value);

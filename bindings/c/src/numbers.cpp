@@ -88,12 +88,12 @@ clsdf_status clsdf_output_describe(std::int32_t output, clsdf_output_info* info)
     });
 }
 
-#define CLSDF_REFERENCES(name)                        \
-    void clsdf_##name##_retain(clsdf_##name* name) {  \
-        c::retain(name);                              \
-    }                                                 \
-    void clsdf_##name##_release(clsdf_##name* name) { \
-        c::release(name);                             \
+#define CLSDF_REFERENCES(name)                          \
+    void clsdf_##name##_retain(clsdf_##name* handle) {  \
+        c::retain(handle);                              \
+    }                                                   \
+    void clsdf_##name##_release(clsdf_##name* handle) { \
+        c::release(handle);                             \
     }
 CLSDF_REFERENCES(devices)
 CLSDF_REFERENCES(device)

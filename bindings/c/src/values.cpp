@@ -152,10 +152,11 @@ std::vector<clsdf_target> as_c(const FieldSlab& slab) {
     std::vector<clsdf_target> result;
     for (const OutputInfo& info : output_table()) {
         const std::span<const std::byte> bytes = slab.bytes(info.output);
-        if (bytes.empty()) continue;
+        const std::size_t sample = info.sample_bytes();
+        if (bytes.empty() || sample == 0) continue;
         result.push_back({static_cast<std::int32_t>(info.output), 0,
                           clsdf_host_array(static_cast<std::int32_t>(info.type), bytes.data(),
-                                           static_cast<std::int64_t>(bytes.size() / info.sample_bytes()))});
+                                           static_cast<std::int64_t>(bytes.size() / sample))});
         result.back().array.bytes = static_cast<std::int64_t>(bytes.size());
     }
     return result;
