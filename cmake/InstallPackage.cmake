@@ -1,5 +1,5 @@
 # The installed package, for find_package(clsdf) and for pkg-config. Each library is a component of its own (core, meshes,
-# io, papers, picture, reference), and so is the command; headers, package files and what else a compiler needs are in
+# io, papers, picture, reference, c, c_io), and so is the command; headers, package files and what else a compiler needs are in
 # development.
 include(CMakePackageConfigHelpers)
 
@@ -21,10 +21,8 @@ if(is_static)
   list(JOIN libraries " " cxx_libraries)
 endif()
 
-# clsdf_install_library(<target> <component> <description> <pkg-config packages> <libraries> [<clsdf library>...]): packages
-# and libraries are what a static library stands on, which it does not carry; then the libraries of clsdf that it links
-# beside the core.
-function(clsdf_install_library target component description packages libraries)
+# clsdf_install_targets(<target> <component>)
+function(clsdf_install_targets target component)
   install(
     TARGETS ${target}
     EXPORT ${target}Targets
@@ -37,7 +35,24 @@ function(clsdf_install_library target component description packages libraries)
     NAMESPACE clsdf::
     DESTINATION ${package_directory}
     COMPONENT development)
+endfunction()
+
+# clsdf_install_description(<target>): for pkg-config, of the variables PC_DESCRIPTION, PC_LIBRARIES, PC_LIBRARIES_PRIVATE and
+# PC_REQUIRES.
+function(clsdf_install_description target)
   string(REPLACE "_" "-" PC_NAME ${target})
+  configure_file(cmake/library.pc.in ${PROJECT_BINARY_DIR}/${PC_NAME}.pc @ONLY)
+  install(
+    FILES ${PROJECT_BINARY_DIR}/${PC_NAME}.pc
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+    COMPONENT development)
+endfunction()
+
+# clsdf_install_library(<target> <component> <description> <pkg-config packages> <libraries> [<clsdf library>...]): packages
+# and libraries are what a static library stands on, which it does not carry; then the libraries of clsdf that it links
+# beside the core.
+function(clsdf_install_library target component description packages libraries)
+  clsdf_install_targets(${target} ${component})
   set(PC_DESCRIPTION "${description}")
   set(PC_LIBRARIES "-l${target}")
   set(PC_LIBRARIES_PRIVATE "")
@@ -53,17 +68,31 @@ function(clsdf_install_library target component description packages libraries)
     string(APPEND PC_LIBRARIES " ${libraries}")
     set(PC_LIBRARIES_PRIVATE "${cxx_libraries}")
   endif()
-  configure_file(cmake/library.pc.in ${PROJECT_BINARY_DIR}/${PC_NAME}.pc @ONLY)
-  install(
-    FILES ${PROJECT_BINARY_DIR}/${PC_NAME}.pc
-    DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
-    COMPONENT development)
+  clsdf_install_description(${target})
+endfunction()
+
+# clsdf_install_binding(<target> <component> <description> [<clsdf package>...]): a shared library whose programs need
+# nothing of the C++ libraries.
+function(clsdf_install_binding target component description)
+  clsdf_install_targets(${target} ${component})
+  set(PC_DESCRIPTION "${description}")
+  set(PC_LIBRARIES "-l${target}")
+  set(PC_LIBRARIES_PRIVATE "")
+  set(PC_REQUIRES "")
+  foreach(library IN LISTS ARGN)
+    string(APPEND PC_REQUIRES " ${library} = ${PROJECT_VERSION}")
+  endforeach()
+  clsdf_install_description(${target})
 endfunction()
 
 set(CLSDF_CONFIG_DEPENDENCIES "")
+set(CLSDF_CONFIG_C meshes)
+set(CLSDF_CONFIG_C_IO io)
 if(is_static)
+  set(CLSDF_CONFIG_C "")
+  set(CLSDF_CONFIG_C_IO "")
   foreach(package OpenCL TBB fmt)
-    string(APPEND CLSDF_CONFIG_DEPENDENCIES "\nfind_dependency(${package})")
+    string(APPEND CLSDF_CONFIG_DEPENDENCIES "  find_dependency(${package})\n")
   endforeach()
 endif()
 set(CLSDF_COMPONENTS "")
@@ -94,6 +123,14 @@ if(CLSDF_BUILD_REFERENCE)
   clsdf_install_library(clsdf_reference reference "The slow, plain specification of clsdf's fields, under the GPL"
                         "tbb fmt mpfr gmp" "")
 endif()
+if(CLSDF_BUILD_C)
+  list(APPEND CLSDF_COMPONENTS c)
+  clsdf_install_binding(clsdf_c c "clsdf in C: signed distance fields of triangle meshes")
+  if(CLSDF_BUILD_IO)
+    list(APPEND CLSDF_COMPONENTS c_io)
+    clsdf_install_binding(clsdf_c_io c_io "Files of fields, for clsdf in C" clsdf-c)
+  endif()
+endif()
 if(CLSDF_BUILD_APPS)
   install(TARGETS clsdf_command COMPONENT command)
 endif()
@@ -111,7 +148,7 @@ install(
   COMPONENT development)
 
 # The licence goes with every component.
-foreach(component core meshes io papers picture reference command development)
+foreach(component core meshes io papers picture reference c c_io command development)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})
 endforeach()
 # The documents, and all that they link to.
@@ -123,7 +160,14 @@ install(
   FILES_MATCHING
   PATTERN "*.md"
   PATTERN "*.png"
-  PATTERN "*.cpp")
+  PATTERN "*.cpp"
+  PATTERN "*.hpp")
+install(
+  DIRECTORY bindings/c/examples
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/c
+  COMPONENT development
+  FILES_MATCHING
+  PATTERN "*.[ch]")
 install(
   DIRECTORY benchmarks
   DESTINATION ${CMAKE_INSTALL_DOCDIR}

@@ -5,13 +5,14 @@
 
 #include <clsdf/clsdf.hpp>
 
+#include "recorded.hpp"
+
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <random>
 #include <vector>
 
 namespace {
@@ -31,12 +32,14 @@ struct Particles {
 /// Particles at rest above the solid.
 Particles drop(std::size_t count, const clsdf::Box& box) {
     Particles particles(count);
-    std::mt19937_64 generator(1);
-    std::uniform_real_distribution<double> part(0, 1);
     const Vec3 extent = box.extent();
-    for (Vec3& p : particles.position)
-        p = {box.lower[0] + part(generator) * extent[0], box.lower[1] + part(generator) * extent[1],
-             box.upper[2] + part(generator) * 0.2 * extent[2]};
+    for (std::size_t i = 0; i < count; ++i) {
+        // Numbers from 0 to 1 that fill a cube evenly.
+        const auto part = [&](double step) { return std::fmod(step * static_cast<double>(i + 1), 1.0); };
+        particles.position[i] = {box.lower[0] + part(0.8191725133961645) * extent[0],
+                                 box.lower[1] + part(0.6710436067037893) * extent[1],
+                                 box.upper[2] + part(0.5497004779019703) * 0.2 * extent[2]};
+    }
     return particles;
 }
 
@@ -101,7 +104,11 @@ int main(int argument_count, char** arguments) {
             seconds += std::chrono::steady_clock::now() - begin;
             all_contacts += bounce(particles, radius);
         }
+        record(particles.position);
+        record(particles.triangle);
+        record(particles.normal);
         transform.query(particles.position, 0.1 * side, particles.distance);
+        record(particles.distance);
         for (const float distance : particles.distance)
             inside += static_cast<double>(distance) < 0.99 * radius ? 1U : 0U;
         std::printf("%zu particles, %d steps: %zu contacts; %zu particles overlap the solid at the end\n", count, steps,

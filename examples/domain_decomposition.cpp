@@ -6,6 +6,8 @@
 
 #include <clsdf/clsdf.hpp>
 
+#include "recorded.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -65,6 +67,7 @@ int main() {
             // Memory of the simulation.
             std::vector<float> distance(block.sample_count());
             transform.compute(block, band, distance);
+            record(distance);
 
             const std::size_t different = differences(block, distance, whole);
             std::printf("rank %lld: samples %lld to %lld of x, %zu of them different from the whole's\n",

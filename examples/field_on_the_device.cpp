@@ -8,6 +8,9 @@
 #include <CL/cl.h>
 #include <clsdf/clsdf.hpp>
 
+#include "recorded.hpp"
+
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -134,6 +137,7 @@ int main() {
         const clsdf::Band band = clsdf::Band::symmetric(2 * grid.voxel());
 
         const double volume = volume_on_the_device(simulation, transform, grid, band);
+        record(std::array{volume});
         const double radius = 0.5 * mesh.box().longest_side();
         const double of_the_ball = 4.0 / 3.0 * 3.14159265358979 * radius * radius * radius;
         std::printf("volume on %s: %.6f; the ball's that the mesh approximates: %.6f\n", device.name().c_str(), volume,

@@ -6,6 +6,8 @@
 
 #include <clsdf/clsdf.hpp>
 
+#include "recorded.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -90,6 +92,10 @@ int main(int argument_count, char** arguments) {
         transform.compute(
             set.grid, set.band,
             {{Output::distance, set.phi}, {Output::closest, set.closest}, {Output::gradient, set.normal}});
+
+        record(set.phi);
+        record(set.closest);
+        record(set.normal);
 
         const std::vector<float> speed = extended_speed(set);
         const auto fastest = std::ranges::max(speed);

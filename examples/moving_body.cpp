@@ -6,6 +6,8 @@
 
 #include <clsdf/clsdf.hpp>
 
+#include "recorded.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -63,6 +65,7 @@ int main(int argument_count, char** arguments) {
             const Motion motion = motion_at(static_cast<double>(step) / steps);
             transform.set_motion(motion.rotation, motion.translation);
             transform.compute(grid, band, distance);
+            if (step % 25 == 0) record(distance);
             largest_change = std::max(largest_change, std::abs(volume(grid, distance) / first_volume - 1));
         }
         const clsdf::KeptMemory memory = transform.memory();

@@ -9,6 +9,8 @@
 #include <CL/cl.h>
 #include <clsdf/clsdf.hpp>
 
+#include "recorded.hpp"
+
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -111,6 +113,7 @@ int main() {
             std::vector<float> of_patches(patches);
             require(clEnqueueReadBuffer(queue, sums, CL_TRUE, 0, 4 * patches, of_patches.data(), 1, &read, nullptr),
                     "clEnqueueReadBuffer");
+            record(of_patches);
             double volume = 0;
             for (const float sum : of_patches) volume += static_cast<double>(sum);
             volume *= grid.spacing[0] * grid.spacing[1] * grid.spacing[2];

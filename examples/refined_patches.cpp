@@ -4,6 +4,8 @@
 
 #include <clsdf/clsdf.hpp>
 
+#include "recorded.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -119,6 +121,11 @@ int main() {
             levels.push_back(make_level(lattice, places));
         }
         compute(transform, levels);
+        for (const Level& level : levels)
+            for (const Patch& patch : level.patches) {
+                record(patch.distance);
+                record(patch.gradient);
+            }
 
         std::size_t different = 0;
         for (std::size_t number = 0; number < levels.size(); ++number) {

@@ -5,6 +5,8 @@
 
 #include <clsdf/clsdf.hpp>
 
+#include "recorded.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -67,6 +69,8 @@ int main() {
         const clsdf::Band band = clsdf::Band::symmetric(0.1);
         const clsdf::Grid grid = clsdf::Grid::around(mesh, 96, band);
         const clsdf::Field field = transform.compute(grid, band, clsdf::Output::triangle);
+        record(field.distance());
+        record(field.triangle());
 
         // A cell is solid if its centre is inside, in the band or beyond it. The distance gives the solid share of a
         // cell on the surface.

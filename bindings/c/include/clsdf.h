@@ -1,0 +1,812 @@
+#ifndef CLSDF_H
+#define CLSDF_H
+
+/*
+ * clsdf in C99: exact signed distance fields of triangle meshes with OpenCL. docs/c.md has whole programs; the C++
+ * headers and docs/library.md define what is computed. The library is libclsdf_c; clsdf_io.h has files of fields.
+ *
+ * STATUS. A function returns a status: 0 (CLSDF_OK), else one of the numbers below, and clsdf_last_error() has the
+ * message. Functions that cannot fail return their value. A handle or pointer that is null, a handle of another kind,
+ * an enumerator out of range, a negative count and a struct of a wrong size are CLSDF_INVALID_ARGUMENT, unless a
+ * comment allows them. A call that fails sets the handle that it would make to null; its other results are undefined.
+ * Nothing here ends the process, and no exception leaves.
+ *
+ * HANDLES are counted references. A function that makes one gives it to the caller, who releases it. Null may be
+ * retained and released. An object keeps alive what it needs: a transform its device, for instance. Any number of
+ * threads may retain and release a handle, and may use different handles. "Threads: any number" means that threads may
+ * use one handle in that call at once; "Threads: one" that no other call may use the handle during that call.
+ *
+ * STRUCTS. Those that begin with struct_size may grow in later versions: set them with their _INIT macro, then change
+ * members. A smaller struct of an older program is accepted, a larger one if the bytes that this version does not know
+ * are 0. Null means defaults for options, and "not wanted" for results. The other structs never change. Members called
+ * `reserved` must be 0.
+ *
+ * UNITS. Lengths and positions are in the mesh's units unless a comment says otherwise; counts, indices, offsets and
+ * strides are int64_t; sizes, offsets and strides are in bytes. Texts are UTF-8 and end with 0.
+ *
+ * OPENCL. This header needs none of OpenCL's: a cl_mem, cl_event, cl_context, cl_device_id or cl_command_queue is a
+ * void *.
+ *
+ * CALLBACKS get the `user` pointer of their struct. Unless a comment says otherwise they run on the calling thread, and
+ * before the call returns. One that returns a number other than 0 ends the call, which returns that number; the message
+ * is that of clsdf_set_last_error(), if the callback called it. They must not use the transform or plan of the call.
+ */
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define CLSDF_API __attribute__((visibility("default")))
+#else
+#define CLSDF_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Version ---- */
+
+#define CLSDF_VERSION_MAJOR 0
+#define CLSDF_VERSION_MINOR 1
+#define CLSDF_VERSION_PATCH 0
+#define CLSDF_MAKE_VERSION(major, minor, patch) ((major)*1000000 + (minor)*1000 + (patch))
+#define CLSDF_VERSION CLSDF_MAKE_VERSION(CLSDF_VERSION_MAJOR, CLSDF_VERSION_MINOR, CLSDF_VERSION_PATCH)
+
+/* The library's CLSDF_VERSION. It differs from the macro if the program was compiled with another version's header. */
+CLSDF_API int64_t clsdf_version(void);
+/* The library's "major.minor.patch"; lives as long as the process. */
+CLSDF_API const char* clsdf_version_text(void);
+
+/* ---- Numbers: they never change ---- */
+
+typedef int32_t clsdf_status;
+#define CLSDF_OK 0
+#define CLSDF_INVALID_MESH 1     /* index out of range, vertex in use not finite, no triangle, sign rule not met */
+#define CLSDF_UNREADABLE_INPUT 2 /* a file that cannot be opened, is truncated or malformed */
+#define CLSDF_INVALID_ARGUMENT 3 /* an argument that makes no sense */
+#define CLSDF_NO_DEVICE 4        /* no OpenCL device, or none of the name asked for */
+#define CLSDF_DEVICE_FAILURE 5   /* an OpenCL call failed: clsdf_last_opencl_error() */
+#define CLSDF_OUT_OF_MEMORY 6    /* of the host or the device */
+#define CLSDF_UNSUPPORTED 7      /* a correct request that this build or device does not support */
+#define CLSDF_CANCELLED 8        /* for callbacks that cancel */
+#define CLSDF_OUTPUT_FAILURE 9   /* a result could not be written; nothing is left under its final name */
+#define CLSDF_WRONG_RESULTS 10   /* the device computes wrong values in the test at its first use */
+#define CLSDF_UNEXPECTED (-1)    /* a failure that the library does not expect; its message says which */
+
+/* Types of the numbers in an array. */
+#define CLSDF_AUTOMATIC 0 /* of an output: the type that clsdf_output_describe() states */
+#define CLSDF_FLOAT32 1
+#define CLSDF_FLOAT64 2
+#define CLSDF_INT32 3
+#define CLSDF_INT64 4
+#define CLSDF_UINT32 5
+#define CLSDF_UINT64 6
+#define CLSDF_UINT8 7
+
+/* Outputs. Beyond the band the triangle is index_base - 1 (in uint32: 4294967295 or 0), the site 255, and vectors are
+ * NaN. */
+#define CLSDF_DISTANCE 0    /* signed; always computed */
+#define CLSDF_TRIANGLE 1    /* the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it */
+#define CLSDF_SITE 2        /* its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face */
+#define CLSDF_CLOSEST 3     /* the closest point; as float32, its offset from the sample */
+#define CLSDF_GRADIENT 4    /* of the signed distance: a unit vector */
+#define CLSDF_BARYCENTRIC 5 /* of the closest point: the weights of the triangle's vertices 1 and 2 (from 0) */
+
+/* A set of outputs: CLSDF_SET(CLSDF_TRIANGLE) | CLSDF_SET(CLSDF_SITE). */
+#define CLSDF_SET(output) ((uint32_t)1 << (output))
+
+/* Rules of the sign. */
+#define CLSDF_SIGN_AUTOMATIC 0 /* balanced: nonzero; closed: parity; else none (with a warning for the last two) */
+#define CLSDF_SIGN_NONZERO 1   /* inside if the winding number is not zero; needs a balanced mesh */
+#define CLSDF_SIGN_PARITY 2    /* inside if a ray crosses the surface an odd number of times; needs a closed mesh */
+#define CLSDF_SIGN_NONE 3      /* the distance alone */
+
+/* The place of a box. */
+#define CLSDF_WITHIN 0  /* the surface may be within the half width of a point of the box */
+#define CLSDF_INSIDE 1  /* the surface is farther from every point of the box, and all are inside */
+#define CLSDF_OUTSIDE 2 /* the same, and all are outside */
+#define CLSDF_BEYOND 3  /* the same, of a mesh without a sign */
+
+#define CLSDF_GPU 0
+#define CLSDF_PROCESSOR 1
+#define CLSDF_ACCELERATOR 2
+#define CLSDF_OTHER_DEVICE 3
+
+/* Units of a length. */
+#define CLSDF_MESH_UNITS 0
+#define CLSDF_VOXELS 1
+#define CLSDF_EXTENT 2 /* the longest side of the mesh's box: 0.1 is 10% of it */
+
+/* Stages of a call. */
+#define CLSDF_COMPILING 0
+#define CLSDF_COMPUTING 1
+
+/* The names of these numbers, as "invalid_mesh", "float", "nonzero", "gpu"; "unknown" for a number of none. They live
+ * as long as the process. */
+CLSDF_API const char* clsdf_status_name(clsdf_status status);
+CLSDF_API const char* clsdf_type_name(int32_t type);
+CLSDF_API const char* clsdf_sign_name(int32_t rule);
+CLSDF_API const char* clsdf_device_kind_name(int32_t kind);
+
+/* ---- Errors ---- */
+
+/* The message of this thread's last call that returned a status: "" after a success. Valid until the thread's next
+ * call. The text is the one that C++ gets. */
+CLSDF_API const char* clsdf_last_error(void);
+/* The number that the failed call of OpenCL returned (cl_int); 0 for other errors. */
+CLSDF_API int32_t clsdf_last_opencl_error(void);
+/* For callbacks that end a call: the message of the call. Null: none. */
+CLSDF_API void clsdf_set_last_error(const char* message);
+
+/* ---- Handles ---- */
+
+typedef struct clsdf_devices clsdf_devices;           /* a list of the devices of this machine */
+typedef struct clsdf_device clsdf_device;             /* an OpenCL device, with a context and a queue */
+typedef struct clsdf_mesh clsdf_mesh;                 /* a checked mesh, a copy of arrays or files */
+typedef struct clsdf_transform clsdf_transform;       /* the distance to a mesh, on a device */
+typedef struct clsdf_plan clsdf_plan;                 /* boxes that are computed again and again */
+typedef struct clsdf_field clsdf_field;               /* a field in the library's memory */
+typedef struct clsdf_points clsdf_points;             /* points read from a file */
+typedef struct clsdf_thread_limit clsdf_thread_limit; /* as long as it lives, the host's loops have fewer threads */
+
+CLSDF_API void clsdf_devices_retain(clsdf_devices* devices);
+CLSDF_API void clsdf_devices_release(clsdf_devices* devices);
+CLSDF_API void clsdf_device_retain(clsdf_device* device);
+CLSDF_API void clsdf_device_release(clsdf_device* device);
+CLSDF_API void clsdf_mesh_retain(clsdf_mesh* mesh);
+CLSDF_API void clsdf_mesh_release(clsdf_mesh* mesh);
+CLSDF_API void clsdf_transform_retain(clsdf_transform* transform);
+CLSDF_API void clsdf_transform_release(clsdf_transform* transform);
+CLSDF_API void clsdf_plan_retain(clsdf_plan* plan);
+/* The last release waits for what the plan has enqueued. */
+CLSDF_API void clsdf_plan_release(clsdf_plan* plan);
+CLSDF_API void clsdf_field_retain(clsdf_field* field);
+CLSDF_API void clsdf_field_release(clsdf_field* field);
+CLSDF_API void clsdf_points_retain(clsdf_points* points);
+CLSDF_API void clsdf_points_release(clsdf_points* points);
+CLSDF_API void clsdf_thread_limit_retain(clsdf_thread_limit* limit);
+CLSDF_API void clsdf_thread_limit_release(clsdf_thread_limit* limit);
+
+/* ---- Arrays ---- */
+
+/* Numbers in the caller's memory. An array has items: vertices, triangles, points or samples, each of one number or of
+ * several components. It lies on the host or in a buffer of the device. Nothing is copied; the memory must outlive the
+ * use. An input is not written, though `host` is not const. */
+typedef struct clsdf_array {
+    void* host;               /* the address of the first item, or null */
+    void* device;             /* a cl_mem, or null */
+    int64_t offset;           /* bytes before the first item, a multiple of a number's bytes */
+    int64_t count;            /* of items. Of an output it may be 0: not told. If it is, packed outputs are checked. */
+    int64_t strides[3];       /* bytes from an item to the next along x, y, z; inputs and points: strides[0] alone.
+                                 Negative ones run backwards from the first item. Zeros: packed, x fastest */
+    int64_t component_stride; /* bytes from a component to the next; 0: side by side. If it is set and `strides` are
+                                 not: the first components of all items, then the second ones */
+    int64_t block_stride;     /* bytes from a block of a clsdf_block_set to the next; 0: the blocks follow each other */
+    int64_t bytes;            /* of host memory from `host` on; 0: unknown. An array that reaches beyond is refused */
+    int32_t type;             /* CLSDF_FLOAT32 ... */
+    int32_t reserved;
+} clsdf_array;
+#define CLSDF_ARRAY_INIT \
+    { NULL, NULL, 0, 0, {0, 0, 0}, 0, 0, 0, CLSDF_AUTOMATIC, 0 }
+
+/* Packed items in memory of the host. */
+static inline clsdf_array clsdf_host_array(int32_t type, const void* first, int64_t count) {
+    clsdf_array array = CLSDF_ARRAY_INIT;
+    union {
+        const void* input;
+        void* memory;
+    } address;
+    address.input = first;
+    array.host = address.memory;
+    array.type = type;
+    array.count = count;
+    return array;
+}
+
+/* Packed items in a buffer. */
+static inline clsdf_array clsdf_buffer_array(int32_t type, void* buffer, int64_t count) {
+    clsdf_array array = CLSDF_ARRAY_INIT;
+    array.device = buffer;
+    array.type = type;
+    array.count = count;
+    return array;
+}
+
+/* An output and the array that it is written to. The triangle may be uint32 or int32; distance, gradient, barycentric
+ * and closest may be float32 or float64; the site is uint8. */
+typedef struct clsdf_target {
+    int32_t output; /* CLSDF_DISTANCE ... */
+    int32_t reserved;
+    clsdf_array array; /* one without memory is not wanted */
+} clsdf_target;
+
+static inline clsdf_target clsdf_host_target(int32_t output, int32_t type, void* first, int64_t count) {
+    clsdf_target target = {0, 0, CLSDF_ARRAY_INIT};
+    target.output = output;
+    target.array = clsdf_host_array(type, first, count);
+    return target;
+}
+
+static inline clsdf_target clsdf_buffer_target(int32_t output, int32_t type, void* buffer) {
+    clsdf_target target = {0, 0, CLSDF_ARRAY_INIT};
+    target.output = output;
+    target.array = clsdf_buffer_array(type, buffer, 0);
+    return target;
+}
+
+/* The targets of one request, one for each output at most; the distance has one. */
+typedef struct clsdf_targets {
+    const clsdf_target* items;
+    int64_t count;
+} clsdf_targets;
+
+/* A row of the table of outputs. */
+typedef struct clsdf_output_info {
+    size_t struct_size;
+    int32_t output;
+    int32_t type;            /* of a value, in fields and files */
+    int64_t components;      /* values of a sample, which lie side by side */
+    const char* name;        /* "distance"; lives as long as the process, as the next */
+    const char* description; /* in words */
+} clsdf_output_info;
+#define CLSDF_OUTPUT_INFO_INIT \
+    { sizeof(clsdf_output_info), 0, 0, 0, NULL, NULL }
+
+/* The number of outputs: they are 0 to it - 1. */
+CLSDF_API int64_t clsdf_output_count(void);
+CLSDF_API clsdf_status clsdf_output_describe(int32_t output, clsdf_output_info* info);
+
+/* ---- Boxes, lengths, bands, grids ---- */
+
+typedef struct clsdf_box {
+    double lower[3];
+    double upper[3]; /* included */
+} clsdf_box;
+
+typedef struct clsdf_length {
+    double value;
+    int32_t unit; /* CLSDF_MESH_UNITS ... */
+    int32_t reserved;
+} clsdf_length;
+
+/* Samples with -inside <= distance <= outside carry their distance, others +outside or -inside. Both may be infinite;
+ * at least one is > 0. With signs_only both are 0, and the field holds -0.0 inside and +0.0 outside. */
+typedef struct clsdf_band {
+    double inside;
+    double outside;
+    int32_t signs_only; /* 0 or 1 */
+    int32_t reserved;
+} clsdf_band;
+
+static inline clsdf_band clsdf_band_symmetric(double half_width) {
+    clsdf_band band = {0, 0, 0, 0};
+    band.inside = band.outside = half_width;
+    return band;
+}
+/* Every sample carries its distance. */
+static inline clsdf_band clsdf_band_full(void) {
+    return clsdf_band_symmetric(HUGE_VAL);
+}
+static inline clsdf_band clsdf_band_signs_only(void) {
+    clsdf_band band = {0, 0, 1, 0};
+    return band;
+}
+
+/* Sample (i, j, k) lies at origin + (i hx, j hy, k hz). The grid is the block first <= (i, j, k) < first + size of this
+ * lattice; x runs fastest in memory. Results do not depend on `first`: a part has the bytes of the whole. */
+typedef struct clsdf_grid {
+    double origin[3];
+    double spacing[3];
+    int64_t size[3];
+    int64_t first[3];
+} clsdf_grid;
+
+/* Options of clsdf_grid_around_box(). */
+typedef struct clsdf_grid_options {
+    size_t struct_size;
+    int64_t resolution; /* samples on the longest side of the box, margin included; >= 2 */
+    double spacing[3];  /* per axis, instead of a resolution; zeros: not set */
+    clsdf_length margin;
+    int32_t cubic;        /* 1: every axis gets as many samples as the longest one */
+    int32_t cell_centred; /* 1: samples at the centres of cells, half a voxel further */
+} clsdf_grid_options;
+#define CLSDF_GRID_OPTIONS_INIT \
+    { sizeof(clsdf_grid_options), 256, {0, 0, 0}, {0.05, CLSDF_EXTENT, 0}, 0, 0 }
+
+/* The longest side. */
+CLSDF_API clsdf_status clsdf_box_longest_side(const clsdf_box* box, double* side);
+/* In the mesh's units; `voxel` is the grid's smallest spacing, `extent` the longest side of the mesh's box. */
+CLSDF_API clsdf_status clsdf_length_resolve(const clsdf_length* length, double voxel, double extent, double* resolved);
+CLSDF_API clsdf_status clsdf_band_validate(const clsdf_band* band);
+
+/* A grid around a box. */
+CLSDF_API clsdf_status clsdf_grid_around_box(const clsdf_box* box, const clsdf_grid_options* options, clsdf_grid* grid);
+/* A grid around a mesh with `resolution` samples on the longest side. The margin is the band's outside half width; 5%
+ * of the longest side if it is infinite. */
+CLSDF_API clsdf_status clsdf_grid_around_mesh(const clsdf_mesh* mesh, int64_t resolution, const clsdf_band* band,
+                                              clsdf_grid* grid);
+/* In the next six, `result` may be `grid`. */
+/* The block of size[3] samples that starts offset[3] samples from this grid's first one; must be inside. */
+CLSDF_API clsdf_status clsdf_grid_part(const clsdf_grid* grid, const int64_t* offset, const int64_t* size,
+                                       clsdf_grid* result);
+/* Any block of this lattice: size[3] samples from the lattice's sample first[3] on. Not checked. */
+CLSDF_API clsdf_status clsdf_grid_block(const clsdf_grid* grid, const int64_t* first, const int64_t* size,
+                                        clsdf_grid* result);
+/* So many samples more on every side; fewer if negative. */
+CLSDF_API clsdf_status clsdf_grid_grown(const clsdf_grid* grid, int64_t samples, clsdf_grid* result);
+/* A lattice `ratio` times as fine, from the first sample to the last: samples at nodes. */
+CLSDF_API clsdf_status clsdf_grid_refined(const clsdf_grid* grid, int64_t ratio, clsdf_grid* result);
+/* The same for samples at centres of cells: each cell becomes ratio^3 cells. */
+CLSDF_API clsdf_status clsdf_grid_refined_cells(const clsdf_grid* grid, int64_t ratio, clsdf_grid* result);
+/* Shifted by half a voxel on every axis. */
+CLSDF_API clsdf_status clsdf_grid_cell_centred(const clsdf_grid* grid, clsdf_grid* result);
+/* position[3] of the block's sample (i, j, k), counted from its first one. */
+CLSDF_API clsdf_status clsdf_grid_position(const clsdf_grid* grid, int64_t i, int64_t j, int64_t k, double* position);
+/* From the first sample to the last. */
+CLSDF_API clsdf_status clsdf_grid_box(const clsdf_grid* grid, clsdf_box* box);
+/* The smallest spacing. */
+CLSDF_API clsdf_status clsdf_grid_voxel(const clsdf_grid* grid, double* voxel);
+CLSDF_API clsdf_status clsdf_grid_sample_count(const clsdf_grid* grid, int64_t* count);
+CLSDF_API clsdf_status clsdf_grid_validate(const clsdf_grid* grid);
+/* The offset of the block's sample (i, j, k) in a packed array. */
+static inline int64_t clsdf_grid_offset(const clsdf_grid* grid, int64_t i, int64_t j, int64_t k) {
+    return i + grid->size[0] * (j + grid->size[1] * k);
+}
+
+/* ---- Devices ---- */
+
+/* What a device reports. Texts live as long as the handle that gave them. Unknown properties are 0 or "". */
+typedef struct clsdf_device_info {
+    size_t struct_size;
+    int64_t index;    /* in the list of devices; -1: not in it, as a part of a device */
+    void* id;         /* cl_device_id */
+    const char* name; /* of a device without one, that of its platform */
+    const char* platform;
+    const char* version;   /* of OpenCL */
+    const char* driver;    /* its version */
+    const char* why_not;   /* why this library cannot use it; "" if it can */
+    int64_t compute_units; /* 0: this and all that follow are unknown */
+    int64_t clock_megahertz;
+    int64_t memory;             /* bytes */
+    int64_t largest_allocation; /* bytes */
+    int64_t float_width;        /* floats in a native vector; 1 on most GPUs */
+    int32_t kind;               /* CLSDF_GPU ... */
+    int32_t fp64;               /* 1: double precision, which this library needs */
+    int32_t atomics64;          /* 1: atomic operations on 64 bits, which it does not need */
+    int32_t reserved;
+} clsdf_device_info;
+#define CLSDF_DEVICE_INFO_INIT \
+    { sizeof(clsdf_device_info), 0, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+
+/* Limits of clsdf_device_limited(). */
+typedef struct clsdf_device_limits {
+    size_t struct_size;
+    int64_t compute_units; /* to use; on a processor, cores. 0: all */
+    int64_t memory;        /* bytes that the buffers of one transform and its plans may take; 0: all */
+} clsdf_device_limits;
+#define CLSDF_DEVICE_LIMITS_INIT \
+    { sizeof(clsdf_device_limits), 0, 0 }
+
+/* All devices of all platforms, also those that cannot be used. */
+CLSDF_API clsdf_status clsdf_devices_list(clsdf_devices** devices);
+/* 0 for null. Threads: any number, as in the next. */
+CLSDF_API int64_t clsdf_devices_count(const clsdf_devices* devices);
+CLSDF_API clsdf_status clsdf_devices_describe(const clsdf_devices* devices, int64_t index, clsdf_device_info* info);
+
+/* The strongest GPU, else the strongest other device. CLSDF_NO_DEVICE says why each cannot be used, and the remedy. */
+CLSDF_API clsdf_status clsdf_device_strongest(clsdf_device** device);
+/* A whole number is an index in the list. Any other text is a part of the name, or of the platform's name, of exactly
+ * one usable device. */
+CLSDF_API clsdf_status clsdf_device_select(const char* index_or_part, clsdf_device** device);
+/* clsdf_device_select() with the environment variable CLSDF_DEVICE if it is set and not empty, else the strongest. */
+CLSDF_API clsdf_status clsdf_device_automatic(clsdf_device** device);
+/* The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. If there are usable GPUs,
+ * they are dealt out in turn. Else it is the rank-th share of the strongest device's compute units, at least one; the
+ * whole device if it cannot be divided. clsdf_limit_threads() limits the host's loops. */
+CLSDF_API clsdf_status clsdf_device_of_rank(int64_t rank, int64_t ranks, clsdf_device** device);
+/* Retains the caller's cl_context, cl_device_id and cl_command_queue. */
+CLSDF_API clsdf_status clsdf_device_from_handles(void* context, void* id, void* queue, clsdf_device** device);
+/* The same device with limits, with a context and a queue of its own. Threads: any number, as in all that follow. */
+CLSDF_API clsdf_status clsdf_device_limited(const clsdf_device* device, const clsdf_device_limits* limits,
+                                            clsdf_device** limited);
+/* Asks every driver. */
+CLSDF_API clsdf_status clsdf_device_describe(const clsdf_device* device, clsdf_device_info* info);
+/* The cl_context, cl_device_id and cl_command_queue. They belong to the device: retain those that you keep for longer.
+ * Each pointer may be null. */
+CLSDF_API clsdf_status clsdf_device_handles(const clsdf_device* device, void** context, void** id, void** queue);
+
+/* Keeps records of passed tests in the folder, for programs that are built from now on. Null or "": none. */
+CLSDF_API clsdf_status clsdf_device_keep_records(const clsdf_device* device, const char* folder);
+/* Takes compiled programs from a folder that clsdf_device_write_programs() filled. The process runs the code in it:
+ * name one in which nobody else can write. Null or "": none. */
+CLSDF_API clsdf_status clsdf_device_read_programs(const clsdf_device* device, const char* folder);
+/* Writes programs that are compiled from now on to the folder, too. Null or "": none. */
+CLSDF_API clsdf_status clsdf_device_write_programs(const clsdf_device* device, const char* folder);
+/* Deletes the records of this device: programs are tested again. */
+CLSDF_API clsdf_status clsdf_device_forget_records(const clsdf_device* device);
+/* The folder of clsdf_device_keep_records(). Here and below, a text is written to text[size] with its ending 0, cut if
+ * it is too long; *length, if not null, is that of the whole text. `text` may be null if size is 0. */
+CLSDF_API clsdf_status clsdf_device_record_folder(const clsdf_device* device, char* text, int64_t size,
+                                                  int64_t* length);
+/* The folder that clsdf's command uses: CLSDF_CACHE_DIR, or one of the user's. "" if none is known. */
+CLSDF_API clsdf_status clsdf_default_record_folder(char* text, int64_t size, int64_t* length);
+
+/* The loops of the library on the host (oneTBB's) have at most `count` threads, the calling one included, until the
+ * handle is released. Holds for the process; of several limits the smallest. It does not limit an OpenCL driver's
+ * threads: clsdf_device_limited() does. */
+CLSDF_API clsdf_status clsdf_limit_threads(int64_t count, clsdf_thread_limit** limit);
+/* The limit in force. */
+CLSDF_API int64_t clsdf_thread_count(void);
+
+/* ---- Meshes ---- */
+
+/* A mesh in the caller's arrays, on the host or in buffers of the device's context. */
+typedef struct clsdf_mesh_arrays {
+    size_t struct_size;
+    clsdf_array vertices;  /* three float32 or float64 an item */
+    clsdf_array triangles; /* three indices an item, int32, int64, uint32 or uint64, counter-clockwise from outside */
+    int32_t index_base;    /* 0 or 1: what indices of vertices count from, and triangles of outputs. With 1, `triangles`
+                              lie on the host, and a copy of them is made for the call */
+    int32_t reserved;
+    const char* name; /* in messages and files; null: "mesh" */
+} clsdf_mesh_arrays;
+#define CLSDF_MESH_ARRAYS_INIT \
+    { sizeof(clsdf_mesh_arrays), CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT, 0, 0, NULL }
+
+typedef struct clsdf_edge {
+    double from[3];
+    double to[3];
+} clsdf_edge;
+
+/* What the sign rule depends on. Vertices of equal coordinates count as one. */
+typedef struct clsdf_topology {
+    size_t struct_size;
+    int32_t closed;     /* 1: every undirected edge has an even number of faces */
+    int32_t balanced;   /* 1: every edge is used equally often in both directions */
+    int32_t inside_out; /* 1: balanced, and the enclosed volume is negative */
+    int32_t reserved;
+    int64_t open_edges;            /* undirected edges with an odd number of faces */
+    int64_t unbalanced_edges;      /* undirected edges not used equally often in both directions */
+    int64_t non_manifold_edges;    /* undirected edges with more than two faces */
+    int64_t repeated_vertex_faces; /* faces with fewer than three different vertices */
+    int64_t coincident_vertices;   /* vertices in use that equal an earlier one */
+    int64_t unused_vertices;
+    int64_t first_open_count;       /* of first_open */
+    int64_t first_unbalanced_count; /* of first_unbalanced */
+    clsdf_edge first_open[5];       /* in the order of the triangles */
+    clsdf_edge first_unbalanced[5];
+} clsdf_topology;
+#define CLSDF_EDGE_INIT \
+    {                   \
+        {0, 0, 0}, {    \
+            0, 0, 0     \
+        }               \
+    }
+#define CLSDF_FIVE_EDGES_INIT \
+    { CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT }
+#define CLSDF_TOPOLOGY_INIT \
+    { sizeof(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT, CLSDF_FIVE_EDGES_INIT }
+
+/* Defects beside those of edges. The distance is exact in spite of them. */
+typedef struct clsdf_defects {
+    size_t struct_size;
+    int64_t zero_area_faces; /* three different vertices on one line, exactly */
+    int64_t duplicate_faces; /* with the vertices of an earlier face, in whatever order */
+    int64_t components;      /* parts that share no vertex */
+} clsdf_defects;
+#define CLSDF_DEFECTS_INIT \
+    { sizeof(clsdf_defects), 0, 0, 0 }
+
+/* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element and the value; its numbers count from 0.
+ */
+CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh);
+/* A mesh made by code: "sphere0" to "sphere9", "torus", "knot", ... */
+CLSDF_API clsdf_status clsdf_mesh_shape(const char* name, clsdf_mesh** mesh);
+/* Reads .off, .obj, .stl or .ply; polygons become fans. CLSDF_UNREADABLE_INPUT names the line and the value. */
+CLSDF_API clsdf_status clsdf_mesh_read(const char* path, clsdf_mesh** mesh);
+/* The mesh in which vertices of equal coordinates are one. */
+CLSDF_API clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** welded);
+/* Writes by the file's ending, complete or not at all. `colours`: red, green, blue of each triangle, as uint8_t
+ * [colour_count][3], or null and 0. Threads: any number. */
+CLSDF_API clsdf_status clsdf_mesh_write(const clsdf_mesh* mesh, const char* path, const uint8_t* colours,
+                                        int64_t colour_count);
+/* Names and descriptions of shapes, 0 <= index < count; null beyond. They live as long as the process. */
+CLSDF_API int64_t clsdf_shape_count(void);
+CLSDF_API const char* clsdf_shape_name(int64_t index);
+CLSDF_API const char* clsdf_shape_description(int64_t index);
+
+/* New positions of the same vertices, on the host. Threads: one. */
+CLSDF_API clsdf_status clsdf_mesh_set_positions(clsdf_mesh* mesh, const clsdf_array* positions);
+/* Sets the index base that transforms of this mesh have from now on: 0 (as of files and shapes) or 1. Threads: one. */
+CLSDF_API clsdf_status clsdf_mesh_set_index_base(clsdf_mesh* mesh, int32_t index_base);
+/* The mesh's own memory: count[3] doubles, and count[3] indices from 0, whatever the index base. Threads: any number,
+ * as in all that follow. */
+CLSDF_API clsdf_status clsdf_mesh_vertices(const clsdf_mesh* mesh, const double** vertices, int64_t* count);
+CLSDF_API clsdf_status clsdf_mesh_triangles(const clsdf_mesh* mesh, const uint32_t** triangles, int64_t* count);
+CLSDF_API clsdf_status clsdf_mesh_index_base(const clsdf_mesh* mesh, int32_t* index_base);
+CLSDF_API clsdf_status clsdf_mesh_name(const clsdf_mesh* mesh, const char** name);
+/* Of the vertices in use. */
+CLSDF_API clsdf_status clsdf_mesh_box(const clsdf_mesh* mesh, clsdf_box* box);
+CLSDF_API clsdf_status clsdf_mesh_topology(const clsdf_mesh* mesh, clsdf_topology* topology);
+CLSDF_API clsdf_status clsdf_mesh_defects(const clsdf_mesh* mesh, clsdf_defects* defects);
+/* The rule that a transform would use, and a warning about it, which may be "". CLSDF_INVALID_MESH if the mesh does not
+ * meet the rule. */
+CLSDF_API clsdf_status clsdf_mesh_sign(const clsdf_mesh* mesh, int32_t asked, int32_t* rule, char* warning,
+                                       int64_t size, int64_t* length);
+
+/* ---- Options and results of calls ---- */
+
+typedef struct clsdf_progress {
+    int32_t stage; /* CLSDF_COMPILING, CLSDF_COMPUTING */
+    int32_t reserved;
+    double fraction; /* of the stage, 0 to 1 */
+    int64_t step;    /* of compiling, from 1 */
+    int64_t steps;   /* of compiling, at most */
+} clsdf_progress;
+
+typedef int32_t (*clsdf_progress_function)(void* user, const clsdf_progress* progress);
+typedef int32_t (*clsdf_stop_function)(void* user); /* CLSDF_CANCELLED: cancel; 0: go on */
+typedef int32_t (*clsdf_log_function)(void* user, const char* message);
+
+/* Options of one call. Functions may be null. */
+typedef struct clsdf_call_options {
+    size_t struct_size;
+    void* user;                       /* the first argument of the functions */
+    clsdf_progress_function progress; /* called between launches, and before each step of building programs */
+    clsdf_stop_function should_stop;  /* asked there, too */
+    clsdf_log_function log;           /* warnings of this call */
+    void* const* wait_list;           /* cl_events after which the call uses the caller's memory */
+    int64_t wait_count;
+} clsdf_call_options;
+#define CLSDF_CALL_OPTIONS_INIT \
+    { sizeof(clsdf_call_options), NULL, NULL, NULL, NULL, NULL, 0 }
+
+/* Times (wall-clock seconds of the host) and memory of a call. */
+typedef struct clsdf_statistics {
+    size_t struct_size;
+    int64_t slabs;            /* parts of the grid computed one after the other */
+    int64_t device_bytes;     /* the most that buffers took at once; of a plan, its own buffers */
+    int64_t host_bytes;       /* the library's arrays on the host for slabs */
+    double compile_seconds;   /* building or loading the device's programs, and testing them */
+    double polyhedra_seconds; /* preparing the mesh */
+    double field_seconds;     /* samples or points */
+    int32_t first_use;        /* 1: programs computed for the first time on this device */
+    int32_t reserved;
+} clsdf_statistics;
+#define CLSDF_STATISTICS_INIT \
+    { sizeof(clsdf_statistics), 0, 0, 0, 0, 0, 0, 0, 0 }
+
+typedef struct clsdf_transform_options {
+    size_t struct_size;
+    int32_t sign; /* CLSDF_SIGN_AUTOMATIC ... */
+    int32_t reserved;
+    int64_t kept_bytes; /* limit of the device memory kept between calls; 0: none; -1: the default */
+} clsdf_transform_options;
+#define CLSDF_TRANSFORM_OPTIONS_INIT \
+    { sizeof(clsdf_transform_options), CLSDF_SIGN_AUTOMATIC, 0, -1 }
+
+/* Memory that a transform keeps between calls, beside the mesh. */
+typedef struct clsdf_kept_memory {
+    size_t struct_size;
+    int64_t host_bytes;
+    int64_t device_bytes;
+} clsdf_kept_memory;
+#define CLSDF_KEPT_MEMORY_INIT \
+    { sizeof(clsdf_kept_memory), 0, 0 }
+
+/* One box of many. */
+typedef struct clsdf_request {
+    clsdf_grid grid;
+    clsdf_band band;
+    clsdf_targets targets;
+} clsdf_request;
+
+/* Equal blocks of one lattice. */
+typedef struct clsdf_block_set {
+    size_t struct_size;
+    clsdf_grid lattice; /* its origin and spacing count */
+    clsdf_band band;
+    int64_t size[3];      /* samples of each block */
+    const int64_t* first; /* [block_count][3]: the first sample of each block, on the lattice */
+    int64_t block_count;
+    clsdf_targets targets; /* of the first block; clsdf_array.block_stride leads to the others */
+} clsdf_block_set;
+#define CLSDF_BLOCK_SET_INIT                                                                                       \
+    {                                                                                                              \
+        sizeof(clsdf_block_set), {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}}, {0, 0, 0, 0}, {0, 0, 0}, NULL, 0, { \
+            NULL, 0                                                                                                \
+        }                                                                                                          \
+    }
+
+/* A box of the domain, and what is asked in it. */
+typedef struct clsdf_region {
+    clsdf_box box;
+    double half_width; /* the largest distance asked for; positive and finite */
+    double spacing;    /* the largest spacing of grids; 0: only points and boxes */
+} clsdf_region;
+
+/* A slab of a field: whole slices. The values are packed and there until it returns. It may use the transform. */
+typedef int32_t (*clsdf_slab_function)(void* user, const clsdf_grid* part, const clsdf_target* values, int64_t count);
+
+typedef struct clsdf_slab_options {
+    size_t struct_size;
+    int32_t own_thread; /* 1: the function is called on another thread, while the next slab is computed */
+    int32_t reserved;
+} clsdf_slab_options;
+#define CLSDF_SLAB_OPTIONS_INIT \
+    { sizeof(clsdf_slab_options), 0, 0 }
+
+/* ---- Transforms ---- */
+
+/* Threads: calls with a const transform any number; their work takes turns on the device. Others: one.
+ *
+ * Triangles of outputs count from the mesh's index base: beyond the band they are -1 with base 0 and 0 with base 1.
+ * With base 1 they cost one more pass over the output, and the output must lie on the host: in a buffer, and so in a
+ * plan, it is CLSDF_UNSUPPORTED. */
+
+/* Copies and checks the mesh. Compiles nothing: the first call that needs a program does. */
+CLSDF_API clsdf_status clsdf_transform_create(const clsdf_device* device, const clsdf_mesh* mesh,
+                                              const clsdf_transform_options* options, const clsdf_call_options* call,
+                                              clsdf_transform** transform);
+/* The same from arrays, which may be buffers of the device's context. */
+CLSDF_API clsdf_status clsdf_transform_from_arrays(const clsdf_device* device, const clsdf_mesh_arrays* arrays,
+                                                   const clsdf_transform_options* options,
+                                                   const clsdf_call_options* call, clsdf_transform** transform);
+/* A transform for a part of the domain, which keeps only what the regions need. Results have the bytes of the whole.
+ * Calls outside the regions are CLSDF_INVALID_ARGUMENT; new positions are CLSDF_UNSUPPORTED. */
+CLSDF_API clsdf_status clsdf_transform_restrict(const clsdf_transform* transform, const clsdf_region* regions,
+                                                int64_t count, clsdf_transform** restricted);
+
+/* New positions of all vertices, on the host or in a buffer. After an error the positions are those of before. */
+CLSDF_API clsdf_status clsdf_transform_set_positions(clsdf_transform* transform, const clsdf_array* positions,
+                                                     const clsdf_call_options* call);
+/* Puts the vertices at R x + t; x are the positions that the transform was made with. rotation[9] has the rows of R. */
+CLSDF_API clsdf_status clsdf_transform_set_motion(clsdf_transform* transform, const double* rotation,
+                                                  const double* translation);
+
+/* The field on a grid, into the caller's arrays, all on the host or all on the device. targets[target_count], one of
+ * them the distance. An error leaves the arrays undefined. */
+CLSDF_API clsdf_status clsdf_compute(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,
+                                     const clsdf_target* targets, int64_t target_count, const clsdf_call_options* call,
+                                     clsdf_statistics* statistics);
+/* Many boxes in one call, of any lattices, bands and outputs. Messages number the requests from 0. */
+CLSDF_API clsdf_status clsdf_compute_requests(const clsdf_transform* transform, const clsdf_request* requests,
+                                              int64_t count, const clsdf_call_options* call,
+                                              clsdf_statistics* statistics);
+/* Equal blocks of one lattice in one call. */
+CLSDF_API clsdf_status clsdf_compute_blocks(const clsdf_transform* transform, const clsdf_block_set* blocks,
+                                            const clsdf_call_options* call, clsdf_statistics* statistics);
+/* A field of any size, slab by slab in the order of z. `outputs`: CLSDF_SET(...); 0: the distance. */
+CLSDF_API clsdf_status clsdf_compute_slabs(const clsdf_transform* transform, const clsdf_grid* grid,
+                                           const clsdf_band* band, uint32_t outputs, clsdf_slab_function sink,
+                                           void* user, const clsdf_slab_options* options,
+                                           const clsdf_call_options* call, clsdf_statistics* statistics);
+/* The field in memory of the library. Its triangles count from the mesh's index base; those of files count from 0. */
+CLSDF_API clsdf_status clsdf_compute_field(const clsdf_transform* transform, const clsdf_grid* grid,
+                                           const clsdf_band* band, uint32_t outputs, const clsdf_call_options* call,
+                                           clsdf_statistics* statistics, clsdf_field** field);
+/* The slabs of a field on a device that sets no closer limit: the first `size` of *count. `slabs` may be null if size
+ * is 0. */
+CLSDF_API clsdf_status clsdf_slabs_of(const clsdf_grid* grid, clsdf_grid* slabs, int64_t size, int64_t* count);
+
+/* The distance at points, and all else that has an array of points->count items. Beyond half_width, which may be
+ * infinite, the distance is half_width with the point's sign. At most 96 points are answered by the calling thread. */
+CLSDF_API clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* points, double half_width,
+                                   const clsdf_target* targets, int64_t target_count, const clsdf_call_options* call,
+                                   clsdf_statistics* statistics);
+/* The places (CLSDF_WITHIN ...) of `count` boxes. */
+CLSDF_API clsdf_status clsdf_classify(const clsdf_transform* transform, const clsdf_box* boxes, int64_t count,
+                                      double half_width, uint8_t* places);
+
+/* Of the vertices in use, at their present positions. */
+CLSDF_API clsdf_status clsdf_transform_box(const clsdf_transform* transform, clsdf_box* box);
+CLSDF_API clsdf_status clsdf_transform_topology(const clsdf_transform* transform, clsdf_topology* topology);
+/* The rule in use, never automatic. */
+CLSDF_API clsdf_status clsdf_transform_sign(const clsdf_transform* transform, int32_t* rule);
+CLSDF_API clsdf_status clsdf_transform_index_base(const clsdf_transform* transform, int32_t* index_base);
+/* A new reference. */
+CLSDF_API clsdf_status clsdf_transform_device(const clsdf_transform* transform, clsdf_device** device);
+CLSDF_API clsdf_status clsdf_transform_memory(const clsdf_transform* transform, clsdf_kept_memory* memory);
+/* Builds and tests the programs that such a field needs. Computations do it by themselves. */
+CLSDF_API clsdf_status clsdf_transform_compile(const clsdf_transform* transform, const clsdf_grid* grid,
+                                               const clsdf_band* band, uint32_t outputs, const clsdf_call_options* call,
+                                               clsdf_statistics* statistics);
+
+/* ---- Plans ---- */
+
+/* A plan has what it needs and may outlive the transform. Threads: one, in every call with a plan. */
+
+/* A plan of one grid, without targets: clsdf_plan_enqueue_to() gives them, packed and aligned. */
+CLSDF_API clsdf_status clsdf_plan_create(const clsdf_transform* transform, const clsdf_grid* grid,
+                                         const clsdf_band* band, uint32_t outputs, const clsdf_call_options* call,
+                                         clsdf_plan** plan);
+/* Plans of boxes, into buffers of the device's context, which must outlive them. The structs need not. */
+CLSDF_API clsdf_status clsdf_plan_create_requests(const clsdf_transform* transform, const clsdf_request* requests,
+                                                  int64_t count, const clsdf_call_options* call, clsdf_plan** plan);
+CLSDF_API clsdf_status clsdf_plan_create_blocks(const clsdf_transform* transform, const clsdf_block_set* blocks,
+                                                const clsdf_call_options* call, clsdf_plan** plan);
+/* The device memory of such a plan, which is made and given back. */
+CLSDF_API clsdf_status clsdf_plan_bytes_requests(const clsdf_transform* transform, const clsdf_request* requests,
+                                                 int64_t count, const clsdf_call_options* call, int64_t* bytes);
+CLSDF_API clsdf_status clsdf_plan_bytes_blocks(const clsdf_transform* transform, const clsdf_block_set* blocks,
+                                               const clsdf_call_options* call, int64_t* bytes);
+
+/* Enqueues all requests on a cl_command_queue (null: the device's own) after the events. Never blocks. *done, if not
+ * null, gets the cl_event of the end, which the caller releases. */
+CLSDF_API clsdf_status clsdf_plan_enqueue(clsdf_plan* plan, void* queue, void* const* wait_list, int64_t wait_count,
+                                          void** done);
+/* One run into other targets: targets[count], one for each request. */
+CLSDF_API clsdf_status clsdf_plan_enqueue_to(clsdf_plan* plan, void* queue, const clsdf_targets* targets, int64_t count,
+                                             void* const* wait_list, int64_t wait_count, void** done);
+/* Prepares the next runs for the present positions of the transform, which made the plan or has its device. Blocks.
+ * After an error the plan must be updated again, but for requests or grids that are refused. */
+CLSDF_API clsdf_status clsdf_plan_update(clsdf_plan* plan, const clsdf_transform* transform,
+                                         const clsdf_call_options* call);
+/* The same with a grid for each request. */
+CLSDF_API clsdf_status clsdf_plan_update_grids(clsdf_plan* plan, const clsdf_transform* transform,
+                                               const clsdf_grid* grids, int64_t count, const clsdf_call_options* call);
+/* The same with other requests, any number. */
+CLSDF_API clsdf_status clsdf_plan_update_requests(clsdf_plan* plan, const clsdf_transform* transform,
+                                                  const clsdf_request* requests, int64_t count,
+                                                  const clsdf_call_options* call);
+CLSDF_API clsdf_status clsdf_plan_update_blocks(clsdf_plan* plan, const clsdf_transform* transform,
+                                                const clsdf_block_set* blocks, const clsdf_call_options* call);
+CLSDF_API clsdf_status clsdf_plan_sign(const clsdf_plan* plan, int32_t* rule);
+/* Of making or updating it. */
+CLSDF_API clsdf_status clsdf_plan_statistics(const clsdf_plan* plan, clsdf_statistics* statistics);
+CLSDF_API clsdf_status clsdf_plan_request_count(const clsdf_plan* plan, int64_t* count);
+/* Request `index` from 0. Its targets: the first `size` of *target_count. Pointers may be null. */
+CLSDF_API clsdf_status clsdf_plan_request(const clsdf_plan* plan, int64_t index, clsdf_grid* grid, clsdf_band* band,
+                                          clsdf_target* targets, int64_t size, int64_t* target_count);
+
+/* ---- Fields in the library's memory ---- */
+
+typedef struct clsdf_field_description {
+    size_t struct_size;
+    clsdf_grid grid;
+    clsdf_band band;
+    int32_t sign; /* CLSDF_SIGN_AUTOMATIC if a file of another program states none */
+    int32_t reserved;
+    const char* mesh_name; /* null: ""; of a field, lives as long as the field */
+} clsdf_field_description;
+#define CLSDF_FIELD_DESCRIPTION_INIT                                                                                  \
+    {                                                                                                                 \
+        sizeof(clsdf_field_description), {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}}, {0, 0, 0, 0}, CLSDF_SIGN_NONE, \
+            0, NULL                                                                                                   \
+    }
+
+/* A field with room for these outputs; the values are not set. Triangles count from 0. */
+CLSDF_API clsdf_status clsdf_field_create(const clsdf_field_description* description, uint32_t outputs,
+                                          clsdf_field** field);
+/* Threads: any number, as in the next two; but the array is the caller's to guard. */
+CLSDF_API clsdf_status clsdf_field_describe(const clsdf_field* field, clsdf_field_description* description);
+CLSDF_API clsdf_status clsdf_field_outputs(const clsdf_field* field, uint32_t* outputs);
+/* The field's own memory of an output, packed, to read and to write, as long as the field lives. An output that the
+ * field does not have: an array without memory. */
+CLSDF_API clsdf_status clsdf_field_array(const clsdf_field* field, int32_t output, clsdf_array* array);
+
+/* ---- Files of points ---- */
+
+/* Reads points from .npy (n, 3), .csv (columns x, y, z) or .ply. */
+CLSDF_API clsdf_status clsdf_points_read(const char* path, clsdf_points** points);
+/* double[count][3], in the handle's memory. Threads: any number. */
+CLSDF_API clsdf_status clsdf_points_data(const clsdf_points* points, const double** positions, int64_t* count);
+/* Writes what clsdf_query() found, a row for each point, by the file's ending: .npy, .csv or .ply. `positions` is
+ * double[count][3]; `results` are packed arrays on the host of the types that clsdf_output_describe() states. `outputs`
+ * is needed only without points. Triangles are written as they are. */
+CLSDF_API clsdf_status clsdf_points_write(const double* positions, int64_t count, const clsdf_target* results,
+                                          int64_t result_count, const char* path, uint32_t outputs);
+/* The error that clsdf_points_write() would give for the ending or the folder. */
+CLSDF_API clsdf_status clsdf_points_check_path(const char* path);
+/* For a program that is about to end: removes the unfinished files that clsdf_mesh_write() and clsdf_points_write() are
+ * writing, on all threads. The program must end now. Not for signal handlers. With clsdf_io.h, call
+ * clsdf_io_abandon_unfinished_files() instead. */
+CLSDF_API void clsdf_abandon_unfinished_files(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,7 @@
+// libclsdf_c_io reports to libclsdf_c, which keeps the messages of both.
+#include "errors.hpp"
+#include "handles.hpp"
+
+void clsdf::c::record(const char* message, int /*opencl_code*/) noexcept {
+    clsdf_set_last_error(message);
+}

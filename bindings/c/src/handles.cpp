@@ -1,0 +1,31 @@
+#include "handles.hpp"
+
+namespace clsdf::c {
+
+const char* name_of(Kind kind) noexcept {
+    switch (kind) {
+        case Kind::devices:
+            return "list of devices";
+        case Kind::device:
+            return "device";
+        case Kind::mesh:
+            return "mesh";
+        case Kind::transform:
+            return "transform";
+        case Kind::plan:
+            return "plan";
+        case Kind::field:
+            return "field";
+        case Kind::points:
+            return "points";
+        case Kind::thread_limit:
+            return "thread limit";
+        case Kind::field_writer:
+            return "field writer";
+        case Kind::none:
+            break;
+    }
+    return "kind that is not known";
+}
+
+}  // namespace clsdf::c

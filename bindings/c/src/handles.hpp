@@ -1,0 +1,129 @@
+#pragma once
+
+#include "errors.hpp"
+
+#include <clsdf/device.hpp>
+#include <clsdf/distance_transform.hpp>
+#include <clsdf/field.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/plan.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace clsdf::c {
+
+/// The kind is the first word of every object, so that a handle of another kind is told.
+enum class Kind : std::uint64_t {
+    none = 0,
+    devices = 0x636c736466000001,
+    device,
+    mesh,
+    transform,
+    plan,
+    field,
+    points,
+    thread_limit,
+    field_writer,
+};
+
+const char* name_of(Kind kind) noexcept;
+
+/// A counted object. Not virtual: the library that made it also gives the function that destroys it.
+struct Object {
+    Kind kind;
+    std::atomic<std::int64_t> references{1};
+    void (*destroy)(Object*);
+
+    Object(Kind kind_in, void (*destroy_in)(Object*)) : kind(kind_in), destroy(destroy_in) {}
+    Object(const Object&) = delete;
+    Object& operator=(const Object&) = delete;
+    ~Object() { kind = Kind::none; }
+};
+
+template <typename Handle>
+struct Counted : Object {
+    Counted() : Object(Handle::own_kind, [](Object* object) { delete static_cast<Handle*>(object); }) {}
+};
+
+inline void retain(Object* object) noexcept {
+    if (object != nullptr) object->references.fetch_add(1, std::memory_order_relaxed);
+}
+
+inline void release(Object* object) noexcept {
+    if (object != nullptr && object->references.fetch_sub(1, std::memory_order_acq_rel) == 1) object->destroy(object);
+}
+
+/// The object behind a handle. Throws Error(invalid_argument) for null or another kind.
+template <typename Handle>
+Handle& of(Handle* handle) {
+    constexpr Kind expected = std::remove_const_t<Handle>::own_kind;
+    if (handle == nullptr)
+        throw misuse(std::string("the ") + name_of(expected) + " is null; give a handle that a call of clsdf made");
+    if (handle->kind != expected)
+        throw misuse(std::string("the handle given as a ") + name_of(expected) + " is one of a " +
+                     name_of(handle->kind) + "; give a handle of the right kind that was not released");
+    return *handle;
+}
+
+}  // namespace clsdf::c
+
+struct clsdf_devices : clsdf::c::Counted<clsdf_devices> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::devices;
+    std::vector<clsdf::DeviceInfo> infos;
+};
+
+struct clsdf_device : clsdf::c::Counted<clsdf_device> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::device;
+    clsdf::Device device;
+    /// The texts of clsdf_device_describe(), which live as long as the handle; asked once.
+    mutable std::once_flag is_described;
+    mutable clsdf::DeviceInfo info;
+
+    explicit clsdf_device(clsdf::Device device_in) : device(std::move(device_in)) {}
+};
+
+struct clsdf_mesh : clsdf::c::Counted<clsdf_mesh> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::mesh;
+    clsdf::Mesh mesh;
+    std::int32_t index_base;
+
+    explicit clsdf_mesh(clsdf::Mesh mesh_in, std::int32_t index_base_in = 0)
+        : mesh(std::move(mesh_in)), index_base(index_base_in) {}
+};
+
+struct clsdf_transform : clsdf::c::Counted<clsdf_transform> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::transform;
+    clsdf::DistanceTransform transform;
+    std::int32_t index_base;
+
+    clsdf_transform(clsdf::DistanceTransform transform_in, std::int32_t index_base_in)
+        : transform(std::move(transform_in)), index_base(index_base_in) {}
+};
+
+struct clsdf_plan : clsdf::c::Counted<clsdf_plan> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::plan;
+    clsdf::Plan plan;
+    std::int32_t index_base;
+
+    clsdf_plan(clsdf::Plan plan_in, std::int32_t index_base_in) : plan(std::move(plan_in)), index_base(index_base_in) {}
+};
+
+struct clsdf_field : clsdf::c::Counted<clsdf_field> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::field;
+    clsdf::Field field;
+    std::int32_t index_base;  ///< of its triangles
+
+    explicit clsdf_field(clsdf::Field field_in, std::int32_t index_base_in = 0)
+        : field(std::move(field_in)), index_base(index_base_in) {}
+};
+
+struct clsdf_points : clsdf::c::Counted<clsdf_points> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::points;
+    std::vector<clsdf::Vec3> positions;
+};

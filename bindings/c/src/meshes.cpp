@@ -1,0 +1,135 @@
+#include "mesh_arrays.hpp"
+
+#include "handles.hpp"
+#include "values.hpp"
+
+#include <clsdf/mesh_files.hpp>
+
+#include <array>
+#include <memory>
+
+using namespace clsdf;
+using c::given;
+using c::guarded;
+using c::made;
+using c::of;
+
+namespace {
+
+const std::vector<ShapeName>& shapes() {
+    static const std::vector<ShapeName> names = shape_names();
+    return names;
+}
+
+}  // namespace
+
+clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh) {
+    return made(mesh, "mesh", [&] {
+        const c::MeshArrays from(arrays);
+        return new clsdf_mesh(Mesh(from.view(), from.name()), from.index_base());
+    });
+}
+
+clsdf_status clsdf_mesh_shape(const char* name, clsdf_mesh** mesh) {
+    return made(mesh, "mesh", [&] { return new clsdf_mesh(make_shape(c::text_of(name, "name"))); });
+}
+
+clsdf_status clsdf_mesh_read(const char* path, clsdf_mesh** mesh) {
+    return made(mesh, "mesh", [&] { return new clsdf_mesh(read_mesh(c::text_of(path, "path"))); });
+}
+
+clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** welded) {
+    return made(welded, "welded", [&] {
+        const clsdf_mesh& self = of(mesh);
+        return new clsdf_mesh(weld(self.mesh), self.index_base);
+    });
+}
+
+clsdf_status clsdf_mesh_write(const clsdf_mesh* mesh, const char* path, const std::uint8_t* colours,
+                              std::int64_t colour_count) {
+    return guarded([&] {
+        c::elements(colours, colour_count, "colours");
+        static_assert(sizeof(FaceColour) == 3);
+        write_mesh(of(mesh).mesh, c::text_of(path, "path"),
+                   {reinterpret_cast<const FaceColour*>(colours), static_cast<std::size_t>(colour_count)});
+    });
+}
+
+std::int64_t clsdf_shape_count() {
+    return static_cast<std::int64_t>(shapes().size());
+}
+
+const char* clsdf_shape_name(std::int64_t index) {
+    return index < 0 || index >= clsdf_shape_count() ? nullptr : shapes()[static_cast<std::size_t>(index)].name.c_str();
+}
+
+const char* clsdf_shape_description(std::int64_t index) {
+    return index < 0 || index >= clsdf_shape_count() ? nullptr
+                                                     : shapes()[static_cast<std::size_t>(index)].description.c_str();
+}
+
+clsdf_status clsdf_mesh_set_positions(clsdf_mesh* mesh, const clsdf_array* positions) {
+    return guarded([&] {
+        // Read as the vertices of a mesh of one triangle are.
+        const InputArray vertices = c::input_of(positions, "positions");
+        constexpr std::array<Triangle, 1> any{};
+        const MeshView view(vertices, any);
+        of(mesh).mesh.set_positions(c::positions_of(view.vertices()));
+    });
+}
+
+clsdf_status clsdf_mesh_set_index_base(clsdf_mesh* mesh, std::int32_t index_base) {
+    return guarded([&] { of(mesh).index_base = c::checked_index_base(index_base); });
+}
+
+clsdf_status clsdf_mesh_vertices(const clsdf_mesh* mesh, const double** vertices, std::int64_t* count) {
+    return guarded([&] {
+        const std::vector<Vec3>& from = of(mesh).mesh.vertices();
+        if (vertices != nullptr) *vertices = from.front().data();
+        if (count != nullptr) *count = static_cast<std::int64_t>(from.size());
+    });
+}
+
+clsdf_status clsdf_mesh_triangles(const clsdf_mesh* mesh, const std::uint32_t** triangles, std::int64_t* count) {
+    return guarded([&] {
+        const std::vector<Triangle>& from = of(mesh).mesh.triangles();
+        if (triangles != nullptr) *triangles = from.front().data();
+        if (count != nullptr) *count = static_cast<std::int64_t>(from.size());
+    });
+}
+
+clsdf_status clsdf_mesh_index_base(const clsdf_mesh* mesh, std::int32_t* index_base) {
+    return guarded([&] { given(index_base, "index_base") = of(mesh).index_base; });
+}
+
+clsdf_status clsdf_mesh_name(const clsdf_mesh* mesh, const char** name) {
+    return guarded([&] { given(name, "name") = of(mesh).mesh.name().c_str(); });
+}
+
+clsdf_status clsdf_mesh_box(const clsdf_mesh* mesh, clsdf_box* box) {
+    return guarded([&] { given(box, "box") = c::as_c(of(mesh).mesh.box()); });
+}
+
+clsdf_status clsdf_mesh_topology(const clsdf_mesh* mesh, clsdf_topology* topology) {
+    return guarded([&] { c::write_given(c::as_c(describe_topology(of(mesh).mesh)), topology, "clsdf_topology"); });
+}
+
+clsdf_status clsdf_mesh_defects(const clsdf_mesh* mesh, clsdf_defects* defects) {
+    return guarded([&] {
+        const Defects found = find_defects(of(mesh).mesh);
+        const clsdf_defects result{sizeof result, static_cast<std::int64_t>(found.zero_area_faces),
+                                   static_cast<std::int64_t>(found.duplicate_faces),
+                                   static_cast<std::int64_t>(found.components)};
+        c::write_given(result, defects, "clsdf_defects");
+    });
+}
+
+clsdf_status clsdf_mesh_sign(const clsdf_mesh* mesh, std::int32_t asked, std::int32_t* rule, char* warning,
+                             std::int64_t size, std::int64_t* length) {
+    return guarded([&] {
+        const SignRule wanted = c::sign_rule_of(asked, "asked");
+        const ResolvedSignRule resolved = resolve_sign_rule(wanted, describe_topology(of(mesh).mesh));
+        given(rule, "rule") = static_cast<std::int32_t>(resolved.rule);
+        c::write_text(resolved.warning, warning, size, length);
+    });
+}

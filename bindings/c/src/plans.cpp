@@ -1,0 +1,182 @@
+#include "handles.hpp"
+#include "index_base.hpp"
+#include "values.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <span>
+#include <vector>
+
+using namespace clsdf;
+using c::Call;
+using c::given;
+using c::guarded;
+using c::made;
+using c::of;
+
+namespace {
+
+std::vector<Request> requests_of(const clsdf_transform& transform, const clsdf_request* requests, std::int64_t count) {
+    std::vector<Request> all = c::requests_of(requests, count);
+    for (const Request& request : all) c::check_base(transform.index_base, request.targets);
+    return all;
+}
+
+BlockSet blocks_of(const clsdf_transform& transform, const clsdf_block_set* blocks) {
+    BlockSet result = c::block_set_of(blocks);
+    c::check_base(transform.index_base, result.targets);
+    return result;
+}
+
+/// Enqueues with a list of events, and an event of the end if `done` is not null.
+template <typename Enqueue>
+void enqueue(void* const* wait_list, std::int64_t wait_count, void** done, const Enqueue& enqueue_after) {
+    const std::vector<cl_event> events = c::events_of(wait_list, wait_count);
+    cl_event end = nullptr;
+    enqueue_after(std::span<const cl_event>(events), done != nullptr ? &end : nullptr);
+    if (done != nullptr) *done = end;
+}
+
+}  // namespace
+
+clsdf_status clsdf_plan_create(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,
+                               std::uint32_t outputs, const clsdf_call_options* call, clsdf_plan** plan) {
+    return made(plan, "plan", [&] {
+        const clsdf_transform& self = of(transform);
+        const Call caller(call);
+        return new clsdf_plan(self.transform.plan(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs), caller),
+                              self.index_base);
+    });
+}
+
+clsdf_status clsdf_plan_create_requests(const clsdf_transform* transform, const clsdf_request* requests,
+                                        std::int64_t count, const clsdf_call_options* call, clsdf_plan** plan) {
+    return made(plan, "plan", [&] {
+        const clsdf_transform& self = of(transform);
+        const Call caller(call);
+        return new clsdf_plan(self.transform.plan(requests_of(self, requests, count), caller), self.index_base);
+    });
+}
+
+clsdf_status clsdf_plan_create_blocks(const clsdf_transform* transform, const clsdf_block_set* blocks,
+                                      const clsdf_call_options* call, clsdf_plan** plan) {
+    return made(plan, "plan", [&] {
+        const clsdf_transform& self = of(transform);
+        const Call caller(call);
+        return new clsdf_plan(self.transform.plan(blocks_of(self, blocks), caller), self.index_base);
+    });
+}
+
+clsdf_status clsdf_plan_bytes_requests(const clsdf_transform* transform, const clsdf_request* requests,
+                                       std::int64_t count, const clsdf_call_options* call, std::int64_t* bytes) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        const Call caller(call);
+        given(bytes, "bytes") =
+            static_cast<std::int64_t>(self.transform.plan_bytes(requests_of(self, requests, count), caller));
+    });
+}
+
+clsdf_status clsdf_plan_bytes_blocks(const clsdf_transform* transform, const clsdf_block_set* blocks,
+                                     const clsdf_call_options* call, std::int64_t* bytes) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        const Call caller(call);
+        given(bytes, "bytes") = static_cast<std::int64_t>(self.transform.plan_bytes(blocks_of(self, blocks), caller));
+    });
+}
+
+clsdf_status clsdf_plan_enqueue(clsdf_plan* plan, void* queue, void* const* wait_list, std::int64_t wait_count,
+                                void** done) {
+    return guarded([&] {
+        Plan& self = of(plan).plan;
+        enqueue(wait_list, wait_count, done, [&](std::span<const cl_event> events, cl_event* end) {
+            self.enqueue(static_cast<cl_command_queue>(queue), events, end);
+        });
+    });
+}
+
+clsdf_status clsdf_plan_enqueue_to(clsdf_plan* plan, void* queue, const clsdf_targets* targets, std::int64_t count,
+                                   void* const* wait_list, std::int64_t wait_count, void** done) {
+    return guarded([&] {
+        clsdf_plan& self = of(plan);
+        c::elements(targets, count, "targets");
+        std::vector<OutputTargets> all;
+        for (std::int64_t i = 0; i < count; ++i) {
+            all.push_back(c::targets_of(targets[i].items, targets[i].count));
+            c::check_base(self.index_base, all.back());
+        }
+        enqueue(wait_list, wait_count, done, [&](std::span<const cl_event> events, cl_event* end) {
+            self.plan.enqueue(static_cast<cl_command_queue>(queue), all, events, end);
+        });
+    });
+}
+
+clsdf_status clsdf_plan_update(clsdf_plan* plan, const clsdf_transform* transform, const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        of(plan).plan.update(of(transform).transform, caller);
+    });
+}
+
+clsdf_status clsdf_plan_update_grids(clsdf_plan* plan, const clsdf_transform* transform, const clsdf_grid* grids,
+                                     std::int64_t count, const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        c::elements(grids, count, "grids");
+        std::vector<Grid> all;
+        std::transform(grids, grids + count, std::back_inserter(all),
+                       [](const clsdf_grid& grid) { return c::grid_of(&grid); });
+        of(plan).plan.update(of(transform).transform, all, caller);
+    });
+}
+
+clsdf_status clsdf_plan_update_requests(clsdf_plan* plan, const clsdf_transform* transform,
+                                        const clsdf_request* requests, std::int64_t count,
+                                        const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        Plan& self = of(plan).plan;
+        const clsdf_transform& from = of(transform);
+        self.update(from.transform, requests_of(from, requests, count), caller);
+    });
+}
+
+clsdf_status clsdf_plan_update_blocks(clsdf_plan* plan, const clsdf_transform* transform, const clsdf_block_set* blocks,
+                                      const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        Plan& self = of(plan).plan;
+        const clsdf_transform& from = of(transform);
+        self.update(from.transform, blocks_of(from, blocks), caller);
+    });
+}
+
+clsdf_status clsdf_plan_sign(const clsdf_plan* plan, std::int32_t* rule) {
+    return guarded([&] { given(rule, "rule") = static_cast<std::int32_t>(of(plan).plan.sign()); });
+}
+
+clsdf_status clsdf_plan_statistics(const clsdf_plan* plan, clsdf_statistics* statistics) {
+    return guarded([&] { c::write_given(c::as_c(of(plan).plan.statistics()), statistics, "clsdf_statistics"); });
+}
+
+clsdf_status clsdf_plan_request_count(const clsdf_plan* plan, std::int64_t* count) {
+    return guarded([&] { given(count, "count") = static_cast<std::int64_t>(of(plan).plan.requests().size()); });
+}
+
+clsdf_status clsdf_plan_request(const clsdf_plan* plan, std::int64_t index, clsdf_grid* grid, clsdf_band* band,
+                                clsdf_target* targets, std::int64_t size, std::int64_t* target_count) {
+    return guarded([&] {
+        const std::span<const Request> requests = of(plan).plan.requests();
+        c::elements(targets, size, "targets");
+        if (c::count_of(index, "index") >= requests.size())
+            throw c::misuse("there is no request " + std::to_string(index) + "; the plan has " +
+                            std::to_string(requests.size()));
+        const Request& request = requests[static_cast<std::size_t>(index)];
+        if (grid != nullptr) *grid = c::as_c(request.grid);
+        if (band != nullptr) *band = c::as_c(request.band);
+        const std::span<const OutputTarget> all = request.targets.all();
+        for (std::size_t i = 0; i < all.size() && i < static_cast<std::size_t>(size); ++i) targets[i] = c::as_c(all[i]);
+        if (target_count != nullptr) *target_count = static_cast<std::int64_t>(all.size());
+    });
+}

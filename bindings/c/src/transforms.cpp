@@ -1,0 +1,255 @@
+#include "handles.hpp"
+#include "index_base.hpp"
+#include "mesh_arrays.hpp"
+#include "values.hpp"
+
+#include <memory>
+#include <vector>
+
+using namespace clsdf;
+using c::Call;
+using c::given;
+using c::guarded;
+using c::made;
+using c::of;
+
+namespace {
+
+TransformOptions options_of(const clsdf_transform_options* options) {
+    const clsdf_transform_options from =
+        c::read_struct(options, CLSDF_TRANSFORM_OPTIONS_INIT, "clsdf_transform_options");
+    c::check_reserved(from.reserved, "clsdf_transform_options");
+    TransformOptions to;
+    to.sign = c::sign_rule_of(from.sign, "clsdf_transform_options.sign");
+    if (from.kept_bytes != -1) to.kept_bytes = c::count_of(from.kept_bytes, "clsdf_transform_options.kept_bytes");
+    return to;
+}
+
+void set(const TransformStatistics& from, clsdf_statistics* to) {
+    if (to != nullptr) c::write_struct(c::as_c(from), to, "clsdf_statistics");
+}
+
+/// Hands slabs on with triangles that count from the mesh's index base.
+SlabSink sink_of(clsdf_slab_function sink, void* user, std::int32_t index_base) {
+    return [=](const Grid& part, const FieldSlab& values) {
+        FieldSlab given_values = values;
+        std::vector<std::uint32_t> triangles;
+        if (index_base != 0 && !values.triangle().empty()) {
+            triangles.assign(values.triangle().begin(), values.triangle().end());
+            c::shift_triangles(triangles, 1);
+            given_values.set(Output::triangle, triangles);
+        }
+        const clsdf_grid grid = c::as_c(part);
+        const std::vector<clsdf_target> targets = c::as_c(given_values);
+        clsdf_set_last_error(nullptr);
+        c::check_callback(sink(user, &grid, targets.data(), static_cast<std::int64_t>(targets.size())), "sink");
+    };
+}
+
+}  // namespace
+
+clsdf_status clsdf_transform_create(const clsdf_device* device, const clsdf_mesh* mesh,
+                                    const clsdf_transform_options* options, const clsdf_call_options* call,
+                                    clsdf_transform** transform) {
+    return made(transform, "transform", [&] {
+        const Call caller(call);
+        const clsdf_mesh& self = of(mesh);
+        return new clsdf_transform(DistanceTransform(of(device).device, self.mesh, options_of(options), caller),
+                                   self.index_base);
+    });
+}
+
+clsdf_status clsdf_transform_from_arrays(const clsdf_device* device, const clsdf_mesh_arrays* arrays,
+                                         const clsdf_transform_options* options, const clsdf_call_options* call,
+                                         clsdf_transform** transform) {
+    return made(transform, "transform", [&] {
+        const Call caller(call);
+        const c::MeshArrays mesh(arrays);
+        return new clsdf_transform(DistanceTransform(of(device).device, mesh.view(), options_of(options), caller),
+                                   mesh.index_base());
+    });
+}
+
+clsdf_status clsdf_transform_restrict(const clsdf_transform* transform, const clsdf_region* regions, std::int64_t count,
+                                      clsdf_transform** restricted) {
+    return made(restricted, "restricted", [&] {
+        const clsdf_transform& self = of(transform);
+        c::elements(regions, count, "regions");
+        std::vector<Region> to;
+        for (std::int64_t i = 0; i < count; ++i)
+            to.push_back({c::box_of(&regions[i].box), regions[i].half_width, regions[i].spacing});
+        return new clsdf_transform(self.transform.restrict_to(to), self.index_base);
+    });
+}
+
+clsdf_status clsdf_transform_set_positions(clsdf_transform* transform, const clsdf_array* positions,
+                                           const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        of(transform).transform.set_positions(c::input_of(positions, "positions"), caller);
+    });
+}
+
+clsdf_status clsdf_transform_set_motion(clsdf_transform* transform, const double* rotation, const double* translation) {
+    return guarded([&] {
+        const double *r = &given(rotation, "rotation"), *t = &given(translation, "translation");
+        of(transform).transform.set_motion({{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}, {r[6], r[7], r[8]}}},
+                                           {t[0], t[1], t[2]});
+    });
+}
+
+clsdf_status clsdf_compute(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,
+                           const clsdf_target* targets, std::int64_t target_count, const clsdf_call_options* call,
+                           clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        const Grid of_field = c::grid_of(grid);
+        const OutputTargets to = c::targets_of(targets, target_count);
+        c::check_base(self.index_base, to);
+        set(self.transform.compute(of_field, c::band_of(band), to, caller), statistics);
+        c::set_base(self.index_base, to, of_field.size);
+    });
+}
+
+clsdf_status clsdf_compute_requests(const clsdf_transform* transform, const clsdf_request* requests, std::int64_t count,
+                                    const clsdf_call_options* call, clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        const std::vector<Request> all = c::requests_of(requests, count);
+        for (const Request& request : all) c::check_base(self.index_base, request.targets);
+        set(self.transform.compute(all, caller), statistics);
+        for (const Request& request : all) c::set_base(self.index_base, request.targets, request.grid.size);
+    });
+}
+
+clsdf_status clsdf_compute_blocks(const clsdf_transform* transform, const clsdf_block_set* blocks,
+                                  const clsdf_call_options* call, clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        const BlockSet set_of = c::block_set_of(blocks);
+        c::check_base(self.index_base, set_of.targets);
+        set(self.transform.compute(set_of, caller), statistics);
+        c::set_base(self.index_base, set_of);
+    });
+}
+
+clsdf_status clsdf_compute_slabs(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,
+                                 std::uint32_t outputs, clsdf_slab_function sink, void* user,
+                                 const clsdf_slab_options* options, const clsdf_call_options* call,
+                                 clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        const clsdf_slab_options from = c::read_struct(options, CLSDF_SLAB_OPTIONS_INIT, "clsdf_slab_options");
+        c::check_reserved(from.reserved, "clsdf_slab_options");
+        SlabOptions to;
+        to.sink_has_own_thread = c::flag(from.own_thread, "clsdf_slab_options.own_thread");
+        if (sink == nullptr) throw c::misuse("sink is null; give a function");
+        set(self.transform.compute(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs),
+                                   sink_of(sink, user, self.index_base), to, caller),
+            statistics);
+    });
+}
+
+clsdf_status clsdf_compute_field(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,
+                                 std::uint32_t outputs, const clsdf_call_options* call, clsdf_statistics* statistics,
+                                 clsdf_field** field) {
+    return made(field, "field", [&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        TransformStatistics measured;
+        auto result = std::make_unique<clsdf_field>(
+            self.transform.compute(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs), caller, &measured),
+            self.index_base);
+        if (self.index_base != 0) c::shift_triangles(result->field.triangle(), 1);
+        set(measured, statistics);
+        return result.release();
+    });
+}
+
+clsdf_status clsdf_slabs_of(const clsdf_grid* grid, clsdf_grid* slabs, std::int64_t size, std::int64_t* count) {
+    return guarded([&] {
+        c::elements(slabs, size, "slabs");
+        const Grid of_field = c::grid_of(grid);
+        of_field.validate();
+        const std::vector<Grid> found = DistanceTransform::slabs_of(of_field);
+        for (std::size_t i = 0; i < found.size() && i < static_cast<std::size_t>(size); ++i)
+            slabs[i] = c::as_c(found[i]);
+        if (count != nullptr) *count = static_cast<std::int64_t>(found.size());
+    });
+}
+
+clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* points, double half_width,
+                         const clsdf_target* targets, std::int64_t target_count, const clsdf_call_options* call,
+                         clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        const InputArray from = c::input_of(points, "points");
+        const OutputTargets to = c::targets_of(targets, target_count);
+        c::check_base(self.index_base, to);
+        set(self.transform.query(from, half_width, to, caller), statistics);
+        c::set_base(self.index_base, to, from.count);
+    });
+}
+
+clsdf_status clsdf_classify(const clsdf_transform* transform, const clsdf_box* boxes, std::int64_t count,
+                            double half_width, std::uint8_t* places) {
+    return guarded([&] {
+        c::elements(boxes, count, "boxes");
+        c::elements(places, count, "places");
+        static_assert(sizeof(Box) == sizeof(clsdf_box) && sizeof(BoxPlace) == 1);
+        const auto size = static_cast<std::size_t>(count);
+        of(transform).transform.classify({reinterpret_cast<const Box*>(boxes), size}, half_width,
+                                         {reinterpret_cast<BoxPlace*>(places), size});
+    });
+}
+
+clsdf_status clsdf_transform_box(const clsdf_transform* transform, clsdf_box* box) {
+    return guarded([&] { given(box, "box") = c::as_c(of(transform).transform.box()); });
+}
+
+clsdf_status clsdf_transform_topology(const clsdf_transform* transform, clsdf_topology* topology) {
+    return guarded([&] { c::write_given(c::as_c(of(transform).transform.topology()), topology, "clsdf_topology"); });
+}
+
+clsdf_status clsdf_transform_sign(const clsdf_transform* transform, std::int32_t* rule) {
+    return guarded([&] { given(rule, "rule") = static_cast<std::int32_t>(of(transform).transform.sign()); });
+}
+
+clsdf_status clsdf_transform_index_base(const clsdf_transform* transform, std::int32_t* index_base) {
+    return guarded([&] { given(index_base, "index_base") = of(transform).index_base; });
+}
+
+clsdf_status clsdf_transform_device(const clsdf_transform* transform, clsdf_device** device) {
+    return made(device, "device", [&] { return new clsdf_device(of(transform).transform.device()); });
+}
+
+clsdf_status clsdf_transform_memory(const clsdf_transform* transform, clsdf_kept_memory* memory) {
+    return guarded([&] {
+        const KeptMemory kept = of(transform).transform.memory();
+        const clsdf_kept_memory result{sizeof result, static_cast<std::int64_t>(kept.host_bytes),
+                                       static_cast<std::int64_t>(kept.device_bytes)};
+        c::write_given(result, memory, "clsdf_kept_memory");
+    });
+}
+
+clsdf_status clsdf_transform_compile(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,
+                                     std::uint32_t outputs, const clsdf_call_options* call,
+                                     clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        set(self.transform.compile(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs), caller), statistics);
+    });
+}

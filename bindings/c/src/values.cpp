@@ -1,0 +1,317 @@
+#include "values.hpp"
+
+#include <clsdf/field.hpp>
+
+#include <algorithm>
+#include <array>
+
+namespace clsdf::c {
+
+namespace {
+
+Vec3 triple(const double* values) {
+    return {values[0], values[1], values[2]};
+}
+Index3 triple(const std::int64_t* values) {
+    return {values[0], values[1], values[2]};
+}
+template <typename Value>
+void store(const std::array<Value, 3>& from, Value* to) {
+    std::copy(from.begin(), from.end(), to);
+}
+
+/// Sets what inputs and outputs have in common.
+void set_layout(const clsdf_array& from, const char* name, ArrayLayout& to) {
+    check_reserved(from.reserved, name);
+    to.type = enumerator(from.type, ElementType::uint8, "clsdf_array.type");
+    to.offset = count_of(from.offset, "clsdf_array.offset");
+    for (std::size_t axis = 0; axis < 3; ++axis) to.strides[axis] = from.strides[axis];
+    to.component_stride = from.component_stride;
+    const std::size_t bytes = count_of(from.bytes, "clsdf_array.bytes");
+    if (bytes > 0) to.bytes = bytes;
+}
+
+bool is_packed(const clsdf_array& array) {
+    return array.offset == 0 && array.component_stride == 0 && array.block_stride == 0 &&
+           std::all_of(array.strides, array.strides + 3, [](std::int64_t stride) { return stride == 0; });
+}
+
+OutputArray output_array_of(const OutputInfo& info, const clsdf_array& array) {
+    OutputArray result;
+    set_layout(array, "clsdf_array", result);
+    result.host = array.host;
+    result.device = static_cast<cl_mem>(array.device);
+    result.block_stride = array.block_stride;
+    const std::size_t count = count_of(array.count, "clsdf_array.count");
+    if (count > 0 && array.bytes == 0 && array.host != nullptr && is_packed(array)) {
+        const ElementType type = result.type == ElementType::automatic ? info.type : result.type;
+        result.bytes = count * info.components * bytes_of(type);
+    }
+    return result;
+}
+
+}  // namespace
+
+Box box_of(const clsdf_box* box) {
+    const clsdf_box& from = given(box, "box");
+    return {triple(from.lower), triple(from.upper)};
+}
+
+clsdf_box as_c(const Box& box) {
+    clsdf_box result{};
+    store(box.lower, result.lower);
+    store(box.upper, result.upper);
+    return result;
+}
+
+Band band_of(const clsdf_band* band) {
+    const clsdf_band& from = given(band, "band");
+    check_reserved(from.reserved, "clsdf_band");
+    return {from.inside, from.outside, flag(from.signs_only, "clsdf_band.signs_only")};
+}
+
+clsdf_band as_c(const Band& band) {
+    return {band.inside, band.outside, band.has_signs_only ? 1 : 0, 0};
+}
+
+Grid grid_of(const clsdf_grid* grid) {
+    const clsdf_grid& from = given(grid, "grid");
+    return {triple(from.origin), triple(from.spacing), triple(from.size), triple(from.first)};
+}
+
+clsdf_grid as_c(const Grid& grid) {
+    clsdf_grid result{};
+    store(grid.origin, result.origin);
+    store(grid.spacing, result.spacing);
+    store(grid.size, result.size);
+    store(grid.first, result.first);
+    return result;
+}
+
+Length length_of(const clsdf_length* length, const char* name) {
+    const clsdf_length& from = given(length, name);
+    check_reserved(from.reserved, "clsdf_length");
+    return {from.value, enumerator(from.unit, Length::Unit::extent, "clsdf_length.unit")};
+}
+
+InputArray input_of(const clsdf_array* array, const char* name) {
+    const clsdf_array& from = given(array, name);
+    InputArray result;
+    set_layout(from, name, result);
+    if (from.type == CLSDF_AUTOMATIC)
+        throw misuse(std::string(name) + ".type is 0; state the type of its numbers, as CLSDF_FLOAT64");
+    result.count = count_of(from.count, "clsdf_array.count");
+    if (result.count > 0 && (from.host == nullptr) == (from.device == nullptr))
+        throw misuse(std::string(name) +
+                     (from.host == nullptr ? " has no memory" : " has memory of the host and of the device") +
+                     "; give it one address: host or device");
+    result.host = from.host;
+    result.device = static_cast<cl_mem>(from.device);
+    result.strides[1] = result.strides[2] = 0;
+    return result;
+}
+
+OutputTargets targets_of(const clsdf_target* targets, std::int64_t count) {
+    elements(targets, count, "targets");
+    OutputTargets result;
+    for (std::int64_t i = 0; i < count; ++i) {
+        check_reserved(targets[i].reserved, "clsdf_target");
+        const OutputInfo& info = info_of(static_cast<Output>(targets[i].output));
+        OutputArray array = output_array_of(info, targets[i].array);
+        if (result.find(info.output) != nullptr)
+            throw misuse(std::string("the output ") + info.name + " has two targets; give it one");
+        result[info.output] = array;
+    }
+    return result;
+}
+
+clsdf_target as_c(const OutputTarget& target) {
+    clsdf_target result{};
+    const OutputArray& array = target.array;
+    result.output = static_cast<std::int32_t>(target.output);
+    result.array.host = array.host;
+    result.array.device = array.device;
+    result.array.offset = static_cast<std::int64_t>(array.offset);
+    std::copy(array.strides.begin(), array.strides.end(), result.array.strides);
+    result.array.component_stride = array.component_stride;
+    result.array.block_stride = array.block_stride;
+    result.array.bytes = array.bytes == ArrayLayout::unknown_size ? 0 : static_cast<std::int64_t>(array.bytes);
+    result.array.type = static_cast<std::int32_t>(array.type);
+    return result;
+}
+
+OutputSet outputs_of(std::uint32_t bits) {
+    const std::size_t count = output_table().size();
+    if (bits >> count != 0)
+        throw misuse("the set of outputs has the bits " + std::to_string(bits) + "; there are " +
+                     std::to_string(count) + " outputs: combine CLSDF_SET(...) of them");
+    return bits == 0 ? OutputSet(Output::distance) : OutputSet::from_bits(bits);
+}
+
+std::vector<clsdf_target> as_c(const FieldSlab& slab) {
+    std::vector<clsdf_target> result;
+    for (const OutputInfo& info : output_table()) {
+        const std::span<const std::byte> bytes = slab.bytes(info.output);
+        const std::size_t sample = info.sample_bytes();
+        if (bytes.empty() || sample == 0) continue;
+        result.push_back({static_cast<std::int32_t>(info.output), 0,
+                          clsdf_host_array(static_cast<std::int32_t>(info.type), bytes.data(),
+                                           static_cast<std::int64_t>(bytes.size() / sample))});
+        result.back().array.bytes = static_cast<std::int64_t>(bytes.size());
+    }
+    return result;
+}
+
+FieldSlab slab_of(const clsdf_target* values, std::int64_t count, std::int64_t samples) {
+    elements(values, count, "values");
+    FieldSlab slab;
+    const std::size_t items = count_of(samples, "the number of samples");
+    for (std::int64_t i = 0; i < count; ++i) {
+        check_reserved(values[i].reserved, "clsdf_target");
+        const OutputInfo& info = info_of(static_cast<Output>(values[i].output));
+        const OutputArray array = output_array_of(info, values[i].array);
+        if (array.host == nullptr && array.device == nullptr) continue;
+        const std::size_t bytes = items * info.sample_bytes();
+        if (array.type != ElementType::automatic && array.type != info.type)
+            throw misuse(std::string("the values of the output ") + info.name + " are " + name_of(array.type) +
+                         ", and files have " + name_of(info.type) + "; give an array of that type");
+        if (array.device != nullptr || !is_packed(values[i].array) ||
+            (array.bytes != ArrayLayout::unknown_size && array.bytes != bytes))
+            throw misuse(std::string("the values of the output ") + info.name + " are not " + std::to_string(items) +
+                         " packed items on the host; copy them to such an array");
+        slab.set(info.output, std::span(static_cast<const std::byte*>(array.host), bytes));
+    }
+    return slab;
+}
+
+SignRule sign_rule_of(std::int32_t rule, const char* name) {
+    return enumerator(rule, SignRule::none, name);
+}
+
+clsdf_topology as_c(const Topology& topology) {
+    clsdf_topology result = CLSDF_TOPOLOGY_INIT;
+    result.closed = topology.closed ? 1 : 0;
+    result.balanced = topology.balanced ? 1 : 0;
+    result.inside_out = topology.inside_out ? 1 : 0;
+    result.open_edges = static_cast<std::int64_t>(topology.open_edges);
+    result.unbalanced_edges = static_cast<std::int64_t>(topology.unbalanced_edges);
+    result.non_manifold_edges = static_cast<std::int64_t>(topology.non_manifold_edges);
+    result.repeated_vertex_faces = static_cast<std::int64_t>(topology.repeated_vertex_faces);
+    result.coincident_vertices = static_cast<std::int64_t>(topology.coincident_vertices);
+    result.unused_vertices = static_cast<std::int64_t>(topology.unused_vertices);
+    const auto copy = [](const std::vector<Topology::Edge>& edges, clsdf_edge(&to)[5]) {
+        const std::size_t count = std::min(edges.size(), std::size(to));
+        for (std::size_t i = 0; i < count; ++i) {
+            store(edges[i].from, to[i].from);
+            store(edges[i].to, to[i].to);
+        }
+        return static_cast<std::int64_t>(count);
+    };
+    result.first_open_count = copy(topology.first_open_edges, result.first_open);
+    result.first_unbalanced_count = copy(topology.first_unbalanced_edges, result.first_unbalanced);
+    return result;
+}
+
+clsdf_statistics as_c(const TransformStatistics& statistics) {
+    clsdf_statistics result = CLSDF_STATISTICS_INIT;
+    result.slabs = static_cast<std::int64_t>(statistics.slabs);
+    result.device_bytes = static_cast<std::int64_t>(statistics.device_bytes);
+    result.host_bytes = static_cast<std::int64_t>(statistics.host_bytes);
+    result.compile_seconds = statistics.compile_seconds;
+    result.polyhedra_seconds = statistics.polyhedra_seconds;
+    result.field_seconds = statistics.field_seconds;
+    result.first_use = statistics.first_use ? 1 : 0;
+    return result;
+}
+
+FieldDescription description_of(const clsdf_field_description* description) {
+    const clsdf_field_description from =
+        read_given(description, CLSDF_FIELD_DESCRIPTION_INIT, "clsdf_field_description");
+    check_reserved(from.reserved, "clsdf_field_description");
+    return {grid_of(&from.grid), band_of(&from.band), sign_rule_of(from.sign, "clsdf_field_description.sign"),
+            text_or(from.mesh_name, "")};
+}
+
+void check_callback(std::int32_t status, const char* name) {
+    if (status == 0) return;
+    std::string message = clsdf_last_error();
+    if (message.empty())
+        message = std::string("the callback ") + name + " ended the call with status " + std::to_string(status) + " (" +
+                  clsdf_status_name(status) + "); clsdf_set_last_error() in the callback can say why";
+    throw CallbackEnded{status, message};
+}
+
+namespace {
+
+/// Calls back with no message kept, so that one found afterwards is the callback's.
+template <typename... Arguments>
+void call_back(const char* name, std::int32_t (*function)(Arguments...), Arguments... arguments) {
+    clsdf_set_last_error(nullptr);
+    check_callback(function(arguments...), name);
+}
+
+}  // namespace
+
+Call::Call(const clsdf_call_options* options) {
+    if (options == nullptr) return;
+    const clsdf_call_options from = read_struct(options, CLSDF_CALL_OPTIONS_INIT, "clsdf_call_options");
+    if (from.progress != nullptr)
+        options_.progress = [from](const Progress& progress) {
+            const clsdf_progress now{static_cast<std::int32_t>(progress.stage), 0, progress.fraction,
+                                     static_cast<std::int64_t>(progress.step),
+                                     static_cast<std::int64_t>(progress.steps)};
+            call_back("progress", from.progress, from.user, &now);
+        };
+    if (from.should_stop != nullptr)
+        options_.should_stop = [from] {
+            call_back("should_stop", from.should_stop, from.user);
+            return false;
+        };
+    if (from.log != nullptr)
+        options_.log = [from](const std::string& message) { call_back("log", from.log, from.user, message.c_str()); };
+    wait_list_ = events_of(from.wait_list, from.wait_count);
+    options_.wait_list = wait_list_;
+}
+
+std::vector<cl_event> events_of(void* const* wait_list, std::int64_t count) {
+    elements(wait_list, count, "wait_list");
+    std::vector<cl_event> events(static_cast<std::size_t>(count));
+    std::transform(wait_list, wait_list + count, events.begin(),
+                   [](void* event) { return static_cast<cl_event>(event); });
+    return events;
+}
+
+std::int32_t checked_index_base(std::int32_t base) {
+    if (base != 0 && base != 1)
+        throw misuse("index_base is " + std::to_string(base) + "; indices count from 0 or from 1");
+    return base;
+}
+
+std::vector<Request> requests_of(const clsdf_request* requests, std::int64_t count) {
+    elements(requests, count, "requests");
+    std::vector<Request> result;
+    result.reserve(static_cast<std::size_t>(count));
+    for (std::int64_t i = 0; i < count; ++i) try {
+            const clsdf_request& request = requests[i];
+            result.push_back({grid_of(&request.grid), band_of(&request.band),
+                              targets_of(request.targets.items, request.targets.count)});
+        } catch (const Error& error) {
+            throw Error(error.code(), "request " + std::to_string(i) + ": " + error.what());
+        }
+    return result;
+}
+
+BlockSet block_set_of(const clsdf_block_set* blocks) {
+    const clsdf_block_set from = read_given(blocks, CLSDF_BLOCK_SET_INIT, "clsdf_block_set");
+    elements(from.first, from.block_count, "clsdf_block_set.first");
+    static_assert(sizeof(Index3) == 3 * sizeof(std::int64_t));
+    BlockSet result;
+    result.lattice = grid_of(&from.lattice);
+    result.band = band_of(&from.band);
+    result.size = triple(from.size);
+    result.first = {reinterpret_cast<const Index3*>(from.first), static_cast<std::size_t>(from.block_count)};
+    result.targets = targets_of(from.targets.items, from.targets.count);
+    return result;
+}
+
+}  // namespace clsdf::c

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "structs.hpp"
+
+#include <clsdf/calls.hpp>
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/outputs.hpp>
+#include <clsdf/topology.hpp>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// From the structs of C to those of C++, and back.
+namespace clsdf::c {
+
+Box box_of(const clsdf_box* box);
+clsdf_box as_c(const Box& box);
+Band band_of(const clsdf_band* band);
+clsdf_band as_c(const Band& band);
+Grid grid_of(const clsdf_grid* grid);
+clsdf_grid as_c(const Grid& grid);
+Length length_of(const clsdf_length* length, const char* name);
+
+InputArray input_of(const clsdf_array* array, const char* name);
+OutputTargets targets_of(const clsdf_target* targets, std::int64_t count);
+clsdf_target as_c(const OutputTarget& target);
+/// 0: the distance. Throws Error(invalid_argument) for a bit that is no output's.
+OutputSet outputs_of(std::uint32_t bits);
+/// The arrays of a slab: packed, on the host, of the types of output_table().
+std::vector<clsdf_target> as_c(const FieldSlab& slab);
+/// The other way. Throws Error(invalid_argument) for arrays that are not packed.
+FieldSlab slab_of(const clsdf_target* values, std::int64_t count, std::int64_t samples);
+
+SignRule sign_rule_of(std::int32_t rule, const char* name);
+clsdf_topology as_c(const Topology& topology);
+clsdf_statistics as_c(const TransformStatistics& statistics);
+FieldDescription description_of(const clsdf_field_description* description);
+
+/// A caller's options of a call.
+class Call {
+public:
+    explicit Call(const clsdf_call_options* options);
+    operator const CallOptions&() const { return options_; }  // NOLINT(google-explicit-constructor): it is them
+
+private:
+    CallOptions options_;
+    std::vector<cl_event> wait_list_;
+};
+
+std::vector<cl_event> events_of(void* const* wait_list, std::int64_t count);
+
+/// Throws CallbackEnded if a callback returned a status.
+void check_callback(std::int32_t status, const char* name);
+
+std::int32_t checked_index_base(std::int32_t base);
+
+/// Requests with the targets of each.
+std::vector<Request> requests_of(const clsdf_request* requests, std::int64_t count);
+BlockSet block_set_of(const clsdf_block_set* blocks);
+
+}  // namespace clsdf::c

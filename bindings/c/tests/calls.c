@@ -1,0 +1,571 @@
+/* What each call gives: other calls of the interface must agree with it. */
+#include "test.h"
+
+enum { N = 12, SAMPLES = N * N * N };
+
+static clsdf_device* device;
+static clsdf_mesh* mesh;           /* a torus */
+static clsdf_transform* transform; /* of it */
+static clsdf_grid grid;            /* around it, N^3 samples */
+static clsdf_band band;
+static float distance[SAMPLES]; /* of the grid: what other calls are compared with */
+static uint32_t triangle[SAMPLES];
+
+static void check_devices(void) {
+    clsdf_devices* list;
+    clsdf_device* other;
+    clsdf_device_info info = CLSDF_DEVICE_INFO_INIT, listed = CLSDF_DEVICE_INFO_INIT;
+    clsdf_device_limits limits = CLSDF_DEVICE_LIMITS_INIT;
+    clsdf_thread_limit *limit, *lower;
+    void *context = NULL, *id = NULL, *queue = NULL;
+    char text[32];
+    int64_t length = 0, before = clsdf_thread_count();
+    clsdf_status status;
+
+    OK(clsdf_devices_list(&list));
+    CHECK(clsdf_devices_count(list) > 0);
+    FAILS(CLSDF_INVALID_ARGUMENT, "there is no device",
+          clsdf_devices_describe(list, clsdf_devices_count(list), &listed));
+    OK(clsdf_device_describe(device, &info));
+    CHECK(info.name[0] != 0 && info.why_not[0] == 0 && info.fp64 == 1 && info.memory > 0 && info.index >= 0);
+    OK(clsdf_devices_describe(list, info.index, &listed));
+    CHECK(strcmp(info.name, listed.name) == 0 && info.id == listed.id && info.kind == listed.kind);
+    OK(clsdf_device_handles(device, &context, &id, &queue));
+    CHECK(context != NULL && id == info.id && queue != NULL);
+    OK(clsdf_device_from_handles(context, id, queue, &other));
+    clsdf_device_release(other);
+    snprintf(text, sizeof text, "%d", (int)info.index);
+    OK(clsdf_device_select(text, &other));
+    clsdf_device_release(other);
+    OK(clsdf_device_strongest(&other));
+    clsdf_device_release(other);
+    clsdf_devices_release(list);
+
+    limits.memory = 1 << 28;
+    OK(clsdf_device_limited(device, &limits, &other));
+    OK(clsdf_device_describe(other, &listed));
+    CHECK(listed.memory == 1 << 28);
+    clsdf_device_release(other);
+    limits.compute_units = 1 << 20;
+    status = clsdf_device_limited(device, &limits, &other);
+    CHECK((status == CLSDF_INVALID_ARGUMENT || status == CLSDF_UNSUPPORTED) && other == NULL);
+    OK(clsdf_device_of_rank(1, 2, &other));
+    OK(clsdf_device_describe(other, &listed));
+    CHECK(listed.compute_units >= 1 && listed.compute_units <= info.compute_units);
+    clsdf_device_release(other);
+    FAILS(CLSDF_INVALID_ARGUMENT, "rank is 2 of 2", clsdf_device_of_rank(2, 2, &other));
+
+    OK(clsdf_device_record_folder(device, text, sizeof text, &length));
+    CHECK(length == 0 && text[0] == 0);
+    OK(clsdf_device_keep_records(device, "records of the C test"));
+    OK(clsdf_device_record_folder(device, text, 5, &length));
+    CHECK(length >= 21 && strlen(text) == 4); /* cut */
+    OK(clsdf_device_forget_records(device));
+    OK(clsdf_device_keep_records(device, NULL));
+    OK(clsdf_device_read_programs(device, ""));
+    OK(clsdf_device_write_programs(device, NULL));
+    OK(clsdf_default_record_folder(NULL, 0, &length));
+
+    OK(clsdf_limit_threads(2, &limit));
+    OK(clsdf_limit_threads(1, &lower));
+    CHECK(clsdf_thread_count() == 1);
+    clsdf_thread_limit_release(lower);
+    clsdf_thread_limit_release(limit);
+    CHECK(clsdf_thread_count() == before);
+}
+
+static void check_grids(void) {
+    const int64_t two[3] = {2, 2, 2}, five[3] = {5, 6, 7}, minus[3] = {-3, 0, 1};
+    clsdf_grid_options options = CLSDF_GRID_OPTIONS_INIT;
+    clsdf_grid other;
+    clsdf_length length = {0.5, CLSDF_EXTENT, 0};
+    clsdf_box box = {{0, 0, 0}, {1, 2, 4}};
+    double position[3], voxel, value;
+    int64_t count;
+    OK(clsdf_box_longest_side(&box, &value));
+    CHECK(value == 4);
+    OK(clsdf_length_resolve(&length, 0.1, 8, &value));
+    CHECK(value == 4);
+    options.spacing[0] = options.spacing[1] = options.spacing[2] = 0.5;
+    options.margin.value = 1;
+    options.margin.unit = CLSDF_VOXELS;
+    OK(clsdf_grid_around_box(&box, &options, &other));
+    CHECK(other.size[0] == 5 && other.size[1] == 7 && other.size[2] == 11 && other.origin[2] == -0.5);
+    OK(clsdf_grid_voxel(&other, &voxel));
+    CHECK(voxel == 0.5);
+    OK(clsdf_grid_part(&other, two, two, &other));
+    OK(clsdf_grid_position(&other, 1, 0, 0, position));
+    CHECK(position[0] == 1 && position[2] == 0.5 && other.first[0] == 2);
+    OK(clsdf_grid_box(&other, &box));
+    CHECK(box.lower[0] == 0.5 && box.upper[0] == 1);
+    FAILS(CLSDF_INVALID_ARGUMENT, "part", clsdf_grid_part(&other, two, two, &other));
+    OK(clsdf_grid_block(&other, minus, five, &other));
+    CHECK(other.first[0] == -3 && other.size[2] == 7 && clsdf_grid_offset(&other, 1, 2, 3) == 1 + 5 * (2 + 6 * 3));
+    OK(clsdf_grid_grown(&other, 1, &other));
+    OK(clsdf_grid_sample_count(&other, &count));
+    CHECK(other.first[0] == -4 && count == 7 * 8 * 9);
+    OK(clsdf_grid_refined(&other, 2, &other));
+    CHECK(other.size[0] == 13 && other.spacing[0] == 0.25);
+    OK(clsdf_grid_cell_centred(&other, &other));
+    OK(clsdf_grid_refined_cells(&other, 2, &other));
+    CHECK(other.size[0] == 26);
+    OK(clsdf_grid_validate(&other));
+}
+
+static void check_meshes(void) {
+    const float vertices[4][4] = {{0, 0, 0, 9}, {1, 0, 0, 9}, {0, 1, 0, 9}, {0, 0, 1, 9}};
+    const int64_t faces[3][4] = {{1, 1, 1, 2}, {3, 2, 4, 3}, {2, 4, 3, 4}}; /* from 1, by component */
+    clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
+    clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
+    clsdf_defects defects = CLSDF_DEFECTS_INIT;
+    clsdf_mesh *own, *other;
+    clsdf_box box;
+    const double* positions;
+    const uint32_t* indices;
+    const uint8_t colours[12] = {255, 0, 0};
+    const char* name;
+    char warning[64];
+    int64_t count, length;
+    int32_t rule, base;
+    double moved[4][3];
+    clsdf_array array;
+
+    arrays.vertices = clsdf_host_array(CLSDF_FLOAT32, vertices, 4);
+    arrays.vertices.strides[0] = sizeof vertices[0];
+    arrays.vertices.bytes = sizeof vertices;
+    arrays.triangles = clsdf_host_array(CLSDF_INT64, faces, 4);
+    arrays.triangles.component_stride = sizeof faces[0]; /* structure of arrays */
+    arrays.index_base = 1;
+    arrays.name = "tetrahedron";
+    OK(clsdf_mesh_create(&arrays, &own));
+    OK(clsdf_mesh_triangles(own, &indices, &count));
+    CHECK(count == 4 && indices[0] == 0 && indices[1] == 2 && indices[2] == 1 && indices[9] == 1 && indices[11] == 3);
+    OK(clsdf_mesh_vertices(own, &positions, &count));
+    CHECK(count == 4 && positions[3] == 1 && positions[11] == 1);
+    OK(clsdf_mesh_index_base(own, &base));
+    OK(clsdf_mesh_name(own, &name));
+    CHECK(base == 1 && strcmp(name, "tetrahedron") == 0);
+    OK(clsdf_mesh_topology(own, &topology));
+    OK(clsdf_mesh_defects(own, &defects));
+    CHECK(topology.closed == 1 && topology.balanced == 1 && topology.open_edges == 0 && defects.components == 1);
+    OK(clsdf_mesh_sign(own, CLSDF_SIGN_AUTOMATIC, &rule, warning, sizeof warning, &length));
+    CHECK(rule == CLSDF_SIGN_NONZERO && length == 0 && warning[0] == 0);
+
+    OK(clsdf_mesh_write(own, "tetrahedron.ply", colours, 4));
+    OK(clsdf_mesh_read("tetrahedron.ply", &other));
+    OK(clsdf_mesh_triangles(other, &indices, &count));
+    CHECK(count == 4 && indices[1] == 2);
+    clsdf_mesh_release(other);
+    FAILS(CLSDF_INVALID_ARGUMENT, "colour", clsdf_mesh_write(own, "tetrahedron.ply", colours, 3));
+    OK(clsdf_mesh_weld(own, &other));
+    OK(clsdf_mesh_index_base(other, &base));
+    CHECK(base == 1);
+    clsdf_mesh_release(other);
+
+    memcpy(moved, positions, sizeof moved);
+    moved[3][2] = 5;
+    array = clsdf_host_array(CLSDF_FLOAT64, moved, 4);
+    OK(clsdf_mesh_set_positions(own, &array));
+    OK(clsdf_mesh_box(own, &box));
+    CHECK(box.upper[2] == 5 && box.upper[0] == 1);
+    array.count = 3;
+    FAILS(CLSDF_INVALID_ARGUMENT, "4 vertices", clsdf_mesh_set_positions(own, &array));
+
+    /* One face is missing. */
+    arrays.triangles.count = 3;
+    clsdf_mesh_release(own);
+    OK(clsdf_mesh_create(&arrays, &own));
+    OK(clsdf_mesh_topology(own, &topology));
+    CHECK(topology.closed == 0 && topology.open_edges == 3 && topology.first_open_count == 3);
+    FAILS(CLSDF_INVALID_MESH, "edge", clsdf_mesh_sign(own, CLSDF_SIGN_PARITY, &rule, NULL, 0, NULL));
+    OK(clsdf_mesh_sign(own, CLSDF_SIGN_AUTOMATIC, &rule, warning, sizeof warning, &length));
+    CHECK(rule == CLSDF_SIGN_NONE && length >= (int64_t)sizeof warning && strlen(warning) == sizeof warning - 1);
+    clsdf_mesh_release(own);
+    CHECK(clsdf_shape_count() > 10 && clsdf_shape_name(0)[0] != 0 && clsdf_shape_description(0)[0] != 0);
+}
+
+/* Other types, strides and halos get the same values, and no other byte changes. */
+static void check_arrays(void) {
+    enum { H = 2, M = N + 2 * H };
+    static double phi[M][M][M], gradient[3][SAMPLES];
+    static float packed[SAMPLES][3], of_slices[SAMPLES];
+    static int32_t signed_triangle[SAMPLES];
+    clsdf_target targets[3];
+    int64_t i, j, k, n = 0;
+    for (i = 0; i < M * M * M; ++i) (&phi[0][0][0])[i] = 77;
+    targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT64, &phi[H][H][H], 0);
+    targets[0].array.strides[0] = sizeof(double);
+    targets[0].array.strides[1] = sizeof phi[0][0];
+    targets[0].array.strides[2] = sizeof phi[0];
+    targets[1] = clsdf_host_target(CLSDF_GRADIENT, CLSDF_FLOAT64, gradient, SAMPLES);
+    targets[1].array.component_stride = sizeof gradient[0];
+    targets[2] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_INT32, signed_triangle, SAMPLES);
+    OK(clsdf_compute(transform, &grid, &band, targets, 3, NULL, NULL));
+    for (k = 0; k < N; ++k)
+        for (j = 0; j < N; ++j)
+            for (i = 0; i < N; ++i, ++n) {
+                CHECK(phi[k + H][j + H][i + H] - distance[n] < 1e-6 && distance[n] - phi[k + H][j + H][i + H] < 1e-6);
+                CHECK(signed_triangle[n] == (int32_t)triangle[n]);
+                phi[k + H][j + H][i + H] = 77;
+            }
+    for (i = 0; i < M * M * M; ++i) CHECK((&phi[0][0][0])[i] == 77);
+
+    targets[0] = float_target(of_slices, SAMPLES);
+    targets[1] = clsdf_host_target(CLSDF_GRADIENT, CLSDF_AUTOMATIC, packed, SAMPLES);
+    OK(clsdf_compute(transform, &grid, &band, targets, 2, NULL, NULL));
+    CHECK(memcmp(distance, of_slices, sizeof distance) == 0);
+    for (n = 0; n < SAMPLES; ++n)
+        if (triangle[n] != UINT32_MAX) CHECK(packed[n][1] == (float)gradient[1][n]);
+
+    /* From the last slice to the first. */
+    targets[0].array.host = &of_slices[(N - 1) * N * N];
+    targets[0].array.strides[0] = 4;
+    targets[0].array.strides[1] = 4 * N;
+    targets[0].array.strides[2] = -4 * N * N;
+    OK(clsdf_compute(transform, &grid, &band, targets, 1, NULL, NULL));
+    for (k = 0; k < N; ++k)
+        CHECK(memcmp(&of_slices[k * N * N], &distance[(N - 1 - k) * N * N], N * N * sizeof(float)) == 0);
+}
+
+/* A slab of the field; or the end of the call. */
+static int32_t take_slab(void* user, const clsdf_grid* part, const clsdf_target* values, int64_t count) {
+    int64_t* slices = user;
+    int64_t n;
+    if (*slices < 0) {
+        clsdf_set_last_error("the disk is full");
+        return 1234;
+    }
+    for (n = 0; n < count; ++n) {
+        const char* bytes = (values[n].output == CLSDF_DISTANCE ? (const char*)distance : (const char*)triangle);
+        CHECK(values[n].output == CLSDF_DISTANCE || values[n].output == CLSDF_TRIANGLE);
+        CHECK(values[n].array.count == part->size[0] * part->size[1] * part->size[2]);
+        CHECK(memcmp(values[n].array.host, bytes + 4 * N * N * part->first[2], (size_t)values[n].array.bytes) == 0);
+    }
+    CHECK(count == 2);
+    *slices += part->size[2];
+    return 0;
+}
+
+static void check_many(void) {
+    enum { B = 4, BLOCKS = 27, OF_BLOCK = B * B * B };
+    static float of_request[2][SAMPLES], of_blocks[BLOCKS][OF_BLOCK];
+    static int64_t first[BLOCKS][3];
+    clsdf_request requests[2];
+    clsdf_target targets[2];
+    clsdf_block_set blocks = CLSDF_BLOCK_SET_INIT;
+    clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
+    clsdf_slab_options own_thread = CLSDF_SLAB_OPTIONS_INIT;
+    clsdf_field* field;
+    clsdf_field_description description = CLSDF_FIELD_DESCRIPTION_INIT;
+    clsdf_array array;
+    clsdf_grid slabs[1];
+    int64_t n, count, slices = 0;
+    uint32_t outputs;
+    for (n = 0; n < 2; ++n) {
+        targets[n] = float_target(of_request[n], SAMPLES);
+        requests[n].grid = grid;
+        requests[n].band = band;
+        requests[n].targets.items = &targets[n];
+        requests[n].targets.count = 1;
+    }
+    OK(clsdf_compute_requests(transform, requests, 2, NULL, &statistics));
+    CHECK(memcmp(of_request[0], distance, sizeof distance) == 0 &&
+          memcmp(of_request[1], distance, sizeof distance) == 0);
+    CHECK(statistics.field_seconds > 0 && statistics.slabs > 0);
+    requests[1].band.outside = -1;
+    FAILS(CLSDF_INVALID_ARGUMENT, "request 1", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
+    targets[1].reserved = 1;
+    FAILS(CLSDF_INVALID_ARGUMENT, "request 1", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
+
+    for (n = 0; n < BLOCKS; ++n) {
+        first[n][0] = grid.first[0] + B * (n % 3);
+        first[n][1] = grid.first[1] + B * (n / 3 % 3);
+        first[n][2] = grid.first[2] + B * (n / 9);
+    }
+    targets[0] = float_target(of_blocks[0], BLOCKS * OF_BLOCK);
+    blocks.lattice = grid;
+    blocks.band = band;
+    blocks.size[0] = blocks.size[1] = blocks.size[2] = B;
+    blocks.first = first[0];
+    blocks.block_count = BLOCKS;
+    blocks.targets.items = targets;
+    blocks.targets.count = 1;
+    OK(clsdf_compute_blocks(transform, &blocks, NULL, NULL));
+    for (n = 0; n < BLOCKS * OF_BLOCK; ++n) {
+        const int64_t at = n % OF_BLOCK, *block = first[n / OF_BLOCK];
+        CHECK(of_blocks[n / OF_BLOCK][at] ==
+              distance[clsdf_grid_offset(&grid, block[0] + at % B, block[1] + at / B % B, block[2] + at / (B * B))]);
+    }
+    targets[0].array.count = 5;
+    FAILS(CLSDF_INVALID_ARGUMENT, "27 blocks", clsdf_compute_blocks(transform, &blocks, NULL, NULL));
+
+    outputs = CLSDF_SET(CLSDF_DISTANCE) | CLSDF_SET(CLSDF_TRIANGLE);
+    OK(clsdf_compute_slabs(transform, &grid, &band, outputs, take_slab, &slices, NULL, NULL, NULL));
+    CHECK(slices == N);
+    own_thread.own_thread = 1;
+    OK(clsdf_compute_slabs(transform, &grid, &band, outputs, take_slab, &slices, &own_thread, NULL, NULL));
+    CHECK(slices == 2 * N);
+    slices = -1;
+    FAILS(1234, "the disk is full",
+          clsdf_compute_slabs(transform, &grid, &band, outputs, take_slab, &slices, NULL, NULL, NULL));
+    FAILS(1234, "the disk is full",
+          clsdf_compute_slabs(transform, &grid, &band, outputs, take_slab, &slices, &own_thread, NULL, NULL));
+    OK(clsdf_slabs_of(&grid, slabs, 1, &count));
+    CHECK(count >= 1 && slabs[0].size[0] == N);
+
+    OK(clsdf_compute_field(transform, &grid, &band, outputs, NULL, NULL, &field));
+    OK(clsdf_field_outputs(field, &outputs));
+    CHECK(outputs == (CLSDF_SET(CLSDF_DISTANCE) | CLSDF_SET(CLSDF_TRIANGLE)));
+    OK(clsdf_field_array(field, CLSDF_TRIANGLE, &array));
+    CHECK(array.count == SAMPLES && array.type == CLSDF_UINT32 && memcmp(array.host, triangle, sizeof triangle) == 0);
+    OK(clsdf_field_array(field, CLSDF_SITE, &array));
+    CHECK(array.host == NULL && array.count == 0);
+    OK(clsdf_field_describe(field, &description));
+    CHECK(memcmp(&description.grid, &grid, sizeof grid) == 0 && description.sign == CLSDF_SIGN_NONZERO);
+    CHECK(strcmp(description.mesh_name, "torus") == 0 && description.band.outside == band.outside);
+    clsdf_field_release(field);
+}
+
+static void check_points(void) {
+    double points[4][3] = {{0, 0, 0}, {9, 9, 9}, {0, 0, 0.01}, {0, 0, 0}};
+    double found[4];
+    uint8_t site[4], place[2];
+    clsdf_array array = clsdf_host_array(CLSDF_FLOAT64, points, 4);
+    clsdf_target targets[2];
+    clsdf_box boxes[2];
+    clsdf_kept_memory memory = CLSDF_KEPT_MEMORY_INIT;
+    targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT64, found, 4);
+    targets[1] = clsdf_host_target(CLSDF_SITE, CLSDF_UINT8, site, 4);
+    OK(clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    CHECK(found[0] == found[3] && found[1] == 2 && site[1] == 255 && site[0] != 255 && found[0] > 0);
+    targets[0].array.count = 3;
+    FAILS(CLSDF_INVALID_ARGUMENT, "4 are needed", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    points[1][2] = HUGE_VAL;
+    targets[0].array.count = 4;
+    FAILS(CLSDF_INVALID_ARGUMENT, "point", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    OK(clsdf_transform_box(transform, &boxes[0]));
+    memset(&boxes[1], 0, sizeof boxes[1]); /* the hole of the torus */
+    OK(clsdf_classify(transform, boxes, 2, 1e-3, place));
+    CHECK(place[0] == CLSDF_WITHIN && place[1] == CLSDF_OUTSIDE);
+    OK(clsdf_transform_memory(transform, &memory));
+    CHECK(memory.host_bytes > 0);
+}
+
+static void check_motion(void) {
+    const double rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, turn[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, up[3] = {0, 0, 0.5},
+                 no_rotation[9] = {2, 0, 0, 0, 1, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
+    static float values[SAMPLES];
+    const clsdf_target target = float_target(values, SAMPLES);
+    clsdf_transform *other, *part;
+    clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
+    clsdf_region region;
+    clsdf_device* same;
+    clsdf_box box;
+    clsdf_array array;
+    const double* positions;
+    int64_t count;
+    int32_t rule, base;
+    OK(clsdf_transform_create(device, mesh, NULL, NULL, &other));
+    OK(clsdf_transform_set_motion(other, turn, up));
+    OK(clsdf_transform_box(other, &box));
+    OK(clsdf_compute(other, &grid, &band, &target, 1, NULL, NULL));
+    CHECK(memcmp(values, distance, sizeof values) != 0);
+    FAILS(CLSDF_INVALID_ARGUMENT, "rotation", clsdf_transform_set_motion(other, no_rotation, up));
+    OK(clsdf_transform_set_motion(other, rest, nowhere));
+    OK(clsdf_compute(other, &grid, &band, &target, 1, NULL, NULL));
+    CHECK(memcmp(values, distance, sizeof values) == 0);
+    OK(clsdf_mesh_vertices(mesh, &positions, &count));
+    array = clsdf_host_array(CLSDF_FLOAT64, positions, count);
+    OK(clsdf_transform_set_positions(other, &array, NULL));
+    array.count = 7;
+    FAILS(CLSDF_INVALID_ARGUMENT, "7", clsdf_transform_set_positions(other, &array, NULL));
+    OK(clsdf_compute(other, &grid, &band, &target, 1, NULL, NULL));
+    CHECK(memcmp(values, distance, sizeof values) == 0);
+
+    OK(clsdf_grid_box(&grid, &region.box));
+    region.half_width = band.outside;
+    OK(clsdf_grid_voxel(&grid, &region.spacing));
+    OK(clsdf_transform_restrict(other, &region, 1, &part));
+    clsdf_transform_release(other);
+    OK(clsdf_compute(part, &grid, &band, &target, 1, NULL, NULL));
+    CHECK(memcmp(values, distance, sizeof values) == 0);
+    FAILS(CLSDF_UNSUPPORTED, "restrict", clsdf_transform_set_motion(part, turn, up));
+    OK(clsdf_transform_topology(part, &topology));
+    OK(clsdf_transform_sign(part, &rule));
+    OK(clsdf_transform_index_base(part, &base));
+    CHECK(topology.closed == 1 && rule == CLSDF_SIGN_NONZERO && base == 0);
+    OK(clsdf_transform_device(part, &same));
+    OK(clsdf_transform_compile(part, &grid, &band, CLSDF_SET(CLSDF_CLOSEST), NULL, NULL));
+    clsdf_device_release(same);
+    clsdf_transform_release(part);
+}
+
+/* With indices from 1, triangles of outputs count from 1, and 0 is none. */
+static void check_base(void) {
+    static uint32_t from_1[SAMPLES], of_query[3];
+    static int32_t of_blocks[2 * SAMPLES], strided[2 * SAMPLES];
+    static float values[2 * SAMPLES];
+    const int64_t first[2][3] = {{0, 0, 0}, {0, 0, 0}};
+    const double points[3][3] = {{0, 0, 0}, {9, 9, 9}, {0.5, 0.5, 0}};
+    const clsdf_array at = clsdf_host_array(CLSDF_FLOAT64, points, 3);
+    clsdf_block_set blocks = CLSDF_BLOCK_SET_INIT;
+    clsdf_request request;
+    clsdf_target targets[2];
+    clsdf_transform* of_base_1;
+    clsdf_field* field;
+    clsdf_array array;
+    int64_t n, beyond = 0;
+    OK(clsdf_mesh_set_index_base(mesh, 1));
+    OK(clsdf_transform_create(device, mesh, NULL, NULL, &of_base_1));
+    OK(clsdf_mesh_set_index_base(mesh, 0));
+    targets[0] = float_target(values, SAMPLES);
+    targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_UINT32, from_1, SAMPLES);
+    OK(clsdf_compute(of_base_1, &grid, &band, targets, 2, NULL, NULL));
+    for (n = 0; n < SAMPLES; ++n) {
+        CHECK(from_1[n] == triangle[n] + 1U);
+        beyond += from_1[n] == 0 ? 1 : 0;
+    }
+    CHECK(beyond > 0 && beyond < SAMPLES);
+
+    /* Every second number of an array, backwards; the others stay. */
+    for (n = 0; n < 2 * SAMPLES; ++n) strided[n] = -7;
+    targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_INT32, &strided[2 * SAMPLES - 2], 0);
+    targets[1].array.strides[0] = -8;
+    targets[1].array.strides[1] = -8 * N;
+    targets[1].array.strides[2] = -8 * N * N;
+    request.grid = grid;
+    request.band = band;
+    request.targets.items = targets;
+    request.targets.count = 2;
+    OK(clsdf_compute_requests(of_base_1, &request, 1, NULL, NULL));
+    for (n = 0; n < SAMPLES; ++n)
+        CHECK(strided[2 * SAMPLES - 2 - 2 * n] == (int32_t)from_1[n] && strided[2 * n + 1] == -7);
+
+    targets[0] = float_target(values, 2 * SAMPLES);
+    targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_INT32, of_blocks, 2 * SAMPLES);
+    blocks.lattice = grid;
+    blocks.band = band;
+    blocks.size[0] = blocks.size[1] = blocks.size[2] = N;
+    blocks.first = first[0];
+    blocks.block_count = 2;
+    blocks.targets = request.targets;
+    OK(clsdf_compute_blocks(of_base_1, &blocks, NULL, NULL));
+    CHECK(memcmp(of_blocks, from_1, sizeof from_1) == 0);
+    CHECK(memcmp(of_blocks + SAMPLES, from_1, sizeof from_1) == 0);
+
+    targets[0] = float_target(values, 3);
+    targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_UINT32, of_query, 3);
+    OK(clsdf_query(of_base_1, &at, 1, targets, 2, NULL, NULL));
+    CHECK(of_query[0] > 0 && of_query[1] == 0);
+    OK(clsdf_compute_field(of_base_1, &grid, &band, CLSDF_SET(CLSDF_TRIANGLE), NULL, NULL, &field));
+    OK(clsdf_field_array(field, CLSDF_TRIANGLE, &array));
+    CHECK(memcmp(array.host, from_1, sizeof from_1) == 0);
+    clsdf_field_release(field);
+    clsdf_transform_release(of_base_1);
+}
+
+typedef struct {
+    int calls;
+    int32_t answer;
+    char message[256];
+} caller;
+
+static int32_t progressed(void* user, const clsdf_progress* progress) {
+    caller* own = user;
+    CHECK(progress->fraction >= 0 && progress->fraction <= 1);
+    ++own->calls;
+    return own->answer;
+}
+static int32_t stopped(void* user) {
+    caller* own = user;
+    ++own->calls;
+    return own->answer;
+}
+static int32_t logged(void* user, const char* message) {
+    caller* own = user;
+    ++own->calls;
+    snprintf(own->message, sizeof own->message, "%s", message);
+    return own->answer;
+}
+
+static void check_callbacks(void) {
+    const double vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const uint32_t face[3] = {0, 1, 2};
+    static float values[SAMPLES];
+    const clsdf_target target = float_target(values, SAMPLES);
+    clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
+    clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
+    clsdf_transform* open;
+    caller own = {0, 0, ""};
+    call.user = &own;
+    call.progress = progressed;
+    OK(clsdf_compute(transform, &grid, &band, &target, 1, &call, NULL));
+    CHECK(own.calls > 0);
+    own.answer = -42;
+    FAILS(-42, "callback progress", clsdf_compute(transform, &grid, &band, &target, 1, &call, NULL));
+    call.progress = NULL;
+    call.should_stop = stopped;
+    own.answer = CLSDF_CANCELLED;
+    FAILS(CLSDF_CANCELLED, "should_stop", clsdf_compute(transform, &grid, &band, &target, 1, &call, NULL));
+    own.answer = 0;
+    own.calls = 0;
+    OK(clsdf_compute(transform, &grid, &band, &target, 1, &call, NULL));
+    CHECK(own.calls > 0 && memcmp(values, distance, sizeof values) == 0);
+
+    arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, vertices, 3);
+    arrays.triangles = clsdf_host_array(CLSDF_UINT32, face, 1);
+    call.should_stop = NULL;
+    call.log = logged;
+    own.calls = 0;
+    OK(clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));
+    CHECK(own.calls == 1 && strstr(own.message, "edge") != NULL);
+    clsdf_transform_release(open);
+    own.answer = 5;
+    FAILS(5, "callback log", clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));
+    CHECK(open == NULL);
+}
+
+int main(void) {
+    clsdf_target targets[2];
+    CHECK(clsdf_version() == CLSDF_VERSION && strcmp(clsdf_version_text(), "0.1.0") == 0);
+    CHECK(strcmp(clsdf_status_name(CLSDF_INVALID_MESH), "invalid_mesh") == 0 &&
+          strcmp(clsdf_type_name(CLSDF_FLOAT64), "double") == 0 &&
+          strcmp(clsdf_sign_name(CLSDF_SIGN_PARITY), "parity") == 0 &&
+          strcmp(clsdf_device_kind_name(CLSDF_GPU), "gpu") == 0);
+    OK(clsdf_device_automatic(&device));
+    OK(clsdf_mesh_shape("torus", &mesh));
+    OK(clsdf_transform_create(device, mesh, NULL, NULL, &transform));
+    {
+        clsdf_grid_options options = CLSDF_GRID_OPTIONS_INIT;
+        clsdf_box box;
+        double voxel;
+        options.resolution = N;
+        options.cubic = 1;
+        OK(clsdf_mesh_box(mesh, &box));
+        OK(clsdf_grid_around_box(&box, &options, &grid));
+        OK(clsdf_grid_voxel(&grid, &voxel));
+        band = clsdf_band_symmetric(1.5 * voxel);
+    }
+    targets[0] = float_target(distance, SAMPLES);
+    targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_UINT32, triangle, SAMPLES);
+    OK(clsdf_compute(transform, &grid, &band, targets, 2, NULL, NULL));
+
+    check_devices();
+    check_grids();
+    check_meshes();
+    check_arrays();
+    check_many();
+    check_points();
+    check_motion();
+    check_base();
+    check_callbacks();
+
+    /* What holds a reference keeps the object. */
+    clsdf_mesh_retain(mesh);
+    clsdf_mesh_release(mesh);
+    clsdf_device_release(device);
+    OK(clsdf_compute(transform, &grid, &band, targets, 2, NULL, NULL));
+    clsdf_transform_release(transform);
+    clsdf_mesh_release(mesh);
+    return 0;
+}

@@ -1,0 +1,23 @@
+# clsdf_documented_programs(<page> <program>...): the whole programs of a page are compiled and run. A program begins with
+# the comment /* <program>.c: ... */. Every name clsdf_... of the page is in a header.
+function(clsdf_documented_programs page)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})
+  file(READ ${page} text)
+  foreach(program IN LISTS ARGN)
+    if(NOT text MATCHES "```c\n(/\\* ${program}\\.c: [^`]*)```")
+      message(FATAL_ERROR "${page} has no program ${program}.c")
+    endif()
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/documented/${program}.c)
+    file(CONFIGURE OUTPUT ${source} CONTENT "${CMAKE_MATCH_1}" @ONLY)
+    add_executable(test_c_documented_${program} ${source})
+    target_link_libraries(test_c_documented_${program} PRIVATE clsdf::c_io clsdf_c_warnings m)
+    add_test(NAME c_documented_${program} COMMAND test_c_documented_${program}
+             WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/documented)
+  endforeach()
+  string(REGEX MATCHALL "```c\n/\\*" programs "${text}")
+  list(LENGTH programs count)
+  list(LENGTH ARGN tested)
+  if(NOT count EQUAL tested)
+    message(FATAL_ERROR "${page} has ${count} programs, and ${tested} are tested")
+  endif()
+endfunction()

@@ -1,0 +1,122 @@
+/* Files of fields and points: what is written is read. */
+#include "test.h"
+
+#include <clsdf_io.h>
+
+enum { N = 10, SAMPLES = N * N * N };
+
+int main(void) {
+    const clsdf_band band = clsdf_band_symmetric(0.2);
+    const char* names[] = {"field.nrrd", "field.npy", "field.vti", "field.h5", "slabs.nrrd"};
+    const double positions[2][3] = {{1, 2, 3}, {4, 5, 6}};
+    float values[2] = {0.5F, -1};
+    clsdf_device* device;
+    clsdf_mesh* mesh;
+    clsdf_transform* transform;
+    clsdf_field *field, *other;
+    clsdf_field_writer* writer;
+    clsdf_field_description description = CLSDF_FIELD_DESCRIPTION_INIT, read = CLSDF_FIELD_DESCRIPTION_INIT;
+    clsdf_grid grid;
+    clsdf_array array, from_file;
+    clsdf_target targets[2];
+    clsdf_points* points;
+    const double* found;
+    const uint32_t both = CLSDF_SET(CLSDF_DISTANCE) | CLSDF_SET(CLSDF_TRIANGLE);
+    uint32_t outputs;
+    int64_t count, length, n, i;
+    char text[256];
+
+    OK(clsdf_device_automatic(&device));
+    OK(clsdf_mesh_shape("cube", &mesh));
+    OK(clsdf_mesh_set_index_base(mesh, 1));
+    OK(clsdf_transform_create(device, mesh, NULL, NULL, &transform));
+    OK(clsdf_grid_around_mesh(mesh, N, &band, &grid));
+    OK(clsdf_compute_field(transform, &grid, &band, both, NULL, NULL, &field));
+    OK(clsdf_field_describe(field, &description));
+    OK(clsdf_field_array(field, CLSDF_DISTANCE, &array));
+    CHECK(array.count == SAMPLES);
+
+    /* Slab by slab, from the caller's arrays. */
+    OK(clsdf_field_writer_create(names[4], &description, both, &writer));
+    OK(clsdf_field_array(field, CLSDF_TRIANGLE, &from_file));
+    {
+        uint32_t *triangles = from_file.host, *from_0 = allocate(SAMPLES * sizeof *from_0);
+        for (n = 0; n < SAMPLES; ++n) from_0[n] = triangles[n] - 1U;
+        for (n = 0; n < N; n += 5) {
+            targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT32, (float*)array.host + n * N * N, 5 * N * N);
+            targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_UINT32, from_0 + n * N * N, 5 * N * N);
+            OK(clsdf_field_writer_append(writer, targets, 2, 5));
+        }
+        free(from_0);
+    }
+    clsdf_field_writer_retain(writer);
+    clsdf_field_writer_release(writer);
+    OK(clsdf_field_writer_finish(writer));
+    FAILS(CLSDF_INVALID_ARGUMENT, "", clsdf_field_writer_append(writer, targets, 2, 1));
+    clsdf_field_writer_release(writer);
+
+    for (i = 0; i < 5; ++i) {
+        OK(clsdf_field_check_path(names[i], both));
+        if (i < 4) OK(clsdf_field_write(field, names[i]));
+        OK(clsdf_field_read(names[i], &other));
+        OK(clsdf_field_outputs(other, &outputs));
+        CHECK(outputs == both);
+        OK(clsdf_field_describe(other, &read));
+        CHECK(memcmp(&read.grid, &grid, sizeof grid) == 0 && read.band.inside == 0.2 && read.sign == description.sign);
+        OK(clsdf_field_array(other, CLSDF_DISTANCE, &from_file));
+        CHECK(memcmp(from_file.host, array.host, SAMPLES * sizeof(float)) == 0);
+        /* Files count triangles from 0, and the field from 1. */
+        {
+            clsdf_array from_1;
+            OK(clsdf_field_array(field, CLSDF_TRIANGLE, &from_1));
+            OK(clsdf_field_array(other, CLSDF_TRIANGLE, &from_file));
+            for (n = 0; n < SAMPLES; ++n) CHECK(((uint32_t*)from_file.host)[n] + 1U == ((uint32_t*)from_1.host)[n]);
+        }
+        clsdf_field_release(other);
+    }
+    OK(clsdf_field_missing_files(names[0], text, sizeof text, &length));
+    CHECK(length == 0);
+    CHECK(remove("field_triangle.nrrd") == 0);
+    OK(clsdf_field_missing_files(names[0], text, sizeof text, &length));
+    CHECK(strstr(text, "field_triangle.nrrd\n") != NULL);
+
+    FAILS(CLSDF_UNSUPPORTED, "field.xyz", clsdf_field_write(field, "field.xyz"));
+    FAILS(CLSDF_UNREADABLE_INPUT, "nowhere.nrrd", clsdf_field_read("nowhere.nrrd", &other));
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_field_write(NULL, "x.nrrd"));
+    FAILS(CLSDF_INVALID_ARGUMENT, "the handle given as a field is one of a mesh",
+          clsdf_field_write((const clsdf_field*)mesh, "x.nrrd"));
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_field_read(NULL, &other));
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_field_writer_finish(NULL));
+    OK(clsdf_field_writer_create("never.nrrd", &description, 0, &writer));
+    FAILS(CLSDF_INVALID_ARGUMENT, "slices", clsdf_field_writer_append(writer, targets, 1, 0));
+    FAILS(CLSDF_INVALID_ARGUMENT, "packed", clsdf_field_writer_append(writer, targets, 1, 4));
+    targets[0].array.type = CLSDF_FLOAT64;
+    FAILS(CLSDF_INVALID_ARGUMENT, "double", clsdf_field_writer_append(writer, targets, 1, 5));
+    clsdf_field_writer_release(writer);
+    CHECK(fopen("never.nrrd", "rb") == NULL);
+
+    /* A field of the caller's own values. */
+    OK(clsdf_field_create(&description, 0, &other));
+    OK(clsdf_field_array(other, CLSDF_DISTANCE, &from_file));
+    CHECK(from_file.count == SAMPLES && from_file.type == CLSDF_FLOAT32);
+    memcpy(from_file.host, array.host, SAMPLES * sizeof(float));
+    OK(clsdf_field_write(other, "own.nrrd"));
+    clsdf_field_release(other);
+
+    /* Points. */
+    OK(clsdf_points_check_path("points.csv"));
+    targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT32, values, 2);
+    OK(clsdf_points_write(positions[0], 2, targets, 1, "points.csv", 0));
+    OK(clsdf_points_read("points.csv", &points));
+    OK(clsdf_points_data(points, &found, &count));
+    CHECK(count == 2 && memcmp(found, positions, sizeof positions) == 0);
+    clsdf_points_release(points);
+    FAILS(CLSDF_UNSUPPORTED, "points.xyz", clsdf_points_check_path("points.xyz"));
+
+    clsdf_field_release(field);
+    clsdf_transform_release(transform);
+    clsdf_device_release(device);
+    clsdf_mesh_release(mesh);
+    clsdf_io_abandon_unfinished_files();
+    return 0;
+}
