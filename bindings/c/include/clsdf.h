@@ -122,6 +122,7 @@ typedef int32_t clsdf_status;
 /* Stages of a call. */
 #define CLSDF_COMPILING 0
 #define CLSDF_COMPUTING 1
+#define CLSDF_TESTING 2 /* programs compute a known field */
 
 /* The names of these numbers, as "invalid_mesh", "float", "nonzero", "gpu"; "unknown" for a number of none. They live
  * as long as the process. */
@@ -539,7 +540,7 @@ CLSDF_API clsdf_status clsdf_mesh_sign(const clsdf_mesh* mesh, int32_t asked, in
 /* ---- Options and results of calls ---- */
 
 typedef struct clsdf_progress {
-    int32_t stage; /* CLSDF_COMPILING, CLSDF_COMPUTING */
+    int32_t stage; /* CLSDF_COMPILING, CLSDF_COMPUTING, CLSDF_TESTING */
     int32_t reserved;
     double fraction; /* of the stage, 0 to 1 */
     int64_t step;    /* of compiling, from 1 */

@@ -38,7 +38,8 @@ static_assert(is(DeviceKind::gpu, CLSDF_GPU) && is(DeviceKind::processor, CLSDF_
               is(DeviceKind::accelerator, CLSDF_ACCELERATOR) && is(DeviceKind::other, CLSDF_OTHER_DEVICE));
 static_assert(is(Length::Unit::mesh, CLSDF_MESH_UNITS) && is(Length::Unit::voxels, CLSDF_VOXELS) &&
               is(Length::Unit::extent, CLSDF_EXTENT));
-static_assert(is(Progress::Stage::compiling, CLSDF_COMPILING) && is(Progress::Stage::computing, CLSDF_COMPUTING));
+static_assert(is(Progress::Stage::compiling, CLSDF_COMPILING) && is(Progress::Stage::computing, CLSDF_COMPUTING) &&
+              is(Progress::Stage::testing, CLSDF_TESTING));
 static_assert(sizeof(clsdf_status) == sizeof(ErrorCode));
 
 template <typename Enum>
