@@ -22,23 +22,16 @@ namespace {
 
 constexpr std::int64_t side = 16, ghosts = 2;
 
-/// The best device, with this rank's share of the cores if it is a processor. The library's own loops on the host are
-/// oneTBB's: a program that links oneTBB limits them with tbb::global_control.
+/// This rank's share of its machine. The library's own loops on the host are oneTBB's: a program that links oneTBB
+/// limits them with tbb::global_control.
 clsdf::Device device_of_rank() {
-    const clsdf::Device device = clsdf::Device::automatic();
     MPI_Comm node = MPI_COMM_NULL;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
-    int ranks = 1;
+    int rank = 0, ranks = 1;
+    MPI_Comm_rank(node, &rank);
     MPI_Comm_size(node, &ranks);
     MPI_Comm_free(&node);
-    const clsdf::DeviceInfo info = device.info();
-    if (info.kind != clsdf::DeviceKind::processor) return device;
-    try {
-        return device.limited({.compute_units = std::max(1U, info.compute_units / static_cast<unsigned>(ranks))});
-    } catch (const clsdf::Error& error) {
-        if (error.code() != clsdf::ErrorCode::unsupported) throw;  // else the driver cannot divide the processor
-        return device;
-    }
+    return clsdf::Device::of_rank(static_cast<std::size_t>(rank), static_cast<std::size_t>(ranks));
 }
 
 /// All blocks of the domain that hold samples near the surface, in the same order on every rank.

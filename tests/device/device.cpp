@@ -102,6 +102,20 @@ BOOST_AUTO_TEST_CASE(a_limited_device_has_what_is_left_to_it_and_a_context_of_it
                        [&] { whole.limited({.compute_units = all + 1}); });
 }
 
+BOOST_AUTO_TEST_CASE(each_process_of_a_machine_gets_a_share) {
+    const Device whole = Device::automatic();
+    const DeviceInfo info = whole.info();
+    BOOST_TEST(Device::of_rank(0, 1).info().compute_units == info.compute_units);
+    const auto divisions = cl::Device(whole.id(), true).getInfo<CL_DEVICE_PARTITION_PROPERTIES>();
+    if (info.kind == DeviceKind::processor && std::ranges::count(divisions, CL_DEVICE_PARTITION_BY_COUNTS) > 0)
+        for (const std::size_t ranks : {2, 3, 1000})
+            for (const std::size_t rank : {std::size_t{0}, ranks - 1})
+                BOOST_TEST(Device::of_rank(rank, ranks).info().compute_units ==
+                           std::max(std::size_t{1}, info.compute_units / ranks));
+    test::check_throws(ErrorCode::invalid_argument, {"rank is 2 of 2"}, [] { Device::of_rank(2, 2); });
+    test::check_throws(ErrorCode::invalid_argument, {"rank is 0 of 0"}, [] { Device::of_rank(0, 0); });
+}
+
 BOOST_AUTO_TEST_CASE(a_device_tells_its_properties_as_the_list_does) {
     for (const DeviceInfo& listed : Device::all()) {
         if (!listed.usable()) continue;

@@ -403,9 +403,10 @@ CLSDF_API clsdf_status clsdf_device_strongest(clsdf_device** device);
 CLSDF_API clsdf_status clsdf_device_select(const char* index_or_part, clsdf_device** device);
 /* clsdf_device_select() with the environment variable CLSDF_DEVICE if it is set and not empty, else the strongest. */
 CLSDF_API clsdf_status clsdf_device_automatic(clsdf_device** device);
-/* The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. If there are usable GPUs,
- * they are dealt out in turn. Else it is the rank-th share of the strongest device's compute units, at least one; the
- * whole device if it cannot be divided. clsdf_limit_threads() limits the host's loops. */
+/* The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. Usable GPUs are
+ * dealt out in turn. If there is none, or if CLSDF_DEVICE names a device, it is that of clsdf_device_automatic(), of a
+ * processor an equal part of the compute units, at least one. CLSDF_UNSUPPORTED names the driver's variable if a
+ * processor cannot be divided. clsdf_limit_threads() limits the host's loops. */
 CLSDF_API clsdf_status clsdf_device_of_rank(int64_t rank, int64_t ranks, clsdf_device** device);
 /* Retains the caller's cl_context, cl_device_id and cl_command_queue. */
 CLSDF_API clsdf_status clsdf_device_from_handles(void* context, void* id, void* queue, clsdf_device** device);

@@ -5,7 +5,6 @@
 #include <oneapi/tbb/info.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,26 +41,6 @@ clsdf_device_info as_c(const DeviceInfo& info) {
     result.fp64 = info.fp64 ? 1 : 0;
     result.atomics64 = info.atomics64 ? 1 : 0;
     return result;
-}
-
-/// The share of a process: a GPU of its own, or a part of the processor.
-Device device_of_rank(std::size_t rank, std::size_t ranks) {
-    const char* chosen = std::getenv("CLSDF_DEVICE");
-    if (chosen == nullptr || *chosen == 0) {
-        std::vector<DeviceInfo> gpus = Device::all();
-        std::erase_if(gpus, [](const DeviceInfo& info) { return !info.usable() || info.kind != DeviceKind::gpu; });
-        if (!gpus.empty()) return Device::select(gpus[rank % gpus.size()].index);
-    }
-    Device device = Device::automatic();
-    const DeviceInfo info = device.info();
-    if (ranks == 1 || info.kind == DeviceKind::gpu || info.compute_units == 0) return device;
-    try {
-        const std::size_t share = std::max<std::size_t>(1, info.compute_units / ranks);
-        return device.limited({.compute_units = static_cast<unsigned>(share)});
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::unsupported) throw;  // else the driver cannot divide it
-        return device;
-    }
 }
 
 }  // namespace
@@ -105,10 +84,7 @@ clsdf_status clsdf_device_automatic(clsdf_device** device) {
 
 clsdf_status clsdf_device_of_rank(std::int64_t rank, std::int64_t ranks, clsdf_device** device) {
     return made(device, "device", [&] {
-        if (ranks < 1 || rank < 0 || rank >= ranks)
-            throw c::misuse("rank is " + std::to_string(rank) + " of " + std::to_string(ranks) +
-                            "; ranks count from 0 to one less than there are");
-        return new clsdf_device(device_of_rank(static_cast<std::size_t>(rank), static_cast<std::size_t>(ranks)));
+        return new clsdf_device(Device::of_rank(c::count_of(rank, "rank"), c::count_of(ranks, "ranks")));
     });
 }
 

@@ -301,14 +301,40 @@ Device Device::select(const std::string& index_or_substring) {
     return device::guarded([&] { return detail::DeviceContext::open(info); });
 }
 
-Device Device::automatic() {
+namespace {
+
+/// Empty if the variable is not set.
+std::string users_choice() {
     const char* const choice = std::getenv("CLSDF_DEVICE");
-    if (choice == nullptr || *choice == 0) return strongest();
+    return choice == nullptr ? "" : choice;
+}
+
+}  // namespace
+
+Device Device::automatic() {
+    const std::string choice = users_choice();
+    if (choice.empty()) return strongest();
     try {
         return select(choice);
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("CLSDF_DEVICE={}: {}", choice, error.what()), error.opencl_code());
     }
+}
+
+Device Device::of_rank(std::size_t rank, std::size_t ranks) {
+    if (rank >= ranks)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("rank is {} of {} ranks; ranks count from 0 to one less than there are", rank, ranks));
+    if (users_choice().empty()) {
+        std::vector<DeviceInfo> gpus = all();
+        std::erase_if(gpus, [](const DeviceInfo& info) { return !info.usable() || info.kind != DeviceKind::gpu; });
+        if (!gpus.empty()) return select(gpus[rank % gpus.size()].index);
+    }
+    Device device = automatic();
+    const DeviceInfo info = device.info();
+    if (ranks == 1 || info.kind != DeviceKind::processor) return device;
+    const auto share = static_cast<unsigned>(std::max<std::size_t>(1, info.compute_units / ranks));
+    return device.limited({.compute_units = share});
 }
 
 const char* name_of(DeviceKind kind) noexcept {

@@ -90,6 +90,14 @@ public:
     /// names the variable.
     static Device automatic();
 
+    /// The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. Usable GPUs are dealt
+    /// out in turn. If there is none, or if CLSDF_DEVICE names a device, it is that of automatic(), of a processor
+    /// an equal part of the compute units, at least one. The library's loops on the host are oneTBB's:
+    /// tbb::global_control limits their threads. Throws Error(invalid_argument) for a rank out of range,
+    /// Error(unsupported) that names the driver's variable if a processor cannot be divided, and what automatic()
+    /// throws.
+    static Device of_rank(std::size_t rank, std::size_t ranks);
+
     /// Retains the caller's objects. Throws Error(invalid_argument) if one is null or they do not belong together;
     /// Error(unsupported) if the device has no OpenCL 1.2 or no double precision, or is known to fail;
     /// Error(device_failure).
