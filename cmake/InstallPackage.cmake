@@ -147,9 +147,9 @@ install(
   DESTINATION ${package_directory}
   COMPONENT development)
 
-# For PETSc, which whoever includes them has.
+# For PETSc and deal.II, which whoever includes them has.
 install(
-  DIRECTORY integrations/petsc/include/
+  DIRECTORY integrations/petsc/include/ integrations/dealii/include/
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   COMPONENT development)
 

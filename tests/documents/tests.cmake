@@ -9,6 +9,7 @@ endfunction()
 
 clsdf_documented_code(parallel 7 examples/mesh_on_ranks.cpp)
 clsdf_documented_code(petsc 2 integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c)
+clsdf_documented_code(dealii 1 integrations/dealii/examples/forest.cpp)
 clsdf_documented_code(amrex 2 tests/documents/amrex.cpp)
 
 # AMReX is not installed: a stand-in for its classes.
