@@ -57,7 +57,7 @@ def slice_picture(field: Field, axis: str = "z", index: int | None = None, pixel
     chosen = count // 2 if index is None else index
     if not 0 <= chosen < count:
         raise Error(f"index: the field has no slice {chosen} along {axis}; it has {count}")
-    values = field.distance.take(chosen, axis=along)[::-1]  # the last row is the lowest
+    values = np.asarray(field.distance.take(chosen, axis=along))[::-1]  # the last row is the lowest
     limit = float(np.abs(values[np.isfinite(values)]).max(initial=0)) or 1.0
     part = np.clip(np.abs(values) / limit, 0, 1)[..., None] * 0.8 + 0.1
     inside = np.signbit(values)

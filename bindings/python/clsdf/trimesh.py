@@ -55,10 +55,8 @@ def closest_point(
     which are not negative, and the indices of their triangles (n,). At an edge or a vertex the triangle is the lowest
     that shares it. Any mesh will do."""
     points = np.asarray(points, np.float64)
-    out = {
-        "distance": np.empty(len(points), np.float64),
-        "closest": np.empty((len(points), 3), np.float64),
-        "triangle": np.empty(len(points), np.uint32),
-    }
+    distance, closest = np.empty(len(points), np.float64), np.empty((len(points), 3), np.float64)
+    triangle = np.empty(len(points), np.uint32)
+    out = {"distance": distance, "closest": closest, "triangle": triangle}
     _transform_of(mesh, "none").query(points, out=out)
-    return out["closest"], np.abs(out["distance"]), out["triangle"].astype(np.int64)
+    return closest, distance, triangle.astype(np.int64)

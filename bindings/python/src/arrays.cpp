@@ -1,5 +1,6 @@
 #include "arrays.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <memory>
 #include <utility>
@@ -97,6 +98,7 @@ std::size_t count(const std::vector<std::int64_t>& shape) {
 }  // namespace
 
 bool ArrayView::is_packed() const {
+    if (std::ranges::find(shape, 0) != shape.end()) return true;
     auto packed = static_cast<std::int64_t>(bytes_of(type));
     for (std::size_t axis = shape.size(); axis-- > 0;) {
         if (shape[axis] > 1 && strides[axis] != packed) return false;
@@ -175,7 +177,7 @@ OutputArray Arrays::output(nb::handle array, const OutputInfo& info, const std::
     return output;
 }
 
-OutputTargets Arrays::outputs(const nb::dict& arrays, const std::vector<std::int64_t>& shape) {
+OutputTargets Arrays::outputs(const ArraysByName& arrays, const std::vector<std::int64_t>& shape) {
     OutputTargets targets;
     for (const auto& [name, array] : arrays) {
         const OutputInfo& info = output_named(nb::cast<std::string>(name));

@@ -9,6 +9,9 @@
 
 namespace clsdf::python {
 
+/// Arrays by the names of outputs.
+using ArraysByName = nb::typed<nb::dict, nb::str, nb::any>;
+
 /// Where the numbers of a Python array lie: one with the buffer protocol or DLPack, or pyopencl's.
 struct ArrayView {
     ElementType type = ElementType::automatic;
@@ -32,8 +35,8 @@ public:
     /// one axis more.
     OutputArray output(nb::handle array, const OutputInfo& info, const std::vector<std::int64_t>& shape);
 
-    /// A dictionary of arrays by the names of outputs.
-    OutputTargets outputs(const nb::dict& arrays, const std::vector<std::int64_t>& shape);
+    /// The targets of a dictionary.
+    OutputTargets outputs(const ArraysByName& arrays, const std::vector<std::int64_t>& shape);
 
 private:
     ArrayView view(nb::handle array, const std::string& what, bool writable);

@@ -63,11 +63,12 @@ private:
     std::unique_ptr<std::shared_mutex> mutex_ = std::make_unique<std::shared_mutex>();
 };
 
-/// Of Python's requests, a list of (grid, band, {output: array}).
-std::vector<Request> requests_of(const nb::list& requests, Arrays& arrays);
+/// Of Python: (grid, band, {output: array}) each.
+using RequestList = nb::typed<nb::list, nb::any>;
+std::vector<Request> requests_of(const RequestList& requests, Arrays& arrays);
 
 /// Equal blocks of a lattice; `first` must outlive it.
 BlockSet blocks_of(const Grid& lattice, const Band& band, const Index3& size, const std::vector<Index3>& first,
-                   const nb::dict& outputs, Arrays& arrays);
+                   const ArraysByName& outputs, Arrays& arrays);
 
 }  // namespace clsdf::python

@@ -67,7 +67,7 @@ FieldWriter writer(const std::string& path, const Grid& grid, const Band& band, 
 }
 
 // The arrays are packed and have the types of the table: the Python code sees to it.
-void append(FieldWriter& writer, const nb::dict& arrays) {
+void append(FieldWriter& writer, const ArraysByName& arrays) {
     std::vector<nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>> held;
     FieldSlab slab;
     for (const auto& [name, array] : arrays) {

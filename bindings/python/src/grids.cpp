@@ -55,7 +55,8 @@ void add_bands(nb::module_& module) {
         .def_ro("inside", &Band::inside, "Half width inside, in the mesh's units.")
         .def_ro("outside", &Band::outside, "Half width outside, in the mesh's units.")
         .def(
-            "__eq__", [](const Band& a, const Band& b) { return a == b; }, nb::arg("other"), nb::is_operator())
+            "__eq__", [](const Band& a, const Band& b) { return a == b; }, nb::arg("other"), nb::is_operator(),
+            nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", [](const Band& band) { return fmt::format("clsdf.Band({}, {})", band.inside, band.outside); });
 }
 
@@ -72,14 +73,14 @@ void add_grids(nb::module_& module) {
         "units. Raises clsdf.Error for a size or a spacing that is not positive, or a number that is not finite.")
         .def(
             "__init__",
-            [](Grid* grid, const Vec3& origin, const Vec3& spacing, const Index3& size, const Index3& first) {
-                new (grid) Grid(checked(origin, spacing, size, first));
+            [](Grid* grid, const Vec3& origin, double spacing, const Index3& size, const Index3& first) {
+                new (grid) Grid(checked(origin, {spacing, spacing, spacing}, size, first));
             },
             nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = Index3{})
         .def(
             "__init__",
-            [](Grid* grid, const Vec3& origin, double spacing, const Index3& size, const Index3& first) {
-                new (grid) Grid(checked(origin, {spacing, spacing, spacing}, size, first));
+            [](Grid* grid, const Vec3& origin, const Vec3& spacing, const Index3& size, const Index3& first) {
+                new (grid) Grid(checked(origin, spacing, size, first));
             },
             nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = Index3{})
         .def_ro("origin", &Grid::origin, "Position (x, y, z) of the lattice's sample (0, 0, 0).")
@@ -107,7 +108,8 @@ void add_grids(nb::module_& module) {
         .def("refined_cells", &Grid::refined_cells, nb::arg("ratio"), "The same for samples at the centres of cells.")
         .def("cell_centred", &Grid::cell_centred, "The same block shifted by half a voxel on every axis.")
         .def(
-            "__eq__", [](const Grid& a, const Grid& b) { return a == b; }, nb::arg("other"), nb::is_operator())
+            "__eq__", [](const Grid& a, const Grid& b) { return a == b; }, nb::arg("other"), nb::is_operator(),
+            nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", &text_of)
         .def("__getstate__",
              [](const Grid& grid) { return std::tuple(grid.origin, grid.spacing, grid.size, grid.first); })

@@ -48,7 +48,7 @@ PyPlan plan_of_grid(const Body& body, const Grid& grid, const Band& band, const 
                   nb::none());
 }
 
-PyPlan plan_of_requests(const Body& body, const nb::list& requests, nb::object progress) {
+PyPlan plan_of_requests(const Body& body, const RequestList& requests, nb::object progress) {
     Arrays arrays;
     const std::vector<Request> boxes = requests_of(requests, arrays);
     const Call call(std::move(progress));
@@ -58,7 +58,7 @@ PyPlan plan_of_requests(const Body& body, const nb::list& requests, nb::object p
 }
 
 // The event of the end as a number, which the caller owns.
-std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional<nb::list>& outputs,
+std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional<RequestList>& outputs,
                        nb::handle wait_for) {
     const auto own =
         queue.is_none() ? nullptr : std::bit_cast<cl_command_queue>(nb::cast<std::uintptr_t>(queue.attr("int_ptr")));
@@ -71,11 +71,11 @@ std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional
             for (const Request& request : of.requests()) all.push_back(request.grid.size);
             return all;
         });
-        if (sizes.size() != nb::len(*outputs))
-            refuse("out has the arrays of " + std::to_string(nb::len(*outputs)) + " requests; the plan has " +
+        if (sizes.size() != outputs->size())
+            refuse("out has the arrays of " + std::to_string(outputs->size()) + " requests; the plan has " +
                    std::to_string(sizes.size()));
         for (std::size_t i = 0; i < sizes.size(); ++i)
-            targets.push_back(arrays.outputs(nb::cast<nb::dict>((*outputs)[i]), shape_of(sizes[i])));
+            targets.push_back(arrays.outputs(nb::cast<ArraysByName>((*outputs)[i]), shape_of(sizes[i])));
     }
     cl_event done = nullptr;
     plan.use([&](Plan& of) {
@@ -100,7 +100,7 @@ void update(PyPlan& plan, const Body& body, const std::optional<std::vector<Grid
     });
 }
 
-void update_requests(PyPlan& plan, const Body& body, const nb::list& requests, nb::object progress) {
+void update_requests(PyPlan& plan, const Body& body, const RequestList& requests, nb::object progress) {
     Arrays arrays;
     const std::vector<Request> boxes = requests_of(requests, arrays);
     const Call call(std::move(progress));

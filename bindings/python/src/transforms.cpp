@@ -27,7 +27,7 @@ Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const s
     return Body(device, DistanceTransform(own, mesh, options, call.options()));
 }
 
-void compute(const Body& body, const Grid& grid, const Band& band, const nb::dict& outputs, nb::object progress,
+void compute(const Body& body, const Grid& grid, const Band& band, const ArraysByName& outputs, nb::object progress,
              nb::handle wait_for) {
     Arrays arrays;
     const OutputTargets targets = arrays.outputs(outputs, shape_of(grid.size));
@@ -35,7 +35,7 @@ void compute(const Body& body, const Grid& grid, const Band& band, const nb::dic
     body.read([&](const DistanceTransform& transform) { transform.compute(grid, band, targets, call.options()); });
 }
 
-void compute_many(const Body& body, const nb::list& requests, nb::object progress, nb::handle wait_for) {
+void compute_many(const Body& body, const RequestList& requests, nb::object progress, nb::handle wait_for) {
     Arrays arrays;
     const std::vector<Request> boxes = requests_of(requests, arrays);
     const Call call(std::move(progress), wait_for);
@@ -43,7 +43,7 @@ void compute_many(const Body& body, const nb::list& requests, nb::object progres
 }
 
 void compute_blocks(const Body& body, const Grid& lattice, const Band& band, const Index3& size,
-                    const std::vector<Index3>& first, const nb::dict& outputs, nb::object progress,
+                    const std::vector<Index3>& first, const ArraysByName& outputs, nb::object progress,
                     nb::handle wait_for) {
     Arrays arrays;
     const BlockSet blocks = blocks_of(lattice, band, size, first, outputs, arrays);
@@ -51,7 +51,7 @@ void compute_blocks(const Body& body, const Grid& lattice, const Band& band, con
     body.read([&](const DistanceTransform& transform) { transform.compute(blocks, call.options()); });
 }
 
-void query(const Body& body, nb::handle points, double within, const nb::dict& outputs, nb::object progress,
+void query(const Body& body, nb::handle points, double within, const ArraysByName& outputs, nb::object progress,
            nb::handle wait_for) {
     Arrays arrays;
     const InputArray asked = arrays.triples(points, "points");
@@ -103,19 +103,19 @@ bool compile(const Body& body, const Grid& grid, const Band& band, const std::ve
 
 }  // namespace
 
-std::vector<Request> requests_of(const nb::list& requests, Arrays& arrays) {
+std::vector<Request> requests_of(const RequestList& requests, Arrays& arrays) {
     std::vector<Request> boxes;
     for (const nb::handle item : requests) {
         const nb::tuple request = nb::cast<nb::tuple>(item);
         const auto& grid = nb::cast<const Grid&>(request[0]);
         boxes.push_back({grid, nb::cast<const Band&>(request[1]),
-                         arrays.outputs(nb::cast<nb::dict>(request[2]), shape_of(grid.size))});
+                         arrays.outputs(nb::cast<ArraysByName>(request[2]), shape_of(grid.size))});
     }
     return boxes;
 }
 
 BlockSet blocks_of(const Grid& lattice, const Band& band, const Index3& size, const std::vector<Index3>& first,
-                   const nb::dict& outputs, Arrays& arrays) {
+                   const ArraysByName& outputs, Arrays& arrays) {
     std::vector<std::int64_t> shape = shape_of(size);
     shape.insert(shape.begin(), static_cast<std::int64_t>(first.size()));
     return {lattice, band, size, first, arrays.outputs(outputs, shape)};

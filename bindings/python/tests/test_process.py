@@ -1,0 +1,312 @@
+"""Threads, signals, forks, warnings, progress, references: what a process and its interpreter may expect."""
+
+from __future__ import annotations
+
+import gc
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+import weakref
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import clsdf
+
+
+def run(program, timeout=100, environment=None):
+    return subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True, timeout=timeout, env=environment,
+        cwd=os.sep,
+    )
+
+
+def test_threads_get_the_same_bytes(body, points):
+    field = body.field(resolution=24)
+    expected = body.query(points).distance
+
+    def work(n):
+        if n % 2:
+            return np.array_equal(body.query(points).distance, expected)
+        return np.array_equal(body.field(field.grid, band=field.band).distance, field.distance)
+
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(work, range(100)))
+
+
+def test_positions_wait_for_calls(solid, points):
+    body = clsdf.Transform(solid)
+    vertices = solid[0]
+    expected = {}
+    for scale in (1.0, 1.25):
+        body.set_positions(vertices * scale)
+        expected[scale] = body.query(points).distance.tobytes()
+    stop = threading.Event()
+
+    def move():
+        while not stop.is_set():
+            for scale in (1.0, 1.25):
+                body.set_positions(vertices * scale)
+
+    mover = threading.Thread(target=move)
+    mover.start()
+    try:
+        for _ in range(50):
+            assert body.query(points).distance.tobytes() in expected.values()
+    finally:
+        stop.set()
+        mover.join()
+
+
+def test_other_threads_run_during_a_call(body):
+    grid = body.grid(200)
+    body.field(grid, band="full")
+    ticks = []
+    stop = threading.Event()
+
+    def tick():
+        while not stop.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    ticker = threading.Thread(target=tick)
+    ticker.start()
+    began = time.perf_counter()
+    while time.perf_counter() - began < 1:
+        body.field(grid, band="full", outputs="distance gradient closest")
+    ended = time.perf_counter()
+    stop.set()
+    ticker.join()
+    # A call lasts a good part of a second; with the GIL held there would be one tick a call.
+    assert sum(began < t < ended for t in ticks) > 100
+
+
+def test_progress_is_told(body):
+    told = []
+    body.field(resolution=150, band="full", progress=lambda stage, part: told.append((stage, part)))
+    assert told and {stage for stage, _ in told} <= {"compiling", "computing"}
+    parts = [part for stage, part in told if stage == "computing"]
+    assert parts == sorted(parts) and parts[-1] == pytest.approx(1)
+
+
+def test_progress_true_shows_itself(body, capfd):
+    body.field(resolution=150, band="full", progress=True)
+    assert "comput" in capfd.readouterr().err
+
+
+def test_an_exception_of_progress_ends_the_call(body):
+    with pytest.raises(ZeroDivisionError):
+        body.field(resolution=150, progress=lambda stage, part: 1 / 0)
+    assert body.field(resolution=16).distance.any()
+
+
+def test_a_callback_may_not_use_its_transform(body, solid, points):
+    other = clsdf.Transform(solid)
+    other.query(points[:5])
+    with pytest.raises(clsdf.Error, match="progress="):
+        body.field(resolution=150, progress=lambda stage, part: body.query(points))
+    with pytest.raises(clsdf.Error, match="progress="):
+        body.field(resolution=150, progress=lambda stage, part: body.set_motion(np.eye(3), (0, 0, 0)))
+
+
+def test_an_open_mesh_warns_on_the_callers_line(solid):
+    vertices, faces = solid
+    with pytest.warns(clsdf.MeshWarning, match="not closed") as warned:
+        body = clsdf.Transform((vertices, faces[1:]))
+    assert warned[0].filename == __file__
+    assert body.sign == "none" and (body.field(resolution=12).distance >= 0).all()
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(clsdf.MeshWarning):
+            clsdf.Transform((vertices, faces[1:]))
+        clsdf.Transform((vertices, faces[1:]), sign="none")
+    with pytest.raises(clsdf.Error, match="edge") as error:
+        clsdf.Transform((vertices, faces[1:]), sign="nonzero")
+    assert error.value.code == "invalid_mesh"
+
+
+def test_errors_have_codes_and_survive_pickling():
+    import pickle
+
+    error = pickle.loads(pickle.dumps(clsdf.Error("text", "out_of_memory", -4)))
+    assert (str(error), error.code, error.opencl_code) == ("text", "out_of_memory", -4)
+    assert issubclass(clsdf.Error, RuntimeError)
+
+
+def references(array):
+    gc.collect()
+    return sys.getrefcount(array)
+
+
+def test_nothing_keeps_arrays_after_a_call(solid, points):
+    vertices, faces = solid[0].copy(), solid[1].copy()
+    out = {"distance": np.empty(len(points), np.float32), "gradient": np.empty((len(points), 3), np.float32)}
+    arrays = [vertices, faces, points, *out.values()]
+    before = [references(array) for array in arrays]
+    body = clsdf.Transform((vertices, faces))
+    for _ in range(10):
+        body.query(points, out=out)
+        body.set_positions(vertices)
+        with pytest.raises(clsdf.Error):
+            body.query(points, out=out["gradient"])
+    assert [references(array) for array in arrays] == before
+
+
+def test_transforms_and_fields_are_released(solid):
+    body = clsdf.Transform(solid)
+    field = body.field(resolution=16)
+    ends = [weakref.ref(body), weakref.ref(field), weakref.ref(field.distance)]
+    told = []
+
+    def progress(stage, part):
+        told.append(part)
+
+    body.field(resolution=16, progress=progress)
+    ends.append(weakref.ref(progress))
+    del body, field, progress
+    gc.collect()
+    assert [end() for end in ends] == [None] * len(ends)
+
+
+def test_memory_does_not_grow(body, points):
+    import resource
+
+    def work():
+        for _ in range(100):
+            body.query(points, "distance gradient closest")
+        field = body.field(resolution=64, band="full", outputs="distance closest")
+        with pytest.raises(clsdf.Error):
+            body.field(field.grid, out=field.distance[1:])
+
+    for _ in range(5):
+        work()
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for _ in range(30):
+        work()
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 30_000  # KiB; a field has 8 MiB
+
+
+INTERRUPTED = """
+    import os, signal, threading, time
+    import numpy as np
+    import clsdf
+    body = clsdf.Transform(clsdf.make_shape("sphere4"))
+    grid = body.grid(1200, band="full")
+    out = np.empty(grid.shape, np.float32)
+    body.field(resolution=64, band="full")
+    def press():
+        global pressed
+        time.sleep(0.3)
+        pressed = time.monotonic()
+        os.kill(os.getpid(), signal.SIGINT)
+    threading.Thread(target=press).start()
+    try:
+        body.field(grid, band="full", out=out)
+        print("finished")
+    except KeyboardInterrupt:
+        print("interrupted", time.monotonic() - pressed)
+    print(body.query([[0, 0, 0]]).distance[0] < 0)
+"""
+
+
+def test_ctrl_c_ends_a_call():
+    result = run(INTERRUPTED)
+    assert result.returncode == 0, result.stderr
+    said, usable = result.stdout.splitlines()
+    assert said.startswith("interrupted"), said
+    assert float(said.split()[1]) < 1 and usable == "True"
+
+
+FORKED = """
+    import os, sys
+    import clsdf
+    body = clsdf.Transform(clsdf.make_shape("sphere1"))
+    body.query([[0, 0, 0]])
+    child = os.fork()
+    if child == 0:
+        calls = [lambda: body.query([[0, 0, 0]]), lambda: body.field(resolution=8), lambda: clsdf.devices(),
+                 lambda: clsdf.Transform(clsdf.make_shape("sphere1")), lambda: body.device.name]
+        codes = []
+        for call in calls:
+            try:
+                call()
+            except clsdf.Error as error:
+                codes.append(error.code)
+                assert "forked" in str(error)
+        del body
+        print(codes == ["device_failure"] * len(calls), flush=True)
+        sys.exit(3)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), body.query([[0, 0, 0]]).distance[0] < 0)
+"""
+
+
+def test_a_forked_process_gets_an_error():
+    result = run(FORKED)
+    assert result.stdout.splitlines() == ["True", "3 True"], result.stderr
+
+
+def test_a_child_of_a_process_that_only_imported_works():
+    result = run(
+        """
+        import os
+        import clsdf
+        child = os.fork()
+        if child == 0:
+            body = clsdf.Transform(clsdf.make_shape("sphere1"))
+            os._exit(0 if body.query([[0, 0, 0]]).distance[0] < 0 else 1)
+        print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+        """
+    )
+    assert result.stdout.split() == ["0"], result.stderr
+
+
+def test_spawned_processes_work(tmp_path):
+    program = tmp_path / "spawned.py"
+    program.write_text(
+        textwrap.dedent(
+            """
+            import multiprocessing
+            import clsdf
+            def work(n):
+                return float(clsdf.Transform(clsdf.make_shape("sphere1")).query([[0, 0, n]]).distance[0])
+            if __name__ == "__main__":
+                work(0)
+                with multiprocessing.get_context("spawn").Pool(2) as pool:
+                    print(*[value < 0 for value in pool.map(work, [0, 9])])
+            """
+        )
+    )
+    result = subprocess.run([sys.executable, program], capture_output=True, text=True, timeout=200)
+    assert result.stdout.split() == ["True", "False"], result.stderr
+
+
+def test_the_end_of_a_process_is_silent():
+    result = run(
+        """
+        import clsdf
+        body = clsdf.Transform(clsdf.make_shape("sphere1"))
+        field = body.field(resolution=8)
+        cycle = [body, field]
+        cycle.append(cycle)
+        """
+    )
+    assert (result.returncode, result.stderr) == (0, "")
+
+
+def test_import_needs_no_device():
+    environment = {**os.environ, "OCL_ICD_VENDORS": "/nonexistent", "CLSDF_DEVICE": ""}
+    program = """
+import clsdf
+try:
+    clsdf.Transform(clsdf.make_shape("sphere1"))
+except clsdf.Error as error:
+    print(error.code)
+"""
+    result = run(program, environment=environment)
+    assert result.stdout.split() == ["no_device"], result.stderr
