@@ -240,7 +240,10 @@ FORKED = """
                 assert "forked" in str(error)
         del body
         print(codes == ["device_failure"] * len(calls), flush=True)
-        sys.exit(3)
+        # OpenVDB's logger waits for its threads at the end of a process, also in a fork, which has none.
+        with open("/proc/self/maps") as maps:
+            has_logger = "log4cplus" in maps.read()
+        os._exit(3) if has_logger else sys.exit(3)
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), body.query([[0, 0, 0]]).distance[0] < 0)
 """
 
