@@ -47,7 +47,7 @@ foreach(script IN LISTS refusing)
 endforeach()
 
 # A mistyped mesh ends a script before it sets the machine up and builds.
-foreach(script demo far-field gpu-counts peers-points)
+foreach(script demo far-field gpu-counts peers-points python-peers)
   run(${script} "no such mesh.off")
   if(NOT status EQUAL 3 OR NOT errors STREQUAL "${script}: no such file: no such mesh.off\n")
     message(SEND_ERROR "scripts/${script} with a mistyped mesh ends with ${status}: ${output}${errors}")
