@@ -34,8 +34,8 @@ def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
 
 
 def as_array(values: Any, dtype: type) -> Any:
-    """Lists become arrays; everything else stays what it is."""
-    return np.array(values, dtype) if isinstance(values, (list, tuple)) else values
+    """Lists and other objects without a shape become arrays; everything else stays what it is."""
+    return values if hasattr(values, "shape") else np.asarray(values, dtype)
 
 
 def _of_trimesh(mesh: Any) -> tuple[Any, Any] | None:

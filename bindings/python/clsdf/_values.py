@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any, Union
@@ -51,8 +53,11 @@ def new_samples(outputs: Iterable[str], shape: tuple[int, ...]) -> dict[str, npt
     arrays = {}
     for name in outputs:
         dtype, components = _types[name]
-        count = components * int(np.prod(shape, dtype=np.int64))
-        memory = _core.allocate(count * dtype.itemsize)
+        size = components * math.prod(shape) * dtype.itemsize
+        if size > sys.maxsize:
+            raise Error(f"a field of {' x '.join(map(str, reversed(shape)))} samples does not fit the memory; choose a "
+                        "lower resolution, or slabs()", "out_of_memory")
+        memory = _core.allocate(size)
         arrays[name] = memory.view(dtype).reshape(shape_of(name, shape))
     return arrays
 

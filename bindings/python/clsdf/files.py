@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _core
 from ._core import Band, Grid
+from ._error import Error
 from ._values import Outputs, type_of, wanted
 from .field import Field
 
@@ -77,6 +78,8 @@ class FieldWriter:
 def _packed(name: str, array: Any) -> Any:
     # Files have the types of the table; an int32 triangle of -1 is its no_triangle.
     dtype = type_of(name)[0]
+    if name == "closest" and array.dtype == np.float32:
+        raise Error("closest in float32 is an offset from the sample, which files do not have; use float64")
     if array.dtype == np.int32 and dtype == np.uint32:
         array = array.view(np.uint32)
     return np.ascontiguousarray(array, dtype)

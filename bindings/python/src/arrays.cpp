@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <memory>
+#include <new>
 #include <utility>
 
 namespace clsdf::python {
@@ -203,7 +204,14 @@ void add_arrays(nb::module_& module) {
     module.def(
         "allocate",
         [](std::size_t bytes) {
-            auto memory = std::make_unique<FieldArray<std::byte>>(bytes);
+            std::unique_ptr<FieldArray<std::byte>> memory;
+            try {
+                memory = std::make_unique<FieldArray<std::byte>>(bytes);
+            } catch (const std::bad_alloc&) {
+                throw Error(ErrorCode::out_of_memory, "an array of " + std::to_string(bytes) +
+                                                          " bytes does not fit the memory; choose a lower resolution, "
+                                                          "fewer outputs, or slabs()");
+            }
             void* const data = memory->data();
             const nb::capsule owner(memory.release(),
                                     [](void* array) noexcept { delete static_cast<FieldArray<std::byte>*>(array); });

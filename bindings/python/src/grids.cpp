@@ -57,6 +57,11 @@ void add_bands(nb::module_& module) {
         .def(
             "__eq__", [](const Band& a, const Band& b) { return a == b; }, nb::arg("other"), nb::is_operator(),
             nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__getstate__", [](const Band& band) { return std::pair(band.inside, band.outside); })
+        .def("__setstate__",
+             [](Band& band, const std::pair<double, double>& state) {
+                 new (&band) Band{state.first, state.second, state.first == 0 && state.second == 0};
+             })
         .def("__repr__", [](const Band& band) { return fmt::format("clsdf.Band({}, {})", band.inside, band.outside); });
 }
 

@@ -172,6 +172,23 @@ def test_an_output_that_was_not_asked_for_says_so(body):
         body.field(resolution=8, outputs="normal")
 
 
+def test_a_field_is_copied_and_pickled(body):
+    import copy
+    import pickle
+
+    field = body.field(resolution=12, band=("5%", "full"), outputs="triangle")
+    for other in (copy.deepcopy(field), pickle.loads(pickle.dumps(field))):
+        assert (other.grid, other.band, other.sign, other.outputs) == (field.grid, field.band, field.sign, field.outputs)
+        assert np.array_equal(other.triangle, field.triangle) and other.triangle is not field.triangle
+
+
+@pytest.mark.parametrize("resolution", [40_000, 500_000_000])
+def test_a_field_that_fits_no_memory(body, resolution):
+    with pytest.raises(clsdf.Error, match="does not fit the memory") as error:
+        body.field(resolution=resolution, band=0.1, outputs="closest")
+    assert error.value.code == "out_of_memory"
+
+
 def test_axes_and_other_packages_arrays(body):
     field = body.field(resolution=12, outputs="distance gradient")
     x, y, z = field.axes()

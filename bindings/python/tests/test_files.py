@@ -40,6 +40,14 @@ def test_strided_arrays_and_other_types_are_written(body, tmp_path):
     assert np.allclose(read.distance, plain.distance, atol=1e-6) and np.array_equal(read.triangle, plain.triangle)
 
 
+def test_offsets_are_not_written_as_positions(body, tmp_path):
+    grid = body.grid(8)
+    out = {"distance": np.empty(grid.shape, np.float32), "closest": np.empty((*grid.shape, 3), np.float32)}
+    with pytest.raises(clsdf.Error, match="offset"):
+        clsdf.write_field(body.field(grid, out=out), tmp_path / "field.npy")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_slabs_make_the_file_of_the_whole(body, tmp_path):
     field = body.field(resolution=20, outputs="distance triangle")
     clsdf.write_field(field, tmp_path / "whole.vti")
