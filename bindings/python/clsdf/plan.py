@@ -32,8 +32,8 @@ class Plan:
     def enqueue(self, *, out: Any = None, queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:
         """Enqueues the computation of all boxes; never blocks.
 
-        out: pyopencl arrays: of one grid a dictionary by names of outputs, or the array of the distance; of more
-            requests a list of dictionaries. None: the arrays of the plan's requests.
+        out: pyopencl arrays, or buffers, which are packed: of one grid a dictionary by names of outputs, or the array of
+            the distance; of more requests a list of dictionaries. None: the arrays of the plan's requests.
         queue: a pyopencl.CommandQueue of the device's context; None: the device's own. wait_for: pyopencl events.
 
         Returns the pyopencl.Event of the end. The arrays must outlive the run. Raises clsdf.Error: invalid_argument for

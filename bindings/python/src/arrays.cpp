@@ -154,6 +154,8 @@ InputArray Arrays::triples(nb::handle array, const char* what) {
 }
 
 OutputArray Arrays::output(nb::handle array, const OutputInfo& info, const std::vector<std::int64_t>& shape) {
+    // A buffer of pyopencl has no shape: packed, of the output's own type.
+    if (nb::hasattr(array, "int_ptr")) return {std::bit_cast<cl_mem>(nb::cast<std::uintptr_t>(array.attr("int_ptr")))};
     const std::string what = std::string("out: the array of '") + info.name + "'";
     const ArrayView seen = view(array, what, true);
     std::vector<std::int64_t> expected = shape;

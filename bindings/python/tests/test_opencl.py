@@ -45,6 +45,18 @@ def test_a_plan_writes_into_arrays_of_the_device(there, body, queue):
     assert plan.sign == "nonzero" and plan.device_bytes > 0
 
 
+def test_a_plan_writes_into_a_buffer(there, body, queue):
+    expected = body.field(resolution=24)
+    buffer = cl.Buffer(queue.context, cl.mem_flags.READ_WRITE, expected.distance.nbytes)
+    event = there.plan(expected.grid, band=expected.band).enqueue(out=buffer)
+    values = np.empty_like(expected.distance)
+    cl.enqueue_copy(queue, values, buffer, wait_for=[event]).wait()
+    assert np.array_equal(values, expected.distance)
+    small = cl.Buffer(queue.context, cl.mem_flags.READ_WRITE, 100)
+    with pytest.raises(clsdf.Error, match="100"):
+        there.field(expected.grid, out=small)
+
+
 def test_a_plan_waits_for_events(there, body, queue):
     expected = body.field(resolution=24)
     plan = there.plan(expected.grid, band=expected.band)

@@ -38,28 +38,44 @@ def test_threads_get_the_same_bytes(body, points):
         assert all(pool.map(work, range(100)))
 
 
-def test_positions_wait_for_calls(solid, points):
-    body = clsdf.Transform(solid)
-    vertices = solid[0]
-    expected = {}
+def test_positions_wait_for_calls():
+    vertices, faces = clsdf.make_shape("sphere5")
+    body = clsdf.Transform((vertices, faces))
+    grid = body.grid(60)
+    points = np.random.default_rng(2).uniform(-1.2, 1.2, (50, 3))  # so few that the calling thread answers
+
+    def results():
+        field = body.field(grid, band="3v", outputs="triangle").triangle.tobytes()
+        return field, body.query(points).distance.tobytes()
+
+    fields, queries = [], []
     for scale in (1.0, 1.25):
         body.set_positions(vertices * scale)
-        expected[scale] = body.query(points).distance.tobytes()
-    stop = threading.Event()
+        field, query = results()
+        fields.append(field)
+        queries.append(query)
+    assert fields[0] != fields[1] and queries[0] != queries[1]
+    end = time.monotonic() + 0.8
 
     def move():
-        while not stop.is_set():
-            for scale in (1.0, 1.25):
-                body.set_positions(vertices * scale)
+        scale = 1.0
+        while time.monotonic() < end:
+            scale = 2.25 - scale
+            body.set_positions(vertices * scale)
 
-    mover = threading.Thread(target=move)
-    mover.start()
-    try:
-        for _ in range(50):
-            assert body.query(points).distance.tobytes() in expected.values()
-    finally:
-        stop.set()
-        mover.join()
+    def read():
+        while time.monotonic() < end:
+            if any(body.query(points).distance.tobytes() not in queries for _ in range(100)):
+                return False
+            field, query = results()
+            if field not in fields or query not in queries:
+                return False
+        return True
+
+    with ThreadPoolExecutor(4) as pool:
+        readers = [pool.submit(read) for _ in range(3)]
+        pool.submit(move).result()
+        assert all(reader.result() for reader in readers)
 
 
 def test_other_threads_run_during_a_call(body):
