@@ -109,9 +109,15 @@ def test_progress_is_told(body):
     assert parts == sorted(parts) and parts[-1] == pytest.approx(1)
 
 
-def test_progress_true_shows_itself(body, capfd):
+@pytest.mark.parametrize("with_tqdm", [False, True])
+def test_progress_true_shows_itself(body, capfd, monkeypatch, with_tqdm):
+    if with_tqdm:
+        pytest.importorskip("tqdm")
+    else:
+        monkeypatch.setitem(sys.modules, "tqdm.auto", None)
     body.field(resolution=150, band="full", progress=True)
-    assert "comput" in capfd.readouterr().err
+    shown = capfd.readouterr().err
+    assert "computing" in shown and ("|" in shown) == with_tqdm
 
 
 def test_an_exception_of_progress_ends_the_call(body):
