@@ -81,15 +81,6 @@ std::ptrdiff_t stride_of(const ArrayView& view, std::size_t axis, const std::str
     return static_cast<std::ptrdiff_t>(stride);
 }
 
-void set_place(const ArrayView& view, InputArray& array) {
-    array.host = view.host;
-    array.device = view.device;
-}
-void set_place(const ArrayView& view, OutputArray& array) {
-    array.host = view.host;
-    array.device = view.device;
-}
-
 std::size_t count(const std::vector<std::int64_t>& shape) {
     std::size_t items = 1;
     for (const std::int64_t side : shape) items *= static_cast<std::size_t>(side);
@@ -114,17 +105,18 @@ ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable)
         if (nb::hasattr(array, "base_data")) return view_on_device(array, what);
         refuse_array(array, what);
     }
+    ArrayView view;
     if (writable) {
         nb::ndarray<> own;
         if (!nb::try_cast(array, own, false)) refuse(what + " is read-only; pass an array that can be written");
+        view.writable = own.data();
     }
-    ArrayView view;
     view.type = type_of(readable.dtype());
     if (view.type == ElementType::automatic)
         refuse(what + " has elements of type " + type_text(array) + "; use float32, float64, int32 or int64");
     if (readable.device_type() != nb::device::cpu::value)
         refuse(what + " is not in the host's memory; copy it to the host, or pass a pyopencl array");
-    view.host = const_cast<void*>(static_cast<const void*>(readable.data()));
+    view.host = readable.data();
     const auto width = static_cast<std::int64_t>(bytes_of(view.type));
     if (std::bit_cast<std::uintptr_t>(view.host) % static_cast<std::uintptr_t>(width) != 0)
         refuse(what + " begins at an address that is no multiple of its elements' " + std::to_string(width) +
@@ -142,7 +134,8 @@ InputArray Arrays::triples(nb::handle array, const char* what) {
     if (seen.shape.size() != 2 || seen.shape[1] != 3)
         refuse(std::string(what) + " has the shape " + text_of(seen.shape) + "; expected (n, 3)");
     InputArray triples;
-    set_place(seen, triples);
+    triples.host = seen.host;
+    triples.device = seen.device;
     triples.type = seen.type;
     triples.offset = seen.offset;
     triples.count = static_cast<std::size_t>(seen.shape[0]);
@@ -164,7 +157,8 @@ OutputArray Arrays::output(nb::handle array, const OutputInfo& info, const std::
     if (seen.shape != expected)
         refuse(what + " has the shape " + text_of(seen.shape) + "; expected " + text_of(expected));
     OutputArray output;
-    set_place(seen, output);
+    output.host = seen.writable;
+    output.device = seen.device;
     output.type = seen.type;
     output.offset = seen.offset;
     if (seen.is_packed()) {

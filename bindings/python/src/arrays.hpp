@@ -15,7 +15,8 @@ using ArraysByName = nb::typed<nb::dict, nb::str, nb::any>;
 /// Where the numbers of a Python array lie: one with the buffer protocol or DLPack, or pyopencl's.
 struct ArrayView {
     ElementType type = ElementType::automatic;
-    void* host = nullptr;
+    const void* host = nullptr;
+    void* writable = nullptr;  ///< `host`, of an array that is written to
     cl_mem device = nullptr;
     std::size_t offset = 0;  ///< bytes
     std::vector<std::int64_t> shape;

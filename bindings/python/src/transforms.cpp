@@ -75,6 +75,7 @@ auto classify(const Body& body, const Boxes& boxes, double half_width) {
 
 Body restrict_to(const Body& body, const std::vector<std::tuple<Vec3, Vec3, double, double>>& regions) {
     std::vector<Region> all;
+    all.reserve(regions.size());
     for (const auto& [lower, upper, half_width, spacing] : regions)
         all.push_back({Box{lower, upper}, half_width, spacing});
     return Body(body.device(), body.read([&](const DistanceTransform& whole) { return whole.restrict_to(all); }));
@@ -106,7 +107,7 @@ bool compile(const Body& body, const Grid& grid, const Band& band, const std::ve
 std::vector<Request> requests_of(const RequestList& requests, Arrays& arrays) {
     std::vector<Request> boxes;
     for (const nb::handle item : requests) {
-        const nb::tuple request = nb::cast<nb::tuple>(item);
+        const auto request = nb::cast<nb::tuple>(item);
         const auto& grid = nb::cast<const Grid&>(request[0]);
         boxes.push_back({grid, nb::cast<const Band&>(request[1]),
                          arrays.outputs(nb::cast<ArraysByName>(request[2]), shape_of(grid.size))});
