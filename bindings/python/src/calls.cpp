@@ -31,9 +31,9 @@ Call::Call(nb::object progress, nb::handle wait_for)
     options_.wait_list = events_;
     if (progress_.is_none()) return;
     options_.progress = [this](const Progress& progress) {
-        const bool compiles = progress.stage == Progress::Stage::compiling;
+        const bool computes = progress.stage == Progress::Stage::computing;
         const nb::gil_scoped_acquire gil;
-        progress_(compiles ? "compiling" : "computing", progress.fraction);
+        progress_(computes ? "computing" : "compiling", progress.fraction);
     };
 }
 
