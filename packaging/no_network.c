@@ -1,12 +1,16 @@
 /* Takes the place of libcurl and libcrypto in the wheel. Debian's HDF5 links both for one driver, which reads from
  * Amazon's S3 and which clsdf never opens. Without them the wheel has no network code, and none of the thirty libraries
  * that they stand on. scripts/wheel compiles this file twice. Every function fails: 2 is curl's CURLE_FAILED_INIT. */
-#define FAILS(name) \
-    int name(void); \
-    int name(void) { return 2; }
-#define IS_NULL(name) \
-    void* name(void); \
-    void* name(void) { return 0; }
+#define FAILS(name)  \
+    int name(void);  \
+    int name(void) { \
+        return 2;    \
+    }
+#define IS_NULL(name)  \
+    void* name(void);  \
+    void* name(void) { \
+        return 0;      \
+    }
 
 #ifdef CLSDF_CURL
 FAILS(curl_global_init)
