@@ -24,7 +24,7 @@ list(LENGTH scripts count)
 if(count LESS 15)
   message(SEND_ERROR "only ${count} scripts were found")
 endif()
-set(refusing bundle fetch-meshes figures format gallery gpu-compile gpu-counts nightly on-debian on-opencl same-bytes setup
+set(refusing bundle fetch-meshes figures format gallery gpu-compile gpu-counts nightly on-debian on-opencl python-tests same-bytes setup
              tidy walk)
 if(NOT EXISTS /usr/bin/python3)
   list(REMOVE_ITEM scripts figures gpu-compile)
@@ -47,7 +47,7 @@ foreach(script IN LISTS refusing)
 endforeach()
 
 # A mistyped mesh ends a script before it sets the machine up and builds.
-foreach(script demo far-field gpu-counts peers-points)
+foreach(script demo far-field gpu-counts peers-points python-peers)
   run(${script} "no such mesh.off")
   if(NOT status EQUAL 3 OR NOT errors STREQUAL "${script}: no such file: no such mesh.off\n")
     message(SEND_ERROR "scripts/${script} with a mistyped mesh ends with ${status}: ${output}${errors}")

@@ -108,7 +108,7 @@ BOOST_AUTO_TEST_CASE(each_process_of_a_machine_gets_a_share) {
     BOOST_TEST(Device::of_rank(0, 1).info().compute_units == info.compute_units);
     const auto divisions = cl::Device(whole.id(), true).getInfo<CL_DEVICE_PARTITION_PROPERTIES>();
     if (info.kind == DeviceKind::processor && std::ranges::count(divisions, CL_DEVICE_PARTITION_BY_COUNTS) > 0)
-        for (const std::size_t ranks : {2, 3, 1000})
+        for (const std::size_t ranks : {2U, 3U, 1000U})
             for (const std::size_t rank : {std::size_t{0}, ranks - 1})
                 BOOST_TEST(Device::of_rank(rank, ranks).info().compute_units ==
                            std::max(std::size_t{1}, info.compute_units / ranks));

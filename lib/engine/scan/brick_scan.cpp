@@ -62,15 +62,16 @@ constexpr cl_uint most_coarse_bricks = 1U << 17;
 
 }  // namespace
 
-std::vector<BrickLaunch> launches_of(const CoarseLists& lists, double pairs_per_launch) {
+std::vector<BrickLaunch> launches_of(const CoarseLists& lists, const LaunchWork& most) {
     std::vector<BrickLaunch> launches;
     double before = 0, pairs = 0;
     cl_uint begin = 0;
     const auto count = static_cast<cl_uint>(lists.order.size());
+    const double all = static_cast<double>(lists.pairs) + most.pairs_of_a_brick * static_cast<double>(count);
     for (cl_uint i = 0; i < count; ++i) {
-        pairs += lists.lengths[i];
-        if (pairs < pairs_per_launch && i + 1 - begin < most_coarse_bricks && i + 1 < count) continue;
-        launches.push_back({begin, i + 1, before / static_cast<double>(lists.pairs)});
+        pairs += lists.lengths[i] + most.pairs_of_a_brick;
+        if (pairs < most.pairs && i + 1 - begin < most_coarse_bricks && i + 1 < count) continue;
+        launches.push_back({begin, i + 1, before / all});
         before += pairs;
         pairs = 0;
         begin = i + 1;
@@ -78,9 +79,9 @@ std::vector<BrickLaunch> launches_of(const CoarseLists& lists, double pairs_per_
     return launches;
 }
 
-BrickScan::BrickScan(const ScanInputs& inputs, double pairs_per_launch)
+BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
     : lists_(make_coarse_lists(inputs)),
-      launches_(launches_of(lists_, pairs_per_launch)),
+      launches_(launches_of(lists_, most)),
       computed_(inputs.pool->lease(brick_count(inputs.layout), "marks of the computed bricks")),
       layout_(inputs.layout),
       // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.

@@ -15,8 +15,14 @@ struct BrickLaunch {
     double fraction_before;  ///< the share of the work that lies before it
 };
 
-/// Launches of about so many pairs. Some drivers count the work-items of a launch in 32 bits.
-std::vector<BrickLaunch> launches_of(const CoarseLists& lists, double pairs_per_launch);
+/// The work of a launch, in pairs of a polyhedron and a coarse brick.
+struct LaunchWork {
+    double pairs;                 ///< at most about so many
+    double pairs_of_a_brick = 0;  ///< that take as long as a coarse brick without any: its samples are stored
+};
+
+/// Some drivers count the work-items of a launch in 32 bits.
+std::vector<BrickLaunch> launches_of(const CoarseLists& lists, const LaunchWork& most);
 
 /// The scan of leaned polyhedra by bricks: lists of the polyhedra that overlap each coarse brick, the samples of all
 /// bricks that a polyhedron overlaps, and the fill of the others. A body computes the samples.
@@ -30,7 +36,7 @@ public:
     void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const final;
 
 protected:
-    BrickScan(const ScanInputs& inputs, double pairs_per_launch);
+    BrickScan(const ScanInputs& inputs, const LaunchWork& most);
 
     /// Sets of counters that the samples' kernel counts in; 0: nothing is counted.
     void make_counters(const ScanInputs& inputs, std::size_t sets);

@@ -15,7 +15,7 @@ constexpr std::size_t mask_groups = 8;
 class BricksByGroup final : public BrickScan {
 public:
     BricksByGroup(const ScanInputs& inputs)
-        : BrickScan(inputs, pairs_per_group_launch),
+        : BrickScan(inputs, {pairs_per_group_launch}),
           group_size_(inputs.programs.group_size),
           program_(inputs.programs.bricks(inputs.context, inputs.variant)),
           bounds_(inputs.pool->lease_for_list(lists_.order.size() * groups_per_coarse_brick * sizeof(float),

@@ -8,8 +8,9 @@ namespace clsdf::scan {
 namespace {
 
 // A launch ends within a fifth of a second, so that a computation can be stopped: a pair of a polyhedron and a coarse
-// brick takes at most a microsecond. But one core computes a coarse brick, however long its list is.
-constexpr double pairs_per_core_and_launch = 100000;
+// brick takes at most a microsecond, a coarse brick 300 to 400 beside its pairs. But one core computes a coarse brick,
+// however long its list is.
+constexpr double pairs_per_core_and_launch = 100000, pairs_of_a_brick = 300;
 
 /// The minima of a coarse brick, whose bricks a work-item takes together.
 std::size_t minima_bytes(const BrickVariant& variant) {
@@ -45,7 +46,7 @@ public:
 
 private:
     BricksByVector(const ScanInputs& inputs, std::size_t work_items)
-        : BrickScan(inputs, pairs_per_core_and_launch * static_cast<double>(work_items)),
+        : BrickScan(inputs, {pairs_per_core_and_launch * static_cast<double>(work_items), pairs_of_a_brick}),
           work_items_(work_items),
           kernel_(inputs.programs.bricks(inputs.context, inputs.variant), "bricks_by_vector"),
           next_slots_(inputs.pool->lease_for_list(launches_.size() * sizeof(cl_uint), "next slots of the launches")),

@@ -1,0 +1,63 @@
+"""Exact signed distance fields of triangle meshes, computed with OpenCL.
+
+The inside is negative. Arrays of samples have the shape (nz, ny, nx), z first; positions, sizes and vectors are in the
+order x, y, z. Lengths are in the mesh's units.
+
+    import clsdf
+    body = clsdf.Transform("bunny.off")
+    f = body.field(resolution=256, band="10%", outputs="distance gradient")
+    f.distance[k, j, i]
+    body.query(points).distance
+"""
+
+from __future__ import annotations
+
+from . import _core
+from ._core import Band, Device, DeviceInfo, Grid, Topology, devices, make_shape, shape_names
+from ._error import Error, MeshWarning
+from ._values import Blocks, Points
+from .field import Field
+from .files import FieldWriter, read_field, write_field
+from .pictures import Picture, slice_picture
+from .plan import Plan
+from .transform import BoxPlace, Region, Request, Transform
+
+_core._set_error_class(Error)  # type: ignore[attr-defined]
+
+from ._meshes import read_mesh  # noqa: E402
+from . import trimesh  # noqa: E402
+
+#: The triangle and the site of a sample beyond the band.
+no_triangle = 0xFFFFFFFF
+no_site = 255
+
+__version__ = _core.version()
+__all__ = [
+    "Band",
+    "Blocks",
+    "BoxPlace",
+    "Device",
+    "DeviceInfo",
+    "Error",
+    "Field",
+    "FieldWriter",
+    "Grid",
+    "MeshWarning",
+    "Picture",
+    "Plan",
+    "Points",
+    "Region",
+    "Request",
+    "Topology",
+    "Transform",
+    "devices",
+    "make_shape",
+    "no_site",
+    "no_triangle",
+    "read_field",
+    "read_mesh",
+    "shape_names",
+    "slice_picture",
+    "trimesh",
+    "write_field",
+]

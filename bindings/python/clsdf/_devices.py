@@ -1,0 +1,37 @@
+"""The device that transforms use if none is named."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+from . import _core
+from ._core import Device
+
+_lock = threading.Lock()
+_default: Device | None = None
+
+
+def default_device() -> Device:
+    """Device.automatic(), opened once. As clsdf's command does, it keeps records of passed tests and takes prepared
+    programs from default_record_folder(); an empty CLSDF_CACHE_DIR turns that off."""
+    global _default
+    with _lock:
+        if _default is None:
+            device = Device.automatic()
+            folder = _core.default_record_folder()
+            device.keep_records(folder)
+            device.read_programs(folder)
+            _default = device
+        return _default
+
+
+def device_of(choice: Any) -> Device:
+    """None, a Device, an index or a part of a name, or a pyopencl queue."""
+    if choice is None:
+        return default_device()
+    if isinstance(choice, Device):
+        return choice
+    if isinstance(choice, (str, int)):
+        return Device.select(str(choice))
+    return Device.from_queue(choice)

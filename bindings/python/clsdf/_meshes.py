@@ -1,0 +1,75 @@
+"""Meshes of other packages as arrays of vertices (n, 3) and faces (m, 3). Nothing is copied if the package has such
+arrays."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._error import Error
+
+
+def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
+    """Vertices, faces and a name of the mesh: of a path, (vertices, faces), or an object of trimesh, pyvista, meshio or
+    open3d."""
+    if isinstance(mesh, (str, os.PathLike)):
+        path = os.fsdecode(mesh)
+        vertices, faces = _core.read_mesh(path)
+        return vertices, faces, os.path.basename(path)
+    if isinstance(mesh, (tuple, list)):
+        if len(mesh) != 2:
+            raise Error(f"a mesh as a tuple is (vertices, faces); this one has {len(mesh)} items")
+        return as_array(mesh[0], np.float64), as_array(mesh[1], np.int64), "mesh"
+    for arrays in (_of_trimesh, _of_pyvista, _of_meshio, _of_open3d):
+        found = arrays(mesh)
+        if found is not None:
+            return (*found, "mesh")
+    raise Error(
+        f"a {type(mesh).__module__}.{type(mesh).__qualname__} is no mesh that is known: pass a path, (vertices, faces), "
+        "or a mesh of trimesh, pyvista, meshio or open3d"
+    )
+
+
+def as_array(values: Any, dtype: type) -> Any:
+    """Lists and other objects without a shape become arrays; everything else stays what it is."""
+    return values if hasattr(values, "shape") else np.asarray(values, dtype)
+
+
+def _of_trimesh(mesh: Any) -> tuple[Any, Any] | None:
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+        return mesh.vertices, mesh.faces
+    return None
+
+
+def _of_pyvista(mesh: Any) -> tuple[Any, Any] | None:
+    if not (hasattr(mesh, "points") and hasattr(mesh, "is_all_triangles")):
+        return None
+    triangles = mesh if mesh.is_all_triangles else mesh.triangulate()
+    return np.asarray(triangles.points), np.asarray(triangles.faces).reshape(-1, 4)[:, 1:]
+
+
+def _of_meshio(mesh: Any) -> tuple[Any, Any] | None:
+    if not (hasattr(mesh, "points") and hasattr(mesh, "cells_dict")):
+        return None
+    kinds = mesh.cells_dict
+    others = [kind for kind in kinds if kind not in ("triangle", "vertex", "line")]
+    if "triangle" not in kinds or others:
+        raise Error(f"the meshio mesh has cells of the kinds {', '.join(kinds)}; clsdf takes triangles alone")
+    return mesh.points, kinds["triangle"]
+
+
+def _of_open3d(mesh: Any) -> tuple[Any, Any] | None:
+    if hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):
+        return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
+    if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):  # open3d.t.geometry
+        return mesh.vertex.positions.numpy(), mesh.triangle.indices.numpy()
+    return None
+
+
+def read_mesh(path: str | os.PathLike[str]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply. Raises clsdf.Error:
+    unreadable_input or invalid_mesh that names the line or the element; unsupported for an unknown ending."""
+    return _core.read_mesh(os.fspath(path))

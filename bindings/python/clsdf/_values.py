@@ -1,0 +1,144 @@
+"""Arrays by the names of outputs, and the results that have them."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from typing import Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._error import Error
+
+Outputs = Union[str, Iterable[str]]
+
+#: The names of all outputs. docs/library.md, 'A field', says what each is.
+names = tuple(name for name, _, _, _ in _core.outputs())
+_types = {name: (np.dtype(dtype), components) for name, dtype, components, _ in _core.outputs()}
+
+
+def type_of(output: str) -> tuple[np.dtype[Any], int]:
+    """The type of a number of the output, and how many numbers a sample has."""
+    return _types[output]
+
+
+@lru_cache(maxsize=64)
+def _split(text: str) -> tuple[str, ...]:
+    return wanted(text.split())
+
+
+def wanted(outputs: Outputs) -> tuple[str, ...]:
+    """The names in "distance gradient" or ["distance", "gradient"], with the distance, in the order of `names`."""
+    if isinstance(outputs, str):
+        return _split(outputs)
+    asked = {"distance", *outputs}
+    unknown = sorted(asked.difference(names))
+    if unknown:
+        raise Error(f"there is no output {unknown[0]!r}; the outputs are {', '.join(names)}")
+    return tuple(name for name in names if name in asked)
+
+
+def shape_of(output: str, shape: tuple[int, ...]) -> tuple[int, ...]:
+    """The shape of the output's array; a vector has one axis more than the samples."""
+    components = _types[output][1]
+    return shape if components == 1 else (*shape, components)
+
+
+def new_samples(outputs: Iterable[str], shape: tuple[int, ...]) -> dict[str, npt.NDArray[Any]]:
+    """Arrays for the samples of a grid, in memory for fast stores."""
+    arrays = {}
+    for name in outputs:
+        dtype, components = _types[name]
+        size = components * math.prod(shape) * dtype.itemsize
+        if size > sys.maxsize:
+            raise Error(f"a field of {' x '.join(map(str, reversed(shape)))} samples does not fit the memory; choose a "
+                        "lower resolution, or slabs()", "out_of_memory")
+        memory = _core.allocate(size)
+        arrays[name] = memory.view(dtype).reshape(shape_of(name, shape))
+    return arrays
+
+
+def given(out: Any, outputs: Outputs | None) -> dict[str, Any]:
+    """The arrays of `out`: a result, a dictionary, or the array of the distance."""
+    if isinstance(out, Values):
+        arrays: dict[str, Any] = out.arrays
+    elif isinstance(out, Mapping):
+        arrays = dict(out)
+    else:
+        arrays = {"distance": out}
+    if "distance" not in arrays:
+        raise Error("out has no array of the distance, which is always computed")
+    if outputs is not None and wanted(outputs) != wanted(arrays):
+        raise Error(f"outputs= names {', '.join(wanted(outputs))}; out= has arrays of {', '.join(wanted(arrays))}")
+    return arrays
+
+
+class Values:
+    """Arrays of outputs. One that was not asked for raises AttributeError.
+
+    The inside is negative. Beyond the band the distance is its half width with the sign, the triangle
+    clsdf.no_triangle, the site clsdf.no_site, and vectors are NaN.
+    """
+
+    def __init__(self, arrays: dict[str, Any]) -> None:
+        self.arrays = arrays
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """The names of the outputs that it has."""
+        return tuple(self.arrays)
+
+    def _array(self, name: str) -> npt.NDArray[Any]:
+        try:
+            return self.arrays[name]  # type: ignore[no-any-return]
+        except KeyError:
+            raise AttributeError(f"there is no {name} here: ask for it with outputs='distance {name}'") from None
+
+    @property
+    def distance(self) -> npt.NDArray[np.float32]:
+        """Signed distances in the mesh's units, negative inside."""
+        return self._array("distance")
+
+    @property
+    def triangle(self) -> npt.NDArray[np.uint32]:
+        """Index of the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it."""
+        return self._array("triangle")
+
+    @property
+    def site(self) -> npt.NDArray[np.uint8]:
+        """The triangle's nearest part: 0 to 2 its vertices, 3 to 5 its edges (3 + k: from vertex k to the next), 6 its
+        face."""
+        return self._array("site")
+
+    @property
+    def closest(self) -> npt.NDArray[np.float64]:
+        """(..., 3): position of the closest point, in the mesh's units."""
+        return self._array("closest")
+
+    @property
+    def gradient(self) -> npt.NDArray[np.float32]:
+        """(..., 3): gradient of the signed distance, a unit vector."""
+        return self._array("gradient")
+
+    @property
+    def barycentric(self) -> npt.NDArray[np.float32]:
+        """(..., 2): weights of the triangle's vertices 1 and 2 in the closest point."""
+        return self._array("barycentric")
+
+
+class Points(Values):
+    """What query() found: arrays (n,), and (n, 3) of vectors, in the order of the points."""
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Points: {', '.join(self.outputs)} of {np.size(self.arrays['distance'])} points>"
+
+
+class Blocks(Values):
+    """What blocks() computed: arrays (blocks, nz, ny, nx), and (blocks, nz, ny, nx, 3) of vectors."""
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Blocks: {', '.join(self.outputs)}, shape {self.arrays['distance'].shape}>"

@@ -1,0 +1,68 @@
+"""Boxes that are computed again and again into the memory of the device."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from . import _core
+from ._core import Grid
+from ._progress import Progress, shown
+
+if TYPE_CHECKING:
+    from .transform import Request, Transform
+
+
+class Plan:
+    """What Transform.plan() made. It may outlive the transform. Threads take turns. Needs pyopencl."""
+
+    def __init__(self, plan: _core.PlanOfBoxes) -> None:
+        self._plan = plan
+
+    @property
+    def device_bytes(self) -> int:
+        """Device memory of the plan, beside what the transform keeps."""
+        return self._plan.device_bytes
+
+    @property
+    def sign(self) -> str:
+        """The rule in use: 'nonzero', 'parity' or 'none'."""
+        return self._plan.sign
+
+    def enqueue(self, *, out: Any = None, queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:
+        """Enqueues the computation of all boxes; never blocks.
+
+        out: pyopencl arrays, or buffers, which are packed: of one grid a dictionary by names of outputs, or the array of
+            the distance; of more requests a list of dictionaries. None: the arrays of the plan's requests.
+        queue: a pyopencl.CommandQueue of the device's context; None: the device's own. wait_for: pyopencl events.
+
+        Returns the pyopencl.Event of the end. The arrays must outlive the run. Raises clsdf.Error: invalid_argument for
+        a plan of a grid without `out`, for arrays of another shape or context; unsupported for other types.
+        """
+        import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
+        targets = None
+        if out is not None:
+            targets = [_arrays(one) for one in out] if isinstance(out, (list, tuple)) else [_arrays(out)]
+        event = self._plan.enqueue(queue, targets, None if wait_for is None else list(wait_for))
+        return pyopencl.Event.from_int_ptr(event, retain=False)
+
+    def update(
+        self,
+        transform: Transform,
+        *,
+        grids: Iterable[Grid] | None = None,
+        requests: Iterable[Request] | None = None,
+        progress: Progress = None,
+    ) -> None:
+        """Prepares the next runs for the present positions of the transform: of the same boxes, of other grids whose
+        samples fit the arrays, or of other requests. Blocks."""
+        with shown(progress) as show:
+            if requests is not None:
+                self._plan.update_requests(transform._body, list(requests), show)
+            else:
+                self._plan.update(transform._body, None if grids is None else list(grids), show)
+
+
+def _arrays(out: Any) -> dict[str, Any]:
+    return dict(out) if isinstance(out, Mapping) else {"distance": out}

@@ -1,0 +1,359 @@
+"""The exact distance to a mesh: on grids, on many boxes, and at points."""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, _meshes
+from ._core import Band, Device, Grid, Topology
+from ._devices import device_of
+from ._error import Error
+from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
+from ._progress import Progress, shown
+from ._values import Blocks, Outputs, Points, given, new_samples, shape_of, type_of, wanted
+from .field import Field
+from .plan import Plan
+
+
+class Request(NamedTuple):
+    """One box of many: a grid, the band, and a dictionary of arrays by the names of outputs, which are written to."""
+
+    grid: Grid
+    band: Band
+    out: dict[str, Any]
+
+
+class Region(NamedTuple):
+    """A box of the domain, and the largest half width and spacing that are asked for in it (spacing 0: points and boxes
+    alone), in the mesh's units. For restrict_to()."""
+
+    lower: Sequence[float]
+    upper: Sequence[float]
+    half_width: float
+    spacing: float = 0
+
+
+class BoxPlace(enum.IntEnum):
+    """The position of a box relative to the mesh, from classify()."""
+
+    WITHIN = 0  #: the surface may be within the half width of a point of the box
+    INSIDE = 1  #: the surface is farther from every point of the box, and all of them are inside
+    OUTSIDE = 2  #: the same, and all of them are outside
+    BEYOND = 3  #: the same, of a mesh that has no sign
+
+
+class Transform:
+    """The exact distance to a triangle mesh, negative inside.
+
+    mesh: a path (.off, .obj, .stl, .ply); (vertices, faces), arrays (n, 3) of float32 or float64 and (m, 3) of int32,
+        int64, uint32 or uint64; or a mesh of trimesh, pyvista, meshio or open3d. Faces are counter-clockwise seen from
+        outside. The mesh is copied once: the arrays may change afterwards.
+    device: None (clsdf.Device.automatic()), a clsdf.Device, an index or a part of a device's name, or a
+        pyopencl.CommandQueue.
+    sign: 'auto', 'nonzero', 'parity' or 'none'. With 'auto' an open mesh has no sign, and a MeshWarning says so.
+    kept_bytes: limit of the device memory that is kept between calls; None: the library's default.
+
+    Raises clsdf.Error: invalid_mesh names the row and the value; also unreadable_input, no_device, device_failure.
+
+    Any number of threads may use a transform; calls that compute run side by side without the GIL, and those that set
+    positions wait for them. Ctrl-C ends a call. Calls may take `progress`, True or a function of the stage
+    ('compiling', 'computing') and its fraction, and `wait_for`, pyopencl events after which arrays of the device are
+    used.
+    """
+
+    def __init__(
+        self, mesh: Any, *, device: Any = None, sign: str = "auto", kept_bytes: int | None = None
+    ) -> None:
+        vertices, faces, self.mesh_name = _meshes.arrays_of(mesh)
+        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes)
+
+    @classmethod
+    def _of(cls, body: _core.Body, mesh_name: str) -> Transform:
+        transform = cls.__new__(cls)
+        transform._body = body
+        transform.mesh_name = mesh_name
+        return transform
+
+    # The mesh.
+
+    @property
+    def box(self) -> npt.NDArray[np.float64]:
+        """(2, 3): the lower and the upper corner of the vertices in use, at their present positions."""
+        return np.array(self._body.box)
+
+    @property
+    def topology(self) -> Topology:
+        """Whether the mesh is closed, balanced or inside out, and its numbers of open edges and others."""
+        return self._body.topology
+
+    @property
+    def sign(self) -> str:
+        """The rule in use: 'nonzero', 'parity' or 'none'."""
+        return self._body.sign
+
+    @property
+    def device(self) -> Device:
+        return self._body.device
+
+    @property
+    def memory(self) -> tuple[int, int]:
+        """Bytes that are kept between calls: of the host, and of the device."""
+        return self._body.memory
+
+    def set_positions(self, positions: Any, *, wait_for: Any = None) -> None:
+        """Gives the same faces new positions: an array (n, 3), one row for each vertex of the mesh. What follows from
+        the faces stays. Raises clsdf.Error: invalid_argument for another number of rows, invalid_mesh for a row that is
+        not finite; the positions are those of before then."""
+        self._body.set_positions(_meshes.as_array(positions, np.float64), wait_for)
+
+    def set_motion(self, rotation: Any, translation: Any) -> None:
+        """Puts the vertices at rotation @ x + translation. x are the positions of the mesh that the transform was made
+        from, so errors do not add up. Raises clsdf.Error if the 3 x 3 matrix is no rotation to 1e-12."""
+        self._body.set_motion(rotation, translation)
+
+    # Grids.
+
+    def grid(
+        self,
+        resolution: int | None = None,
+        *,
+        spacing: float | Sequence[float] | None = None,
+        margin: LengthLike | None = None,
+        cubic: bool = False,
+        cell_centred: bool = False,
+        band: BandLike = "10%",
+    ) -> Grid:
+        """The grid that field() makes: around the mesh at its present positions.
+
+        resolution: samples on the longest side, margin included (256). spacing: instead, in the mesh's units, for all
+        axes or each (x, y, z). margin: a length as of `band`; None: the band's half width outside, 5% if it has no end.
+        cubic: as many samples on every axis. cell_centred: samples half a voxel further.
+        """
+        if resolution is not None and spacing is not None:
+            raise Error("resolution= and spacing= exclude each other")
+        lower, upper = self._body.box
+        steps = None if spacing is None else (spacing,) * 3 if isinstance(spacing, (int, float)) else spacing
+        room = outside_of(parse_band(band)) if margin is None else parse_length("margin", margin)
+        return _core.grid_around(
+            lower, upper, 256 if resolution is None else resolution, steps, room, cubic, cell_centred
+        )
+
+    def _grid_and_band(self, grid: Grid | None, band: BandLike, around: dict[str, Any]) -> tuple[Grid, Band]:
+        if grid is None:
+            grid = self.grid(band=band, **around)
+        elif any(value not in (None, False) for value in around.values()):
+            raise Error("a grid that is given excludes resolution=, spacing=, margin=, cubic= and cell_centred=")
+        lower, upper = self._body.box
+        extent = max(high - low for low, high in zip(lower, upper))
+        return grid, band_on(parse_band(band), grid, extent)
+
+    def field(
+        self,
+        grid: Grid | None = None,
+        *,
+        resolution: int | None = None,
+        spacing: float | Sequence[float] | None = None,
+        margin: LengthLike | None = None,
+        cubic: bool = False,
+        cell_centred: bool = False,
+        band: BandLike = "10%",
+        outputs: Outputs | None = None,
+        out: Any = None,
+        progress: Progress = None,
+        wait_for: Any = None,
+    ) -> Field:
+        """Computes a field: every sample within the band has its exact distance, every other one the band's half width
+        with its sign.
+
+        grid: a Grid of your own, or that of another field; None: one around the mesh, made by grid() from the options
+            from `resolution` to `cell_centred`.
+        band: the half width on both sides, or (inside, outside): '10%' of the longest side of the mesh's box, '3v'
+            voxels, a number in the mesh's units, 'full', or a Band. 0: the signs alone.
+        outputs: 'distance gradient triangle' or a list: of 'distance' (always there), 'triangle', 'site', 'closest',
+            'gradient', 'barycentric'. None: the distance, or what `out` has.
+        out: arrays to write to: a Field, a dictionary by names of outputs, or the array of the distance, of the shape
+            grid.shape (vectors: one axis more) and any strides. Types: those of a new field; distance, gradient and
+            barycentric may also be float64, triangle int32 (-1 beyond the band), closest float32 (then it is the offset
+            from the sample). They may be pyopencl arrays of the device's context.
+
+        Returns `out` if it is a Field, else a new Field. Raises clsdf.Error: invalid_argument before any work for an
+        array that is read-only, wrongly shaped, byte-swapped or overlaps another; out_of_memory, device_failure.
+        """
+        if grid is None and isinstance(out, Field):
+            grid = out.grid
+        around = {
+            "resolution": resolution,
+            "spacing": spacing,
+            "margin": margin,
+            "cubic": cubic,
+            "cell_centred": cell_centred,
+        }
+        grid, own_band = self._grid_and_band(grid, band, around)
+        arrays = new_samples(wanted(outputs or ()), grid.shape) if out is None else given(out, outputs)
+        with shown(progress) as show:
+            self._body.compute(grid, own_band, arrays, show, wait_for)
+        if isinstance(out, Field):
+            out.grid, out.band, out.sign, out.mesh_name = grid, own_band, self.sign, self.mesh_name
+            return out
+        return Field(grid, own_band, self.sign, self.mesh_name, arrays)
+
+    def fields(
+        self, grids: Iterable[Grid], *, band: BandLike = "10%", outputs: Outputs = "distance", progress: Progress = None
+    ) -> list[Field]:
+        """The fields of many grids of any lattices, in one call, which is cheaper than one call each; each has the
+        bytes of a call of its own. band and outputs: as of field()."""
+        fields = []
+        for grid in grids:
+            grid, own_band = self._grid_and_band(grid, band, {})
+            arrays = new_samples(wanted(outputs), grid.shape)
+            fields.append(Field(grid, own_band, self.sign, self.mesh_name, arrays))
+        self.compute([Request(field.grid, field.band, field.arrays) for field in fields], progress=progress)
+        return fields
+
+    def compute(self, requests: Iterable[Request], *, progress: Progress = None, wait_for: Any = None) -> None:
+        """Computes many boxes into your arrays in one call, each with its own grid, band and outputs. If one is
+        refused, nothing is computed, and the error names its index."""
+        with shown(progress) as show:
+            self._body.compute_many(list(requests), show, wait_for)
+
+    def blocks(
+        self,
+        lattice: Grid,
+        first: Any,
+        size: Sequence[int],
+        *,
+        band: BandLike = "10%",
+        outputs: Outputs | None = None,
+        out: Any = None,
+        progress: Progress = None,
+        wait_for: Any = None,
+    ) -> Blocks:
+        """Equal blocks of one lattice in one call: the leaves of an octree, the patches of a level.
+
+        lattice: a Grid, of which origin and spacing count. first: (n, 3) integers, the first sample (i, j, k) of each
+        block on the lattice. size: samples (nx, ny, nz) of each block. band, outputs, out: as of field(), with arrays
+        of the shape (n, nz, ny, nx).
+        """
+        _, own_band = self._grid_and_band(lattice, band, {})
+        corners = [tuple(row) for row in np.asarray(first, np.int64).reshape(-1, 3).tolist()]
+        shape = (len(corners), *reversed([int(side) for side in size]))
+        arrays = new_samples(wanted(outputs or ()), shape) if out is None else given(out, outputs)
+        with shown(progress) as show:
+            self._body.compute_blocks(lattice, own_band, size, corners, arrays, show, wait_for)
+        return Blocks(arrays)
+
+    def slabs(
+        self,
+        grid: Grid | None = None,
+        *,
+        resolution: int | None = None,
+        spacing: float | Sequence[float] | None = None,
+        margin: LengthLike | None = None,
+        cubic: bool = False,
+        cell_centred: bool = False,
+        band: BandLike = "10%",
+        outputs: Outputs = "distance",
+    ) -> Iterator[Field]:
+        """A field of any size as an iterator of its slabs: Fields of whole slices, in the order of z, at most about 16
+        million samples at a time. Options: as of field(). Each slab is computed when it is asked for; the bytes are
+        those of the whole."""
+        around = {
+            "resolution": resolution,
+            "spacing": spacing,
+            "margin": margin,
+            "cubic": cubic,
+            "cell_centred": cell_centred,
+        }
+        whole, own_band = self._grid_and_band(grid, band, around)
+        return (self.field(part, band=own_band, outputs=outputs) for part in _core.slabs_of(whole))
+
+    def compile(
+        self, grid: Grid, *, band: BandLike = "10%", outputs: Outputs = "distance", progress: Progress = None
+    ) -> None:
+        """Builds and tests the programs that such a field needs. Calls do it by themselves; this is to choose when."""
+        grid, own_band = self._grid_and_band(grid, band, {})
+        with shown(progress) as show:
+            self._body.compile(grid, own_band, wanted(outputs), show)
+
+    # Points and boxes.
+
+    def query(
+        self,
+        points: Any,
+        outputs: Outputs | None = None,
+        *,
+        within: float = math.inf,
+        out: Any = None,
+        progress: Progress = None,
+        wait_for: Any = None,
+    ) -> Points:
+        """The exact signed distance at points anywhere, and other outputs.
+
+        points: an array (n, 3), float32 or float64, any strides; or one point (3,), whose results are numbers and
+            vectors (3,). outputs: as of field(). within: limits the search, in the mesh's units, which makes it
+            cheaper; a farther point has that limit as its distance, with its sign, and no triangle.
+        out: arrays (n,), and (n, 3) of vectors, to write to, as of field().
+
+        The sign is exact at the given doubles; a point on the surface has the distance +0. Raises clsdf.Error:
+        invalid_argument that names the row of a point that is not finite, and for arrays as of field().
+        """
+        points = _meshes.as_array(points, np.float64)
+        is_one = len(points.shape) == 1
+        if is_one:
+            points = points[None]
+        count = len(points)
+        if out is None:
+            arrays = {}
+            for name in wanted(outputs or ()):
+                arrays[name] = np.empty(shape_of(name, (count,)), type_of(name)[0])
+        else:
+            arrays = given(out, outputs)
+        if progress is None:
+            self._body.query(points, within, arrays, None, wait_for)
+        else:
+            with shown(progress) as show:
+                self._body.query(points, within, arrays, show, wait_for)
+        return Points({name: array[0] for name, array in arrays.items()} if is_one and out is None else arrays)
+
+    def classify(self, boxes: Any, half_width: float) -> npt.NDArray[np.uint8]:
+        """The place of each box, as numbers of clsdf.BoxPlace.
+
+        boxes: an array (n, 2, 3) of lower and upper corners, in the mesh's units. A box that is not WITHIN lies on one
+        side and is farther from the surface than half_width at each of its points; that is exact. One a little farther
+        away may be WITHIN, too.
+        """
+        return self._body.classify(np.ascontiguousarray(boxes, np.float64), half_width)
+
+    def restrict_to(self, regions: Region | Iterable[Region]) -> Transform:
+        """A transform for parts of the domain, which keeps only what they need. Every grid, point and box asked for
+        later must lie in one region. The results have the bytes of the whole transform."""
+        all_regions = [regions] if isinstance(regions, Region) else list(regions)
+        plain = [(tuple(r.lower), tuple(r.upper), float(r.half_width), float(r.spacing)) for r in all_regions]
+        return Transform._of(self._body.restrict_to(plain), self.mesh_name)
+
+    # Plans.
+
+    def plan(
+        self,
+        what: Grid | Iterable[Request],
+        *,
+        band: BandLike = "10%",
+        outputs: Outputs = "distance",
+        progress: Progress = None,
+    ) -> Plan:
+        """Prepares boxes that are computed again and again into the memory of the device, without blocking.
+
+        what: a Grid, with band and outputs as of field(); each Plan.enqueue() gets the arrays then. Or Requests with
+        pyopencl arrays of the device's context.
+        """
+        with shown(progress) as show:
+            if isinstance(what, Grid):
+                grid, own_band = self._grid_and_band(what, band, {})
+                return Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show))
+            return Plan(_core.plan_of_requests(self._body, list(what), show))

@@ -1,0 +1,233 @@
+#include "arrays.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <memory>
+#include <new>
+#include <utility>
+
+namespace clsdf::python {
+
+namespace {
+
+std::string text_of(const std::vector<std::int64_t>& shape) {
+    std::string text = "(";
+    for (const std::int64_t side : shape) text += std::to_string(side) + ", ";
+    if (shape.size() > 1) text.erase(text.size() - 2);
+    if (shape.size() == 1) text.pop_back();
+    return text + ")";
+}
+
+ElementType type_of(nb::dlpack::dtype type) {
+    using nb::dlpack::dtype_code;
+    constexpr std::pair<nb::dlpack::dtype, ElementType> types[] = {
+        {nb::dtype<float>(), ElementType::float32},        {nb::dtype<double>(), ElementType::float64},
+        {nb::dtype<std::int32_t>(), ElementType::int32},   {nb::dtype<std::int64_t>(), ElementType::int64},
+        {nb::dtype<std::uint32_t>(), ElementType::uint32}, {nb::dtype<std::uint64_t>(), ElementType::uint64},
+        {nb::dtype<std::uint8_t>(), ElementType::uint8},
+    };
+    for (const auto& [dtype, element] : types)
+        if (type == dtype) return element;
+    return ElementType::automatic;
+}
+
+ElementType type_named(const std::string& dtype) {
+    constexpr std::pair<const char*, ElementType> types[] = {
+        {"float32", ElementType::float32}, {"float64", ElementType::float64}, {"int32", ElementType::int32},
+        {"int64", ElementType::int64},     {"uint32", ElementType::uint32},   {"uint64", ElementType::uint64},
+        {"uint8", ElementType::uint8},
+    };
+    for (const auto& [name, element] : types)
+        if (dtype == name) return element;
+    return ElementType::automatic;
+}
+
+std::string type_text(nb::handle array) {
+    const nb::object dtype = nb::getattr(array, "dtype", nb::none());
+    return nb::cast<std::string>(nb::str(dtype.is_none() ? array.type() : nb::handle(dtype)));
+}
+
+// pyopencl.array.Array: its memory is a buffer and an offset into it.
+ArrayView view_on_device(nb::handle array, const std::string& what) {
+    ArrayView view;
+    view.device = std::bit_cast<cl_mem>(nb::cast<std::uintptr_t>(array.attr("base_data").attr("int_ptr")));
+    view.offset = nb::cast<std::size_t>(array.attr("offset"));
+    view.type = type_named(nb::cast<std::string>(nb::str(array.attr("dtype").attr("name"))));
+    view.shape = nb::cast<std::vector<std::int64_t>>(array.attr("shape"));
+    view.strides = nb::cast<std::vector<std::int64_t>>(array.attr("strides"));
+    if (view.type == ElementType::automatic)
+        refuse(what + " has elements of type " + type_text(array) + "; use float32, float64, int32 or int64");
+    return view;
+}
+
+// Why an array could not be taken.
+[[noreturn]] void refuse_array(nb::handle array, const std::string& what) {
+    if (!nb::ndarray_check(array))
+        refuse(what + " is a " + nb::cast<std::string>(nb::str(array.type().attr("__name__"))) +
+               ", which is no array; use a NumPy array or any other with the buffer protocol or DLPack");
+    refuse(
+        what + " (" + type_text(array) +
+        ") cannot be read: it has swapped bytes, strides that are no multiple of its elements, or memory that is not "
+        "the host's; np.ascontiguousarray(a, a.dtype.newbyteorder('=')) makes a copy that can");
+}
+
+// The stride of an axis as the library takes it. An axis of one item has none, so any number is right.
+std::ptrdiff_t stride_of(const ArrayView& view, std::size_t axis, const std::string& what) {
+    const std::int64_t stride = view.strides[axis];
+    if (view.shape[axis] <= 1) return static_cast<std::ptrdiff_t>(bytes_of(view.type));
+    if (stride == 0)
+        refuse(what + " has the stride 0 along axis " + std::to_string(axis) +
+               ": its items lie on the same bytes, as after np.broadcast_to; pass a copy");
+    return static_cast<std::ptrdiff_t>(stride);
+}
+
+std::size_t count(const std::vector<std::int64_t>& shape) {
+    std::size_t items = 1;
+    for (const std::int64_t side : shape) items *= static_cast<std::size_t>(side);
+    return items;
+}
+
+}  // namespace
+
+bool ArrayView::is_packed() const {
+    if (std::ranges::find(shape, 0) != shape.end()) return true;
+    auto packed = static_cast<std::int64_t>(bytes_of(type));
+    for (std::size_t axis = shape.size(); axis-- > 0;) {
+        if (shape[axis] > 1 && strides[axis] != packed) return false;
+        packed *= shape[axis];
+    }
+    return true;
+}
+
+ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable) {
+    nb::ndarray<nb::ro> readable;
+    if (!nb::try_cast(array, readable, false)) {
+        if (nb::hasattr(array, "base_data")) return view_on_device(array, what);
+        refuse_array(array, what);
+    }
+    ArrayView view;
+    if (writable) {
+        nb::ndarray<> own;
+        if (!nb::try_cast(array, own, false)) refuse(what + " is read-only; pass an array that can be written");
+        view.writable = own.data();
+    }
+    view.type = type_of(readable.dtype());
+    if (view.type == ElementType::automatic)
+        refuse(what + " has elements of type " + type_text(array) + "; use float32, float64, int32 or int64");
+    if (readable.device_type() != nb::device::cpu::value)
+        refuse(what + " is not in the host's memory; copy it to the host, or pass a pyopencl array");
+    view.host = readable.data();
+    const auto width = static_cast<std::int64_t>(bytes_of(view.type));
+    if (std::bit_cast<std::uintptr_t>(view.host) % static_cast<std::uintptr_t>(width) != 0)
+        refuse(what + " begins at an address that is no multiple of its elements' " + std::to_string(width) +
+               " bytes; pass a copy");
+    for (std::size_t axis = 0; axis < readable.ndim(); ++axis) {
+        view.shape.push_back(static_cast<std::int64_t>(readable.shape(axis)));
+        view.strides.push_back(readable.stride(axis) * width);
+    }
+    held_.push_back(std::move(readable));
+    return view;
+}
+
+InputArray Arrays::triples(nb::handle array, const char* what) {
+    const ArrayView seen = view(array, what, false);
+    if (seen.shape.size() != 2 || seen.shape[1] != 3)
+        refuse(std::string(what) + " has the shape " + text_of(seen.shape) + "; expected (n, 3)");
+    InputArray triples;
+    triples.host = seen.host;
+    triples.device = seen.device;
+    triples.type = seen.type;
+    triples.offset = seen.offset;
+    triples.count = static_cast<std::size_t>(seen.shape[0]);
+    if (!seen.is_packed()) {
+        triples.strides[0] = stride_of(seen, 0, what);
+        triples.component_stride = stride_of(seen, 1, what);
+    }
+    return triples;
+}
+
+OutputArray Arrays::output(nb::handle array, const OutputInfo& info, const std::vector<std::int64_t>& shape) {
+    // A buffer of pyopencl has no shape: packed, of the output's own type.
+    if (nb::hasattr(array, "int_ptr")) return {std::bit_cast<cl_mem>(nb::cast<std::uintptr_t>(array.attr("int_ptr")))};
+    const std::string what = std::string("out: the array of '") + info.name + "'";
+    const ArrayView seen = view(array, what, true);
+    std::vector<std::int64_t> expected = shape;
+    const bool is_vector = info.components > 1;
+    if (is_vector) expected.push_back(static_cast<std::int64_t>(info.components));
+    if (seen.shape != expected)
+        refuse(what + " has the shape " + text_of(seen.shape) + "; expected " + text_of(expected));
+    OutputArray output;
+    output.host = seen.writable;
+    output.device = seen.device;
+    output.type = seen.type;
+    output.offset = seen.offset;
+    if (seen.is_packed()) {
+        if (seen.host != nullptr) output.bytes = count(seen.shape) * bytes_of(seen.type);
+        return output;
+    }
+    // NumPy's axes are z, y, x; the library's strides x, y, z.
+    const std::size_t axes = shape.size();
+    for (std::size_t axis = 0; axis < std::min<std::size_t>(axes, 3); ++axis)
+        output.strides[axis] = stride_of(seen, axes - 1 - axis, what);
+    if (axes > 3) output.block_stride = stride_of(seen, 0, what);
+    if (is_vector) output.component_stride = stride_of(seen, axes, what);
+    return output;
+}
+
+OutputTargets Arrays::outputs(const ArraysByName& arrays, const std::vector<std::int64_t>& shape) {
+    OutputTargets targets;
+    for (const auto& [name, array] : arrays) {
+        const OutputInfo& info = output_named(nb::cast<std::string>(name));
+        targets[info.output] = output(array, info, shape);
+    }
+    return targets;
+}
+
+std::vector<std::int64_t> shape_of(const Index3& size) {
+    return {size[2], size[1], size[0]};
+}
+
+const OutputInfo& output_named(const std::string& name) {
+    std::string names;
+    for (const OutputInfo& info : output_table()) {
+        if (name == info.name) return info;
+        names += (names.empty() ? "" : ", ") + std::string(info.name);
+    }
+    refuse("there is no output '" + name + "'; the outputs are " + names);
+}
+
+void add_arrays(nb::module_& module) {
+    module.def(
+        "allocate",
+        [](std::size_t bytes) {
+            std::unique_ptr<FieldArray<std::byte>> memory;
+            try {
+                memory = std::make_unique<FieldArray<std::byte>>(bytes);
+            } catch (const std::bad_alloc&) {
+                throw Error(ErrorCode::out_of_memory, "an array of " + std::to_string(bytes) +
+                                                          " bytes does not fit the memory; choose a lower resolution, "
+                                                          "fewer outputs, or slabs()");
+            }
+            void* const data = memory->data();
+            const nb::capsule owner(memory.release(),
+                                    [](void* array) noexcept { delete static_cast<FieldArray<std::byte>*>(array); });
+            return nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>>(data, {bytes}, owner);
+        },
+        nb::arg("bytes"), "Memory for fast stores, uninitialised: aligned to 64 bytes, on huge pages if it is large.");
+    module.def(
+        "outputs",
+        [] {
+            nb::list rows;
+            for (const OutputInfo& info : output_table()) {
+                std::string type = name_of(info.type);
+                if (info.type == ElementType::float32) type = "float32";
+                if (info.type == ElementType::float64) type = "float64";
+                rows.append(nb::make_tuple(info.name, type, info.components, info.description));
+            }
+            return rows;
+        },
+        nb::sig("def outputs() -> list[tuple[str, str, int, str]]"),
+        "The table of outputs: name, type of NumPy, numbers of a sample, description.");
+}
+
+}  // namespace clsdf::python

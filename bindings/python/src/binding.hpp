@@ -1,0 +1,54 @@
+#pragma once
+
+/// What all files of the binding share: nanobind, its casters, and the parts that the module is made of.
+#include <clsdf/clsdf.hpp>
+
+#include "triples.hpp"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+
+namespace nb = nanobind;
+
+namespace clsdf::python {
+
+void add_errors(nb::module_& module);
+void add_arrays(nb::module_& module);
+void add_grids(nb::module_& module);
+void add_devices(nb::module_& module);
+void add_meshes(nb::module_& module);
+void add_transforms(nb::module_& module);
+void add_plans(nb::module_& module);
+void add_files(nb::module_& module);
+
+/// Error(invalid_argument) with this message.
+[[noreturn]] void refuse(const std::string& message);
+
+/// Call before anything that needs a device. OpenCL's drivers and threads do not survive a fork, and a call would hang:
+/// throws Error(device_failure) in a process that was forked after its parent came here.
+void check_process();
+/// False in such a process: objects of the device are left alone there, since their destructors wait for threads that
+/// do not exist.
+bool is_process_of_devices() noexcept;
+
+/// The value of an enumeration whose name_of() is the text.
+template <typename Value>
+Value value_named(const char* what, const std::string& text, std::initializer_list<Value> values) {
+    std::string names;
+    for (const Value value : values) {
+        if (text == name_of(value)) return value;
+        names += names.empty() ? "" : ", ";
+        names += name_of(value);
+    }
+    refuse(std::string(what) + " '" + text + "' is not known; the choices are " + names);
+}
+
+}  // namespace clsdf::python

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "binding.hpp"
+
+#include <chrono>
+#include <vector>
+
+namespace clsdf::python {
+
+/// The options of one call, for Python: its progress function, its events, Ctrl-C and warnings. Make and destroy it
+/// with the GIL; the library calls it back without.
+class Call {
+public:
+    /// `progress` is None or a function of the stage ("compiling" or "computing") and the fraction of it that is done.
+    /// `wait_for` is None or a sequence of pyopencl's events.
+    explicit Call(nb::object progress = nb::none(), nb::handle wait_for = nb::none());
+    Call(const Call&) = delete;
+    Call& operator=(const Call&) = delete;
+
+    const CallOptions& options() const { return options_; }
+
+private:
+    void ask_for_signals();
+
+    nb::object progress_;
+    std::vector<cl_event> events_;
+    std::chrono::steady_clock::time_point asked_;
+    CallOptions options_;
+};
+
+/// The handles of pyopencl's events; empty for None.
+std::vector<cl_event> events_of(nb::handle wait_for);
+
+}  // namespace clsdf::python

@@ -1,0 +1,116 @@
+#include "devices.hpp"
+
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace clsdf::python {
+
+namespace {
+
+template <typename Handle>
+std::uintptr_t number_of(Handle handle) {
+    return std::bit_cast<std::uintptr_t>(handle);
+}
+
+// Drivers take time to list and to open: other threads go on.
+template <typename Function>
+auto without_gil(Function function) {
+    check_process();
+    const nb::gil_scoped_release no_gil;
+    return function();
+}
+
+PyDevice device_of_queue(nb::handle queue) {
+    const auto handle = [](nb::handle object) { return nb::cast<std::uintptr_t>(object.attr("int_ptr")); };
+    const auto context = std::bit_cast<cl_context>(handle(queue.attr("context")));
+    const auto device = std::bit_cast<cl_device_id>(handle(queue.attr("device")));
+    const auto own = std::bit_cast<cl_command_queue>(handle(queue));
+    return PyDevice(without_gil([&] { return Device::from_handles(context, device, own); }));
+}
+
+PyDevice limited(const PyDevice& device, std::optional<unsigned> compute_units, std::optional<std::size_t> memory) {
+    const Device& whole = device.get();
+    return PyDevice(without_gil([&] { return whole.limited({compute_units, memory}); }));
+}
+
+void add_infos(nb::module_& module) {
+    nb::class_<DeviceInfo>(module, "DeviceInfo", "What an OpenCL device reports; 0 or empty if it does not say.")
+        .def_prop_ro(
+            "index",
+            [](const DeviceInfo& info) {
+                return info.index == DeviceInfo::not_listed ? std::optional<std::size_t>() : info.index;
+            },
+            "Its number in devices(), or None.")
+        .def_ro("name", &DeviceInfo::name)
+        .def_ro("platform", &DeviceInfo::platform)
+        .def_ro("version", &DeviceInfo::version, "Of OpenCL.")
+        .def_ro("driver", &DeviceInfo::driver, "The driver's version.")
+        .def_prop_ro(
+            "kind", [](const DeviceInfo& info) { return std::string(name_of(info.kind)); },
+            "'gpu', 'processor', 'accelerator' or 'other'.")
+        .def_ro("compute_units", &DeviceInfo::compute_units)
+        .def_ro("memory", &DeviceInfo::memory, "Bytes.")
+        .def_ro("largest_allocation", &DeviceInfo::largest_allocation, "Bytes.")
+        .def_prop_ro("usable", &DeviceInfo::usable)
+        .def_ro("why_not", &DeviceInfo::why_not, "Why clsdf cannot use it; empty if it can.")
+        .def("__repr__",
+             [](const DeviceInfo& info) { return "<clsdf.DeviceInfo " + info.name + ", " + info.platform + ">"; });
+}
+
+}  // namespace
+
+void add_devices(nb::module_& module) {
+    add_infos(module);
+    nb::class_<PyDevice>(module, "Device",
+                         "An OpenCL device with a context and a queue. Transforms of one device share its compiled "
+                         "programs. Any number\n"
+                         "of threads may use it. Raises clsdf.Error (no_device, device_failure).")
+        .def_static(
+            "automatic", [] { return PyDevice(without_gil([] { return Device::automatic(); })); },
+            "The device that CLSDF_DEVICE names, else the strongest GPU, else the strongest other device.")
+        .def_static(
+            "select",
+            [](const std::string& choice) { return PyDevice(without_gil([&] { return Device::select(choice); })); },
+            nb::arg("choice"), "An index in devices(), or a part of one device's name, in upper or lower case.")
+        .def_static(
+            "from_queue", &device_of_queue, nb::arg("queue"), nb::sig("def from_queue(queue: object) -> Device"),
+            "The device, context and queue of a pyopencl.CommandQueue. Arrays of that context can be written to.")
+        .def("limited", &limited, nb::arg("compute_units") = nb::none(), nb::arg("memory") = nb::none(),
+             "The same device with at most so many compute units (cores of a processor), and so many bytes for the\n"
+             "buffers of each transform. None: all. Raises clsdf.Error (unsupported) if it cannot be divided.")
+        .def(
+            "info",
+            [](const PyDevice& device) {
+                const Device& own = device.get();
+                return without_gil([&] { return own.info(); });
+            },
+            "What the device reports.")
+        .def_prop_ro("name", [](const PyDevice& device) { return device.get().name(); })
+        .def_prop_ro("platform", [](const PyDevice& device) { return device.get().platform(); })
+        .def_prop_ro(
+            "context_int_ptr", [](const PyDevice& device) { return number_of(device.get().context()); },
+            "The cl_context, for pyopencl.Context.from_int_ptr().")
+        .def_prop_ro(
+            "queue_int_ptr", [](const PyDevice& device) { return number_of(device.get().queue()); },
+            "The cl_command_queue, for pyopencl.CommandQueue.from_int_ptr().")
+        .def(
+            "keep_records",
+            [](const PyDevice& device, const std::string& folder) { device.get().keep_records(folder); },
+            nb::arg("folder"), "Keeps records of passed tests there, so that later processes do not test again.")
+        .def(
+            "read_programs",
+            [](const PyDevice& device, const std::string& folder) { device.get().read_programs(folder); },
+            nb::arg("folder"), "Takes compiled programs from a folder that `clsdf devices --prepare` wrote.")
+        .def("__repr__", [](const PyDevice& device) {
+            return "<clsdf.Device " + device.get().name() + ", " + device.get().platform() + ">";
+        });
+    module.def("default_record_folder", &Device::default_record_folder, "The folder of the command's records.");
+    module.def(
+        "devices", [] { return without_gil([] { return Device::all(); }); },
+        "Every OpenCL device, also those that clsdf cannot use. Raises clsdf.Error (device_failure).");
+}
+
+}  // namespace clsdf::python

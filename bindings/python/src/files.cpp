@@ -1,0 +1,104 @@
+#include "arrays.hpp"
+#include "binding.hpp"
+
+#include <clsdf/io.hpp>
+
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace clsdf::python {
+
+namespace {
+
+nb::dlpack::dtype dtype_of(ElementType type) {
+    switch (type) {
+        case ElementType::float64:
+            return nb::dtype<double>();
+        case ElementType::uint32:
+            return nb::dtype<std::uint32_t>();
+        case ElementType::uint8:
+            return nb::dtype<std::uint8_t>();
+        default:
+            return nb::dtype<float>();
+    }
+}
+
+// The file's field: (grid, band, sign, mesh_name, {output: array}). The arrays share the memory that was read.
+nb::tuple read(const std::string& path) {
+    std::unique_ptr<Field> field;
+    {
+        const nb::gil_scoped_release no_gil;
+        field = std::make_unique<Field>(read_field(path));
+    }
+    Field& own = *field;
+    const nb::capsule owner(field.release(), [](void* read) noexcept { delete static_cast<Field*>(read); });
+    nb::dict arrays;
+    for (const OutputInfo& info : output_table()) {
+        const auto bytes = own.bytes(info.output);
+        if (bytes.empty()) continue;
+        std::vector<std::size_t> shape;
+        for (const std::int64_t side : shape_of(own.grid.size)) shape.push_back(static_cast<std::size_t>(side));
+        if (info.components > 1) shape.push_back(info.components);
+        arrays[info.name] = nb::cast(nb::ndarray<nb::numpy>(bytes.data(), shape.size(), shape.data(), owner, nullptr,
+                                                            dtype_of(info.type), nb::device::cpu::value));
+    }
+    return nb::make_tuple(own.grid, own.band, name_of(own.sign), own.mesh_name, arrays);
+}
+
+FieldDescription described(const Grid& grid, const Band& band, const std::string& sign, const std::string& mesh_name) {
+    FieldDescription field;
+    field.grid = grid;
+    field.band = band;
+    field.sign = value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none});
+    field.mesh_name = mesh_name;
+    return field;
+}
+
+FieldWriter writer(const std::string& path, const Grid& grid, const Band& band, const std::string& sign,
+                   const std::string& mesh_name, const std::vector<std::string>& outputs) {
+    OutputSet wanted;
+    for (const std::string& name : outputs) wanted.insert(output_named(name).output);
+    const FieldDescription field = described(grid, band, sign, mesh_name);
+    const nb::gil_scoped_release no_gil;
+    return FieldWriter(path, field, wanted);
+}
+
+// The arrays are packed and have the types of the table: the Python code sees to it.
+void append(FieldWriter& writer, const ArraysByName& arrays) {
+    std::vector<nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>> held;
+    FieldSlab slab;
+    for (const auto& [name, array] : arrays) {
+        const OutputInfo& info = output_named(nb::cast<std::string>(name));
+        const auto& values =
+            held.emplace_back(nb::cast<nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>>(array, false));
+        if (values.dtype() != dtype_of(info.type)) refuse(std::string("append: '") + info.name + "' has another type");
+        slab.set(info.output, std::span(static_cast<const std::byte*>(values.data()), values.nbytes()));
+    }
+    const nb::gil_scoped_release no_gil;
+    writer.append(slab);
+}
+
+void finish(FieldWriter& writer) {
+    const nb::gil_scoped_release no_gil;
+    writer.finish();
+}
+
+}  // namespace
+
+void add_files(nb::module_& module) {
+    module.def("read_field", &read, nb::arg("path"),
+               nb::sig("def read_field(path: str) -> tuple[Grid, Band, str, str, dict[str, typing.Any]]"));
+    nb::class_<FieldWriter>(module, "Writer", "A FieldWriter of the library; clsdf.FieldWriter is its Python face.")
+        .def("append", &append, nb::arg("arrays"))
+        .def("finish", &finish);
+    module.def("writer", &writer, nb::arg("path"), nb::arg("grid"), nb::arg("band"), nb::arg("sign"),
+               nb::arg("mesh_name"), nb::arg("outputs"));
+    module.def(
+        "check_field_path", [](const std::string& path) { check_field_path(path); }, nb::arg("path"),
+        "Raises the error that writing to the path would raise for its ending or its folder.");
+}
+
+}  // namespace clsdf::python

@@ -1,0 +1,140 @@
+#include "arrays.hpp"
+#include "binding.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+namespace clsdf::python {
+
+namespace {
+
+std::string text_of(const Grid& grid) {
+    return fmt::format("clsdf.Grid(origin=({}, {}, {}), spacing=({}, {}, {}), size=({}, {}, {}), first=({}, {}, {}))",
+                       grid.origin[0], grid.origin[1], grid.origin[2], grid.spacing[0], grid.spacing[1],
+                       grid.spacing[2], grid.size[0], grid.size[1], grid.size[2], grid.first[0], grid.first[1],
+                       grid.first[2]);
+}
+
+Grid checked(const Vec3& origin, const Vec3& spacing, const Index3& size, const Index3& first) {
+    Grid grid{origin, spacing, size, first};
+    grid.validate();
+    return grid;
+}
+
+std::pair<Vec3, Vec3> pair_of(const Box& box) {
+    return {box.lower, box.upper};
+}
+
+void add_lengths(nb::module_& module) {
+    nb::class_<Length>(module, "Length", "A length in the mesh's units, in voxels, or as a fraction of the mesh's box.")
+        .def_static("in_mesh_units", &Length::in_mesh_units, nb::arg("value"), "A length in the mesh's units.")
+        .def_static("in_voxels", &Length::in_voxels, nb::arg("value"), "In voxels: the grid's smallest spacing.")
+        .def_static("of_extent", &Length::of_extent, nb::arg("fraction"),
+                    "A fraction of the longest side of the mesh's box: 0.1 is 10%.")
+        .def_static("infinite", &Length::infinite, "No end.")
+        .def("is_infinite", &Length::is_infinite, "True for a length without end.")
+        .def("resolve", &Length::resolve, nb::arg("voxel"), nb::arg("extent"), "The length in the mesh's units.");
+}
+
+void add_bands(nb::module_& module) {
+    nb::class_<Band>(module, "Band",
+                     "The half widths of a band around the surface, in the mesh's units. A sample with\n"
+                     "-inside <= distance <= outside has its exact distance; every other one has +outside or -inside.\n"
+                     "Both are 0 for the signs alone: -0.0 inside, +0.0 outside. Raises clsdf.Error for a negative or\n"
+                     "NaN width.")
+        .def(
+            "__init__",
+            [](Band* band, double inside, double outside) {
+                Band made{inside, outside, inside == 0 && outside == 0};
+                made.validate();
+                new (band) Band(made);
+            },
+            nb::arg("inside"), nb::arg("outside"))
+        .def_ro("inside", &Band::inside, "Half width inside, in the mesh's units.")
+        .def_ro("outside", &Band::outside, "Half width outside, in the mesh's units.")
+        .def(
+            "__eq__", [](const Band& a, const Band& b) { return a == b; }, nb::arg("other"), nb::is_operator(),
+            nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__getstate__", [](const Band& band) { return std::pair(band.inside, band.outside); })
+        .def("__setstate__",
+             [](Band& band, const std::pair<double, double>& state) {
+                 new (&band) Band{state.first, state.second, state.first == 0 && state.second == 0};
+             })
+        .def("__repr__", [](const Band& band) { return fmt::format("clsdf.Band({}, {})", band.inside, band.outside); });
+}
+
+}  // namespace
+
+void add_grids(nb::module_& module) {
+    add_lengths(module);
+    add_bands(module);
+    nb::class_<Grid>(
+        module, "Grid",
+        "A regular grid: sample (i, j, k) lies at origin + (i, j, k) * spacing, with i along x. It is the block of\n"
+        "`size` samples from sample `first` on of an unbounded lattice; blocks of one lattice have the bytes of the\n"
+        "whole. All triples are in the order x, y, z; arrays have the shape (nz, ny, nx). Lengths are in the mesh's\n"
+        "units. Raises clsdf.Error for a size or a spacing that is not positive, or a number that is not finite.")
+        .def(
+            "__init__",
+            [](Grid* grid, const Vec3& origin, double spacing, const Index3& size, const Index3& first) {
+                new (grid) Grid(checked(origin, {spacing, spacing, spacing}, size, first));
+            },
+            nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = Index3{})
+        .def(
+            "__init__",
+            [](Grid* grid, const Vec3& origin, const Vec3& spacing, const Index3& size, const Index3& first) {
+                new (grid) Grid(checked(origin, spacing, size, first));
+            },
+            nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = Index3{})
+        .def_ro("origin", &Grid::origin, "Position (x, y, z) of the lattice's sample (0, 0, 0).")
+        .def_ro("spacing", &Grid::spacing, "Distance of the samples along x, y and z.")
+        .def_ro("size", &Grid::size, "Number of samples along x, y and z.")
+        .def_ro("first", &Grid::first, "The first sample (i, j, k) of this block, on the lattice.")
+        .def_prop_ro(
+            "shape", [](const Grid& grid) { return nb::make_tuple(grid.size[2], grid.size[1], grid.size[0]); },
+            nb::sig("def shape(self) -> tuple[int, int, int]"), "(nz, ny, nx): the shape of an array of samples.")
+        .def_prop_ro("voxel", &Grid::voxel, "The smallest spacing.")
+        .def_prop_ro(
+            "box", [](const Grid& grid) { return pair_of(grid.box()); },
+            "Two corners, lower and upper: the first and the last sample.")
+        .def("position", &Grid::position, nb::arg("i"), nb::arg("j"), nb::arg("k"),
+             "Position (x, y, z) of sample (i, j, k) of this block.")
+        .def(
+            "part", &Grid::part, nb::arg("offset"), nb::arg("size"),
+            "The block of `size` samples that starts `offset` samples from this one's first. Raises clsdf.Error if it\n"
+            "is not inside.")
+        .def("block", &Grid::block, nb::arg("first"), nb::arg("size"),
+             "Any block of the lattice, within this grid or beyond it.")
+        .def("grown", &Grid::grown, nb::arg("samples"), "So many samples more on every side; fewer if negative.")
+        .def("refined", &Grid::refined, nb::arg("ratio"),
+             "A lattice `ratio` times as fine that has all samples of this one, for samples at nodes.")
+        .def("refined_cells", &Grid::refined_cells, nb::arg("ratio"), "The same for samples at the centres of cells.")
+        .def("cell_centred", &Grid::cell_centred, "The same block shifted by half a voxel on every axis.")
+        .def(
+            "__eq__", [](const Grid& a, const Grid& b) { return a == b; }, nb::arg("other"), nb::is_operator(),
+            nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__repr__", &text_of)
+        .def("__getstate__",
+             [](const Grid& grid) { return std::tuple(grid.origin, grid.spacing, grid.size, grid.first); })
+        .def("__setstate__", [](Grid& grid, const std::tuple<Vec3, Vec3, Index3, Index3>& state) {
+            new (&grid) Grid{std::get<0>(state), std::get<1>(state), std::get<2>(state), std::get<3>(state)};
+        });
+    module.def(
+        "grid_around",
+        [](const Vec3& lower, const Vec3& upper, std::int64_t resolution, std::optional<Vec3> spacing,
+           const Length& margin, bool cubic, bool cell_centred) {
+            GridOptions options;
+            options.resolution = resolution;
+            options.spacing = spacing;
+            options.margin = margin;
+            options.cubic = cubic;
+            options.cell_centred = cell_centred;
+            return Grid::around(Box{lower, upper}, options);
+        },
+        nb::arg("lower"), nb::arg("upper"), nb::arg("resolution"), nb::arg("spacing").none(), nb::arg("margin"),
+        nb::arg("cubic"), nb::arg("cell_centred"), "A grid around a box; docs/grids-and-bands.md has the rules.");
+}
+
+}  // namespace clsdf::python

@@ -1,0 +1,76 @@
+#include "arrays.hpp"
+#include "binding.hpp"
+
+#include <clsdf/mesh_files.hpp>
+
+#include <cstring>
+#include <memory>
+#include <vector>
+
+namespace clsdf::python {
+
+namespace {
+
+// A NumPy array (n, 3) that owns a copy.
+template <typename Value, typename Triples>
+auto array_of(const Triples& triples) {
+    auto memory = std::make_unique<Triples>(triples);
+    auto* const data = reinterpret_cast<Value*>(memory->data());
+    const std::size_t rows = memory->size();
+    const nb::capsule owner(memory.release(), [](void* array) noexcept { delete static_cast<Triples*>(array); });
+    return nb::ndarray<nb::numpy, Value, nb::shape<-1, 3>>(data, {rows, 3}, owner);
+}
+
+auto arrays_of(const Mesh& mesh) {
+    return std::pair(array_of<double>(mesh.vertices()), array_of<std::uint32_t>(mesh.triangles()));
+}
+
+Mesh read(const std::string& path) {
+    const nb::gil_scoped_release no_gil;
+    return read_mesh(path);
+}
+
+nb::list list_of(const std::vector<Topology::Edge>& edges) {
+    nb::list list;
+    for (const Topology::Edge& edge : edges) list.append(std::pair(edge.from, edge.to));
+    return list;
+}
+
+}  // namespace
+
+void add_meshes(nb::module_& module) {
+    nb::class_<Topology>(module, "Topology",
+                         "What the sign rule depends on. Vertices of equal coordinates count as one.")
+        .def_ro("closed", &Topology::closed, "Every edge has an even number of faces.")
+        .def_ro("balanced", &Topology::balanced, "Every edge is used equally often in both directions.")
+        .def_ro("inside_out", &Topology::inside_out, "Balanced, and the enclosed volume is negative.")
+        .def_ro("open_edges", &Topology::open_edges, "Number of edges with an odd number of faces.")
+        .def_ro("unbalanced_edges", &Topology::unbalanced_edges, "Number of edges that are not used equally often.")
+        .def_ro("non_manifold_edges", &Topology::non_manifold_edges, "Number of edges with more than two faces.")
+        .def_ro("repeated_vertex_faces", &Topology::repeated_vertex_faces, "Faces with fewer than three vertices.")
+        .def_ro("coincident_vertices", &Topology::coincident_vertices, "Vertices in use that equal an earlier one.")
+        .def_ro("unused_vertices", &Topology::unused_vertices)
+        .def_prop_ro(
+            "first_open_edges", [](const Topology& topology) { return list_of(topology.first_open_edges); },
+            nb::sig(
+                "def first_open_edges(self) -> list[tuple[tuple[float, float, float], tuple[float, float, float]]]"),
+            "Up to five: two positions each.");
+    module.def(
+        "read_mesh", [](const std::string& path) { return arrays_of(read(path)); }, nb::arg("path"),
+        "Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply. Raises clsdf.Error\n"
+        "(unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
+    module.def(
+        "make_shape", [](const std::string& name) { return arrays_of(make_shape(name)); }, nb::arg("name"),
+        "Vertices and faces of a shape made by code: 'sphere0' to 'sphere9', 'torus', 'knot' and others, which\n"
+        "shape_names() lists.");
+    module.def(
+        "shape_names",
+        [] {
+            nb::dict names;
+            for (const ShapeName& shape : shape_names()) names[shape.name.c_str()] = shape.description;
+            return names;
+        },
+        nb::sig("def shape_names() -> dict[str, str]"), "The names of make_shape(), each with a description.");
+}
+
+}  // namespace clsdf::python

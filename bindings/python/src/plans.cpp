@@ -1,0 +1,133 @@
+#include "body.hpp"
+
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace clsdf::python {
+
+namespace {
+
+/// A plan of the library for Python's threads, which take turns. It keeps the arrays that its requests write to.
+class PyPlan {
+public:
+    PyPlan(PyDevice device, Plan plan, nb::object requests)
+        : device_(std::move(device)), plan_(new Plan(std::move(plan))), requests_(std::move(requests)) {}
+
+    template <typename Function>
+    auto use(Function function) const {
+        check_process();
+        const nb::gil_scoped_release no_gil;
+        const std::lock_guard lock(*mutex_);
+        return function(*plan_);
+    }
+
+    void keep(nb::object requests) { requests_ = std::move(requests); }
+    const PyDevice& device() const { return device_; }
+
+private:
+    PyDevice device_;
+    Owner<Plan> plan_;
+    nb::object requests_;
+    std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
+};
+
+PyPlan plan_of_grid(const Body& body, const Grid& grid, const Band& band, const std::vector<std::string>& outputs,
+                    nb::object progress) {
+    OutputSet wanted;
+    for (const std::string& name : outputs) wanted.insert(output_named(name).output);
+    const Call call(std::move(progress));
+    return PyPlan(body.device(), body.read([&](const DistanceTransform& transform) {
+        return transform.plan(grid, band, wanted, call.options());
+    }),
+                  nb::none());
+}
+
+PyPlan plan_of_requests(const Body& body, const RequestList& requests, nb::object progress) {
+    Arrays arrays;
+    const std::vector<Request> boxes = requests_of(requests, arrays);
+    const Call call(std::move(progress));
+    return PyPlan(body.device(),
+                  body.read([&](const DistanceTransform& transform) { return transform.plan(boxes, call.options()); }),
+                  requests);
+}
+
+// The event of the end as a number, which the caller owns.
+std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional<RequestList>& outputs,
+                       nb::handle wait_for) {
+    const auto own =
+        queue.is_none() ? nullptr : std::bit_cast<cl_command_queue>(nb::cast<std::uintptr_t>(queue.attr("int_ptr")));
+    const std::vector<cl_event> events = events_of(wait_for);
+    Arrays arrays;
+    std::vector<OutputTargets> targets;
+    if (outputs.has_value()) {
+        const std::vector<Index3> sizes = plan.use([](const Plan& of) {
+            std::vector<Index3> all;
+            for (const Request& request : of.requests()) all.push_back(request.grid.size);
+            return all;
+        });
+        if (sizes.size() != outputs->size())
+            refuse("out has the arrays of " + std::to_string(outputs->size()) + " requests; the plan has " +
+                   std::to_string(sizes.size()));
+        for (std::size_t i = 0; i < sizes.size(); ++i)
+            targets.push_back(arrays.outputs(nb::cast<ArraysByName>((*outputs)[i]), shape_of(sizes[i])));
+    }
+    cl_event done = nullptr;
+    plan.use([&](Plan& of) {
+        if (outputs.has_value())
+            of.enqueue(own, targets, events, &done);
+        else
+            of.enqueue(own, events, &done);
+    });
+    return std::bit_cast<std::uintptr_t>(done);
+}
+
+void update(PyPlan& plan, const Body& body, const std::optional<std::vector<Grid>>& grids, nb::object progress) {
+    const Call call(std::move(progress));
+    body.read([&](const DistanceTransform& transform) {
+        const nb::gil_scoped_acquire gil;  // use() releases it again
+        plan.use([&](Plan& of) {
+            if (grids.has_value())
+                of.update(transform, *grids, call.options());
+            else
+                of.update(transform, call.options());
+        });
+    });
+}
+
+void update_requests(PyPlan& plan, const Body& body, const RequestList& requests, nb::object progress) {
+    Arrays arrays;
+    const std::vector<Request> boxes = requests_of(requests, arrays);
+    const Call call(std::move(progress));
+    body.read([&](const DistanceTransform& transform) {
+        const nb::gil_scoped_acquire gil;
+        plan.use([&](Plan& of) { of.update(transform, boxes, call.options()); });
+    });
+    plan.keep(requests);
+}
+
+}  // namespace
+
+void add_plans(nb::module_& module) {
+    nb::class_<PyPlan>(module, "PlanOfBoxes", "A Plan of the library; clsdf.Plan is its Python face.")
+        .def("enqueue", &enqueue, nb::arg("queue").none(), nb::arg("outputs").none(), nb::arg("wait_for").none())
+        .def("update", &update, nb::arg("body"), nb::arg("grids").none(), nb::arg("progress").none())
+        .def("update_requests", &update_requests, nb::arg("body"), nb::arg("requests"), nb::arg("progress").none())
+        .def_prop_ro(
+            "sign",
+            [](const PyPlan& plan) { return std::string(name_of(plan.use([](const Plan& of) { return of.sign(); }))); })
+        .def_prop_ro(
+            "device_bytes",
+            [](const PyPlan& plan) { return plan.use([](const Plan& of) { return of.statistics().device_bytes; }); })
+        .def_prop_ro("device", [](const PyPlan& plan) { return plan.device(); });
+    module.def("plan_of_grid", &plan_of_grid, nb::arg("body"), nb::arg("grid"), nb::arg("band"), nb::arg("outputs"),
+               nb::arg("progress").none());
+    module.def("plan_of_requests", &plan_of_requests, nb::arg("body"), nb::arg("requests"), nb::arg("progress").none());
+}
+
+}  // namespace clsdf::python

@@ -1,0 +1,167 @@
+#include "body.hpp"
+
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace clsdf::python {
+
+thread_local const Body::AtWork* Body::AtWork::current = nullptr;
+
+namespace {
+
+Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const std::string& sign,
+          std::optional<std::size_t> kept_bytes) {
+    Arrays arrays;
+    const MeshView mesh(arrays.triples(vertices, "vertices"), arrays.triples(faces, "faces"));
+    const Call call;
+    TransformOptions options;
+    options.sign =
+        value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none});
+    options.kept_bytes = kept_bytes;
+    const Device& own = device.get();
+    const nb::gil_scoped_release no_gil;
+    return Body(device, DistanceTransform(own, mesh, options, call.options()));
+}
+
+void compute(const Body& body, const Grid& grid, const Band& band, const ArraysByName& outputs, nb::object progress,
+             nb::handle wait_for) {
+    Arrays arrays;
+    const OutputTargets targets = arrays.outputs(outputs, shape_of(grid.size));
+    const Call call(std::move(progress), wait_for);
+    body.read([&](const DistanceTransform& transform) { transform.compute(grid, band, targets, call.options()); });
+}
+
+void compute_many(const Body& body, const RequestList& requests, nb::object progress, nb::handle wait_for) {
+    Arrays arrays;
+    const std::vector<Request> boxes = requests_of(requests, arrays);
+    const Call call(std::move(progress), wait_for);
+    body.read([&](const DistanceTransform& transform) { transform.compute(boxes, call.options()); });
+}
+
+void compute_blocks(const Body& body, const Grid& lattice, const Band& band, const Index3& size,
+                    const std::vector<Index3>& first, const ArraysByName& outputs, nb::object progress,
+                    nb::handle wait_for) {
+    Arrays arrays;
+    const BlockSet blocks = blocks_of(lattice, band, size, first, outputs, arrays);
+    const Call call(std::move(progress), wait_for);
+    body.read([&](const DistanceTransform& transform) { transform.compute(blocks, call.options()); });
+}
+
+void query(const Body& body, nb::handle points, double within, const ArraysByName& outputs, nb::object progress,
+           nb::handle wait_for) {
+    Arrays arrays;
+    const InputArray asked = arrays.triples(points, "points");
+    const OutputTargets targets = arrays.outputs(outputs, {static_cast<std::int64_t>(asked.count)});
+    const Call call(std::move(progress), wait_for);
+    body.read([&](const DistanceTransform& transform) { transform.query(asked, within, targets, call.options()); });
+}
+
+using Boxes = nb::ndarray<const double, nb::shape<-1, 2, 3>, nb::c_contig, nb::device::cpu>;
+
+auto classify(const Body& body, const Boxes& boxes, double half_width) {
+    auto places = std::make_unique<std::vector<BoxPlace>>(boxes.shape(0));
+    const std::span all(reinterpret_cast<const Box*>(boxes.data()), boxes.shape(0));
+    body.read([&](const DistanceTransform& transform) { transform.classify(all, half_width, *places); });
+    auto* const data = reinterpret_cast<std::uint8_t*>(places->data());
+    const std::size_t count = places->size();
+    const nb::capsule owner(places.release(),
+                            [](void* own) noexcept { delete static_cast<std::vector<BoxPlace>*>(own); });
+    return nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>>(data, {count}, owner);
+}
+
+Body restrict_to(const Body& body, const std::vector<std::tuple<Vec3, Vec3, double, double>>& regions) {
+    std::vector<Region> all;
+    all.reserve(regions.size());
+    for (const auto& [lower, upper, half_width, spacing] : regions)
+        all.push_back({Box{lower, upper}, half_width, spacing});
+    return Body(body.device(), body.read([&](const DistanceTransform& whole) { return whole.restrict_to(all); }));
+}
+
+void set_positions(Body& body, nb::handle positions, nb::handle wait_for) {
+    Arrays arrays;
+    const InputArray vertices = arrays.triples(positions, "positions");
+    const Call call(nb::none(), wait_for);
+    body.change([&](DistanceTransform& transform) { transform.set_positions(vertices, call.options()); });
+}
+
+void set_motion(Body& body, const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+    body.change([&](DistanceTransform& transform) { transform.set_motion(rotation, translation); });
+}
+
+bool compile(const Body& body, const Grid& grid, const Band& band, const std::vector<std::string>& outputs,
+             nb::object progress) {
+    OutputSet wanted;
+    for (const std::string& name : outputs) wanted.insert(output_named(name).output);
+    const Call call(std::move(progress));
+    return body.read([&](const DistanceTransform& transform) {
+        return transform.compile(grid, band, wanted, call.options()).first_use;
+    });
+}
+
+}  // namespace
+
+std::vector<Request> requests_of(const RequestList& requests, Arrays& arrays) {
+    std::vector<Request> boxes;
+    for (const nb::handle item : requests) {
+        const auto request = nb::cast<nb::tuple>(item);
+        const auto& grid = nb::cast<const Grid&>(request[0]);
+        boxes.push_back({grid, nb::cast<const Band&>(request[1]),
+                         arrays.outputs(nb::cast<ArraysByName>(request[2]), shape_of(grid.size))});
+    }
+    return boxes;
+}
+
+BlockSet blocks_of(const Grid& lattice, const Band& band, const Index3& size, const std::vector<Index3>& first,
+                   const ArraysByName& outputs, Arrays& arrays) {
+    std::vector<std::int64_t> shape = shape_of(size);
+    shape.insert(shape.begin(), static_cast<std::int64_t>(first.size()));
+    return {lattice, band, size, first, arrays.outputs(outputs, shape)};
+}
+
+void add_transforms(nb::module_& module) {
+    nb::class_<Body>(module, "Body", "A DistanceTransform of the library; clsdf.Transform is its Python face.")
+        .def("compute", &compute, nb::arg("grid"), nb::arg("band"), nb::arg("outputs"), nb::arg("progress").none(),
+             nb::arg("wait_for").none())
+        .def("compute_many", &compute_many, nb::arg("requests"), nb::arg("progress").none(), nb::arg("wait_for").none())
+        .def("compute_blocks", &compute_blocks, nb::arg("lattice"), nb::arg("band"), nb::arg("size"), nb::arg("first"),
+             nb::arg("outputs"), nb::arg("progress").none(), nb::arg("wait_for").none())
+        .def("query", &query, nb::arg("points"), nb::arg("within"), nb::arg("outputs"), nb::arg("progress").none(),
+             nb::arg("wait_for").none())
+        .def("classify", &classify, nb::arg("boxes"), nb::arg("half_width"))
+        .def("restrict_to", &restrict_to, nb::arg("regions"))
+        .def("set_positions", &set_positions, nb::arg("positions"), nb::arg("wait_for").none())
+        .def("set_motion", &set_motion, nb::arg("rotation"), nb::arg("translation"))
+        .def("compile", &compile, nb::arg("grid"), nb::arg("band"), nb::arg("outputs"), nb::arg("progress").none())
+        .def_prop_ro("box",
+                     [](const Body& body) {
+                         const Box box = body.read([](const DistanceTransform& transform) { return transform.box(); });
+                         return std::pair(box.lower, box.upper);
+                     })
+        .def_prop_ro("topology",
+                     [](const Body& body) {
+                         return body.read([](const DistanceTransform& transform) { return transform.topology(); });
+                     })
+        .def_prop_ro("sign",
+                     [](const Body& body) {
+                         return std::string(
+                             name_of(body.read([](const DistanceTransform& transform) { return transform.sign(); })));
+                     })
+        .def_prop_ro("memory",
+                     [](const Body& body) {
+                         const KeptMemory kept =
+                             body.read([](const DistanceTransform& transform) { return transform.memory(); });
+                         return std::pair(kept.host_bytes, kept.device_bytes);
+                     })
+        .def_prop_ro("device", [](const Body& body) { return body.device(); });
+    module.def("make_body", &make, nb::arg("device"), nb::arg("vertices"), nb::arg("faces"), nb::arg("sign"),
+               nb::arg("kept_bytes").none());
+    module.def(
+        "slabs_of", [](const Grid& grid) { return DistanceTransform::slabs_of(grid); }, nb::arg("grid"),
+        "The parts in which a large field is computed: whole slices, in the order of z.");
+}
+
+}  // namespace clsdf::python

@@ -1,0 +1,276 @@
+"""Arrays of every layout are used where they lie, and those that cannot be are refused before any work."""
+
+from __future__ import annotations
+
+import tracemalloc
+import types
+
+import numpy as np
+import pytest
+from conftest import BruteForce
+
+import clsdf
+
+
+def test_points_of_every_layout(body, brute, points):
+    expected = body.query(points).distance
+    assert np.allclose(expected, brute.distance(points), atol=1e-6)
+    wide = np.zeros((len(points), 7))
+    wide[:, 1:6:2] = points
+    layouts = {
+        "strided": wide[:, 1:6:2],
+        "Fortran": np.asfortranarray(points),
+        "reversed": points[::-1][::-1],
+        "memoryview": memoryview(np.ascontiguousarray(points)),
+        "list": points.tolist(),
+        "read-only": np.frombuffer(points.tobytes()).reshape(-1, 3),
+    }
+    for name, layout in layouts.items():
+        assert np.array_equal(body.query(layout).distance, expected), name
+    assert np.array_equal(body.query(points[::-1]).distance, expected[::-1])
+    single = points.astype(np.float32)
+    assert np.array_equal(body.query(single).distance, body.query(single.astype(float)).distance)
+
+
+class OnlyDLPack:
+    """An array that has DLPack alone."""
+
+    def __init__(self, array):
+        self._array, self.shape = array, array.shape
+
+    def __len__(self):
+        return len(self._array)
+
+    def __dlpack__(self, **options):
+        return self._array.__dlpack__(**options)
+
+    def __dlpack_device__(self):
+        return self._array.__dlpack_device__()
+
+
+def test_dlpack(body, points):
+    assert np.array_equal(body.query(OnlyDLPack(points)).distance, body.query(points).distance)
+    out = np.empty(len(points), np.float32)
+    body.query(points, out=OnlyDLPack(out))
+    assert np.array_equal(out, body.query(points).distance)
+
+
+@pytest.mark.parametrize("index", [np.int32, np.int64, np.uint32, np.uint64])
+@pytest.mark.parametrize("real", [np.float32, np.float64])
+def test_types_of_meshes(solid, points, index, real):
+    vertices, faces = solid[0].astype(real), solid[1].astype(index)
+    body = clsdf.Transform((vertices, faces[:, ::-1][:, ::-1]))
+    assert np.allclose(body.query(points).distance, BruteForce(vertices, faces).distance(points), atol=1e-6)
+
+
+def test_a_large_input_is_not_copied(body):
+    points = np.zeros((1_000_000, 4))[:, :3]
+    out = np.empty(len(points), np.float32)
+    body.query(points, within=0.01, out=out)
+    tracemalloc.start()
+    body.query(points, within=0.01, out=out)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < points.nbytes / 100
+
+
+def test_results_are_written_where_out_lies(body):
+    field = body.field(resolution=20, outputs="distance gradient")
+    expected = {name: array.copy() for name, array in field.arrays.items()}
+    addresses = [array.ctypes.data for array in field.arrays.values()]
+    for array in field.arrays.values():
+        array[:] = 7
+    again = body.field(field.grid, band=field.band, out=field)
+    assert again is field
+    assert [array.ctypes.data for array in again.arrays.values()] == addresses
+    for name, array in expected.items():
+        assert np.array_equal(again.arrays[name], array, equal_nan=True), name
+
+
+def test_out_of_every_layout(body):
+    field = body.field(resolution=20, outputs="distance gradient")
+    nz, ny, nx = field.grid.shape
+    large = np.full((nz + 2, ny + 4, nx + 6, 2), 7, np.float32)
+    inner = large[1:-1, 2:-2, 3:-3, 1]
+    body.field(field.grid, band=field.band, out=inner)
+    assert np.array_equal(inner, field.distance)
+    inner[:] = 7
+    assert (large == 7).all()  # nothing beside it was written
+    fortran = np.empty(field.grid.shape, np.float32, order="F")
+    upside_down = np.empty(field.grid.shape, np.float32)[::-1, :, ::-1]
+    planes = np.empty((3, nz, ny, nx), np.float32)
+    out = {"distance": fortran, "gradient": np.moveaxis(planes, 0, -1)}
+    body.field(field.grid, band=field.band, out=out)
+    body.field(field.grid, band=field.band, out=upside_down)
+    assert np.array_equal(fortran, field.distance) and np.array_equal(upside_down, field.distance)
+    assert np.array_equal(planes, np.moveaxis(field.gradient, -1, 0), equal_nan=True)
+
+
+def test_types_of_out(body):
+    field = body.field(resolution=16, outputs="distance triangle closest")
+    out = {
+        "distance": np.empty(field.grid.shape),
+        "triangle": np.empty(field.grid.shape, np.int32),
+        "closest": np.empty((*field.grid.shape, 3), np.float32),
+    }
+    body.field(field.grid, band=field.band, out=out)
+    assert np.allclose(out["distance"], field.distance, atol=1e-6)
+    assert np.array_equal(out["triangle"].view(np.uint32), field.triangle) and (out["triangle"] == -1).any()
+    for dtype in (np.int64, np.float16, np.complex64, "U4"):
+        with pytest.raises(clsdf.Error, match="distance|elements of type|cannot be read"):
+            body.field(field.grid, band=field.band, out=np.empty(field.grid.shape, dtype))
+
+
+def misaligned(shape):
+    return np.frombuffer(bytearray(4 * int(np.prod(shape)) + 1), np.uint8)[1:].view(np.float32).reshape(shape)
+
+
+REFUSED = {
+    "read-only": (lambda shape: np.broadcast_to(np.float32(7), shape).copy(), "read-only"),
+    "swapped": (lambda shape: np.full(shape, 7, np.dtype(np.float32).newbyteorder("S")), "swapped bytes"),
+    "transposed": (lambda shape: np.full(shape[::-1], 7, np.float32), r"has the shape \(\d+, \d+, \d+\); expected"),
+    "flat": (lambda shape: np.full(int(np.prod(shape)), 7, np.float32), r"has the shape \(\d+,\); expected"),
+    "overlapping": (
+        lambda shape: np.lib.stride_tricks.as_strided(np.full(10**5, 7, np.float32), shape, (4, 4, 4)),
+        "overlap|same",
+    ),
+    "stride 0": (
+        lambda shape: np.lib.stride_tricks.as_strided(np.full(10**5, 7, np.float32), shape, (0, 0, 0)),
+        "stride 0",
+    ),
+    "misaligned": (misaligned, "address"),
+    "list": (lambda shape: np.full(shape, 7.0).tolist(), "list"),
+    "none": (lambda shape: {"gradient": np.empty((*shape, 3), np.float32)}, "no array of the distance"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_out_is_refused_before_any_work(body, name):
+    make, message = REFUSED[name]
+    grid = body.grid(10, margin="20%", cubic=False)
+    out = make(grid.shape)
+    if name == "read-only":
+        out.flags.writeable = False
+    calls = []
+    with pytest.raises(clsdf.Error, match=message) as error:
+        body.field(grid, out=out, progress=lambda stage, part: calls.append(stage))
+    assert error.value.code == "invalid_argument"
+    assert not calls
+    if isinstance(out, np.ndarray) and name != "misaligned":
+        assert (out == 7).all()
+
+
+def test_outputs_that_overlap_are_refused(body, points):
+    memory = np.full(4 * len(points), 7, np.float32)
+    out = {"distance": memory[: len(points)], "gradient": memory[len(points) - 1 : -1 + 4 * len(points)][: 3 * len(points)].reshape(-1, 3)}
+    with pytest.raises(clsdf.Error, match="overlap|same bytes"):
+        body.query(points, out=out)
+    assert (memory == 7).all()
+
+
+@pytest.mark.parametrize(
+    "points, message",
+    [
+        ([[0, 0, 0], [0, np.nan, 0]], r"point 1 at \(0, nan, 0\)"),
+        ([[0, np.inf, 0]], r"point 0 at \(0, inf, 0\)"),
+        (np.zeros((4, 2)), r"shape \(4, 2\)"),
+        (np.zeros((4, 3), np.complex64), "complex64"),
+        (np.zeros((4, 3), ">f8"), "swapped"),
+        (np.broadcast_to(np.zeros(3), (4, 3)), "stride 0"),
+        (np.zeros((4, 3), np.int8), "int8"),
+    ],
+)
+def test_points_that_cannot_be_read(body, points, message):
+    with pytest.raises(clsdf.Error, match=message) as error:
+        body.query(points)
+    assert error.value.code in ("invalid_argument", "unsupported")
+
+
+def test_rows_of_a_mesh_are_named(solid):
+    vertices, faces = solid
+    bad = vertices.copy()
+    bad[5, 1] = np.nan
+    with pytest.raises(clsdf.Error, match="vertex 5.*nan") as error:
+        clsdf.Transform((bad, faces))
+    assert error.value.code == "invalid_mesh"
+    for value in (len(vertices), -1):
+        wrong = faces.astype(np.int64)
+        wrong[3, 2] = value
+        with pytest.raises(clsdf.Error, match=f"triangle 3 .*index.* {value}|triangle 3 .*index"):
+            clsdf.Transform((vertices, wrong))
+    with pytest.raises(clsdf.Error, match=r"faces has the shape"):
+        clsdf.Transform((vertices, np.zeros((4, 4), int)))
+    with pytest.raises(clsdf.Error, match="no mesh that is known"):
+        clsdf.Transform(3)
+
+
+def test_one_point_and_no_point(body, brute):
+    one = body.query((0.3, 0.1, 0.05), outputs="distance gradient")
+    assert np.shape(one.distance) == () and one.gradient.shape == (3,)
+    assert float(one.distance) == pytest.approx(brute.distance([(0.3, 0.1, 0.05)])[0], abs=1e-6)
+    none = body.query(np.empty((0, 3)), outputs="distance closest")
+    assert none.distance.shape == (0,) and none.closest.shape == (0, 3)
+
+
+def test_a_limited_search(body, brute, points):
+    found = body.query(points, "distance triangle", within=0.1)
+    expected = brute.distance(points)
+    near = np.abs(expected) < 0.1
+    assert np.allclose(found.distance[near], expected[near], atol=1e-6)
+    assert np.allclose(found.distance[~near], np.copysign(0.1, expected[~near]))
+    assert np.array_equal(found.triangle == clsdf.no_triangle, ~near)
+
+
+def test_results_outlive_the_transform(solid):
+    body = clsdf.Transform(solid)
+    field, found = body.field(resolution=16), body.query(np.zeros((5, 3)))
+    distance, values = field.distance, found.distance
+    before = distance.copy(), values.copy()
+    del body, field, found
+    trash = [np.full(16**3, 3, np.float32) for _ in range(50)]
+    assert np.array_equal(distance, before[0]) and np.array_equal(values, before[1]) and trash
+
+
+def test_meshes_of_other_packages(solid, points):
+    vertices, faces = solid
+    expected = clsdf.Transform(solid).query(points).distance
+    like_open3d = types.SimpleNamespace(vertices=vertices.tolist(), triangles=faces.tolist())
+    for mesh in (like_open3d, [vertices, faces], (vertices.tolist(), faces.tolist())):
+        assert np.array_equal(clsdf.Transform(mesh).query(points).distance, expected)
+    kinds = []
+    for package in ("trimesh", "meshio", "pyvista", "open3d"):
+        try:
+            module = __import__(package)
+        except ImportError:
+            continue
+        if package == "trimesh":
+            mesh = module.Trimesh(vertices, faces, process=False)
+        elif package == "meshio":
+            mesh = module.Mesh(vertices, {"triangle": faces})
+        elif package == "pyvista":
+            mesh = module.PolyData(vertices, np.insert(faces, 0, 3, axis=1).astype(np.int64))
+        else:
+            mesh = module.geometry.TriangleMesh(
+                module.utility.Vector3dVector(vertices), module.utility.Vector3iVector(faces.astype(np.int32))
+            )
+        # pyvista keeps floats.
+        assert np.allclose(clsdf.Transform(mesh).query(points).distance, expected, atol=1e-5), package
+        kinds.append(package)
+    assert "trimesh" in kinds
+
+
+def test_a_mesh_from_a_file(tmp_path, solid, points):
+    path = tmp_path / "solid.obj"
+    vertices, faces = solid
+    path.write_text(
+        "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in vertices.tolist())
+        + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces.tolist())
+    )
+    read = clsdf.read_mesh(path)
+    assert np.array_equal(read[0], vertices) and np.array_equal(read[1], faces)
+    body = clsdf.Transform(path)
+    assert body.mesh_name == "solid.obj"
+    assert np.array_equal(body.query(points).distance, clsdf.Transform(solid).query(points).distance)
+    with pytest.raises(clsdf.Error, match="nothing.off") as error:
+        clsdf.Transform(tmp_path / "nothing.off")
+    assert error.value.code == "unreadable_input"

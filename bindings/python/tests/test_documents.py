@@ -1,0 +1,56 @@
+"""The programs of docs/python.md run as they stand, and its lists name what there is."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import clsdf
+
+PAGE = Path(__file__).parents[3] / "docs" / "python.md"
+PROGRAMS = re.findall(r"^## (.*?)$|^```python\n(.*?)^```$", "## the first\n" + PAGE.read_text(), re.M | re.S)
+
+
+def programs():
+    title = ""
+    for heading, program in PROGRAMS:
+        title = heading or title
+        if program:
+            yield pytest.param(program, id=title.replace(" ", "-").lower())
+
+
+@pytest.fixture(scope="module")
+def bunny(tmp_path_factory):
+    """A folder with a mesh of the name that the page uses."""
+    folder = tmp_path_factory.mktemp("page")
+    vertices, faces = clsdf.make_shape("sphere4")
+    vertices = vertices * (0.9, 0.8, 0.7)
+    with open(folder / "bunny.off", "w") as file:
+        print(f"OFF\n{len(vertices)} {len(faces)} 0", file=file)
+        np.savetxt(file, vertices, "%.17g")
+        np.savetxt(file, np.insert(faces, 0, 3, axis=1), "%d")
+    return folder
+
+
+@pytest.mark.parametrize("program", list(programs()))
+def test_a_program_of_the_page_runs(program, bunny):
+    for package in re.findall(r"^import (\w+)", program, re.M):
+        pytest.importorskip(package)
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=bunny, timeout=200)
+    assert result.returncode == 0, result.stderr
+
+
+def test_the_page_names_everything_public():
+    text = PAGE.read_text()
+    for name in clsdf.__all__:
+        assert re.search(rf"\b{name}\b", text), name
+    reference = text[text.index("## Reference") :]
+    for kind in (clsdf.Transform, clsdf.Field, clsdf.Grid, clsdf.Plan):
+        for member in vars(kind):
+            if not member.startswith("_") and member not in ("origin", "spacing", "size", "first"):
+                assert re.search(rf"\b{member}\b", reference), f"{kind.__name__}.{member}"

@@ -1,0 +1,301 @@
+"""Fields against brute force."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import BruteForce, positions
+
+import clsdf
+
+
+def test_a_sample_is_the_signed_distance_with_z_first(body, brute):
+    field = body.field(resolution=24, band="full")
+    nx, ny, nz = field.grid.size
+    assert len({nx, ny, nz}) == 3  # a wrong order of axes would have another shape
+    assert field.distance.shape == (nz, ny, nx) and field.distance.dtype == np.float32
+    expected = brute.distance(positions(field.grid).reshape(-1, 3)).reshape(field.distance.shape)
+    assert np.allclose(field.distance, expected, atol=1e-6)
+    i, j, k = 3, 5, 2
+    assert field.distance[k, j, i] == pytest.approx(brute.distance([field.grid.position(i, j, k)])[0], abs=1e-6)
+    assert (field.distance < 0).any() and (field.distance > 0).any()
+
+
+def test_beyond_the_band_is_its_half_width_with_the_sign(body, brute):
+    field = body.field(resolution=24, band=(0.05, 0.1))
+    assert (field.band.inside, field.band.outside) == (0.05, 0.1)
+    expected = brute.distance(positions(field.grid).reshape(-1, 3)).reshape(field.distance.shape)
+    assert np.allclose(field.distance, np.clip(expected, -0.05, 0.1), atol=1e-6)
+
+
+def test_other_outputs_belong_to_the_nearest_triangle(body, brute, solid):
+    field = body.field(resolution=20, band="full", outputs="triangle site closest gradient barycentric")
+    where = positions(field.grid).reshape(-1, 3)
+    nearest = brute.closest(where)
+    far = np.linalg.norm(nearest - where[:, None], axis=-1)
+    triangle = field.triangle.reshape(-1)
+    row = np.arange(len(where))
+    assert np.allclose(far[row, triangle], far.min(1), atol=1e-6)
+    closest = field.closest.reshape(-1, 3)
+    assert np.allclose(closest, nearest[row, triangle], atol=1e-6)
+    u, v = field.barycentric.reshape(-1, 2).T[:, :, None].astype(float)
+    a, b, c = (brute.corners[triangle, corner] for corner in range(3))
+    assert np.allclose((1 - u - v) * a + u * b + v * c, closest, atol=1e-5)
+    gradient = field.gradient.reshape(-1, 3)
+    distance = brute.distance(where)[:, None]
+    assert np.allclose(where - distance * gradient, closest, atol=1e-5)
+    assert field.site.shape == field.grid.shape and field.site.max() <= 6
+
+
+@pytest.mark.parametrize(
+    "band, width", [("10%", 0.1), ("25%", 0.25), ("3v", "voxels"), (0.07, 0.07), ("0.07", 0.07), ("full", np.inf)]
+)
+def test_bands_are_those_of_the_command(body, band, width):
+    lower, upper = body.box
+    extent = (upper - lower).max()
+    field = body.field(resolution=20, band=band)
+    if isinstance(band, str) and band.endswith("%"):
+        width *= extent
+    if width == "voxels":
+        width = 3 * field.grid.voxel
+    assert field.band.inside == field.band.outside == pytest.approx(width)
+
+
+@pytest.mark.parametrize("band", ["", "x", "10 %", "-1", -1, "nan", float("nan"), "1_0", "inf", "3vv", (1, 2, 3)])
+def test_a_band_that_is_no_length_is_refused(body, band):
+    with pytest.raises(clsdf.Error, match="band") as error:
+        body.field(resolution=8, band=band)
+    assert error.value.code == "invalid_argument"
+
+
+def test_signs_alone(body, brute):
+    field = body.field(resolution=20, band=0)
+    inside = brute.winding(positions(field.grid).reshape(-1, 3)).round().reshape(field.grid.shape) != 0
+    assert not field.distance.any()
+    assert np.array_equal(np.signbit(field.distance), inside)
+
+
+def test_grids_around_the_mesh(body):
+    lower, upper = body.box
+    grid = body.grid(33, margin="10%")
+    longest = int(np.argmax(upper - lower))
+    assert max(grid.size) == grid.size[longest] == 33
+    first, last = grid.box
+    assert first[longest] == pytest.approx(lower[longest] - 0.1 * (upper - lower).max())
+    assert body.grid(spacing=0.1).spacing == (0.1, 0.1, 0.1)
+    assert body.grid(spacing=(0.1, 0.2, 0.3)).spacing == (0.1, 0.2, 0.3)
+    assert body.grid(16, cubic=True).size == (16, 16, 16)
+    nodes, cells = body.grid(16), body.grid(16, cell_centred=True)
+    assert np.allclose(np.subtract(cells.origin, nodes.origin), np.array(nodes.spacing) / 2)
+    with pytest.raises(clsdf.Error, match="exclude"):
+        body.grid(16, spacing=0.1)
+    with pytest.raises(clsdf.Error, match="excludes"):
+        body.field(grid, resolution=16)
+
+
+def test_a_grid_of_your_own(body, brute):
+    grid = clsdf.Grid(origin=np.array([-1, -0.5, -0.25]), spacing=0.125, size=(9, 5, 7), first=(1, 2, -3))
+    field = body.field(grid, band="full")
+    assert field.grid == grid and field.distance.shape == (7, 5, 9)
+    expected = brute.distance(positions(grid).reshape(-1, 3)).reshape(7, 5, 9)
+    assert np.allclose(field.distance, expected, atol=1e-6)
+    part = grid.part((2, 1, 3), (4, 3, 2))
+    assert np.array_equal(body.field(part, band="full").distance, field.distance[3:5, 1:4, 2:6])
+    with pytest.raises(clsdf.Error, match="spacing"):
+        clsdf.Grid((0, 0, 0), -1.0, (2, 2, 2))
+
+
+def test_slabs_are_the_whole(body, monkeypatch):
+    from clsdf import _core
+
+    whole = body.field(resolution=24, outputs="distance closest")
+    parts = [whole.grid.part((0, 0, k), (*whole.grid.size[:2], min(5, whole.grid.size[2] - k)))
+             for k in range(0, whole.grid.size[2], 5)]
+    monkeypatch.setattr(_core, "slabs_of", lambda grid: parts)
+    slabs = list(body.slabs(resolution=24, outputs="distance closest"))
+    assert [slab.grid for slab in slabs] == parts
+    assert np.array_equal(np.concatenate([slab.distance for slab in slabs]), whole.distance)
+    assert np.array_equal(np.concatenate([slab.closest for slab in slabs]), whole.closest, equal_nan=True)
+
+
+def test_the_slabs_of_a_large_grid_tile_it(body):
+    from clsdf import _core
+
+    grid = clsdf.Grid((0, 0, 0), 1.0, (1000, 1000, 100))
+    parts = _core.slabs_of(grid)
+    assert len(parts) > 1
+    assert sum(part.size[2] for part in parts) == 100
+    assert all(part.size[:2] == grid.size[:2] for part in parts)
+
+
+def test_many_boxes_have_the_bytes_of_each(body):
+    whole = body.grid(24)
+    grids = [whole.part((0, 0, 0), (5, 6, 7)), clsdf.Grid((0, 0, 0), 0.1, (4, 4, 4)), whole.grown(2)]
+    fields = body.fields(grids, band="5%", outputs="distance gradient")
+    for grid, field in zip(grids, fields):
+        alone = body.field(grid, band="5%", outputs="distance gradient")
+        assert field.grid == grid
+        assert np.array_equal(field.distance, alone.distance)
+        assert np.array_equal(field.gradient, alone.gradient, equal_nan=True)
+
+
+def test_requests_are_refused_by_their_index(body):
+    grid, band = body.grid(8), clsdf.Band(1, 1)
+    good = clsdf.Request(grid, band, {"distance": np.full(grid.shape, 7, np.float32)})
+    far = clsdf.Request(clsdf.Grid((0, 0, 0), 1e-9, (2, 2, 2), (2**50, 0, 0)), band, {"distance": np.empty((2, 2, 2), "f4")})
+    with pytest.raises(clsdf.Error, match="request 1"):
+        body.compute([good, far])
+    assert (good.out["distance"] == 7).all()
+    body.compute([good])
+    assert np.array_equal(good.out["distance"], body.field(grid, band=band).distance)
+
+
+def test_blocks_have_the_bytes_of_the_lattice(body):
+    whole = body.field(resolution=24, outputs="distance gradient")
+    first = np.array([[0, 0, 0], [4, 5, 6], [8, 2, 1]])
+    blocks = body.blocks(whole.grid, first, (4, 3, 2), band=whole.band, outputs="distance gradient")
+    assert blocks.distance.shape == (3, 2, 3, 4) and blocks.gradient.shape == (3, 2, 3, 4, 3)
+    for n, (i, j, k) in enumerate(first):
+        assert np.array_equal(blocks.distance[n], whole.distance[k : k + 2, j : j + 3, i : i + 4])
+        assert np.array_equal(blocks.gradient[n], whole.gradient[k : k + 2, j : j + 3, i : i + 4], equal_nan=True)
+    every_other = np.zeros((6, 2, 3, 4), np.float64)
+    body.blocks(whole.grid, first, (4, 3, 2), band=whole.band, out=every_other[::2])
+    assert np.allclose(every_other[::2], blocks.distance, atol=1e-6) and not every_other[1::2].any()
+
+
+def test_an_output_that_was_not_asked_for_says_so(body):
+    field = body.field(resolution=8)
+    assert field.outputs == ("distance",)
+    with pytest.raises(AttributeError, match="outputs='distance gradient'"):
+        field.gradient
+    with pytest.raises(clsdf.Error, match="no output 'normal'.*gradient"):
+        body.field(resolution=8, outputs="normal")
+
+
+def test_a_field_is_copied_and_pickled(body):
+    import copy
+    import pickle
+
+    field = body.field(resolution=12, band=("5%", "full"), outputs="triangle")
+    for other in (copy.deepcopy(field), pickle.loads(pickle.dumps(field))):
+        assert (other.grid, other.band, other.sign, other.outputs) == (field.grid, field.band, field.sign, field.outputs)
+        assert np.array_equal(other.triangle, field.triangle) and other.triangle is not field.triangle
+
+
+@pytest.mark.parametrize("resolution", [40_000, 500_000_000])
+def test_a_field_that_fits_no_memory(body, resolution):
+    with pytest.raises(clsdf.Error, match="does not fit the memory") as error:
+        body.field(resolution=resolution, band=0.1, outputs="closest")
+    assert error.value.code == "out_of_memory"
+
+
+def test_axes_and_other_packages_arrays(body):
+    field = body.field(resolution=12, outputs="distance gradient")
+    x, y, z = field.axes()
+    assert np.allclose(np.stack(np.meshgrid(z, y, x, indexing="ij")[::-1], -1), positions(field.grid))
+    xarray = pytest.importorskip("xarray")
+    data = field.to_xarray()
+    assert isinstance(data, xarray.Dataset)
+    assert float(data.distance.sel(x=x[3], y=y[2], z=z[1])) == field.distance[1, 2, 3]
+    assert data.distance.values.ctypes.data == field.distance.ctypes.data
+
+
+def test_an_image_of_pyvista(body):
+    pytest.importorskip("pyvista")
+    field = body.field(resolution=12, outputs="distance gradient")
+    image = field.to_pyvista()
+    n = image.find_closest_point(field.grid.position(3, 2, 1))
+    assert np.allclose(image.points[n], field.grid.position(3, 2, 1))
+    assert image.point_data["distance"][n] == field.distance[1, 2, 3]
+    assert np.array_equal(image.point_data["gradient"].reshape(field.gradient.shape), field.gradient, equal_nan=True)
+
+
+def test_a_picture_is_a_png_of_the_slice(body):
+    field = body.field(resolution=24)
+    picture = clsdf.slice_picture(field, "y", pixels=100)
+    png = picture._repr_png_()
+    assert png.startswith(b"\x89PNG\r\n\x1a\n") and png.endswith(b"IEND\xaeB`\x82")
+    nz, _, nx = field.distance.shape
+    scale = picture.pixels.shape[0] // nz
+    assert picture.pixels.shape == (nz * scale, nx * scale, 3) and nx * scale <= 100
+    # Blue inside, orange outside; the first row is the upper end of z.
+    middle = picture.pixels[(nz // 2) * scale + 1, (nx // 2) * scale + 1].astype(int)
+    corner = picture.pixels[1, 1].astype(int)
+    assert middle[2] > middle[0] and corner[0] > corner[2]
+    with pytest.raises(clsdf.Error, match="axis"):
+        clsdf.slice_picture(field, "w")
+    with pytest.raises(clsdf.Error, match="no slice 99"):
+        clsdf.slice_picture(field, "x", 99)
+
+
+def test_positions_and_motions(solid, points):
+    vertices, faces = solid
+    body = clsdf.Transform(solid)
+    moved = vertices * 1.5 + 0.1
+    body.set_positions(moved)
+    assert np.allclose(body.query(points).distance, BruteForce(moved, faces).distance(points), atol=1e-6)
+    assert np.allclose(body.box, [moved.min(0), moved.max(0)])
+    turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
+    body.set_motion(turn, (0.5, 0, 0))
+    turned = vertices @ turn.T + (0.5, 0, 0)
+    assert np.allclose(body.query(points).distance, BruteForce(turned, faces).distance(points), atol=1e-6)
+    with pytest.raises(clsdf.Error, match="positions"):
+        body.set_positions(vertices[1:])
+    bad = vertices.copy()
+    bad[4, 2] = np.inf
+    with pytest.raises(clsdf.Error, match="vertex 4.*inf"):
+        body.set_positions(bad)
+    with pytest.raises(clsdf.Error, match="rotation"):
+        body.set_motion(2 * turn, (0, 0, 0))
+    assert np.allclose(body.query(points).distance, BruteForce(turned, faces).distance(points), atol=1e-6)
+
+
+def test_boxes_are_classified():
+    # `within` counts from the boxes around triangles, so these are small.
+    shape = clsdf.make_shape("sphere3")
+    body, brute = clsdf.Transform(shape), BruteForce(*shape)
+    random = np.random.default_rng(5)
+    lower = random.uniform(-1.2, 1.2, (300, 3))
+    boxes = np.stack([lower, lower + 0.02], 1)
+    places = body.classify(boxes, 0.05)
+    assert places.dtype == np.uint8 and set(places) == {0, 1, 2}
+    distance = brute.distance(boxes.mean(1))
+    assert (places[np.abs(distance) <= 0.05] == clsdf.BoxPlace.WITHIN).all()
+    assert (distance[places == clsdf.BoxPlace.INSIDE] < -0.05).all()
+    assert (distance[places == clsdf.BoxPlace.OUTSIDE] > 0.05).all()
+    with pytest.raises(clsdf.Error, match="box 1"):
+        body.classify([[[0, 0, 0], [1, 1, 1]], [[0, 0, 0], [-1, 1, 1]]], 0.1)
+
+
+def test_a_part_of_the_domain_has_the_bytes_of_the_whole(body, points):
+    region = clsdf.Region((0, -1, -1), (1.5, 1, 1), half_width=0.2, spacing=0.1)
+    part = body.restrict_to(region)
+    inside = points[(points[:, 0] > 0) & (np.abs(points[:, 1:]) < 1).all(1)]
+    assert len(inside) > 50
+    assert np.array_equal(part.query(inside, within=0.2).distance, body.query(inside, within=0.2).distance)
+    with pytest.raises(clsdf.Error, match="region"):
+        part.query([[-1, 0, 0]], within=0.2)
+
+
+def test_what_a_transform_says_of_itself(body, solid):
+    assert body.sign == "nonzero" and body.topology.closed and body.topology.open_edges == 0
+    assert np.array_equal(body.box, [solid[0].min(0), solid[0].max(0)])
+    assert body.memory[0] > 0
+    device = body.device.info()
+    assert device.name == body.device.name and device.usable
+    assert device.name in [known.name for known in clsdf.devices()]
+    with pytest.raises(clsdf.Error) as error:
+        clsdf.Transform(solid, device="no such device")
+    assert error.value.code == "no_device"
+    with pytest.raises(clsdf.Error, match="auto, nonzero, parity, none"):
+        clsdf.Transform(solid, sign="odd")
+
+
+def test_a_limited_device(solid, points):
+    device = clsdf.Device.automatic()
+    if device.info().kind != "processor":
+        pytest.skip("most GPUs cannot be divided")
+    one = device.limited(compute_units=1)
+    assert one.info().compute_units == 1
+    assert np.array_equal(clsdf.Transform(solid, device=one).query(points).distance,
+                          clsdf.Transform(solid).query(points).distance)

@@ -1,0 +1,126 @@
+"""Memory, queues and events of pyopencl."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import clsdf
+
+cl = pytest.importorskip("pyopencl")
+import pyopencl.array  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def queue():
+    name = clsdf.Device.automatic().name
+    for platform in cl.get_platforms():
+        for device in platform.get_devices():
+            if device.name == name:
+                return cl.CommandQueue(cl.Context([device]))
+    pytest.skip(f"pyopencl has no device {name}")
+
+
+@pytest.fixture(scope="module")
+def there(solid, queue):
+    return clsdf.Transform(solid, device=queue)
+
+
+def test_a_device_is_the_queues(there, queue):
+    assert there.device.name == queue.device.name
+    assert there.device.queue_int_ptr == queue.int_ptr and there.device.context_int_ptr == queue.context.int_ptr
+    assert clsdf.Device.from_queue(queue).name == queue.device.name
+
+
+def test_a_plan_writes_into_arrays_of_the_device(there, body, queue):
+    expected = body.field(resolution=24, outputs="distance triangle")
+    plan = there.plan(expected.grid, band=expected.band, outputs="distance triangle")
+    shape = expected.grid.shape
+    out = {"distance": cl.array.zeros(queue, shape, np.float32), "triangle": cl.array.zeros(queue, shape, np.uint32)}
+    event = plan.enqueue(out=out, queue=queue)
+    assert isinstance(event, cl.Event)
+    event.wait()
+    assert np.array_equal(out["distance"].get(), expected.distance)
+    assert np.array_equal(out["triangle"].get(), expected.triangle)
+    assert plan.sign == "nonzero" and plan.device_bytes > 0
+
+
+def test_a_plan_writes_into_a_buffer(there, body, queue):
+    expected = body.field(resolution=24)
+    buffer = cl.Buffer(queue.context, cl.mem_flags.READ_WRITE, expected.distance.nbytes)
+    event = there.plan(expected.grid, band=expected.band).enqueue(out=buffer)
+    values = np.empty_like(expected.distance)
+    cl.enqueue_copy(queue, values, buffer, wait_for=[event]).wait()
+    assert np.array_equal(values, expected.distance)
+    small = cl.Buffer(queue.context, cl.mem_flags.READ_WRITE, 100)
+    with pytest.raises(clsdf.Error, match="100"):
+        there.field(expected.grid, out=small)
+
+
+def test_a_plan_waits_for_events(there, body, queue):
+    expected = body.field(resolution=24)
+    plan = there.plan(expected.grid, band=expected.band)
+    out = cl.array.zeros(queue, expected.grid.shape, np.float32)
+    gate = cl.UserEvent(queue.context)
+    other = cl.CommandQueue(queue.context)
+    event = plan.enqueue(out=out, queue=other, wait_for=[gate])
+    assert event.command_execution_status != cl.command_execution_status.COMPLETE
+    assert not out.get(queue).any()
+    gate.set_status(cl.command_execution_status.COMPLETE)
+    event.wait()
+    assert np.array_equal(out.get(queue), expected.distance)
+
+
+def test_a_plan_of_requests_follows_the_body(solid, there, body, queue):
+    grid = body.grid(16)
+    large = cl.array.zeros(queue, (2, *grid.shape), np.float32)
+    band = clsdf.Band(0.2, 0.2)
+    moving = clsdf.Transform(solid, device=queue)
+    plan = moving.plan([clsdf.Request(grid, band, {"distance": large[n]}) for n in range(2)])
+    plan.enqueue().wait()
+    expected = body.field(grid, band=band).distance
+    assert np.array_equal(large.get(), [expected, expected])
+    moving.set_motion(np.eye(3), (0.1, 0, 0))
+    plan.update(moving)
+    plan.enqueue().wait()
+    assert np.array_equal(large[1].get(), moving.field(grid, band=band).distance)
+    assert not np.array_equal(large[1].get(), expected)
+    shifted = clsdf.Grid(np.add(grid.origin, 0.05), grid.spacing, grid.size)
+    plan.update(moving, grids=[shifted, grid])
+    plan.enqueue().wait()
+    assert np.array_equal(large[0].get(), moving.field(shifted, band=band).distance)
+    plan.update(moving, requests=[clsdf.Request(grid, band, {"distance": large[0]})])
+    plan.enqueue().wait()
+    assert np.array_equal(large[0].get(), moving.field(grid, band=band).distance)
+
+
+def test_arrays_of_the_device_everywhere(solid, there, body, queue, points):
+    there_points = cl.array.to_device(queue, points)
+    out = {"distance": cl.array.zeros(queue, len(points), np.float32),
+           "gradient": cl.array.zeros(queue, (len(points), 3), np.float32)}
+    there.query(there_points, out=out)
+    expected = body.query(points, "distance gradient")
+    assert np.array_equal(out["distance"].get(), expected.distance)
+    assert np.array_equal(out["gradient"].get(), expected.gradient)
+    field = body.field(resolution=16)
+    large = cl.array.zeros(queue, (2, *field.grid.shape), np.float32)
+    there.field(field.grid, band=field.band, out=large[1])
+    assert np.array_equal(large[1].get(), field.distance) and not large[0].get().any()
+    vertices, faces = solid
+    made = clsdf.Transform((cl.array.to_device(queue, vertices), cl.array.to_device(queue, faces)), device=queue)
+    made.set_positions(cl.array.to_device(queue, vertices * 2))
+    body_of_two = clsdf.Transform((vertices * 2, faces))
+    assert np.array_equal(made.query(points).distance, body_of_two.query(points).distance)
+
+
+def test_memory_of_the_device_that_cannot_be(there, body, queue):
+    grid = body.grid(16)
+    with pytest.raises(clsdf.Error, match="shape"):
+        there.field(grid, out=cl.array.zeros(queue, (3, 3, 3), np.float32))
+    other = cl.CommandQueue(cl.Context([queue.device]))
+    with pytest.raises(clsdf.Error, match="context"):
+        there.field(grid, out=cl.array.zeros(other, grid.shape, np.float32))
+    with pytest.raises(clsdf.Error, match="targets"):
+        there.plan(grid).enqueue()
+    with pytest.raises(clsdf.Error, match="2 requests; the plan has 1"):
+        there.plan(grid).enqueue(out=[{}, {}])

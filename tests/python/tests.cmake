@@ -1,0 +1,7 @@
+# The Python package, built on this library and installed, passes its own tests (bindings/python/tests).
+# A sanitized library is not one to install.
+if(NOT CLSDF_SANITIZE AND CLSDF_BUILD_IO AND CLSDF_BUILD_MESHES)
+  add_test(NAME python COMMAND ${PROJECT_SOURCE_DIR}/scripts/python-tests ${PROJECT_BINARY_DIR})
+  # It measures times, of Ctrl-C for instance, and compiles with all cores.
+  set_tests_properties(python PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped: " PROCESSORS 2)
+endif()
