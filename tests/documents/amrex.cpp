@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <vector>
 
+// NOLINTBEGIN(readability-identifier-naming,google-explicit-constructor): AMReX's own names
 namespace amrex {
 
 using Real = double;
@@ -48,6 +49,7 @@ struct MFIter {
 };
 
 }  // namespace amrex
+// NOLINTEND(readability-identifier-naming,google-explicit-constructor)
 
 namespace {
 
