@@ -125,11 +125,12 @@ void run(const std::string& path, const std::string& fault) {
     on_all(MPI_COMM_WORLD, [&] {
         device = clsdf::Device::of_rank(static_cast<std::size_t>(node.rank), static_cast<std::size_t>(node.ranks));
     });
-    const unsigned units = device->info().compute_units;
+    const clsdf::DeviceInfo info = device->info();
     std::optional<tbb::global_control> loops;
-    if (device->info().kind == clsdf::DeviceKind::processor)
-        loops.emplace(tbb::global_control::max_allowed_parallelism, std::max(1U, units));
-    std::printf("rank %d is %d of %d on its node, with %u compute units\n", world.rank, node.rank, node.ranks, units);
+    if (info.kind == clsdf::DeviceKind::processor)
+        loops.emplace(tbb::global_control::max_allowed_parallelism, std::max(1U, info.compute_units));
+    std::printf("rank %d is %d of %d on its node, with %u compute units of a %s\n", world.rank, node.rank, node.ranks,
+                info.compute_units, clsdf::name_of(info.kind));
 
     // Every rank computes slices of its own.
     const clsdf::Grid whole = clsdf::Grid::around(mesh, 64, clsdf::Band::full());
