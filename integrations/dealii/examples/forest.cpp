@@ -21,7 +21,7 @@ namespace {
 
 void run(const std::string& path) {
     using dealii::Utilities::MPI::sum;
-    const MPI_Comm comm = MPI_COMM_WORLD;
+    MPI_Comm comm = MPI_COMM_WORLD;
     const auto rank = dealii::Utilities::MPI::this_mpi_process(comm);
     MPI_Comm node = MPI_COMM_NULL;
     MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);

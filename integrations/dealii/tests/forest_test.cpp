@@ -37,7 +37,7 @@ std::uint64_t hash_of(const dealii::Point<3>& point, double value) {
 
 void run() {
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
-    const MPI_Comm comm = MPI_COMM_WORLD;
+    MPI_Comm comm = MPI_COMM_WORLD;
     const clsdf::Mesh mesh = clsdf::make_shape("sphere5");
     const double radius = mesh.box().upper[0];
     // All ranks of the tests are on one machine.
@@ -93,6 +93,7 @@ void run() {
     dealii::DoFTools::map_dofs_to_support_points(mapping, dofs, support);
     const clsdf::deal_ii::DistanceFunction function(transform);
     std::vector<dealii::Point<3>> points;
+    points.reserve(support.size());
     for (const auto& [dof, point] : support) points.push_back(point);
     std::vector<double> distances(points.size());
     std::vector<dealii::Tensor<1, 3>> gradients(points.size());
