@@ -179,7 +179,8 @@ typedef struct clsdf_array {
     void* host;               /* the address of the first item, or null */
     void* device;             /* a cl_mem, or null */
     int64_t offset;           /* bytes before the first item, a multiple of a number's bytes */
-    int64_t count;            /* of items. Of an output it may be 0: not told. If it is, packed outputs are checked. */
+    int64_t count;            /* of items. Of an output 0: not known; any other count must be exactly that of the grid's
+                                 samples, of the points, or of the samples of all blocks, with strides, too */
     int64_t strides[3];       /* bytes from an item to the next along x, y, z; inputs and points: strides[0] alone.
                                  Negative ones run backwards from the first item. Zeros: packed, x fastest */
     int64_t component_stride; /* bytes from a component to the next; 0: side by side. If it is set and `strides` are

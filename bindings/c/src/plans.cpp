@@ -101,11 +101,15 @@ clsdf_status clsdf_plan_enqueue_to(clsdf_plan* plan, void* queue, const clsdf_ta
     return guarded([&] {
         clsdf_plan& self = of(plan);
         c::elements(targets, count, "targets");
-        std::vector<OutputTargets> all;
-        for (std::int64_t i = 0; i < count; ++i) {
-            all.push_back(c::targets_of(targets[i].items, targets[i].count));
-            c::check_base(self.index_base, all.back());
-        }
+        const std::span<const Request> requests = self.plan.requests();
+        std::vector<OutputTargets> all(static_cast<std::size_t>(count));
+        // The library refuses another number of them.
+        for (std::size_t i = 0; i < all.size() && all.size() == requests.size(); ++i)
+            all[i] = c::for_request(i, all.size(), [&] {
+                OutputTargets to = c::targets_of(targets[i], requests[i].grid);
+                c::check_base(self.index_base, to);
+                return to;
+            });
         enqueue(wait_list, wait_count, done, [&](std::span<const cl_event> events, cl_event* end) {
             self.plan.enqueue(static_cast<cl_command_queue>(queue), all, events, end);
         });

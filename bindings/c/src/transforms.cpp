@@ -106,7 +106,7 @@ clsdf_status clsdf_compute(const clsdf_transform* transform, const clsdf_grid* g
         c::check_result(statistics, "clsdf_statistics");
         const Call caller(call);
         const Grid of_field = c::grid_of(grid);
-        const OutputTargets to = c::targets_of(targets, target_count);
+        const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, of_field);
         c::check_base(self.index_base, to);
         set(self.transform.compute(of_field, c::band_of(band), to, caller), statistics);
         c::set_base(self.index_base, to, of_field.size);
@@ -195,7 +195,7 @@ clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* po
         c::check_result(statistics, "clsdf_statistics");
         const Call caller(call);
         const InputArray from = c::input_of(points, "points");
-        const OutputTargets to = c::targets_of(targets, target_count);
+        const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, from.count);
         c::check_base(self.index_base, to);
         set(self.transform.query(from, half_width, to, caller), statistics);
         c::set_base(self.index_base, to, from.count);

@@ -273,9 +273,9 @@ static void check_many(void) {
           memcmp(of_request[1], distance, sizeof distance) == 0);
     CHECK(statistics.field_seconds > 0 && statistics.slabs > 0);
     requests[1].band.outside = -1;
-    FAILS(CLSDF_INVALID_ARGUMENT, "request 1", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "request 1 of 2: ", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
     targets[1].reserved = 1;
-    FAILS(CLSDF_INVALID_ARGUMENT, "request 1", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "request 1 of 2: ", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
 
     for (n = 0; n < BLOCKS; ++n) {
         first[n][0] = grid.first[0] + B * (n % 3);
@@ -297,7 +297,8 @@ static void check_many(void) {
               distance[clsdf_grid_offset(&grid, block[0] + at % B, block[1] + at / B % B, block[2] + at / (B * B))]);
     }
     targets[0].array.count = 5;
-    FAILS(CLSDF_INVALID_ARGUMENT, "27 blocks", clsdf_compute_blocks(transform, &blocks, NULL, NULL));
+    targets[0].array.block_stride = sizeof of_blocks[0];
+    FAILS(CLSDF_INVALID_ARGUMENT, "27 blocks have 1728 samples", clsdf_compute_blocks(transform, &blocks, NULL, NULL));
 
     outputs = CLSDF_SET(CLSDF_DISTANCE) | CLSDF_SET(CLSDF_TRIANGLE);
     OK(clsdf_compute_slabs(transform, &grid, &band, outputs, take_slab, &slices, NULL, NULL, NULL));
@@ -339,7 +340,7 @@ static void check_points(void) {
     OK(clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
     CHECK(found[0] == found[3] && found[1] == 2 && site[1] == 255 && site[0] != 255 && found[0] > 0);
     targets[0].array.count = 3;
-    FAILS(CLSDF_INVALID_ARGUMENT, "4 are needed", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "exactly 4 items", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
     points[1][2] = HUGE_VAL;
     targets[0].array.count = 4;
     FAILS(CLSDF_INVALID_ARGUMENT, "point", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));

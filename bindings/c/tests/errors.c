@@ -200,6 +200,39 @@ static void check_sizes(const clsdf_device* device, const clsdf_mesh* mesh) {
     CHECK(defects.components == -5 && defects.duplicate_faces == 0);
 }
 
+/* A count that is not that of the samples or points is refused, whatever the layout, and nothing is written. */
+static void check_counts(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band) {
+    enum { SAMPLES = 125, POINTS = 100 };
+    static float values[3 * 2 * SAMPLES], normals[3 * SAMPLES];
+    static double points[POINTS][3];
+    const clsdf_array at = clsdf_host_array(CLSDF_FLOAT64, points, POINTS);
+    clsdf_target targets[2];
+    int64_t n;
+    for (n = 0; n < 3 * 2 * SAMPLES; ++n) values[n] = 77;
+    targets[0] = float_target(values, 10);
+    targets[0].array.strides[0] = 8;
+    FAILS(CLSDF_INVALID_ARGUMENT, "100 points, and the array of the output distance has 10; give it exactly 100 items",
+          clsdf_query(transform, &at, 1, targets, 1, NULL, NULL));
+    targets[0].array.strides[0] = 0;
+    targets[0].array.offset = 4;
+    FAILS(CLSDF_INVALID_ARGUMENT, "exactly 125 items", clsdf_compute(transform, grid, band, targets, 1, NULL, NULL));
+    targets[0] = float_target(values, SAMPLES);
+    targets[1] = clsdf_host_target(CLSDF_GRADIENT, CLSDF_FLOAT32, normals, 10);
+    targets[1].array.component_stride = 4 * SAMPLES;
+    FAILS(CLSDF_INVALID_ARGUMENT, "output gradient has 10",
+          clsdf_compute(transform, grid, band, targets, 2, NULL, NULL));
+    targets[0].array.strides[0] = 8;
+    targets[0].array.strides[1] = 40;
+    targets[0].array.strides[2] = 200;
+    targets[0].array.count = SAMPLES + 1;
+    FAILS(CLSDF_INVALID_ARGUMENT, "exactly 125 items", clsdf_compute(transform, grid, band, targets, 1, NULL, NULL));
+    for (n = 0; n < 3 * 2 * SAMPLES; ++n) CHECK(values[n] == 77);
+    targets[0].array.count = SAMPLES;
+    targets[1].array.count = SAMPLES;
+    OK(clsdf_compute(transform, grid, band, targets, 2, NULL, NULL));
+    for (n = 0; n < 2 * SAMPLES; ++n) CHECK((values[n] == 77) == (n % 2 == 1));
+}
+
 static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     clsdf_transform_options options = CLSDF_TRANSFORM_OPTIONS_INIT;
     clsdf_output_info info = CLSDF_OUTPUT_INFO_INIT;
@@ -253,6 +286,7 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     FAILS(CLSDF_INVALID_ARGUMENT, "99", clsdf_compute(transform, &grid, &band, targets, 1, NULL, NULL));
     targets[0] = float_target(values, 124);
     FAILS(CLSDF_INVALID_ARGUMENT, "125", clsdf_compute(transform, &grid, &band, targets, 1, NULL, NULL));
+    check_counts(transform, &grid, &band);
     targets[0] = float_target(values, 125);
     targets[0].array.type = 8;
     FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_array.type is 8",
