@@ -98,7 +98,7 @@ typedef int32_t clsdf_status;
 #define CLSDF_SET(output) ((uint32_t)1 << (output))
 
 /* Rules of the sign. */
-#define CLSDF_SIGN_AUTOMATIC 0 /* balanced: nonzero; closed: parity; else none (with a warning for the last two) */
+#define CLSDF_SIGN_AUTOMATIC 0 /* balanced: nonzero; closed: parity; else none (call->log warns of the last two) */
 #define CLSDF_SIGN_NONZERO 1   /* inside if the winding number is not zero; needs a balanced mesh */
 #define CLSDF_SIGN_PARITY 2    /* inside if a ray crosses the surface an odd number of times; needs a closed mesh */
 #define CLSDF_SIGN_NONE 3      /* the distance alone */
@@ -649,7 +649,8 @@ typedef struct clsdf_slab_options {
  * With base 1 they cost one more pass over the output, and the output must lie on the host: in a buffer, and so in a
  * plan, it is CLSDF_UNSUPPORTED. */
 
-/* Copies and checks the mesh. Compiles nothing: the first call that needs a program does. */
+/* Copies and checks the mesh. Compiles nothing: the first call that needs a program does. A warning, such as that a
+ * mesh with holes gets distances without a sign, goes to call->log alone: the library prints nothing. */
 CLSDF_API clsdf_status clsdf_transform_create(const clsdf_device* device, const clsdf_mesh* mesh,
                                               const clsdf_transform_options* options, const clsdf_call_options* call,
                                               clsdf_transform** transform);
