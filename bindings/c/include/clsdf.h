@@ -28,8 +28,10 @@
  * void *.
  *
  * CALLBACKS get the `user` pointer of their struct. Unless a comment says otherwise they run on the calling thread, and
- * before the call returns. One that returns a number other than 0 ends the call, which returns that number; the message
- * is that of clsdf_set_last_error(), if the callback called it. They must not use the transform or plan of the call.
+ * before the call returns. One that returns a number other than 0 ends the call, which returns that number unchanged: a
+ * status of this header, as of a call that failed in the callback, or a number of the program's own from
+ * CLSDF_OWN_STATUS on. Other numbers may become statuses of later versions. The message is that of the callback's last
+ * failed call, or of its clsdf_set_last_error(). Callbacks must not use the transform or plan of the call.
  */
 
 #include <math.h>
@@ -74,6 +76,7 @@ typedef int32_t clsdf_status;
 #define CLSDF_OUTPUT_FAILURE 9   /* a result could not be written; nothing is left under its final name */
 #define CLSDF_WRONG_RESULTS 10   /* the device computes wrong values in the test at its first use */
 #define CLSDF_UNEXPECTED (-1)    /* a failure that the library does not expect; its message says which */
+#define CLSDF_OWN_STATUS 1000    /* from here on: a program's own numbers, which clsdf never returns by itself */
 
 /* Types of the numbers in an array. */
 #define CLSDF_AUTOMATIC 0 /* of an output: the type that clsdf_output_describe() states */
@@ -133,8 +136,8 @@ CLSDF_API const char* clsdf_device_kind_name(int32_t kind);
 
 /* ---- Errors ---- */
 
-/* The message of this thread's last call that returned a status: "" after a success. Valid until the thread's next
- * call. The text is the one that C++ gets. */
+/* The message of this thread's last call that returned a status: "" after a success, whatever its callbacks did. Valid
+ * until the thread's next call. The text is the one that C++ gets. */
 CLSDF_API const char* clsdf_last_error(void);
 /* The number that the failed call of OpenCL returned (cl_int); 0 for other errors. */
 CLSDF_API int32_t clsdf_last_opencl_error(void);

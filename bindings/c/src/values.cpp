@@ -280,7 +280,7 @@ void check_callback(std::int32_t status, const char* name) {
     if (message.empty())
         message = std::string("the callback ") + name + " ended the call with status " + std::to_string(status) + " (" +
                   clsdf_status_name(status) + "); clsdf_set_last_error() in the callback can say why";
-    throw CallbackEnded{status, message};
+    throw CallbackEnded{status, message, clsdf_last_opencl_error()};
 }
 
 namespace {

@@ -489,6 +489,16 @@ static int32_t logged(void* user, const char* message) {
     return own->answer;
 }
 
+/* Handles what fails in it, and leaves a message: neither is the call's. */
+static int32_t careless(void* user, const char* message) {
+    caller* own = user;
+    (void)message;
+    ++own->calls;
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_band_validate(NULL));
+    clsdf_set_last_error("a message of the program's");
+    return own->answer;
+}
+
 static void check_callbacks(void) {
     const double vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     const uint32_t face[3] = {0, 1, 2};
@@ -524,6 +534,16 @@ static void check_callbacks(void) {
     own.answer = 5;
     FAILS(5, "callback log", clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));
     CHECK(open == NULL);
+    call.log = careless;
+    own.answer = 0;
+    own.calls = 0;
+    OK(clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open)); /* and no message */
+    CHECK(own.calls == 1);
+    clsdf_transform_release(open);
+    own.answer = CLSDF_OWN_STATUS;
+    FAILS(CLSDF_OWN_STATUS, "a message of the program's",
+          clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));
+    CHECK(strcmp(clsdf_status_name(CLSDF_OWN_STATUS), "unknown") == 0);
 }
 
 int main(void) {
