@@ -725,7 +725,8 @@ CLSDF_API clsdf_status clsdf_transform_compile(const clsdf_transform* transform,
 
 /* A plan has what it needs and may outlive the transform. Threads: one, in every call with a plan. */
 
-/* A plan of one grid, without targets: clsdf_plan_enqueue_to() gives them, packed and aligned. */
+/* A plan of one grid, without targets: clsdf_plan_enqueue_to() gives them, packed and aligned. With index base 1 the
+ * triangle is CLSDF_UNSUPPORTED. */
 CLSDF_API clsdf_status clsdf_plan_create(const clsdf_transform* transform, const clsdf_grid* grid,
                                          const clsdf_band* band, uint32_t outputs, const clsdf_call_options* call,
                                          clsdf_plan** plan);
@@ -741,13 +742,14 @@ CLSDF_API clsdf_status clsdf_plan_bytes_blocks(const clsdf_transform* transform,
                                                const clsdf_call_options* call, int64_t* bytes);
 
 /* Enqueues all requests on a cl_command_queue (null: the device's own) after the events. Never blocks. *done, if not
- * null, gets the cl_event of the end, which the caller releases. */
+ * null, gets the cl_event of the end, which the caller releases; null after an error. */
 CLSDF_API clsdf_status clsdf_plan_enqueue(clsdf_plan* plan, void* queue, void* const* wait_list, int64_t wait_count,
                                           void** done);
 /* One run into other targets: targets[count], one for each request. */
 CLSDF_API clsdf_status clsdf_plan_enqueue_to(clsdf_plan* plan, void* queue, const clsdf_targets* targets, int64_t count,
                                              void* const* wait_list, int64_t wait_count, void** done);
-/* Prepares the next runs for the present positions of the transform, which made the plan or has its device. Blocks.
+/* Prepares the next runs for the present positions of the transform, which made the plan or has its device, and has its
+ * index base. Blocks.
  * After an error the plan must be updated again, but for requests or grids that are refused. */
 CLSDF_API clsdf_status clsdf_plan_update(clsdf_plan* plan, const clsdf_transform* transform,
                                          const clsdf_call_options* call);

@@ -42,12 +42,16 @@ std::byte* first_of(const OutputArray& array) {
 
 }  // namespace
 
+void check_base(std::int32_t base, OutputSet on_device) {
+    if (base != 0 && on_device.contains(Output::triangle))
+        throw Error(ErrorCode::unsupported,
+                    "triangles in memory of the device, as a plan writes them, count from 0, and the mesh has index "
+                    "base 1; compute the output triangle into an array on the host, or give the mesh index base 0");
+}
+
 void check_base(std::int32_t base, const OutputTargets& targets) {
     const OutputArray* array = triangles_of(base, targets);
-    if (array != nullptr && array->device != nullptr)
-        throw Error(ErrorCode::unsupported,
-                    "triangles in memory of the device count from 0, and the mesh has index base 1; give the output "
-                    "triangle an array on the host, or make the transform with index_base 0");
+    if (array != nullptr && array->device != nullptr) check_base(base, OutputSet(Output::triangle));
 }
 
 void set_base(std::int32_t base, const OutputTargets& targets, const Index3& size) {

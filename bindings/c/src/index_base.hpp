@@ -10,6 +10,7 @@
 namespace clsdf::c {
 
 /// Throws Error(unsupported) if a base of 1 is asked for in memory of the device.
+void check_base(std::int32_t base, OutputSet on_device);
 void check_base(std::int32_t base, const OutputTargets& targets);
 
 /// After a call, makes the triangles that it wrote on the host count from `base`: of a grid, of points, of blocks.
