@@ -52,7 +52,7 @@ BOOST_AUTO_TEST_CASE(that_nobody_has_set_is_refused) {
     for (const Band& band : {Band{}, Band{.inside = 1}, Band{.outside = 1}})
         BOOST_CHECK_EXCEPTION(band.validate(), Error, [](const Error& error) {
             return is_invalid_argument(error) && std::string(error.what()).find("not set") != std::string::npos &&
-                   std::string(error.what()).find("Band::full()") != std::string::npos;
+                   std::string(error.what()).find("use the full band") != std::string::npos;
         });
 }
 

@@ -40,7 +40,7 @@ void Band::validate() const {
     if (std::isnan(inside) || std::isnan(outside))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("band: the half widths are {} inside and {} outside, and one that is nan was not set; "
-                                "give both, e.g. Band::symmetric(3 * grid.voxel()), or Band::full() for a full field",
+                                "give both, for example a band of three voxels, or use the full band",
                                 inside, outside));
     if (!(inside >= 0) || !(outside >= 0))
         throw Error(ErrorCode::invalid_argument,
@@ -50,12 +50,12 @@ void Band::validate() const {
     const bool has_no_width = inside == 0 && outside == 0;
     if (has_no_width && !has_signs_only)
         throw Error(ErrorCode::invalid_argument,
-                    "band: both half widths are 0, so no sample has a distance; give one, e.g. "
-                    "Band::symmetric(3 * grid.voxel()), or Band::signs_only() for the signs alone");
+                    "band: both half widths are 0, so no sample has a distance; give one, for example a band of "
+                    "three voxels, or ask for the signs alone");
     if (has_signs_only && !has_no_width)
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("band: it has signs only, and the half widths {} inside and {} outside; set both to 0, "
-                                "or has_signs_only to false",
+                                "or ask for distances, too",
                                 inside, outside));
 }
 
