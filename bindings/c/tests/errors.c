@@ -248,7 +248,7 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     clsdf_target targets[2];
     float values[125];
     uint8_t place;
-    const double vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    double vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     uint32_t triangle[3] = {0, 1, 2};
     double point[3] = {0, 0, 0};
     clsdf_array points = clsdf_host_array(CLSDF_FLOAT64, point, 1);
@@ -327,15 +327,25 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     arrays.triangles = clsdf_host_array(CLSDF_UINT32, triangle, 1);
     arrays.index_base = 1;
     arrays.name = "plate";
-    FAILS(CLSDF_INVALID_MESH, "plate: triangle 1 has the vertex index 0", clsdf_mesh_create(&arrays, &none));
+    FAILS(CLSDF_INVALID_MESH, "plate: triangle 1 has the vertex index 0; with index base 1 triangles count from 1",
+          clsdf_mesh_create(&arrays, &none));
     triangle[0] = 4;
     FAILS(CLSDF_INVALID_MESH, "1 to 3", clsdf_mesh_create(&arrays, &none));
     arrays.index_base = 0;
-    FAILS(CLSDF_INVALID_MESH, "4", clsdf_mesh_create(&arrays, &none));
+    FAILS(CLSDF_INVALID_MESH, "triangle 0 has the vertex index 4", clsdf_mesh_create(&arrays, &none));
+    FAILS(CLSDF_INVALID_MESH, "triangles and indices count from 0", clsdf_mesh_create(&arrays, &none));
+    triangle[0] = 1;
+    triangle[1] = 2;
+    triangle[2] = 3;
+    arrays.index_base = 1;
+    vertices[7] = HUGE_VAL;
+    FAILS(CLSDF_INVALID_MESH, "vertex 2, used by triangle 0, is not finite", clsdf_mesh_create(&arrays, &none));
+    FAILS(CLSDF_INVALID_MESH, "count from 0", clsdf_mesh_create(&arrays, &none));
+    vertices[7] = 1;
     arrays.index_base = 2;
     FAILS(CLSDF_INVALID_ARGUMENT, "index_base is 2", clsdf_mesh_create(&arrays, &none));
     arrays.index_base = 0;
-    triangle[0] = 0;
+    for (n = 0; n < 3; ++n) triangle[n] = (uint32_t)n;
     arrays.triangles.count = 0;
     FAILS(CLSDF_INVALID_MESH, "triangle", clsdf_mesh_create(&arrays, &none));
     arrays.triangles.count = 1;
