@@ -17,7 +17,7 @@ void check_base(std::int32_t base, const OutputTargets& targets);
 void set_base(std::int32_t base, const OutputTargets& targets, const Index3& size);
 void set_base(std::int32_t base, const OutputTargets& targets, std::size_t points);
 void set_base(std::int32_t base, const BlockSet& blocks);
-/// Of packed triangles: adds to each.
-void shift_triangles(std::span<std::uint32_t> triangles, std::uint32_t added);
+/// The same of packed triangles.
+void set_base(std::int32_t base, std::span<std::uint32_t> triangles);
 
 }  // namespace clsdf::c

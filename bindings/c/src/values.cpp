@@ -345,7 +345,7 @@ std::vector<Request> requests_of(const clsdf_request* requests, std::int64_t cou
 BlockSet block_set_of(const clsdf_block_set* blocks) {
     const clsdf_block_set from = read_given(blocks, CLSDF_BLOCK_SET_INIT, "clsdf_block_set");
     elements(from.first, from.block_count, "clsdf_block_set.first");
-    static_assert(sizeof(Index3) == 3 * sizeof(std::int64_t));
+    static_assert(is_triple<Index3, std::int64_t>);
     BlockSet result;
     result.lattice = grid_of(&from.lattice);
     result.band = band_of(&from.band);

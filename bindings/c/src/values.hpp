@@ -11,11 +11,18 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 /// From the structs of C to those of C++, and back.
 namespace clsdf::c {
+
+/// Three numbers side by side from the first byte on, so that an array of C's numbers is one of these.
+template <typename Triple, typename Number>
+inline constexpr bool is_triple =
+    std::is_standard_layout_v<Triple> && sizeof(Triple) == 3 * sizeof(Number) &&
+    alignof(Triple) == alignof(Number) && std::is_same_v<typename Triple::value_type, Number>;
 
 Box box_of(const clsdf_box* box);
 clsdf_box as_c(const Box& box);

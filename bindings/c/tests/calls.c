@@ -447,6 +447,15 @@ static void check_base(void) {
     blocks.lattice = grid;
     blocks.band = band;
     blocks.size[0] = blocks.size[1] = blocks.size[2] = N;
+static int32_t take_slab_from_1(void* user, const clsdf_grid* part, const clsdf_target* values, int64_t count) {
+    const uint32_t* from_1 = values[1].array.host;
+    int64_t n, *slices = user;
+    CHECK(count == 2 && values[1].output == CLSDF_TRIANGLE && values[1].array.count == N * N * part->size[2]);
+    for (n = 0; n < values[1].array.count; ++n) CHECK(from_1[n] == triangle[N * N * part->first[2] + n] + 1U);
+    *slices += part->size[2];
+    return 0;
+}
+
     blocks.first = first[0];
     blocks.block_count = 2;
     blocks.targets = request.targets;
@@ -504,6 +513,16 @@ static void check_callbacks(void) {
     const uint32_t face[3] = {0, 1, 2};
     static float values[SAMPLES];
     const clsdf_target target = float_target(values, SAMPLES);
+    targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_INT32, &strided[4], 3); /* every second one, backwards */
+    targets[1].array.strides[0] = -8;
+    for (n = 0; n < 5; ++n) strided[n] = -7;
+    OK(clsdf_query(of_base_1, &at, 1, targets, 2, NULL, NULL));
+    for (n = 0; n < 3; ++n) CHECK(strided[4 - 2 * n] == (int32_t)of_query[n]);
+    CHECK(strided[1] == -7 && strided[3] == -7);
+    n = 0;
+    OK(clsdf_compute_slabs(of_base_1, &grid, &band, CLSDF_SET(CLSDF_DISTANCE) | CLSDF_SET(CLSDF_TRIANGLE),
+                           take_slab_from_1, &n, NULL, NULL, NULL));
+    CHECK(n == N);
     clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
     clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
     clsdf_transform* open;
