@@ -9,7 +9,8 @@
  * message. Functions that cannot fail return their value. A handle or pointer that is null, a handle of another kind,
  * an enumerator out of range, a negative count and a struct of a wrong size are CLSDF_INVALID_ARGUMENT, unless a
  * comment allows them. A call that fails sets the handle that it would make to null; its other results are undefined.
- * Nothing here ends the process, and no exception leaves.
+ * Nothing here ends the process on purpose, and no exception leaves; but pointers are not checked beyond null. A wrong
+ * address, a handle after its last release, or a void * that is no object of OpenCL is undefined: drivers crash on it.
  *
  * HANDLES are counted references. A function that makes one gives it to the caller, who releases it. Null may be
  * retained and released. An object keeps alive what it needs: a transform its device, for instance. Any number of
@@ -17,9 +18,9 @@
  * use one handle in that call at once; "Threads: one" that no other call may use the handle during that call.
  *
  * STRUCTS. Those that begin with struct_size may grow in later versions: set them with their _INIT macro, then change
- * members. A smaller struct of an older program is accepted, a larger one if the bytes that this version does not know
- * are 0. Null means defaults for options, and "not wanted" for results. The other structs never change. Members called
- * `reserved` must be 0.
+ * members. A smaller struct of an older program is accepted, a larger one (up to 4096 bytes) if the bytes that this
+ * version does not know are 0. Null means defaults for options, and "not wanted" for results. The other structs never
+ * change. Members called `reserved` must be 0.
  *
  * UNITS. Lengths and positions are in the mesh's units unless a comment says otherwise; counts, indices, offsets and
  * strides are int64_t; sizes, offsets and strides are in bytes. Texts are UTF-8 and end with 0.
@@ -93,7 +94,7 @@ typedef int32_t clsdf_status;
 #define CLSDF_DISTANCE 0    /* signed; always computed */
 #define CLSDF_TRIANGLE 1    /* the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it */
 #define CLSDF_SITE 2        /* its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face */
-#define CLSDF_CLOSEST 3     /* the closest point; as float32, its offset from the sample */
+#define CLSDF_CLOSEST 3     /* float64: the closest point. float32: NOT the point but its offset from the sample */
 #define CLSDF_GRADIENT 4    /* of the signed distance: a unit vector */
 #define CLSDF_BARYCENTRIC 5 /* of the closest point: the weights of the triangle's vertices 1 and 2 (from 0) */
 
@@ -176,8 +177,9 @@ CLSDF_API void clsdf_thread_limit_release(clsdf_thread_limit* limit);
 /* ---- Arrays ---- */
 
 /* Numbers in the caller's memory. An array has items: vertices, triangles, points or samples, each of one number or of
- * several components. It lies on the host or in a buffer of the device. Nothing is copied; the memory must outlive the
- * use. An input is not written, though `host` is not const. */
+ * several components. It lies on the host or in a buffer of the device. The caller may free or reuse it when the call
+ * returns; only a plan writes later, to its targets, until its last run has ended. Strides of an output cost a copy of
+ * its samples inside the call. An input is not written, though `host` is not const. */
 typedef struct clsdf_array {
     void* host;               /* the address of the first item, or null */
     void* device;             /* a cl_mem, or null */
@@ -220,7 +222,8 @@ static inline clsdf_array clsdf_buffer_array(int32_t type, void* buffer, int64_t
 }
 
 /* An output and the array that it is written to. The triangle may be uint32 or int32; distance, gradient, barycentric
- * and closest may be float32 or float64; the site is uint8. */
+ * and closest may be float32 or float64; the site is uint8. As float64 they are evaluated in double, so that rounding
+ * them does not give the float32 results to the last bit. CLSDF_CLOSEST is another vector in each type. */
 typedef struct clsdf_target {
     int32_t output; /* CLSDF_DISTANCE ... */
     int32_t reserved;
@@ -448,7 +451,8 @@ CLSDF_API int64_t clsdf_thread_count(void);
 
 /* ---- Meshes ---- */
 
-/* A mesh in the caller's arrays, on the host or in buffers of the device's context. */
+/* A mesh in the caller's arrays, on the host or in buffers of the device's context. Each call that takes one copies
+ * what it keeps. */
 typedef struct clsdf_mesh_arrays {
     size_t struct_size;
     clsdf_array vertices;  /* three float32 or float64 an item */
@@ -658,7 +662,8 @@ typedef struct clsdf_slab_options {
 CLSDF_API clsdf_status clsdf_transform_create(const clsdf_device* device, const clsdf_mesh* mesh,
                                               const clsdf_transform_options* options, const clsdf_call_options* call,
                                               clsdf_transform** transform);
-/* The same from arrays, which may be buffers of the device's context. */
+/* The same from arrays, which may be buffers of the device's context. The transform has its own copy: the arrays may go
+ * when the call returns. */
 CLSDF_API clsdf_status clsdf_transform_from_arrays(const clsdf_device* device, const clsdf_mesh_arrays* arrays,
                                                    const clsdf_transform_options* options,
                                                    const clsdf_call_options* call, clsdf_transform** transform);
@@ -670,7 +675,10 @@ CLSDF_API clsdf_status clsdf_transform_restrict(const clsdf_transform* transform
 /* New positions of all vertices, on the host or in a buffer. After an error the positions are those of before. */
 CLSDF_API clsdf_status clsdf_transform_set_positions(clsdf_transform* transform, const clsdf_array* positions,
                                                      const clsdf_call_options* call);
-/* Puts the vertices at R x + t; x are the positions that the transform was made with. rotation[9] has the rows of R. */
+/* Puts the vertices at R x + t; x are the positions that the transform was made with. rotation[9] has the rows of R.
+ * Each element of R R^T may differ from the identity's by 1e-12, and det R > 0, else CLSDF_INVALID_ARGUMENT: a rotation
+ * in floats, or a product of thousands of rotations, is farther off. Make R from an angle or a quaternion in double
+ * precision, or make the rows of a product orthonormal again. */
 CLSDF_API clsdf_status clsdf_transform_set_motion(clsdf_transform* transform, const double* rotation,
                                                   const double* translation);
 
@@ -699,8 +707,11 @@ CLSDF_API clsdf_status clsdf_compute_field(const clsdf_transform* transform, con
  * is 0. */
 CLSDF_API clsdf_status clsdf_slabs_of(const clsdf_grid* grid, clsdf_grid* slabs, int64_t size, int64_t* count);
 
-/* The distance at points, and all else that has an array of points->count items. Beyond half_width, which may be
- * infinite, the distance is half_width with the point's sign. At most 96 points are answered by the calling thread. */
+/* The distance at points, and all else that has an array of points->count items. Beyond half_width, which may be 0 or
+ * infinite, the distance is half_width with the point's sign. At most 96 points are answered by the calling thread.
+ * A point that is not finite, or more than 1e14 voxels (1/256 of the mesh's longest side) from the mesh's box, fails
+ * the whole call; the message has its index from 0, and no output is written. Targets may lie on the points: they are
+ * read first. */
 CLSDF_API clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* points, double half_width,
                                    const clsdf_target* targets, int64_t target_count, const clsdf_call_options* call,
                                    clsdf_statistics* statistics);
