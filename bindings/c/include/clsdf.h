@@ -509,9 +509,7 @@ typedef struct clsdf_defects {
 #define CLSDF_DEFECTS_INIT \
     { sizeof(clsdf_defects), 0, 0, 0 }
 
-/* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element, the value and what its numbers count
- * from.
- */
+/* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element, the value and the base of its numbers. */
 CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh);
 /* A mesh made by code: "sphere0" to "sphere9", "torus", "knot", ... */
 CLSDF_API clsdf_status clsdf_mesh_shape(const char* name, clsdf_mesh** mesh);
