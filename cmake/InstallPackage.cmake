@@ -147,6 +147,12 @@ install(
   DESTINATION ${package_directory}
   COMPONENT development)
 
+# For PETSc and deal.II, which whoever includes them has.
+install(
+  DIRECTORY integrations/petsc/include/ integrations/dealii/include/
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  COMPONENT development)
+
 # The licence goes with every component.
 foreach(component core meshes io papers picture reference c c_io command development)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})

@@ -4,7 +4,10 @@
 #include "support/throws.hpp"
 
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -216,6 +219,39 @@ BOOST_AUTO_TEST_CASE(welding_makes_equal_coordinates_one_vertex_and_keeps_the_tr
     for (std::size_t t = 0; t < 4; ++t)
         for (std::size_t k = 0; k < 3; ++k)
             BOOST_CHECK(welded.vertices()[welded.triangles()[t][k]] == corners[faces[t][k]]);
+}
+
+BOOST_AUTO_TEST_CASE(meshes_that_differ_in_one_number_have_different_hashes) {
+    const std::uint64_t hash = Mesh(corners, faces, "one").hash();
+    BOOST_TEST(Mesh(corners, faces, "other").hash() == hash);
+    BOOST_TEST(hash == 7316670834777255572U);  // on every machine
+    std::set<std::uint64_t> hashes{hash};
+    std::size_t meshes = 1;
+    const auto add = [&](const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles) {
+        hashes.insert(Mesh(vertices, triangles).hash());
+        ++meshes;
+    };
+    for (std::size_t v = 0; v < corners.size(); ++v)
+        for (std::size_t k = 0; k < 3; ++k)
+            for (const double x : {std::nextafter(corners[v][k], -1.0), std::nextafter(corners[v][k], 9.0), -7.0}) {
+                std::vector<Vec3> vertices = corners;
+                vertices[v][k] = x;
+                add(vertices, faces);
+            }
+    for (std::size_t t = 0; t < faces.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k)
+            for (std::uint32_t index = 0; index < 4; ++index)
+                if (index != faces[t][k]) {
+                    std::vector<Triangle> triangles = faces;
+                    triangles[t][k] = index;
+                    add(corners, triangles);
+                }
+    // Another order, a vertex that no triangle uses, a triangle less.
+    add({corners[1], corners[0], corners[2], corners[3]}, faces);
+    add(corners, {faces[1], faces[0], faces[2], faces[3]});
+    add({corners[0], corners[1], corners[2], corners[3], {0, 0, 0}}, faces);
+    add(corners, {faces[0], faces[1], faces[2]});
+    BOOST_TEST(hashes.size() == meshes);
 }
 
 BOOST_AUTO_TEST_CASE(coordinates_one_ulp_apart_stay_apart) {

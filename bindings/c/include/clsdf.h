@@ -538,6 +538,9 @@ CLSDF_API clsdf_status clsdf_mesh_index_base(const clsdf_mesh* mesh, int32_t* in
 CLSDF_API clsdf_status clsdf_mesh_name(const clsdf_mesh* mesh, const char** name);
 /* Of the vertices in use. */
 CLSDF_API clsdf_status clsdf_mesh_box(const clsdf_mesh* mesh, clsdf_box* box);
+/* Of all vertices and triangles in their order, the same on every machine: tells whether ranks have the same mesh. The
+ * index base and the name do not count. */
+CLSDF_API clsdf_status clsdf_mesh_hash(const clsdf_mesh* mesh, uint64_t* hash);
 CLSDF_API clsdf_status clsdf_mesh_topology(const clsdf_mesh* mesh, clsdf_topology* topology);
 CLSDF_API clsdf_status clsdf_mesh_defects(const clsdf_mesh* mesh, clsdf_defects* defects);
 /* The rule that a transform would use, and a warning about it, which may be "". CLSDF_INVALID_MESH if the mesh does not

@@ -101,6 +101,10 @@ clsdf_status clsdf_mesh_box(const clsdf_mesh* mesh, clsdf_box* box) {
     return guarded([&] { given(box, "box") = c::as_c(of(mesh).mesh.box()); });
 }
 
+clsdf_status clsdf_mesh_hash(const clsdf_mesh* mesh, std::uint64_t* hash) {
+    return guarded([&] { given(hash, "hash") = of(mesh).mesh.hash(); });
+}
+
 clsdf_status clsdf_mesh_topology(const clsdf_mesh* mesh, clsdf_topology* topology) {
     return guarded([&] { c::write_given(c::as_c(describe_topology(of(mesh).mesh)), topology, "clsdf_topology"); });
 }

@@ -127,6 +127,7 @@ static void check_meshes(void) {
     char warning[64];
     int64_t count, length;
     int32_t rule, base;
+    uint64_t hash, other_hash;
     double moved[4][3];
     clsdf_array array;
     float moved_vertices[4][4], found;
@@ -181,6 +182,9 @@ static void check_meshes(void) {
     OK(clsdf_mesh_weld(own, &other));
     OK(clsdf_mesh_index_base(other, &base));
     CHECK(base == 1);
+    OK(clsdf_mesh_hash(own, &hash));
+    OK(clsdf_mesh_hash(other, &other_hash));
+    CHECK(other_hash == hash);
     clsdf_mesh_release(other);
 
     memcpy(moved, positions, sizeof moved);
@@ -189,6 +193,8 @@ static void check_meshes(void) {
     OK(clsdf_mesh_set_positions(own, &array));
     OK(clsdf_mesh_box(own, &box));
     CHECK(box.upper[2] == 5 && box.upper[0] == 1);
+    OK(clsdf_mesh_hash(own, &other_hash));
+    CHECK(other_hash != hash);
     array.count = 3;
     FAILS(CLSDF_INVALID_ARGUMENT, "4 vertices", clsdf_mesh_set_positions(own, &array));
 

@@ -24,6 +24,7 @@ static void check_null(void) {
     const clsdf_target target = float_target(&value, 1);
     int32_t number;
     int64_t count;
+    uint64_t hash;
     const char* name;
 
     /* Null handles may be retained and released. */
@@ -65,6 +66,7 @@ static void check_null(void) {
     NULL_FAILS(clsdf_mesh_index_base(NULL, &number));
     NULL_FAILS(clsdf_mesh_name(NULL, &name));
     NULL_FAILS(clsdf_mesh_box(NULL, &box));
+    NULL_FAILS(clsdf_mesh_hash(NULL, &hash));
     NULL_FAILS(clsdf_mesh_topology(NULL, &topology));
     NULL_FAILS(clsdf_mesh_defects(NULL, NULL));
     NULL_FAILS(clsdf_mesh_sign(NULL, 0, &number, NULL, 0, NULL));

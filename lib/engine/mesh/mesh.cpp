@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -139,6 +141,22 @@ void Mesh::set_positions(std::vector<Vec3> positions) {
 void Mesh::set_positions(const InputArray& positions) {
     check_array(positions, ArrayKind::positions, "positions", ErrorCode::invalid_argument);
     set_positions(read_positions(positions));
+}
+
+std::uint64_t Mesh::hash() const {
+    // Each step maps different states to different states, and different words, too. So one word that differs is never
+    // lost.
+    std::uint64_t hash = 0;
+    const auto add = [&](std::uint64_t word) {
+        hash = (hash ^ word) * 0x9E3779B97F4A7C15U;
+        hash ^= hash >> 32;
+    };
+    add(vertices_.size());
+    for (const Vec3& vertex : vertices_)
+        for (const double coordinate : vertex) add(std::bit_cast<std::uint64_t>(coordinate));
+    for (const Triangle& triangle : triangles_)
+        for (const std::uint32_t index : triangle) add(index);
+    return hash;
 }
 
 Mesh weld(const Mesh& mesh) {

@@ -1,0 +1,18 @@
+# Runs TEST with 1, 2 and 4 ranks: the files that it writes are equal.
+include(${RUN_RANKS})
+file(REMOVE_RECURSE ${SCRATCH})
+file(MAKE_DIRECTORY ${SCRATCH})
+foreach(ranks 1 2 4)
+  run_ranks_or_fail(${ranks} output ${TEST} ${SCRATCH}/field_${ranks})
+  file(SHA256 ${SCRATCH}/field_${ranks} sum)
+  file(SIZE ${SCRATCH}/field_${ranks} size)
+  message("${size} bytes, SHA-256 ${sum}")
+  if(DEFINED expected AND NOT sum STREQUAL expected)
+    message(FATAL_ERROR "the field depends on the number of ranks")
+  endif()
+  set(expected ${sum})
+endforeach()
+# 25 x 18 x 21 samples of 4 floats at least.
+if(size LESS 151200)
+  message(FATAL_ERROR "the file has only ${size} bytes")
+endif()

@@ -1,0 +1,18 @@
+# The code of pages, which is a part of programs that are tested.
+function(clsdf_documented_code page blocks)
+  list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/)
+  add_test(
+    NAME code_of_${page}
+    COMMAND ${CMAKE_COMMAND} -DPAGE=${PROJECT_SOURCE_DIR}/docs/${page}.md "-DSOURCES=${ARGN}" -DBLOCKS=${blocks}
+            -P ${PROJECT_SOURCE_DIR}/tests/documents/documented_code.cmake)
+endfunction()
+
+clsdf_documented_code(parallel 7 examples/mesh_on_ranks.cpp)
+clsdf_documented_code(petsc 2 integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c)
+clsdf_documented_code(dealii 1 integrations/dealii/examples/forest.cpp)
+clsdf_documented_code(amrex 2 tests/documents/amrex.cpp)
+
+# AMReX is not installed: a stand-in for its classes.
+add_executable(test_code_for_amrex ${CMAKE_CURRENT_LIST_DIR}/amrex.cpp)
+target_link_libraries(test_code_for_amrex PRIVATE clsdf::clsdf clsdf_warnings)
+add_test(NAME code_for_amrex COMMAND test_code_for_amrex)
