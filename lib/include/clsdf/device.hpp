@@ -90,9 +90,9 @@ public:
     /// names the variable.
     static Device automatic();
 
-    /// The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. Usable GPUs are dealt
-    /// out in turn. If there is none, or if CLSDF_DEVICE names a device, it is that of automatic(), of a processor
-    /// an equal part of the compute units, at least one. The library's loops on the host are oneTBB's:
+    /// The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks. Usable GPUs are
+    /// dealt out in turn. If there is none, or if CLSDF_DEVICE names a device, it is that of automatic(), of a
+    /// processor an equal part of the compute units, at least one. The library's loops on the host are oneTBB's:
     /// tbb::global_control limits their threads. Throws Error(invalid_argument) for a rank out of range,
     /// Error(unsupported) that names the driver's variable if a processor cannot be divided, and what automatic()
     /// throws.
