@@ -107,10 +107,20 @@ bool compile(const Body& body, const Grid& grid, const Band& band, const std::ve
 std::vector<Request> requests_of(const RequestList& requests, Arrays& arrays) {
     std::vector<Request> boxes;
     for (const nb::handle item : requests) {
-        const auto request = nb::cast<nb::tuple>(item);
-        const auto& grid = nb::cast<const Grid&>(request[0]);
-        boxes.push_back({grid, nb::cast<const Band&>(request[1]),
-                         arrays.outputs(nb::cast<ArraysByName>(request[2]), shape_of(grid.size))});
+        const std::string name = "request " + std::to_string(boxes.size());
+        nb::tuple parts;
+        const Grid* grid = nullptr;
+        const Band* band = nullptr;
+        ArraysByName outputs;
+        if (!nb::try_cast(item, parts) || parts.size() != 3 || !nb::try_cast(parts[0], grid) ||
+            !nb::try_cast(parts[1], band) || !nb::try_cast(parts[2], outputs) || grid == nullptr || band == nullptr)
+            refuse(name + " is " + nb::cast<std::string>(nb::repr(item)).substr(0, 200) +
+                   "; expected (clsdf.Grid, clsdf.Band, {output: array})");
+        try {
+            boxes.push_back({*grid, *band, arrays.outputs(outputs, shape_of(grid->size))});
+        } catch (const Error& error) {
+            throw Error(error.code(), name + ": " + error.what());
+        }
     }
     return boxes;
 }
