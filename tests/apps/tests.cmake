@@ -1,4 +1,5 @@
-if(TARGET clsdf_command)
+# They look at pictures, too.
+if(TARGET clsdf_command AND CLSDF_BUILD_PICTURE)
   set(sources bench command compute devices documents exit_status info interruption memory method polyhedra progress query render slice
               standard_streams)
   list(TRANSFORM sources PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
