@@ -1,5 +1,6 @@
 #include "body.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <span>
@@ -65,7 +66,18 @@ using Boxes = nb::ndarray<const double, nb::shape<-1, 2, 3>, nb::c_contig, nb::d
 auto classify(const Body& body, const Boxes& boxes, double half_width) {
     auto places = std::make_unique<std::vector<BoxPlace>>(boxes.shape(0));
     const std::span all(reinterpret_cast<const Box*>(boxes.data()), boxes.shape(0));
-    body.read([&](const DistanceTransform& transform) { transform.classify(all, half_width, *places); });
+    // Part by part: the library does not ask whether Ctrl-C was pressed.
+    constexpr std::size_t part = 1 << 15;
+    const Call call;
+    body.read([&](const DistanceTransform& transform) {
+        std::size_t begin = 0;
+        do {
+            const std::size_t size = std::min(part, all.size() - begin);
+            transform.classify(all.subspan(begin, size), half_width, std::span(*places).subspan(begin, size));
+            call.options().should_stop();
+            begin += size;
+        } while (begin < all.size());
+    });
     auto* const data = reinterpret_cast<std::uint8_t*>(places->data());
     const std::size_t count = places->size();
     const nb::capsule owner(places.release(),

@@ -304,6 +304,13 @@ def test_positions_and_motions(solid, points):
     assert np.allclose(body.query(points).distance, BruteForce(turned, faces).distance(points), atol=1e-6)
 
 
+def test_many_boxes_are_classified_as_each(body, points):
+    boxes = np.stack([points, points + 0.05], 1)
+    many = np.tile(boxes, (140, 1, 1))  # more than are classified at once
+    assert np.array_equal(body.classify(many, 0.1), np.tile(body.classify(boxes, 0.1), 140))
+    assert len(body.classify(np.empty((0, 2, 3)), 0.1)) == 0
+
+
 def test_boxes_are_classified():
     # `within` counts from the boxes around triangles, so these are small.
     shape = clsdf.make_shape("sphere3")
