@@ -2,6 +2,8 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 
+#include "core/real_numbers.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +15,24 @@ namespace clsdf {
 
 Length Length::infinite() {
     return in_mesh_units(std::numeric_limits<double>::infinity());
+}
+
+Length Length::parse(std::string_view text, std::string_view name) {
+    if (text == "full") return infinite();
+    Unit unit = Unit::mesh;
+    if (text.ends_with('%'))
+        unit = Unit::extent;
+    else if (text.ends_with('v'))
+        unit = Unit::voxels;
+    const char* const end = text.data() + text.size() - (unit == Unit::mesh ? 0 : 1);
+    double value = 0;
+    const auto [stop, error] = read_real(text.data(), end, value);
+    if (error != std::errc() || stop != end || !std::isfinite(value) || value < 0)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: \"{}\" is not a length: write 10% (of the longest side of the mesh's box), 3v "
+                                "(voxels), 0.05 (the mesh's units) or full",
+                                name, text));
+    return {unit == Unit::extent ? value / 100 : value, unit};
 }
 
 bool Length::is_infinite() const {
