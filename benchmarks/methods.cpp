@@ -88,6 +88,12 @@ Entry openvdb_sweep_entry(const Device&, double) {
 }
 #endif
 
+#if !CLSDF_PEER_CGAL
+Entry cgal_entry() {
+    return {"cgal", "", "not in this build, which has no GPL code: configure with -DCLSDF_BUILD_REFERENCE=ON", nullptr};
+}
+#endif
+
 std::vector<Entry> all_methods(const Device& device) {
     std::vector<Entry> entries;
     entries.emplace_back("clsdf", "", "", make_transform_anew(device));

@@ -83,7 +83,7 @@ if(CLSDF_BUILD_PICTURE)
   if(NOT cairo_FOUND)
     message(FATAL_ERROR "clsdf's pictures need cairo, which CMake did not find.\n"
                         "On Debian and its kin: apt-get install libcairo2-dev "
-                        "(scripts/setup installs everything; -DCLSDF_BUILD_PICTURE=OFF -DCLSDF_BUILD_APPS=OFF "
-                        "builds the other libraries).")
+                        "(scripts/setup installs everything; with -DCLSDF_BUILD_PICTURE=OFF the command draws "
+                        "no pictures).")
   endif()
 endif()

@@ -150,7 +150,7 @@ void add_options(Parser& parser, ComputeOptions& options) {
 }
 
 ComputeRequest::ComputeRequest(const ComputeOptions& options)
-    : band_inside(parse_length("--band", options.band)),
+    : band_inside(Length::parse(options.band, "--band")),
       band_outside(band_inside),
       sign(parse_sign(options.sign)),
       outputs(parse_outputs(options.with)),
@@ -158,8 +158,8 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
                             {clsdf::Polyhedra::leaned, clsdf::Polyhedra::peikert_sigg, clsdf::Polyhedra::mauch})),
       scan(resolve_scan(polyhedra, value_named(options.scan, {clsdf::Scan::automatic, clsdf::Scan::bricks,
                                                               clsdf::Scan::slices, clsdf::Scan::brute_force}))) {
-    if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
-    if (!options.band_outside.empty()) band_outside = parse_length("--band-outside", options.band_outside);
+    if (!options.band_inside.empty()) band_inside = Length::parse(options.band_inside, "--band-inside");
+    if (!options.band_outside.empty()) band_outside = Length::parse(options.band_outside, "--band-outside");
     for (const clsdf::OutputInfo& info : extra_outputs())
         if (scan != clsdf::Scan::bricks && outputs.contains(info.output) && info.output != clsdf::Output::triangle)
             throw Error(ErrorCode::unsupported,
@@ -175,7 +175,7 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
     grid.cell_centred = options.cell_centred;
     if (!options.spacing.empty()) grid.spacing = parse_spacing(options.spacing);
     if (!options.margin.empty())
-        grid.margin = parse_length("--margin", options.margin);
+        grid.margin = Length::parse(options.margin, "--margin");
     else if (!band_outside.is_infinite())
         grid.margin = band_outside;
 }

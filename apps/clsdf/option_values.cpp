@@ -1,12 +1,10 @@
 #include "option_values.hpp"
 
-#include "core/real_numbers.hpp"
 #include "core/text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -69,28 +67,4 @@ void add_sign_option(Parser& parser, std::string& rule) {
 clsdf::SignRule parse_sign(const std::string& rule) {
     using clsdf::SignRule;
     return value_named(rule, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none});
-}
-
-clsdf::Length parse_length(const std::string& option, const std::string& text) {
-    using clsdf::Length;
-    if (text == "full") return Length::infinite();
-
-    std::string_view digits = text;
-    Length::Unit unit = Length::Unit::mesh;
-    if (digits.ends_with('%'))
-        unit = Length::Unit::extent;
-    else if (digits.ends_with('v'))
-        unit = Length::Unit::voxels;
-    if (unit != Length::Unit::mesh) digits.remove_suffix(1);
-
-    double value = 0;
-    const char* end = digits.data() + digits.size();
-    const auto [stop, error] = clsdf::read_real(digits.data(), end, value);
-    if (error != std::errc() || stop != end || !std::isfinite(value) || value < 0)
-        throw clsdf::Error(
-            clsdf::ErrorCode::invalid_argument,
-            fmt::format("{}: \"{}\" is not a length: write 10% (of the longest side of the mesh's box), 3v (voxels), "
-                        "0.05 (the mesh's units) or full",
-                        option, text));
-    return {unit == Length::Unit::extent ? value / 100 : value, unit};
 }

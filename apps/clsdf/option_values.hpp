@@ -3,7 +3,6 @@
 #include "options.hpp"
 
 #include <clsdf/error.hpp>
-#include <clsdf/grid.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
@@ -45,9 +44,6 @@ std::span<const clsdf::OutputInfo> extra_outputs();
 void add_outputs_option(Parser& parser, std::vector<std::string>& names);
 void add_sign_option(Parser& parser, std::string& rule);
 clsdf::SignRule parse_sign(const std::string& rule);
-
-/// "10%", "3v", "0.05" or "full". Throws Error(invalid_argument) that names the option and quotes the text.
-clsdf::Length parse_length(const std::string& option, const std::string& text);
 
 /// More than the samples of any grid along an axis.
 inline constexpr std::uint64_t most_samples_on_a_side = std::uint64_t{1} << 30;

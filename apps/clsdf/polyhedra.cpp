@@ -100,7 +100,7 @@ double half_width_of(const std::string& text, const Mesh& mesh) {
                                  "side of its box",
                                  what));
     };
-    const clsdf::Length length = parse_length("--half-width", text);
+    const clsdf::Length length = clsdf::Length::parse(text, "--half-width");
     if (length.is_infinite()) throw wrong("polyhedra have an end");
     if (length.unit == clsdf::Length::Unit::voxels) throw wrong("there are no voxels here");
     const double side = mesh.box().longest_side(), result = length.resolve(0, side);

@@ -48,7 +48,7 @@ struct Found {
 /// In the mesh's units; a voxel of points is 1/256 of the mesh's longest side.
 double limit_of(const QueryOptions& options, const clsdf::Mesh& mesh) {
     const double longest = mesh.box().longest_side();
-    return parse_length("--half-width", options.half_width).resolve(longest > 0 ? longest / 256 : 1, longest);
+    return clsdf::Length::parse(options.half_width, "--half-width").resolve(longest > 0 ? longest / 256 : 1, longest);
 }
 
 void find(const QueryOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,

@@ -1,12 +1,11 @@
-if(TARGET clsdf_command)
+# They look at pictures, too.
+if(TARGET clsdf_command AND CLSDF_BUILD_PICTURE)
   set(sources bench command compute devices documents exit_status info interruption memory method polyhedra progress query render slice
               standard_streams)
   list(TRANSFORM sources PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
   list(TRANSFORM sources APPEND .cpp)
   clsdf_test(command ${sources})
   target_link_libraries(test_command PRIVATE clsdf::papers)
-  clsdf_test(command_lengths ${CMAKE_CURRENT_LIST_DIR}/lengths.cpp)
-  target_link_libraries(test_command_lengths PRIVATE clsdf_options)
   # Compiles kernels for caches of its own, again and again.
   clsdf_test(prepare ${CMAKE_CURRENT_LIST_DIR}/prepare.cpp)
   set_tests_properties(prepare PROPERTIES TIMEOUT 900)

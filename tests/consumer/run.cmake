@@ -316,7 +316,9 @@ elseif(WAY STREQUAL "c")
     message(FATAL_ERROR "slabs.c wrote no field")
   endif()
 
-  # The line of the page, as a reader would paste it; and the same with files of fields.
+  # The line of the page, as a reader would paste it; and the same with files of fields. The program finds the library by
+  # itself.
+  unset(ENV{LD_LIBRARY_PATH})
   file(REMOVE ${build}/first ${build}/slabs)
   file(STRINGS ${CLSDF}/docs/c.md line REGEX "^cc .*pkg-config" LIMIT_COUNT 1)
   run(sh -c "eval \"${line}\"")

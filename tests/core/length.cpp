@@ -1,3 +1,5 @@
+#include "support/throws.hpp"
+
 #include <clsdf/error.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/version.hpp>
@@ -7,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 using clsdf::Band;
 using clsdf::Error;
@@ -35,6 +38,26 @@ BOOST_AUTO_TEST_CASE(a_length_is_in_percent_of_the_longest_side_in_voxels_or_in_
     BOOST_TEST(Length::in_voxels(infinity).resolve(0, 0) == infinity);
 }
 
+BOOST_AUTO_TEST_CASE(a_length_is_read_from_a_text) {
+    constexpr double voxel = 0.5;
+    constexpr double extent = 20;
+    const auto length = [](const char* text) { return Length::parse(text, "--band"); };
+    BOOST_TEST(length("10%").resolve(voxel, extent) == 2.0);
+    BOOST_TEST(length("3v").resolve(voxel, extent) == 1.5);
+    BOOST_TEST(length("0.05").resolve(voxel, extent) == 0.05);
+    BOOST_TEST(length("1e-3").resolve(voxel, extent) == 1e-3);
+    BOOST_TEST(length("0").resolve(voxel, extent) == 0.0);
+    BOOST_TEST(length("full").is_infinite());
+}
+
+BOOST_AUTO_TEST_CASE(a_text_that_is_no_length_is_quoted) {
+    for (const std::string text :
+         {"", "%", "v", "-1", "+1", "3 v", " 3", "3x", "3vv", "nan", "inf", "1e999", "Full", "0x10"})
+        BOOST_TEST_CONTEXT("length \"" << text << "\"")
+    clsdf::test::check_throws(ErrorCode::invalid_argument, {"--band: ", '"' + text + '"'},
+                              [&] { Length::parse(text, "--band"); });
+}
+
 BOOST_AUTO_TEST_SUITE(a_band)
 
 BOOST_AUTO_TEST_CASE(has_half_widths_from_zero_to_infinity) {
@@ -52,7 +75,7 @@ BOOST_AUTO_TEST_CASE(that_nobody_has_set_is_refused) {
     for (const Band& band : {Band{}, Band{.inside = 1}, Band{.outside = 1}})
         BOOST_CHECK_EXCEPTION(band.validate(), Error, [](const Error& error) {
             return is_invalid_argument(error) && std::string(error.what()).find("not set") != std::string::npos &&
-                   std::string(error.what()).find("Band::full()") != std::string::npos;
+                   std::string(error.what()).find("use the full band") != std::string::npos;
         });
 }
 

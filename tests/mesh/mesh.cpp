@@ -69,6 +69,20 @@ BOOST_AUTO_TEST_CASE(a_view_reads_the_callers_arrays_whatever_their_type) {
     check_is_the_tetrahedron(MeshView(float_corners, faces));
 }
 
+BOOST_AUTO_TEST_CASE(new_positions_come_from_the_callers_array) {
+    Mesh mesh(corners, faces);
+    const std::vector<float> from_the_last{0, 0, 6, 9, 0, 4, 0, 9, 2, 0, 0, 9, 0, 0, 0, 9};
+    mesh.set_positions({from_the_last.data() + 12, 4, -16});
+    BOOST_CHECK((mesh.vertices() == std::vector<Vec3>{{0, 0, 0}, {2, 0, 0}, {0, 4, 0}, {0, 0, 6}}));
+    BOOST_CHECK((mesh.box().upper == Vec3{2, 4, 6}));
+    check_throws(ErrorCode::invalid_argument, {"4 vertices", "3 positions"}, [&] {
+        mesh.set_positions({from_the_last.data(), 3, 16});
+    });
+    check_throws(ErrorCode::invalid_argument, {"positions", "uint32"}, [&] { mesh.set_positions(InputArray(faces)); });
+    mesh.set_positions(corners);
+    BOOST_CHECK(mesh.vertices() == corners);
+}
+
 // Whichever core finds it first.
 BOOST_AUTO_TEST_CASE(the_first_index_that_is_out_of_range_is_named) {
     const std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -85,7 +99,8 @@ BOOST_AUTO_TEST_CASE(the_first_index_that_is_out_of_range_is_named) {
 
 BOOST_AUTO_TEST_CASE(indices_of_64_bits_are_named_as_they_are) {
     std::vector<std::array<std::int64_t, 3>> wide{{0, 2, 1}, {0, 1, 5'000'000'000}};
-    check_throws(ErrorCode::invalid_mesh, {"mesh: triangle 1", "index 5000000000"},
+    check_throws(ErrorCode::invalid_mesh,
+                 {"mesh: triangle 1", "index 5000000000", "triangles and indices count from 0"},
                  [&] { Mesh{MeshView(corners, wide)}; });
     wide[1][2] = -1;
     check_throws(ErrorCode::invalid_mesh, {"mesh: triangle 1", "index -1"}, [&] { Mesh{MeshView(corners, wide)}; });
@@ -166,13 +181,13 @@ BOOST_AUTO_TEST_CASE(an_array_that_is_cut_off_is_refused) {
 BOOST_AUTO_TEST_CASE(a_mesh_names_what_is_wrong_with_it) {
     check_throws(ErrorCode::invalid_mesh, {"part 7", "no triangle"}, [] { Mesh(corners, {}, "part 7"); });
     check_throws(ErrorCode::invalid_mesh, {"no triangle"}, [] { Mesh({}, {}); });
-    check_throws(ErrorCode::invalid_mesh, {"mesh: triangle 1", "index 4", "4 vertices"}, [] {
+    check_throws(ErrorCode::invalid_mesh, {"mesh: triangle 1", "index 4", "4 vertices", "triangles and indices"}, [] {
         Mesh(corners, {{0, 1, 2}, {0, 1, 4}});
     });
     for (const double bad : {nan, infinity, -infinity}) {
         std::vector<Vec3> vertices = corners;
         vertices[3][1] = bad;
-        check_throws(ErrorCode::invalid_mesh, {"vertex 3", "triangle 1", std::to_string(bad)},
+        check_throws(ErrorCode::invalid_mesh, {"vertex 3", "triangle 1", std::to_string(bad), "count from 0"},
                      [&] { Mesh(vertices, faces); });
     }
 }

@@ -120,7 +120,8 @@ BOOST_AUTO_TEST_CASE(a_half_width_that_makes_no_sense_is_refused) {
                  [&] { compute(mesh, dyadic(), Band::symmetric(1e16)); });
     // A zeroed band is one that was forgotten.
     for (const Band& band : {Band{0, 0}, Band{-0.0, 0}, Band::symmetric(0)})
-        check_throws(ErrorCode::invalid_argument, {"band", "both half widths are 0", "Band::signs_only()"},
+        check_throws(ErrorCode::invalid_argument,
+                     {"band", "both half widths are 0", "a band of three voxels", "signs alone"},
                      [&] { compute(mesh, dyadic(), band); });
     check_throws(ErrorCode::invalid_argument, {"1e-60", "range of floats"},
                  [&] { compute(mesh, dyadic(), Band::symmetric(1e-60)); });

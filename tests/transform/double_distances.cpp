@@ -359,7 +359,7 @@ BOOST_AUTO_TEST_CASE(plans_write_doubles_if_they_were_made_for_doubles) {
             enqueue(plan, nullptr, target(first)).wait();
             BOOST_TEST(example.is_expected(contents_of(first)));
         }
-        check_throws(ErrorCode::unsupported, {"output distance", "floats", "plan(request)"},
+        check_throws(ErrorCode::unsupported, {"output distance", "floats", "make the plan of a request"},
                      [&] { plan.enqueue(nullptr, OutputArray(second.handle())); });
     }
     // Boxes that share a block, in one buffer.
@@ -375,7 +375,7 @@ BOOST_AUTO_TEST_CASE(plans_write_doubles_if_they_were_made_for_doubles) {
     BOOST_TEST(example.is_expected(contents_of(first)));
 
     Plan floats = example.transform.plan(grid, example.band);
-    check_throws(ErrorCode::unsupported, {"output distance", "doubles", "plan(request)"},
+    check_throws(ErrorCode::unsupported, {"output distance", "doubles", "make the plan of a request"},
                  [&] { floats.enqueue(nullptr, doubles_in(first)); });
     Plan with_gradients = example.transform.plan(grid, example.band, Output::gradient);
     const DeviceMemory gradients(test_device().context(), 3 * example.count);

@@ -215,7 +215,7 @@ BOOST_AUTO_TEST_CASE(triangles_of_ten_billion_voxels_are_found) {
 }
 
 BOOST_AUTO_TEST_CASE(a_band_that_was_not_set_gives_no_field) {
-    check_throws(ErrorCode::invalid_argument, {"band", "not set", "Band::full()"},
+    check_throws(ErrorCode::invalid_argument, {"band", "not set", "full band"},
                  [&] { compute(make_shape("cube"), unit_grid(), Band{}); });
 }
 

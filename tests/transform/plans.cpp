@@ -185,7 +185,7 @@ BOOST_AUTO_TEST_CASE(memory_for_triangles_that_were_not_planned_is_refused) {
     DistanceTransform transform(test_device(), mesh());
     Plan plan = transform.plan(grid(), band());
     const Memory memory;
-    check_throws(ErrorCode::invalid_argument, {"triangle has a target", "Output::triangle"},
+    check_throws(ErrorCode::invalid_argument, {"triangle has a target", "make the plan with triangle"},
                  [&] { plan.enqueue(nullptr, memory.outputs()); });
     BOOST_TEST((memory.triangle.read(callers_queue()) == std::vector<std::uint32_t>(grid().sample_count(), untouched)));
 }

@@ -334,7 +334,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_a_grid_moves_and_takes_its_targets_from_run_to_ru
     const Grid grid = grid_around(mesh, 40, 4);
     const Band band = Band::symmetric(3 * grid.voxel());
     Plan plan = transform.plan(grid, band, Output::triangle);
-    check_throws(ErrorCode::invalid_argument, {"has no targets", "give enqueue() targets"},
+    check_throws(ErrorCode::invalid_argument, {"has no targets", "give this run targets"},
                  [&] { plan.enqueue(nullptr); });
     std::vector<Vec3> positions = mesh.vertices();
     for (Vec3& p : positions) p = {p[0], 1.1 * p[1], p[2] + 0.2 * p[0]};
@@ -405,7 +405,7 @@ BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_one_grid_cannot_write_to_are_named) 
     shifted.offset = sizeof(float);
     for (const auto& [target, why] :
          {std::pair(strided, "has strides"), std::pair(shifted, "begins at byte 4"), std::pair(doubles, "doubles")}) {
-        check_throws(ErrorCode::unsupported, {"output distance", why, "plan(request)"},
+        check_throws(ErrorCode::unsupported, {"output distance", why, "of a request with such a target"},
                      [&] { plan.enqueue(nullptr, target); });
     }
     Plan copying = transform.plan({grid, band, shifted});
@@ -603,7 +603,7 @@ BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_boxes_cannot_write_to_are_named) {
     stopped.should_stop = [calls = 0]() mutable { return ++calls > 1; };
     const std::vector<Grid> other(1, grid.block({1, 0, 0}, grid.size));
     check_throws(ErrorCode::cancelled, {}, [&] { plan.update(transform, other, stopped); });
-    check_throws(ErrorCode::invalid_argument, {"last update() failed"}, [&] { plan.enqueue(nullptr); });
+    check_throws(ErrorCode::invalid_argument, {"last update failed"}, [&] { plan.enqueue(nullptr); });
     plan.update(transform);
     run(plan, nullptr);
     BOOST_TEST((memory.read(callers_queue()) == bits_of(transform.compute(grid, band).distance())));

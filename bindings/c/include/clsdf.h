@@ -9,7 +9,8 @@
  * message. Functions that cannot fail return their value. A handle or pointer that is null, a handle of another kind,
  * an enumerator out of range, a negative count and a struct of a wrong size are CLSDF_INVALID_ARGUMENT, unless a
  * comment allows them. A call that fails sets the handle that it would make to null; its other results are undefined.
- * Nothing here ends the process, and no exception leaves.
+ * Nothing here ends the process on purpose, and no exception leaves; but pointers are not checked beyond null. A wrong
+ * address, a handle after its last release, or a void * that is no object of OpenCL is undefined: drivers crash on it.
  *
  * HANDLES are counted references. A function that makes one gives it to the caller, who releases it. Null may be
  * retained and released. An object keeps alive what it needs: a transform its device, for instance. Any number of
@@ -17,9 +18,9 @@
  * use one handle in that call at once; "Threads: one" that no other call may use the handle during that call.
  *
  * STRUCTS. Those that begin with struct_size may grow in later versions: set them with their _INIT macro, then change
- * members. A smaller struct of an older program is accepted, a larger one if the bytes that this version does not know
- * are 0. Null means defaults for options, and "not wanted" for results. The other structs never change. Members called
- * `reserved` must be 0.
+ * members. A smaller struct of an older program is accepted, a larger one (up to 4096 bytes) if the bytes that this
+ * version does not know are 0. Null means defaults for options, and "not wanted" for results. The other structs never
+ * change. Members called `reserved` must be 0.
  *
  * UNITS. Lengths and positions are in the mesh's units unless a comment says otherwise; counts, indices, offsets and
  * strides are int64_t; sizes, offsets and strides are in bytes. Texts are UTF-8 and end with 0.
@@ -28,8 +29,10 @@
  * void *.
  *
  * CALLBACKS get the `user` pointer of their struct. Unless a comment says otherwise they run on the calling thread, and
- * before the call returns. One that returns a number other than 0 ends the call, which returns that number; the message
- * is that of clsdf_set_last_error(), if the callback called it. They must not use the transform or plan of the call.
+ * before the call returns. One that returns a number other than 0 ends the call, which returns that number unchanged: a
+ * status of this header, as of a call that failed in the callback, or a number of the program's own from
+ * CLSDF_OWN_STATUS on. Other numbers may become statuses of later versions. The message is that of the callback's last
+ * failed call, or of its clsdf_set_last_error(). Callbacks must not use the transform or plan of the call.
  */
 
 #include <math.h>
@@ -74,6 +77,7 @@ typedef int32_t clsdf_status;
 #define CLSDF_OUTPUT_FAILURE 9   /* a result could not be written; nothing is left under its final name */
 #define CLSDF_WRONG_RESULTS 10   /* the device computes wrong values in the test at its first use */
 #define CLSDF_UNEXPECTED (-1)    /* a failure that the library does not expect; its message says which */
+#define CLSDF_OWN_STATUS 1000    /* from here on: a program's own numbers, which clsdf never returns by itself */
 
 /* Types of the numbers in an array. */
 #define CLSDF_AUTOMATIC 0 /* of an output: the type that clsdf_output_describe() states */
@@ -90,7 +94,7 @@ typedef int32_t clsdf_status;
 #define CLSDF_DISTANCE 0    /* signed; always computed */
 #define CLSDF_TRIANGLE 1    /* the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it */
 #define CLSDF_SITE 2        /* its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face */
-#define CLSDF_CLOSEST 3     /* the closest point; as float32, its offset from the sample */
+#define CLSDF_CLOSEST 3     /* float64: the closest point. float32: NOT the point but its offset from the sample */
 #define CLSDF_GRADIENT 4    /* of the signed distance: a unit vector */
 #define CLSDF_BARYCENTRIC 5 /* of the closest point: the weights of the triangle's vertices 1 and 2 (from 0) */
 
@@ -98,7 +102,7 @@ typedef int32_t clsdf_status;
 #define CLSDF_SET(output) ((uint32_t)1 << (output))
 
 /* Rules of the sign. */
-#define CLSDF_SIGN_AUTOMATIC 0 /* balanced: nonzero; closed: parity; else none (with a warning for the last two) */
+#define CLSDF_SIGN_AUTOMATIC 0 /* balanced: nonzero; closed: parity; else none (call->log warns of the last two) */
 #define CLSDF_SIGN_NONZERO 1   /* inside if the winding number is not zero; needs a balanced mesh */
 #define CLSDF_SIGN_PARITY 2    /* inside if a ray crosses the surface an odd number of times; needs a closed mesh */
 #define CLSDF_SIGN_NONE 3      /* the distance alone */
@@ -133,8 +137,8 @@ CLSDF_API const char* clsdf_device_kind_name(int32_t kind);
 
 /* ---- Errors ---- */
 
-/* The message of this thread's last call that returned a status: "" after a success. Valid until the thread's next
- * call. The text is the one that C++ gets. */
+/* The message of this thread's last call that returned a status: "" after a success, whatever its callbacks did. Valid
+ * until the thread's next call. The text is the one that C++ gets. */
 CLSDF_API const char* clsdf_last_error(void);
 /* The number that the failed call of OpenCL returned (cl_int); 0 for other errors. */
 CLSDF_API int32_t clsdf_last_opencl_error(void);
@@ -173,13 +177,15 @@ CLSDF_API void clsdf_thread_limit_release(clsdf_thread_limit* limit);
 /* ---- Arrays ---- */
 
 /* Numbers in the caller's memory. An array has items: vertices, triangles, points or samples, each of one number or of
- * several components. It lies on the host or in a buffer of the device. Nothing is copied; the memory must outlive the
- * use. An input is not written, though `host` is not const. */
+ * several components. It lies on the host or in a buffer of the device. The caller may free or reuse it when the call
+ * returns; only a plan writes later, to its targets, until its last run has ended. Strides of an output cost a copy of
+ * its samples inside the call. An input is not written, though `host` is not const. */
 typedef struct clsdf_array {
     void* host;               /* the address of the first item, or null */
     void* device;             /* a cl_mem, or null */
     int64_t offset;           /* bytes before the first item, a multiple of a number's bytes */
-    int64_t count;            /* of items. Of an output it may be 0: not told. If it is, packed outputs are checked. */
+    int64_t count;            /* of items. Of an output 0: not known; any other count must be exactly that of the grid's
+                                 samples, of the points, or of the samples of all blocks, with strides, too */
     int64_t strides[3];       /* bytes from an item to the next along x, y, z; inputs and points: strides[0] alone.
                                  Negative ones run backwards from the first item. Zeros: packed, x fastest */
     int64_t component_stride; /* bytes from a component to the next; 0: side by side. If it is set and `strides` are
@@ -216,7 +222,8 @@ static inline clsdf_array clsdf_buffer_array(int32_t type, void* buffer, int64_t
 }
 
 /* An output and the array that it is written to. The triangle may be uint32 or int32; distance, gradient, barycentric
- * and closest may be float32 or float64; the site is uint8. */
+ * and closest may be float32 or float64; the site is uint8. As float64 they are evaluated in double, so that rounding
+ * them does not give the float32 results to the last bit. CLSDF_CLOSEST is another vector in each type. */
 typedef struct clsdf_target {
     int32_t output; /* CLSDF_DISTANCE ... */
     int32_t reserved;
@@ -444,7 +451,8 @@ CLSDF_API int64_t clsdf_thread_count(void);
 
 /* ---- Meshes ---- */
 
-/* A mesh in the caller's arrays, on the host or in buffers of the device's context. */
+/* A mesh in the caller's arrays, on the host or in buffers of the device's context. Each call that takes one copies
+ * what it keeps. */
 typedef struct clsdf_mesh_arrays {
     size_t struct_size;
     clsdf_array vertices;  /* three float32 or float64 an item */
@@ -501,8 +509,7 @@ typedef struct clsdf_defects {
 #define CLSDF_DEFECTS_INIT \
     { sizeof(clsdf_defects), 0, 0, 0 }
 
-/* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element and the value; its numbers count from 0.
- */
+/* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element, the value and the base of its numbers. */
 CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh);
 /* A mesh made by code: "sphere0" to "sphere9", "torus", "knot", ... */
 CLSDF_API clsdf_status clsdf_mesh_shape(const char* name, clsdf_mesh** mesh);
@@ -651,11 +658,13 @@ typedef struct clsdf_slab_options {
  * With base 1 they cost one more pass over the output, and the output must lie on the host: in a buffer, and so in a
  * plan, it is CLSDF_UNSUPPORTED. */
 
-/* Copies and checks the mesh. Compiles nothing: the first call that needs a program does. */
+/* Copies and checks the mesh. Compiles nothing: the first call that needs a program does. A warning, such as that a
+ * mesh with holes gets distances without a sign, goes to call->log alone: the library prints nothing. */
 CLSDF_API clsdf_status clsdf_transform_create(const clsdf_device* device, const clsdf_mesh* mesh,
                                               const clsdf_transform_options* options, const clsdf_call_options* call,
                                               clsdf_transform** transform);
-/* The same from arrays, which may be buffers of the device's context. */
+/* The same from arrays, which may be buffers of the device's context. The transform has its own copy: the arrays may go
+ * when the call returns. */
 CLSDF_API clsdf_status clsdf_transform_from_arrays(const clsdf_device* device, const clsdf_mesh_arrays* arrays,
                                                    const clsdf_transform_options* options,
                                                    const clsdf_call_options* call, clsdf_transform** transform);
@@ -667,7 +676,10 @@ CLSDF_API clsdf_status clsdf_transform_restrict(const clsdf_transform* transform
 /* New positions of all vertices, on the host or in a buffer. After an error the positions are those of before. */
 CLSDF_API clsdf_status clsdf_transform_set_positions(clsdf_transform* transform, const clsdf_array* positions,
                                                      const clsdf_call_options* call);
-/* Puts the vertices at R x + t; x are the positions that the transform was made with. rotation[9] has the rows of R. */
+/* Puts the vertices at R x + t; x are the positions that the transform was made with. rotation[9] has the rows of R.
+ * Each element of R R^T may differ from the identity's by 1e-12, and det R > 0, else CLSDF_INVALID_ARGUMENT: a rotation
+ * in floats, or a product of thousands of rotations, is farther off. Make R from an angle or a quaternion in double
+ * precision, or make the rows of a product orthonormal again. */
 CLSDF_API clsdf_status clsdf_transform_set_motion(clsdf_transform* transform, const double* rotation,
                                                   const double* translation);
 
@@ -696,8 +708,11 @@ CLSDF_API clsdf_status clsdf_compute_field(const clsdf_transform* transform, con
  * is 0. */
 CLSDF_API clsdf_status clsdf_slabs_of(const clsdf_grid* grid, clsdf_grid* slabs, int64_t size, int64_t* count);
 
-/* The distance at points, and all else that has an array of points->count items. Beyond half_width, which may be
- * infinite, the distance is half_width with the point's sign. At most 96 points are answered by the calling thread. */
+/* The distance at points, and all else that has an array of points->count items. Beyond half_width, which may be 0 or
+ * infinite, the distance is half_width with the point's sign. At most 96 points are answered by the calling thread.
+ * A point that is not finite, or more than 1e14 voxels (1/256 of the mesh's longest side) from the mesh's box, fails
+ * the whole call; the message has its index from 0, and no output is written. Targets may lie on the points: they are
+ * read first. */
 CLSDF_API clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* points, double half_width,
                                    const clsdf_target* targets, int64_t target_count, const clsdf_call_options* call,
                                    clsdf_statistics* statistics);
@@ -723,7 +738,8 @@ CLSDF_API clsdf_status clsdf_transform_compile(const clsdf_transform* transform,
 
 /* A plan has what it needs and may outlive the transform. Threads: one, in every call with a plan. */
 
-/* A plan of one grid, without targets: clsdf_plan_enqueue_to() gives them, packed and aligned. */
+/* A plan of one grid, without targets: clsdf_plan_enqueue_to() gives them, packed and aligned. With index base 1 the
+ * triangle is CLSDF_UNSUPPORTED. */
 CLSDF_API clsdf_status clsdf_plan_create(const clsdf_transform* transform, const clsdf_grid* grid,
                                          const clsdf_band* band, uint32_t outputs, const clsdf_call_options* call,
                                          clsdf_plan** plan);
@@ -739,13 +755,14 @@ CLSDF_API clsdf_status clsdf_plan_bytes_blocks(const clsdf_transform* transform,
                                                const clsdf_call_options* call, int64_t* bytes);
 
 /* Enqueues all requests on a cl_command_queue (null: the device's own) after the events. Never blocks. *done, if not
- * null, gets the cl_event of the end, which the caller releases. */
+ * null, gets the cl_event of the end, which the caller releases; null after an error. */
 CLSDF_API clsdf_status clsdf_plan_enqueue(clsdf_plan* plan, void* queue, void* const* wait_list, int64_t wait_count,
                                           void** done);
 /* One run into other targets: targets[count], one for each request. */
 CLSDF_API clsdf_status clsdf_plan_enqueue_to(clsdf_plan* plan, void* queue, const clsdf_targets* targets, int64_t count,
                                              void* const* wait_list, int64_t wait_count, void** done);
-/* Prepares the next runs for the present positions of the transform, which made the plan or has its device. Blocks.
+/* Prepares the next runs for the present positions of the transform, which made the plan or has its device, and has its
+ * index base. Blocks.
  * After an error the plan must be updated again, but for requests or grids that are refused. */
 CLSDF_API clsdf_status clsdf_plan_update(clsdf_plan* plan, const clsdf_transform* transform,
                                          const clsdf_call_options* call);

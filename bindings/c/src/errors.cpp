@@ -1,5 +1,7 @@
 #include "errors.hpp"
 
+#include "same_version.hpp"
+
 namespace clsdf::c {
 
 namespace {
@@ -27,6 +29,8 @@ void record(const char* message, int opencl_code) noexcept {
 }
 
 }  // namespace clsdf::c
+
+void clsdf_c_same_version() {}
 
 const char* clsdf_last_error() {
     return clsdf::c::last.message;

@@ -19,6 +19,7 @@ void record(const char* message, int opencl_code) noexcept;
 struct CallbackEnded {
     clsdf_status status;
     std::string message;
+    int opencl_code;
 };
 
 inline Error misuse(const std::string& message) {
@@ -31,9 +32,10 @@ clsdf_status guarded(const Body& body) noexcept {
     try {
         record("", 0);
         body();
+        record("", 0);  // a callback may have left a message
         return CLSDF_OK;
     } catch (const CallbackEnded& end) {
-        record(end.message.c_str(), 0);
+        record(end.message.c_str(), end.opencl_code);
         return end.status;
     } catch (const Error& error) {
         record(error.what(), error.opencl_code());

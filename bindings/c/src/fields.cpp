@@ -65,7 +65,7 @@ clsdf_status clsdf_points_write(const double* positions, std::int64_t count, con
                                 std::int64_t result_count, const char* path, std::uint32_t outputs) {
     return guarded([&] {
         c::elements(positions, count, "positions");
-        static_assert(sizeof(Vec3) == 3 * sizeof(double));
+        static_assert(c::is_triple<Vec3, double>);
         write_points({reinterpret_cast<const Vec3*>(positions), static_cast<std::size_t>(count)},
                      c::slab_of(results, result_count, count), c::text_of(path, "path"), c::outputs_of(outputs));
     });

@@ -22,8 +22,6 @@ const char* name_of(Kind kind) noexcept {
             return "thread limit";
         case Kind::field_writer:
             return "field writer";
-        case Kind::none:
-            break;
     }
     return "kind that is not known";
 }

@@ -20,7 +20,6 @@ namespace clsdf::c {
 
 /// The kind is the first word of every object, so that a handle of another kind is told.
 enum class Kind : std::uint64_t {
-    none = 0,
     devices = 0x636c736466000001,
     device,
     mesh,
@@ -43,7 +42,6 @@ struct Object {
     Object(Kind kind_in, void (*destroy_in)(Object*)) : kind(kind_in), destroy(destroy_in) {}
     Object(const Object&) = delete;
     Object& operator=(const Object&) = delete;
-    ~Object() { kind = Kind::none; }
 };
 
 template <typename Handle>
@@ -67,7 +65,7 @@ Handle& of(Handle* handle) {
         throw misuse(std::string("the ") + name_of(expected) + " is null; give a handle that a call of clsdf made");
     if (handle->kind != expected)
         throw misuse(std::string("the handle given as a ") + name_of(expected) + " is one of a " +
-                     name_of(handle->kind) + "; give a handle of the right kind that was not released");
+                     name_of(handle->kind) + "; give a handle of the right kind");
     return *handle;
 }
 

@@ -10,13 +10,14 @@
 namespace clsdf::c {
 
 /// Throws Error(unsupported) if a base of 1 is asked for in memory of the device.
+void check_base(std::int32_t base, OutputSet on_device);
 void check_base(std::int32_t base, const OutputTargets& targets);
 
 /// After a call, makes the triangles that it wrote on the host count from `base`: of a grid, of points, of blocks.
 void set_base(std::int32_t base, const OutputTargets& targets, const Index3& size);
 void set_base(std::int32_t base, const OutputTargets& targets, std::size_t points);
 void set_base(std::int32_t base, const BlockSet& blocks);
-/// Of packed triangles: adds to each.
-void shift_triangles(std::span<std::uint32_t> triangles, std::uint32_t added);
+/// The same of packed triangles.
+void set_base(std::int32_t base, std::span<std::uint32_t> triangles);
 
 }  // namespace clsdf::c

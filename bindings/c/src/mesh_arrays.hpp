@@ -29,7 +29,4 @@ private:
     std::string name_;
 };
 
-/// Positions of the host, which a MeshView has accepted. Throws Error(unsupported) for memory of the device.
-std::vector<Vec3> positions_of(const InputArray& positions);
-
 }  // namespace clsdf::c

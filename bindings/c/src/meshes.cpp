@@ -5,9 +5,6 @@
 
 #include <clsdf/mesh_files.hpp>
 
-#include <array>
-#include <memory>
-
 using namespace clsdf;
 using c::given;
 using c::guarded;
@@ -69,13 +66,7 @@ const char* clsdf_shape_description(std::int64_t index) {
 }
 
 clsdf_status clsdf_mesh_set_positions(clsdf_mesh* mesh, const clsdf_array* positions) {
-    return guarded([&] {
-        // Read as the vertices of a mesh of one triangle are.
-        const InputArray vertices = c::input_of(positions, "positions");
-        constexpr std::array<Triangle, 1> any{};
-        const MeshView view(vertices, any);
-        of(mesh).mesh.set_positions(c::positions_of(view.vertices()));
-    });
+    return guarded([&] { of(mesh).mesh.set_positions(c::input_of(positions, "positions")); });
 }
 
 clsdf_status clsdf_mesh_set_index_base(clsdf_mesh* mesh, std::int32_t index_base) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 using namespace clsdf;
@@ -28,6 +30,16 @@ BlockSet blocks_of(const clsdf_transform& transform, const clsdf_block_set* bloc
     return result;
 }
 
+/// A plan and the transform that updates it. Throws Error(invalid_argument) if they have different index bases.
+std::pair<Plan&, const DistanceTransform&> of_one_base(clsdf_plan* plan, const clsdf_transform* transform) {
+    clsdf_plan& self = of(plan);
+    const clsdf_transform& from = of(transform);
+    if (self.index_base != from.index_base)
+        throw c::misuse("the plan has index base " + std::to_string(self.index_base) + ", and the transform has " +
+                        std::to_string(from.index_base) + "; update the plan with a transform of its index base");
+    return {self.plan, from.transform};
+}
+
 /// Enqueues with a list of events, and an event of the end if `done` is not null.
 template <typename Enqueue>
 void enqueue(void* const* wait_list, std::int64_t wait_count, void** done, const Enqueue& enqueue_after) {
@@ -37,6 +49,14 @@ void enqueue(void* const* wait_list, std::int64_t wait_count, void** done, const
     if (done != nullptr) *done = end;
 }
 
+/// As guarded(): *done is null after a failure. Until then the wait list may have it.
+template <typename Body>
+clsdf_status enqueued(void** done, const Body& body) {
+    const clsdf_status status = guarded(body);
+    if (status != CLSDF_OK && done != nullptr) *done = nullptr;
+    return status;
+}
+
 }  // namespace
 
 clsdf_status clsdf_plan_create(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,
@@ -44,8 +64,9 @@ clsdf_status clsdf_plan_create(const clsdf_transform* transform, const clsdf_gri
     return made(plan, "plan", [&] {
         const clsdf_transform& self = of(transform);
         const Call caller(call);
-        return new clsdf_plan(self.transform.plan(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs), caller),
-                              self.index_base);
+        const OutputSet wanted = c::outputs_of(outputs);
+        c::check_base(self.index_base, wanted);
+        return new clsdf_plan(self.transform.plan(c::grid_of(grid), c::band_of(band), wanted, caller), self.index_base);
     });
 }
 
@@ -88,7 +109,7 @@ clsdf_status clsdf_plan_bytes_blocks(const clsdf_transform* transform, const cls
 
 clsdf_status clsdf_plan_enqueue(clsdf_plan* plan, void* queue, void* const* wait_list, std::int64_t wait_count,
                                 void** done) {
-    return guarded([&] {
+    return enqueued(done, [&] {
         Plan& self = of(plan).plan;
         enqueue(wait_list, wait_count, done, [&](std::span<const cl_event> events, cl_event* end) {
             self.enqueue(static_cast<cl_command_queue>(queue), events, end);
@@ -98,14 +119,18 @@ clsdf_status clsdf_plan_enqueue(clsdf_plan* plan, void* queue, void* const* wait
 
 clsdf_status clsdf_plan_enqueue_to(clsdf_plan* plan, void* queue, const clsdf_targets* targets, std::int64_t count,
                                    void* const* wait_list, std::int64_t wait_count, void** done) {
-    return guarded([&] {
+    return enqueued(done, [&] {
         clsdf_plan& self = of(plan);
         c::elements(targets, count, "targets");
-        std::vector<OutputTargets> all;
-        for (std::int64_t i = 0; i < count; ++i) {
-            all.push_back(c::targets_of(targets[i].items, targets[i].count));
-            c::check_base(self.index_base, all.back());
-        }
+        const std::span<const Request> requests = self.plan.requests();
+        std::vector<OutputTargets> all(static_cast<std::size_t>(count));
+        // The library refuses another number of them.
+        for (std::size_t i = 0; i < all.size() && all.size() == requests.size(); ++i)
+            all[i] = c::for_request(i, all.size(), [&] {
+                OutputTargets to = c::targets_of(targets[i], requests[i].grid);
+                c::check_base(self.index_base, to);
+                return to;
+            });
         enqueue(wait_list, wait_count, done, [&](std::span<const cl_event> events, cl_event* end) {
             self.plan.enqueue(static_cast<cl_command_queue>(queue), all, events, end);
         });
@@ -115,7 +140,8 @@ clsdf_status clsdf_plan_enqueue_to(clsdf_plan* plan, void* queue, const clsdf_ta
 clsdf_status clsdf_plan_update(clsdf_plan* plan, const clsdf_transform* transform, const clsdf_call_options* call) {
     return guarded([&] {
         const Call caller(call);
-        of(plan).plan.update(of(transform).transform, caller);
+        const auto& [self, from] = of_one_base(plan, transform);
+        self.update(from, caller);
     });
 }
 
@@ -127,7 +153,8 @@ clsdf_status clsdf_plan_update_grids(clsdf_plan* plan, const clsdf_transform* tr
         std::vector<Grid> all;
         std::transform(grids, grids + count, std::back_inserter(all),
                        [](const clsdf_grid& grid) { return c::grid_of(&grid); });
-        of(plan).plan.update(of(transform).transform, all, caller);
+        const auto& [self, from] = of_one_base(plan, transform);
+        self.update(from, all, caller);
     });
 }
 
@@ -136,9 +163,8 @@ clsdf_status clsdf_plan_update_requests(clsdf_plan* plan, const clsdf_transform*
                                         const clsdf_call_options* call) {
     return guarded([&] {
         const Call caller(call);
-        Plan& self = of(plan).plan;
-        const clsdf_transform& from = of(transform);
-        self.update(from.transform, requests_of(from, requests, count), caller);
+        const auto& [self, from] = of_one_base(plan, transform);
+        self.update(from, requests_of(*transform, requests, count), caller);
     });
 }
 
@@ -146,9 +172,8 @@ clsdf_status clsdf_plan_update_blocks(clsdf_plan* plan, const clsdf_transform* t
                                       const clsdf_call_options* call) {
     return guarded([&] {
         const Call caller(call);
-        Plan& self = of(plan).plan;
-        const clsdf_transform& from = of(transform);
-        self.update(from.transform, blocks_of(from, blocks), caller);
+        const auto& [self, from] = of_one_base(plan, transform);
+        self.update(from, blocks_of(*transform, blocks), caller);
     });
 }
 

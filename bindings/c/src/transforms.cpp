@@ -29,14 +29,13 @@ void set(const TransformStatistics& from, clsdf_statistics* to) {
     if (to != nullptr) c::write_struct(c::as_c(from), to, "clsdf_statistics");
 }
 
-/// Hands slabs on with triangles that count from the mesh's index base.
+/// Hands slabs on with triangles that count from the mesh's index base, in one buffer for all slabs.
 SlabSink sink_of(clsdf_slab_function sink, void* user, std::int32_t index_base) {
-    return [=](const Grid& part, const FieldSlab& values) {
+    return [=, triangles = std::vector<std::uint32_t>()](const Grid& part, const FieldSlab& values) mutable {
         FieldSlab given_values = values;
-        std::vector<std::uint32_t> triangles;
         if (index_base != 0 && !values.triangle().empty()) {
             triangles.assign(values.triangle().begin(), values.triangle().end());
-            c::shift_triangles(triangles, 1);
+            c::set_base(index_base, triangles);
             given_values.set(Output::triangle, triangles);
         }
         const clsdf_grid grid = c::as_c(part);
@@ -106,7 +105,7 @@ clsdf_status clsdf_compute(const clsdf_transform* transform, const clsdf_grid* g
         c::check_result(statistics, "clsdf_statistics");
         const Call caller(call);
         const Grid of_field = c::grid_of(grid);
-        const OutputTargets to = c::targets_of(targets, target_count);
+        const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, of_field);
         c::check_base(self.index_base, to);
         set(self.transform.compute(of_field, c::band_of(band), to, caller), statistics);
         c::set_base(self.index_base, to, of_field.size);
@@ -169,7 +168,7 @@ clsdf_status clsdf_compute_field(const clsdf_transform* transform, const clsdf_g
         auto result = std::make_unique<clsdf_field>(
             self.transform.compute(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs), caller, &measured),
             self.index_base);
-        if (self.index_base != 0) c::shift_triangles(result->field.triangle(), 1);
+        c::set_base(self.index_base, result->field.triangle());
         set(measured, statistics);
         return result.release();
     });
@@ -195,7 +194,7 @@ clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* po
         c::check_result(statistics, "clsdf_statistics");
         const Call caller(call);
         const InputArray from = c::input_of(points, "points");
-        const OutputTargets to = c::targets_of(targets, target_count);
+        const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, from.count);
         c::check_base(self.index_base, to);
         set(self.transform.query(from, half_width, to, caller), statistics);
         c::set_base(self.index_base, to, from.count);
@@ -207,7 +206,9 @@ clsdf_status clsdf_classify(const clsdf_transform* transform, const clsdf_box* b
     return guarded([&] {
         c::elements(boxes, count, "boxes");
         c::elements(places, count, "places");
-        static_assert(sizeof(Box) == sizeof(clsdf_box) && sizeof(BoxPlace) == 1);
+        static_assert(std::is_standard_layout_v<Box> && sizeof(Box) == sizeof(clsdf_box) &&
+                      offsetof(Box, lower) == offsetof(clsdf_box, lower) &&
+                      offsetof(Box, upper) == offsetof(clsdf_box, upper) && sizeof(BoxPlace) == 1);
         const auto size = static_cast<std::size_t>(count);
         of(transform).transform.classify({reinterpret_cast<const Box*>(boxes), size}, half_width,
                                          {reinterpret_cast<BoxPlace*>(places), size});

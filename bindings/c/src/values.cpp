@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <string>
 
 namespace clsdf::c {
 
@@ -36,18 +38,39 @@ bool is_packed(const clsdf_array& array) {
            std::all_of(array.strides, array.strides + 3, [](std::int64_t stride) { return stride == 0; });
 }
 
-OutputArray output_array_of(const OutputInfo& info, const clsdf_array& array) {
+OutputArray output_array_of(const clsdf_array& array) {
     OutputArray result;
     set_layout(array, "clsdf_array", result);
     result.host = array.host;
     result.device = static_cast<cl_mem>(array.device);
     result.block_stride = array.block_stride;
-    const std::size_t count = count_of(array.count, "clsdf_array.count");
-    if (count > 0 && array.bytes == 0 && array.host != nullptr && is_packed(array)) {
-        const ElementType type = result.type == ElementType::automatic ? info.type : result.type;
-        result.bytes = count * info.components * bytes_of(type);
-    }
+    count_of(array.count, "clsdf_array.count");
     return result;
+}
+
+/// Samples of so many boxes; nothing if they cannot be counted, which the library refuses.
+std::optional<std::int64_t> samples_of(const Index3& size, std::int64_t boxes) {
+    std::int64_t samples = boxes;
+    for (const std::int64_t length : size)
+        if (length < 1 || __builtin_mul_overflow(samples, length, &samples)) return std::nullopt;
+    return samples;
+}
+
+/// owner(items): what has the items, as "the grid has 8 samples".
+template <typename Owner>
+void check_count(const clsdf_target& target, std::int64_t items, const Owner& owner) {
+    const clsdf_array& array = target.array;
+    if (items == 0 || array.count == 0 || array.count == items || (array.host == nullptr && array.device == nullptr))
+        return;
+    const OutputInfo& info = info_of(static_cast<Output>(target.output));
+    throw misuse(owner(std::to_string(items)) + ", and the array of the output " + info.name + " has " +
+                 std::to_string(array.count) + "; give it exactly " + std::to_string(items) +
+                 " items, or the count 0 if it is not known");
+}
+
+template <typename Owner>
+void check_counts(const clsdf_targets& targets, std::optional<std::int64_t> items, const Owner& owner) {
+    for (std::int64_t i = 0; items && i < targets.count; ++i) check_count(targets.items[i], *items, owner);
 }
 
 }  // namespace
@@ -111,17 +134,35 @@ InputArray input_of(const clsdf_array* array, const char* name) {
     return result;
 }
 
+namespace {
+
 OutputTargets targets_of(const clsdf_target* targets, std::int64_t count) {
     elements(targets, count, "targets");
     OutputTargets result;
     for (std::int64_t i = 0; i < count; ++i) {
         check_reserved(targets[i].reserved, "clsdf_target");
         const OutputInfo& info = info_of(static_cast<Output>(targets[i].output));
-        OutputArray array = output_array_of(info, targets[i].array);
+        const OutputArray array = output_array_of(targets[i].array);
         if (result.find(info.output) != nullptr)
             throw misuse(std::string("the output ") + info.name + " has two targets; give it one");
         result[info.output] = array;
     }
+    return result;
+}
+
+}  // namespace
+
+OutputTargets targets_of(const clsdf_targets& targets, const Grid& grid) {
+    OutputTargets result = targets_of(targets.items, targets.count);
+    check_counts(targets, samples_of(grid.size, 1),
+                 [](const std::string& samples) { return "the grid has " + samples + " samples"; });
+    return result;
+}
+
+OutputTargets targets_of(const clsdf_targets& targets, std::size_t points) {
+    OutputTargets result = targets_of(targets.items, targets.count);
+    check_counts(targets, static_cast<std::int64_t>(points),
+                 [](const std::string& count) { return "there are " + count + " points"; });
     return result;
 }
 
@@ -169,12 +210,13 @@ FieldSlab slab_of(const clsdf_target* values, std::int64_t count, std::int64_t s
     for (std::int64_t i = 0; i < count; ++i) {
         check_reserved(values[i].reserved, "clsdf_target");
         const OutputInfo& info = info_of(static_cast<Output>(values[i].output));
-        const OutputArray array = output_array_of(info, values[i].array);
+        const OutputArray array = output_array_of(values[i].array);
         if (array.host == nullptr && array.device == nullptr) continue;
         const std::size_t bytes = items * info.sample_bytes();
         if (array.type != ElementType::automatic && array.type != info.type)
             throw misuse(std::string("the values of the output ") + info.name + " are " + name_of(array.type) +
                          ", and files have " + name_of(info.type) + "; give an array of that type");
+        check_count(values[i], samples, [](const std::string& all) { return "there are " + all + " samples"; });
         if (array.device != nullptr || !is_packed(values[i].array) ||
             (array.bytes != ArrayLayout::unknown_size && array.bytes != bytes))
             throw misuse(std::string("the values of the output ") + info.name + " are not " + std::to_string(items) +
@@ -238,7 +280,7 @@ void check_callback(std::int32_t status, const char* name) {
     if (message.empty())
         message = std::string("the callback ") + name + " ended the call with status " + std::to_string(status) + " (" +
                   clsdf_status_name(status) + "); clsdf_set_last_error() in the callback can say why";
-    throw CallbackEnded{status, message};
+    throw CallbackEnded{status, message, clsdf_last_opencl_error()};
 }
 
 namespace {
@@ -291,26 +333,28 @@ std::vector<Request> requests_of(const clsdf_request* requests, std::int64_t cou
     elements(requests, count, "requests");
     std::vector<Request> result;
     result.reserve(static_cast<std::size_t>(count));
-    for (std::int64_t i = 0; i < count; ++i) try {
-            const clsdf_request& request = requests[i];
-            result.push_back({grid_of(&request.grid), band_of(&request.band),
-                              targets_of(request.targets.items, request.targets.count)});
-        } catch (const Error& error) {
-            throw Error(error.code(), "request " + std::to_string(i) + ": " + error.what());
-        }
+    const auto size = static_cast<std::size_t>(count);
+    for (std::size_t i = 0; i < size; ++i)
+        result.push_back(for_request(i, size, [&]() -> Request {
+            const Grid grid = grid_of(&requests[i].grid);
+            return {grid, band_of(&requests[i].band), targets_of(requests[i].targets, grid)};
+        }));
     return result;
 }
 
 BlockSet block_set_of(const clsdf_block_set* blocks) {
     const clsdf_block_set from = read_given(blocks, CLSDF_BLOCK_SET_INIT, "clsdf_block_set");
     elements(from.first, from.block_count, "clsdf_block_set.first");
-    static_assert(sizeof(Index3) == 3 * sizeof(std::int64_t));
+    static_assert(is_triple<Index3, std::int64_t>);
     BlockSet result;
     result.lattice = grid_of(&from.lattice);
     result.band = band_of(&from.band);
     result.size = triple(from.size);
     result.first = {reinterpret_cast<const Index3*>(from.first), static_cast<std::size_t>(from.block_count)};
     result.targets = targets_of(from.targets.items, from.targets.count);
+    check_counts(from.targets, samples_of(result.size, from.block_count), [&](const std::string& samples) {
+        return std::to_string(from.block_count) + " blocks have " + samples + " samples";
+    });
     return result;
 }
 

@@ -11,11 +11,18 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 /// From the structs of C to those of C++, and back.
 namespace clsdf::c {
+
+/// Three numbers side by side from the first byte on, so that an array of C's numbers is one of these.
+template <typename Triple, typename Number>
+inline constexpr bool is_triple =
+    std::is_standard_layout_v<Triple> && sizeof(Triple) == 3 * sizeof(Number) &&
+    alignof(Triple) == alignof(Number) && std::is_same_v<typename Triple::value_type, Number>;
 
 Box box_of(const clsdf_box* box);
 clsdf_box as_c(const Box& box);
@@ -26,7 +33,10 @@ clsdf_grid as_c(const Grid& grid);
 Length length_of(const clsdf_length* length, const char* name);
 
 InputArray input_of(const clsdf_array* array, const char* name);
-OutputTargets targets_of(const clsdf_target* targets, std::int64_t count);
+/// The targets of a grid or of points. Throws Error(invalid_argument) if one has another count of items, unless it is
+/// 0.
+OutputTargets targets_of(const clsdf_targets& targets, const Grid& grid);
+OutputTargets targets_of(const clsdf_targets& targets, std::size_t points);
 clsdf_target as_c(const OutputTarget& target);
 /// 0: the distance. Throws Error(invalid_argument) for a bit that is no output's.
 OutputSet outputs_of(std::uint32_t bits);
@@ -57,6 +67,18 @@ std::vector<cl_event> events_of(void* const* wait_list, std::int64_t count);
 void check_callback(std::int32_t status, const char* name);
 
 std::int32_t checked_index_base(std::int32_t base);
+
+/// What `of_request` returns for request i. Its number stands in the message of an Error, as in the library's.
+template <typename Function>
+auto for_request(std::size_t i, std::size_t count, const Function& of_request) {
+    try {
+        return of_request();
+    } catch (const Error& error) {
+        if (count == 1) throw;
+        throw Error(error.code(), "request " + std::to_string(i) + " of " + std::to_string(count) + ": " + error.what(),
+                    error.opencl_code());
+    }
+}
 
 /// Requests with the targets of each.
 std::vector<Request> requests_of(const clsdf_request* requests, std::int64_t count);

@@ -130,6 +130,12 @@ static void check_meshes(void) {
     uint64_t hash, other_hash;
     double moved[4][3];
     clsdf_array array;
+    float moved_vertices[4][4], found;
+    int64_t moved_faces[3][4];
+    const double point[3] = {0, 0, 3};
+    const clsdf_array at = clsdf_host_array(CLSDF_FLOAT64, point, 1);
+    const clsdf_target target = float_target(&found, 1);
+    clsdf_transform* of_arrays;
 
     arrays.vertices = clsdf_host_array(CLSDF_FLOAT32, vertices, 4);
     arrays.vertices.strides[0] = sizeof vertices[0];
@@ -138,6 +144,21 @@ static void check_meshes(void) {
     arrays.triangles.component_stride = sizeof faces[0]; /* structure of arrays */
     arrays.index_base = 1;
     arrays.name = "tetrahedron";
+    /* The arrays may go when the call returns. */
+    memcpy(moved_faces, faces, sizeof faces);
+    memcpy(moved_vertices, vertices, sizeof vertices);
+    arrays.vertices.host = moved_vertices;
+    arrays.triangles.host = moved_faces;
+    OK(clsdf_transform_from_arrays(device, &arrays, NULL, NULL, &of_arrays));
+    memset(moved_vertices, 0xFF, sizeof moved_vertices);
+    memset(moved_faces, 0xFF, sizeof moved_faces);
+    OK(clsdf_transform_box(of_arrays, &box));
+    CHECK(box.upper[0] == 1 && box.upper[2] == 1);
+    OK(clsdf_query(of_arrays, &at, HUGE_VAL, &target, 1, NULL, NULL));
+    CHECK(found > 1.99 && found < 2.01);
+    clsdf_transform_release(of_arrays);
+    memcpy(moved_faces, faces, sizeof faces);
+    memcpy(moved_vertices, vertices, sizeof vertices);
     OK(clsdf_mesh_create(&arrays, &own));
     OK(clsdf_mesh_triangles(own, &indices, &count));
     CHECK(count == 4 && indices[0] == 0 && indices[1] == 2 && indices[2] == 1 && indices[9] == 1 && indices[11] == 3);
@@ -279,9 +300,9 @@ static void check_many(void) {
           memcmp(of_request[1], distance, sizeof distance) == 0);
     CHECK(statistics.field_seconds > 0 && statistics.slabs > 0);
     requests[1].band.outside = -1;
-    FAILS(CLSDF_INVALID_ARGUMENT, "request 1", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "request 1 of 2: ", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
     targets[1].reserved = 1;
-    FAILS(CLSDF_INVALID_ARGUMENT, "request 1", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "request 1 of 2: ", clsdf_compute_requests(transform, requests, 2, NULL, NULL));
 
     for (n = 0; n < BLOCKS; ++n) {
         first[n][0] = grid.first[0] + B * (n % 3);
@@ -303,7 +324,8 @@ static void check_many(void) {
               distance[clsdf_grid_offset(&grid, block[0] + at % B, block[1] + at / B % B, block[2] + at / (B * B))]);
     }
     targets[0].array.count = 5;
-    FAILS(CLSDF_INVALID_ARGUMENT, "27 blocks", clsdf_compute_blocks(transform, &blocks, NULL, NULL));
+    targets[0].array.block_stride = sizeof of_blocks[0];
+    FAILS(CLSDF_INVALID_ARGUMENT, "27 blocks have 1728 samples", clsdf_compute_blocks(transform, &blocks, NULL, NULL));
 
     outputs = CLSDF_SET(CLSDF_DISTANCE) | CLSDF_SET(CLSDF_TRIANGLE);
     OK(clsdf_compute_slabs(transform, &grid, &band, outputs, take_slab, &slices, NULL, NULL, NULL));
@@ -334,21 +356,40 @@ static void check_many(void) {
 
 static void check_points(void) {
     double points[4][3] = {{0, 0, 0}, {9, 9, 9}, {0, 0, 0.01}, {0, 0, 0}};
-    double found[4];
+    double found[4], closest[4][3], in_place[4][3];
     uint8_t site[4], place[2];
     clsdf_array array = clsdf_host_array(CLSDF_FLOAT64, points, 4);
     clsdf_target targets[2];
     clsdf_box boxes[2];
     clsdf_kept_memory memory = CLSDF_KEPT_MEMORY_INIT;
+    int n;
     targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT64, found, 4);
     targets[1] = clsdf_host_target(CLSDF_SITE, CLSDF_UINT8, site, 4);
     OK(clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
     CHECK(found[0] == found[3] && found[1] == 2 && site[1] == 255 && site[0] != 255 && found[0] > 0);
+    /* A half width of 0: the sign alone. Targets on the points have the same bytes. */
+    OK(clsdf_query(transform, &array, 0, targets, 1, NULL, NULL));
+    CHECK(found[0] == 0 && found[1] == 0);
+    targets[1] = clsdf_host_target(CLSDF_CLOSEST, CLSDF_FLOAT64, closest, 4);
+    OK(clsdf_query(transform, &array, HUGE_VAL, targets, 2, NULL, NULL));
+    memcpy(in_place, points, sizeof points);
+    array.host = in_place;
+    targets[1].array.host = in_place;
+    OK(clsdf_query(transform, &array, HUGE_VAL, targets, 2, NULL, NULL));
+    CHECK(memcmp(in_place, closest, sizeof closest) == 0 && closest[1][0] != 9);
+    array.host = points;
+    targets[1] = clsdf_host_target(CLSDF_SITE, CLSDF_UINT8, site, 4);
+    /* No points: nothing is written. */
+    array.count = 0;
+    OK(clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    array.count = 4;
     targets[0].array.count = 3;
-    FAILS(CLSDF_INVALID_ARGUMENT, "4 are needed", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "exactly 4 items", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
     points[1][2] = HUGE_VAL;
     targets[0].array.count = 4;
-    FAILS(CLSDF_INVALID_ARGUMENT, "point", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    for (n = 0; n < 4; ++n) found[n] = 77;
+    FAILS(CLSDF_INVALID_ARGUMENT, "point 1", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    for (n = 0; n < 4; ++n) CHECK(found[n] == 77);
     OK(clsdf_transform_box(transform, &boxes[0]));
     memset(&boxes[1], 0, sizeof boxes[1]); /* the hole of the torus */
     OK(clsdf_classify(transform, boxes, 2, 1e-3, place));
@@ -360,6 +401,8 @@ static void check_points(void) {
 static void check_motion(void) {
     const double rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, turn[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, up[3] = {0, 0, 0.5},
                  no_rotation[9] = {2, 0, 0, 0, 1, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
+    const double turned[9] = {cos(0.3), -sin(0.3), 0, sin(0.3), cos(0.3), 0, 0, 0, 1};
+    double in_floats[9];
     static float values[SAMPLES];
     const clsdf_target target = float_target(values, SAMPLES);
     clsdf_transform *other, *part;
@@ -369,7 +412,7 @@ static void check_motion(void) {
     clsdf_box box;
     clsdf_array array;
     const double* positions;
-    int64_t count;
+    int64_t count, n;
     int32_t rule, base;
     OK(clsdf_transform_create(device, mesh, NULL, NULL, &other));
     OK(clsdf_transform_set_motion(other, turn, up));
@@ -377,6 +420,10 @@ static void check_motion(void) {
     OK(clsdf_compute(other, &grid, &band, &target, 1, NULL, NULL));
     CHECK(memcmp(values, distance, sizeof values) != 0);
     FAILS(CLSDF_INVALID_ARGUMENT, "rotation", clsdf_transform_set_motion(other, no_rotation, up));
+    for (n = 0; n < 9; ++n) in_floats[n] = (float)turned[n];
+    FAILS(CLSDF_INVALID_ARGUMENT, "to 1e-12", clsdf_transform_set_motion(other, in_floats, up));
+    FAILS(CLSDF_INVALID_ARGUMENT, "quaternion", clsdf_transform_set_motion(other, in_floats, up));
+    OK(clsdf_transform_set_motion(other, turned, up));
     OK(clsdf_transform_set_motion(other, rest, nowhere));
     OK(clsdf_compute(other, &grid, &band, &target, 1, NULL, NULL));
     CHECK(memcmp(values, distance, sizeof values) == 0);
@@ -404,6 +451,15 @@ static void check_motion(void) {
     OK(clsdf_transform_compile(part, &grid, &band, CLSDF_SET(CLSDF_CLOSEST), NULL, NULL));
     clsdf_device_release(same);
     clsdf_transform_release(part);
+}
+
+static int32_t take_slab_from_1(void* user, const clsdf_grid* part, const clsdf_target* values, int64_t count) {
+    const uint32_t* from_1 = values[1].array.host;
+    int64_t n, *slices = user;
+    CHECK(count == 2 && values[1].output == CLSDF_TRIANGLE && values[1].array.count == N * N * part->size[2]);
+    for (n = 0; n < values[1].array.count; ++n) CHECK(from_1[n] == triangle[N * N * part->first[2] + n] + 1U);
+    *slices += part->size[2];
+    return 0;
 }
 
 /* With indices from 1, triangles of outputs count from 1, and 0 is none. */
@@ -463,6 +519,16 @@ static void check_base(void) {
     targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_UINT32, of_query, 3);
     OK(clsdf_query(of_base_1, &at, 1, targets, 2, NULL, NULL));
     CHECK(of_query[0] > 0 && of_query[1] == 0);
+    targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_INT32, &strided[4], 3); /* every second one, backwards */
+    targets[1].array.strides[0] = -8;
+    for (n = 0; n < 5; ++n) strided[n] = -7;
+    OK(clsdf_query(of_base_1, &at, 1, targets, 2, NULL, NULL));
+    for (n = 0; n < 3; ++n) CHECK(strided[4 - 2 * n] == (int32_t)of_query[n]);
+    CHECK(strided[1] == -7 && strided[3] == -7);
+    n = 0;
+    OK(clsdf_compute_slabs(of_base_1, &grid, &band, CLSDF_SET(CLSDF_DISTANCE) | CLSDF_SET(CLSDF_TRIANGLE),
+                           take_slab_from_1, &n, NULL, NULL, NULL));
+    CHECK(n == N);
     OK(clsdf_compute_field(of_base_1, &grid, &band, CLSDF_SET(CLSDF_TRIANGLE), NULL, NULL, &field));
     OK(clsdf_field_array(field, CLSDF_TRIANGLE, &array));
     CHECK(memcmp(array.host, from_1, sizeof from_1) == 0);
@@ -491,6 +557,16 @@ static int32_t logged(void* user, const char* message) {
     caller* own = user;
     ++own->calls;
     snprintf(own->message, sizeof own->message, "%s", message);
+    return own->answer;
+}
+
+/* Handles what fails in it, and leaves a message: neither is the call's. */
+static int32_t careless(void* user, const char* message) {
+    caller* own = user;
+    (void)message;
+    ++own->calls;
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_band_validate(NULL));
+    clsdf_set_last_error("a message of the program's");
     return own->answer;
 }
 
@@ -529,6 +605,16 @@ static void check_callbacks(void) {
     own.answer = 5;
     FAILS(5, "callback log", clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));
     CHECK(open == NULL);
+    call.log = careless;
+    own.answer = 0;
+    own.calls = 0;
+    OK(clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open)); /* and no message */
+    CHECK(own.calls == 1);
+    clsdf_transform_release(open);
+    own.answer = CLSDF_OWN_STATUS;
+    FAILS(CLSDF_OWN_STATUS, "a message of the program's",
+          clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));
+    CHECK(strcmp(clsdf_status_name(CLSDF_OWN_STATUS), "unknown") == 0);
 }
 
 int main(void) {

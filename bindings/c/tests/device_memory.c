@@ -108,21 +108,29 @@ int main(void) {
     two[1] = clsdf_buffer_target(CLSDF_TRIANGLE, CLSDF_UINT32, other);
     FAILS(CLSDF_UNSUPPORTED, "index base", clsdf_compute(from_buffers, &grid, &band, two, 2, NULL, NULL));
     OK(clsdf_compute(from_buffers, &grid, &band, two, 1, NULL, NULL));
-    clsdf_transform_release(from_buffers);
+    FAILS(CLSDF_UNSUPPORTED, "index base",
+          clsdf_plan_create(from_buffers, &grid, &band, CLSDF_SET(CLSDF_TRIANGLE), NULL, &plan));
 
     /* A plan of a grid, into two buffers, each run after the other's event. */
     OK(clsdf_plan_create(transform, &grid, &band, 0, NULL, &plan));
-    FAILS(CLSDF_INVALID_ARGUMENT, "target", clsdf_plan_enqueue(plan, NULL, NULL, 0, NULL));
+    done = handles;
+    FAILS(CLSDF_INVALID_ARGUMENT, "target", clsdf_plan_enqueue(plan, NULL, NULL, 0, &done));
+    CHECK(done == NULL);
     targets.items = &target;
     targets.count = 1;
+    done = handles;
+    FAILS(CLSDF_INVALID_ARGUMENT, "1 requests", clsdf_plan_enqueue_to(plan, queue, &targets, 2, NULL, 0, &done));
+    CHECK(done == NULL);
+    target.array.count = 5;
+    FAILS(CLSDF_INVALID_ARGUMENT, "exactly 4096 items",
+          clsdf_plan_enqueue_to(plan, queue, &targets, 1, NULL, 0, &done));
+    target.array.count = SAMPLES;
     OK(clsdf_plan_enqueue_to(plan, queue, &targets, 1, NULL, 0, &done));
     target.array.device = other;
-    {
-        void* first_run = done;
-        OK(clsdf_plan_enqueue_to(plan, NULL, &targets, 1, &first_run, 1, &done));
-        event = first_run;
-        clReleaseEvent(event);
-    }
+    event = done;
+    OK(clsdf_plan_enqueue_to(plan, NULL, &targets, 1, &done, 1, &done)); /* waits for the event that it replaces */
+    CHECK(done != NULL && done != (void*)event);
+    clReleaseEvent(event);
     event = done;
     CHECK(clWaitForEvents(1, &event) == CL_SUCCESS);
     check_read(phi, 0, expected, SAMPLES);
@@ -148,6 +156,11 @@ int main(void) {
     OK(clsdf_plan_statistics(plan, &statistics));
     CHECK(bytes > 0 && bytes == statistics.device_bytes);
     OK(clsdf_plan_request(plan, 0, &read_grid, &read_band, &back, 1, &count));
+    /* The triangles of a plan count from the index base of the transform that made it. */
+    FAILS(CLSDF_INVALID_ARGUMENT, "index base 0, and the transform has 1", clsdf_plan_update(plan, from_buffers, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "index base", clsdf_plan_update_grids(plan, from_buffers, &grid, 1, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "index base", clsdf_plan_update_requests(plan, from_buffers, &request, 1, NULL));
+    clsdf_transform_release(from_buffers);
     CHECK(count == 1 && back.array.device == phi && read_grid.size[0] == N && read_band.inside == band.inside);
     FAILS(CLSDF_INVALID_ARGUMENT, "no request 1", clsdf_plan_request(plan, 1, NULL, NULL, NULL, 0, NULL));
     OK(clsdf_transform_set_motion(transform, quarter, nowhere));

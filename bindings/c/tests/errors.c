@@ -202,6 +202,39 @@ static void check_sizes(const clsdf_device* device, const clsdf_mesh* mesh) {
     CHECK(defects.components == -5 && defects.duplicate_faces == 0);
 }
 
+/* A count that is not that of the samples or points is refused, whatever the layout, and nothing is written. */
+static void check_counts(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band) {
+    enum { SAMPLES = 125, POINTS = 100 };
+    static float values[3 * 2 * SAMPLES], normals[3 * SAMPLES];
+    static double points[POINTS][3];
+    const clsdf_array at = clsdf_host_array(CLSDF_FLOAT64, points, POINTS);
+    clsdf_target targets[2];
+    int64_t n;
+    for (n = 0; n < 3 * 2 * SAMPLES; ++n) values[n] = 77;
+    targets[0] = float_target(values, 10);
+    targets[0].array.strides[0] = 8;
+    FAILS(CLSDF_INVALID_ARGUMENT, "100 points, and the array of the output distance has 10; give it exactly 100 items",
+          clsdf_query(transform, &at, 1, targets, 1, NULL, NULL));
+    targets[0].array.strides[0] = 0;
+    targets[0].array.offset = 4;
+    FAILS(CLSDF_INVALID_ARGUMENT, "exactly 125 items", clsdf_compute(transform, grid, band, targets, 1, NULL, NULL));
+    targets[0] = float_target(values, SAMPLES);
+    targets[1] = clsdf_host_target(CLSDF_GRADIENT, CLSDF_FLOAT32, normals, 10);
+    targets[1].array.component_stride = 4 * SAMPLES;
+    FAILS(CLSDF_INVALID_ARGUMENT, "output gradient has 10",
+          clsdf_compute(transform, grid, band, targets, 2, NULL, NULL));
+    targets[0].array.strides[0] = 8;
+    targets[0].array.strides[1] = 40;
+    targets[0].array.strides[2] = 200;
+    targets[0].array.count = SAMPLES + 1;
+    FAILS(CLSDF_INVALID_ARGUMENT, "exactly 125 items", clsdf_compute(transform, grid, band, targets, 1, NULL, NULL));
+    for (n = 0; n < 3 * 2 * SAMPLES; ++n) CHECK(values[n] == 77);
+    targets[0].array.count = SAMPLES;
+    targets[1].array.count = SAMPLES;
+    OK(clsdf_compute(transform, grid, band, targets, 2, NULL, NULL));
+    for (n = 0; n < 2 * SAMPLES; ++n) CHECK((values[n] == 77) == (n % 2 == 1));
+}
+
 static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     clsdf_transform_options options = CLSDF_TRANSFORM_OPTIONS_INIT;
     clsdf_output_info info = CLSDF_OUTPUT_INFO_INIT;
@@ -217,7 +250,7 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     clsdf_target targets[2];
     float values[125];
     uint8_t place;
-    const double vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    double vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     uint32_t triangle[3] = {0, 1, 2};
     double point[3] = {0, 0, 0};
     clsdf_array points = clsdf_host_array(CLSDF_FLOAT64, point, 1);
@@ -255,6 +288,7 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     FAILS(CLSDF_INVALID_ARGUMENT, "99", clsdf_compute(transform, &grid, &band, targets, 1, NULL, NULL));
     targets[0] = float_target(values, 124);
     FAILS(CLSDF_INVALID_ARGUMENT, "125", clsdf_compute(transform, &grid, &band, targets, 1, NULL, NULL));
+    check_counts(transform, &grid, &band);
     targets[0] = float_target(values, 125);
     targets[0].array.type = 8;
     FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_array.type is 8",
@@ -295,15 +329,25 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     arrays.triangles = clsdf_host_array(CLSDF_UINT32, triangle, 1);
     arrays.index_base = 1;
     arrays.name = "plate";
-    FAILS(CLSDF_INVALID_MESH, "plate: triangle 1 has the vertex index 0", clsdf_mesh_create(&arrays, &none));
+    FAILS(CLSDF_INVALID_MESH, "plate: triangle 1 has the vertex index 0; with index base 1 triangles count from 1",
+          clsdf_mesh_create(&arrays, &none));
     triangle[0] = 4;
     FAILS(CLSDF_INVALID_MESH, "1 to 3", clsdf_mesh_create(&arrays, &none));
     arrays.index_base = 0;
-    FAILS(CLSDF_INVALID_MESH, "4", clsdf_mesh_create(&arrays, &none));
+    FAILS(CLSDF_INVALID_MESH, "triangle 0 has the vertex index 4", clsdf_mesh_create(&arrays, &none));
+    FAILS(CLSDF_INVALID_MESH, "triangles and indices count from 0", clsdf_mesh_create(&arrays, &none));
+    triangle[0] = 1;
+    triangle[1] = 2;
+    triangle[2] = 3;
+    arrays.index_base = 1;
+    vertices[7] = HUGE_VAL;
+    FAILS(CLSDF_INVALID_MESH, "vertex 2, used by triangle 0, is not finite", clsdf_mesh_create(&arrays, &none));
+    FAILS(CLSDF_INVALID_MESH, "count from 0", clsdf_mesh_create(&arrays, &none));
+    vertices[7] = 1;
     arrays.index_base = 2;
     FAILS(CLSDF_INVALID_ARGUMENT, "index_base is 2", clsdf_mesh_create(&arrays, &none));
     arrays.index_base = 0;
-    triangle[0] = 0;
+    for (n = 0; n < 3; ++n) triangle[n] = (uint32_t)n;
     arrays.triangles.count = 0;
     FAILS(CLSDF_INVALID_MESH, "triangle", clsdf_mesh_create(&arrays, &none));
     arrays.triangles.count = 1;

@@ -89,7 +89,10 @@ int main(void) {
     FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_field_writer_finish(NULL));
     OK(clsdf_field_writer_create("never.nrrd", &description, 0, &writer));
     FAILS(CLSDF_INVALID_ARGUMENT, "slices", clsdf_field_writer_append(writer, targets, 1, 0));
-    FAILS(CLSDF_INVALID_ARGUMENT, "packed", clsdf_field_writer_append(writer, targets, 1, 4));
+    FAILS(CLSDF_INVALID_ARGUMENT, "exactly 400 items", clsdf_field_writer_append(writer, targets, 1, 4));
+    targets[0].array.strides[0] = 8;
+    FAILS(CLSDF_INVALID_ARGUMENT, "packed", clsdf_field_writer_append(writer, targets, 1, 5));
+    targets[0].array.strides[0] = 0;
     targets[0].array.type = CLSDF_FLOAT64;
     FAILS(CLSDF_INVALID_ARGUMENT, "double", clsdf_field_writer_append(writer, targets, 1, 5));
     clsdf_field_writer_release(writer);

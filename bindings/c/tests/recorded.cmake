@@ -22,6 +22,7 @@ else()
     get_filename_component(name ${library} NAME_WE)
     string(REGEX MATCHALL "[^\n]+" symbols "${symbols}")
     list(FILTER symbols EXCLUDE REGEX " A CLSDF_C_")  # the version itself
+    list(FILTER symbols EXCLUDE REGEX "@@CLSDF_C_PRIVATE_")  # between the libraries of one version
     list(TRANSFORM symbols REPLACE "^[0-9a-f]+ (. [^\n]*)$" "${name} \\1")
     list(SORT symbols)
     list(JOIN symbols "\n" symbols)

@@ -7,6 +7,7 @@ from typing import Any
 
 from . import _core
 from ._core import Device
+from ._error import Error
 
 _lock = threading.Lock()
 _default: Device | None = None
@@ -34,4 +35,6 @@ def device_of(choice: Any) -> Device:
         return choice
     if isinstance(choice, (str, int)):
         return Device.select(str(choice))
+    if not hasattr(choice, "int_ptr"):
+        raise Error(f"device: {choice!r} is no clsdf.Device, index, part of a device's name, or pyopencl.CommandQueue")
     return Device.from_queue(choice)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from typing import Union
 
 from ._core import Band, Grid, Length
@@ -12,35 +11,28 @@ from ._error import Error
 LengthLike = Union[str, float]
 BandLike = Union[LengthLike, "tuple[LengthLike, LengthLike]", Band]
 
-_number = re.compile(r"[+]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-
 
 def parse_length(what: str, value: LengthLike) -> Length:
     """The length that a number (in the mesh's units) or a text means. `what` names it in the error."""
     if isinstance(value, str):
-        if value == "full":
-            return Length.infinite()
-        digits = value[:-1] if value.endswith(("%", "v")) else value
-        if _number.fullmatch(digits) and math.isfinite(float(digits)):
-            number = float(digits)
-            if value.endswith("%"):
-                return Length.of_extent(number / 100)
-            return Length.in_voxels(number) if value.endswith("v") else Length.in_mesh_units(number)
-    else:
+        return Length.parse(value, what)
+    try:
         number = float(value)
-        if number >= 0:
-            return Length.infinite() if math.isinf(number) else Length.in_mesh_units(number)
-    raise Error(
-        f"{what}: {value!r} is not a length: write '10%' (of the longest side of the mesh's box), '3v' (voxels), 0.05 "
-        "(the mesh's units) or 'full'"
-    )
+    except (TypeError, ValueError):
+        number = math.nan
+    if not number >= 0:
+        raise Error(
+            f"{what}: {value!r} is not a length: write '10%' (of the longest side of the mesh's box), '3v' (voxels), "
+            "0.05 (the mesh's units) or 'full'"
+        )
+    return Length.infinite() if math.isinf(number) else Length.in_mesh_units(number)
 
 
 def parse_band(band: BandLike) -> tuple[Length, Length] | Band:
     """The half widths inside and outside."""
     if isinstance(band, Band):
         return band
-    if isinstance(band, tuple):
+    if isinstance(band, (tuple, list)):
         if len(band) != 2:
             raise Error(f"band: {band!r} has {len(band)} widths; write one, or (inside, outside)")
         return parse_length("band inside", band[0]), parse_length("band outside", band[1])

@@ -59,7 +59,7 @@ class Plan:
         samples fit the arrays, or of other requests. Blocks."""
         with shown(progress) as show:
             if requests is not None:
-                self._plan.update_requests(transform._body, list(requests), show)
+                self._plan.update_requests(transform._body, transform._requests(requests), show)
             else:
                 self._plan.update(transform._body, None if grids is None else list(grids), show)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
+import operator
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -22,10 +23,11 @@ from .plan import Plan
 
 
 class Request(NamedTuple):
-    """One box of many: a grid, the band, and a dictionary of arrays by the names of outputs, which are written to."""
+    """One box of many: a grid, the band as of field(), and a dictionary of arrays by the names of outputs, which are
+    written to."""
 
     grid: Grid
-    band: Band
+    band: BandLike
     out: dict[str, Any]
 
 
@@ -46,6 +48,23 @@ class BoxPlace(enum.IntEnum):
     INSIDE = 1  #: the surface is farther from every point of the box, and all of them are inside
     OUTSIDE = 2  #: the same, and all of them are outside
     BEYOND = 3  #: the same, of a mesh that has no sign
+
+
+def _whole(what: str, value: Any) -> int:
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise Error(f"{what}: {value!r} is not a whole number of samples") from None
+
+
+def _steps(spacing: float | Sequence[float] | None) -> tuple[float, float, float] | None:
+    if spacing is None:
+        return None
+    try:
+        x, y, z = np.broadcast_to(np.asarray(spacing, np.float64), 3).tolist()
+    except (TypeError, ValueError):
+        raise Error(f"spacing: {spacing!r} is neither a number nor three, (x, y, z)") from None
+    return x, y, z
 
 
 class Transform:
@@ -79,6 +98,9 @@ class Transform:
         transform._body = body
         transform.mesh_name = mesh_name
         return transform
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Transform: {self.mesh_name}, sign {self.sign}, on {self.device.name}>"
 
     # The mesh.
 
@@ -138,20 +160,34 @@ class Transform:
         if resolution is not None and spacing is not None:
             raise Error("resolution= and spacing= exclude each other")
         lower, upper = self._body.box
-        steps = None if spacing is None else (spacing,) * 3 if isinstance(spacing, (int, float)) else spacing
+        samples = 256 if resolution is None else _whole("resolution", resolution)
         room = outside_of(parse_band(band)) if margin is None else parse_length("margin", margin)
-        return _core.grid_around(
-            lower, upper, 256 if resolution is None else resolution, steps, room, cubic, cell_centred
-        )
+        return _core.grid_around(lower, upper, samples, _steps(spacing), room, cubic, cell_centred)
 
     def _grid_and_band(self, grid: Grid | None, band: BandLike, around: dict[str, Any]) -> tuple[Grid, Band]:
         if grid is None:
             grid = self.grid(band=band, **around)
+        elif not isinstance(grid, Grid):
+            raise Error(f"grid: {grid!r} is not a clsdf.Grid; resolution= takes a number of samples")
         elif any(value not in (None, False) for value in around.values()):
             raise Error("a grid that is given excludes resolution=, spacing=, margin=, cubic= and cell_centred=")
+        return grid, self._band_on(grid, band)
+
+    def _band_on(self, grid: Grid, band: BandLike) -> Band:
+        if isinstance(band, Band):
+            return band
         lower, upper = self._body.box
         extent = max(high - low for low, high in zip(lower, upper))
-        return grid, band_on(parse_band(band), grid, extent)
+        return band_on(parse_band(band), grid, extent)
+
+    def _requests(self, requests: Iterable[Request]) -> list[Any]:
+        """Those whose band is a length or a text get a Band. All else is for the extension to refuse."""
+        return [
+            (request[0], self._band_on(request[0], request[1]), request[2])
+            if isinstance(request, tuple) and len(request) == 3 and isinstance(request[0], Grid)
+            else request
+            for request in requests
+        ]
 
     def field(
         self,
@@ -162,7 +198,7 @@ class Transform:
         margin: LengthLike | None = None,
         cubic: bool = False,
         cell_centred: bool = False,
-        band: BandLike = "10%",
+        band: BandLike | None = None,
         outputs: Outputs | None = None,
         out: Any = None,
         progress: Progress = None,
@@ -171,10 +207,11 @@ class Transform:
         """Computes a field: every sample within the band has its exact distance, every other one the band's half width
         with its sign.
 
-        grid: a Grid of your own, or that of another field; None: one around the mesh, made by grid() from the options
-            from `resolution` to `cell_centred`.
+        grid: a Grid of your own, or that of another field; None: that of `out` if it is a Field, else one around the
+            mesh, made by grid() from the options from `resolution` to `cell_centred`.
         band: the half width on both sides, or (inside, outside): '10%' of the longest side of the mesh's box, '3v'
-            voxels, a number in the mesh's units, 'full', or a Band. 0: the signs alone.
+            voxels, a number in the mesh's units, 'full', or a Band. 0: the signs alone. None: that of `out` if it is a
+            Field, else '10%'.
         outputs: 'distance gradient triangle' or a list: of 'distance' (always there), 'triangle', 'site', 'closest',
             'gradient', 'barycentric'. None: the distance, or what `out` has.
         out: arrays to write to: a Field, a dictionary by names of outputs, or the array of the distance, of the shape
@@ -187,6 +224,8 @@ class Transform:
         """
         if grid is None and isinstance(out, Field):
             grid = out.grid
+        if band is None:
+            band = out.band if isinstance(out, Field) else "10%"
         around = {
             "resolution": resolution,
             "spacing": spacing,
@@ -220,7 +259,7 @@ class Transform:
         """Computes many boxes into your arrays in one call, each with its own grid, band and outputs. If one is
         refused, nothing is computed, and the error names its index."""
         with shown(progress) as show:
-            self._body.compute_many(list(requests), show, wait_for)
+            self._body.compute_many(self._requests(requests), show, wait_for)
 
     def blocks(
         self,
@@ -241,8 +280,15 @@ class Transform:
         of the shape (n, nz, ny, nx).
         """
         _, own_band = self._grid_and_band(lattice, band, {})
-        corners = [tuple(row) for row in np.asarray(first, np.int64).reshape(-1, 3).tolist()]
-        shape = (len(corners), *reversed([int(side) for side in size]))
+        rows = np.asarray(first)
+        if rows.size == 0:
+            rows = np.zeros((0, 3), np.int64)
+        if rows.dtype.kind not in "iu" or rows.ndim != 2 or rows.shape[1] != 3:
+            raise Error(f"first has the shape {rows.shape} and the type {rows.dtype}; expected whole numbers (n, 3)")
+        corners = [tuple(row) for row in rows.tolist()]
+        if np.shape(size) != (3,):
+            raise Error(f"size: {size!r} is not three numbers of samples (nx, ny, nz)")
+        shape = (len(corners), *reversed([_whole("size", side) for side in size]))
         arrays = new_samples(wanted(outputs or ()), shape) if out is None else given(out, outputs)
         with shown(progress) as show:
             self._body.compute_blocks(lattice, own_band, size, corners, arrays, show, wait_for)
@@ -306,8 +352,12 @@ class Transform:
         points = _meshes.as_array(points, np.float64)
         is_one = len(points.shape) == 1
         if is_one:
+            if len(points) != 3:
+                raise Error(f"points has the shape {points.shape}; expected (n, 3), or (3,) of one point")
             points = points[None]
         count = len(points)
+        if isinstance(within, str):
+            raise Error(f"within: {within!r} is a text; write a number, in the mesh's units")
         if out is None:
             arrays = {}
             for name in wanted(outputs or ()):
@@ -328,7 +378,10 @@ class Transform:
         side and is farther from the surface than half_width at each of its points; that is exact. One a little farther
         away may be WITHIN, too.
         """
-        return self._body.classify(np.ascontiguousarray(boxes, np.float64), half_width)
+        corners = np.ascontiguousarray(boxes, np.float64)
+        if corners.ndim != 3 or corners.shape[1:] != (2, 3):
+            raise Error(f"boxes has the shape {corners.shape}; expected (n, 2, 3): lower and upper corner of each box")
+        return self._body.classify(corners, half_width)
 
     def restrict_to(self, regions: Region | Iterable[Region]) -> Transform:
         """A transform for parts of the domain, which keeps only what they need. Every grid, point and box asked for
@@ -356,4 +409,4 @@ class Transform:
             if isinstance(what, Grid):
                 grid, own_band = self._grid_and_band(what, band, {})
                 return Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show))
-            return Plan(_core.plan_of_requests(self._body, list(what), show))
+            return Plan(_core.plan_of_requests(self._body, self._requests(what), show))

@@ -47,6 +47,10 @@ std::string type_text(nb::handle array) {
     return nb::cast<std::string>(nb::str(dtype.is_none() ? array.type() : nb::handle(dtype)));
 }
 
+[[noreturn]] void refuse_type(nb::handle array, const std::string& what) {
+    refuse(what + " has elements of type " + type_text(array) + "; use float32, float64, int32 or int64");
+}
+
 // pyopencl.array.Array: its memory is a buffer and an offset into it.
 ArrayView view_on_device(nb::handle array, const std::string& what) {
     ArrayView view;
@@ -55,8 +59,7 @@ ArrayView view_on_device(nb::handle array, const std::string& what) {
     view.type = type_named(nb::cast<std::string>(nb::str(array.attr("dtype").attr("name"))));
     view.shape = nb::cast<std::vector<std::int64_t>>(array.attr("shape"));
     view.strides = nb::cast<std::vector<std::int64_t>>(array.attr("strides"));
-    if (view.type == ElementType::automatic)
-        refuse(what + " has elements of type " + type_text(array) + "; use float32, float64, int32 or int64");
+    if (view.type == ElementType::automatic) refuse_type(array, what);
     return view;
 }
 
@@ -65,6 +68,11 @@ ArrayView view_on_device(nb::handle array, const std::string& what) {
     if (!nb::ndarray_check(array))
         refuse(what + " is a " + nb::cast<std::string>(nb::str(array.type().attr("__name__"))) +
                ", which is no array; use a NumPy array or any other with the buffer protocol or DLPack");
+    const nb::object dtype = nb::getattr(array, "dtype", nb::none());
+    if (const nb::object kind = nb::getattr(dtype, "kind", nb::none());
+        !kind.is_none() && (std::string("fiub").find(nb::cast<std::string>(kind)) == std::string::npos ||
+                            nb::cast<int>(dtype.attr("itemsize")) > 8))
+        refuse_type(array, what);
     refuse(
         what + " (" + type_text(array) +
         ") cannot be read: it has swapped bytes, strides that are no multiple of its elements, or memory that is not "
@@ -112,8 +120,7 @@ ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable)
         view.writable = own.data();
     }
     view.type = type_of(readable.dtype());
-    if (view.type == ElementType::automatic)
-        refuse(what + " has elements of type " + type_text(array) + "; use float32, float64, int32 or int64");
+    if (view.type == ElementType::automatic) refuse_type(array, what);
     if (readable.device_type() != nb::device::cpu::value)
         refuse(what + " is not in the host's memory; copy it to the host, or pass a pyopencl array");
     view.host = readable.data();

@@ -27,6 +27,20 @@ std::pair<Vec3, Vec3> pair_of(const Box& box) {
     return {box.lower, box.upper};
 }
 
+auto state_of_band(const Band& band) {
+    return std::pair(band.inside, band.outside);
+}
+
+auto state_of_grid(const Grid& grid) {
+    return std::tuple(grid.origin, grid.spacing, grid.size, grid.first);
+}
+
+// Equal grids, and equal bands, have equal hashes.
+template <typename State>
+Py_hash_t hash_of(const State& state) {
+    return nb::hash(nb::cast(state));
+}
+
 void add_lengths(nb::module_& module) {
     nb::class_<Length>(module, "Length", "A length in the mesh's units, in voxels, or as a fraction of the mesh's box.")
         .def_static("in_mesh_units", &Length::in_mesh_units, nb::arg("value"), "A length in the mesh's units.")
@@ -34,30 +48,36 @@ void add_lengths(nb::module_& module) {
         .def_static("of_extent", &Length::of_extent, nb::arg("fraction"),
                     "A fraction of the longest side of the mesh's box: 0.1 is 10%.")
         .def_static("infinite", &Length::infinite, "No end.")
+        .def_static(
+            "parse", [](const std::string& text, const std::string& name) { return Length::parse(text, name); },
+            nb::arg("text"), nb::arg("name"), "\"10%\", \"3v\", \"0.05\" or \"full\"; the name is that of the option.")
         .def("is_infinite", &Length::is_infinite, "True for a length without end.")
         .def("resolve", &Length::resolve, nb::arg("voxel"), nb::arg("extent"), "The length in the mesh's units.");
 }
 
 void add_bands(nb::module_& module) {
-    nb::class_<Band>(module, "Band",
-                     "The half widths of a band around the surface, in the mesh's units. A sample with\n"
-                     "-inside <= distance <= outside has its exact distance; every other one has +outside or -inside.\n"
-                     "Both are 0 for the signs alone: -0.0 inside, +0.0 outside. Raises clsdf.Error for a negative or\n"
-                     "NaN width.")
+    nb::class_<Band>(
+        module, "Band",
+        "The half widths of a band around the surface, in the mesh's units. A sample with\n"
+        "-inside <= distance <= outside has its exact distance; every other one has +outside or -inside.\n"
+        "Both are 0 for the signs alone: -0.0 inside, +0.0 outside. outside: as wide as inside if it is not\n"
+        "given. Raises clsdf.Error for a negative or NaN width.")
         .def(
             "__init__",
-            [](Band* band, double inside, double outside) {
-                Band made{inside, outside, inside == 0 && outside == 0};
+            [](Band* band, double inside, std::optional<double> outside) {
+                const double other = outside.value_or(inside);
+                Band made{inside, other, inside == 0 && other == 0};
                 made.validate();
                 new (band) Band(made);
             },
-            nb::arg("inside"), nb::arg("outside"))
+            nb::arg("inside"), nb::arg("outside") = nb::none())
         .def_ro("inside", &Band::inside, "Half width inside, in the mesh's units.")
         .def_ro("outside", &Band::outside, "Half width outside, in the mesh's units.")
         .def(
             "__eq__", [](const Band& a, const Band& b) { return a == b; }, nb::arg("other"), nb::is_operator(),
             nb::sig("def __eq__(self, other: object, /) -> bool"))
-        .def("__getstate__", [](const Band& band) { return std::pair(band.inside, band.outside); })
+        .def("__hash__", [](const Band& band) { return hash_of(state_of_band(band)); })
+        .def("__getstate__", &state_of_band)
         .def("__setstate__",
              [](Band& band, const std::pair<double, double>& state) {
                  new (&band) Band{state.first, state.second, state.first == 0 && state.second == 0};
@@ -116,8 +136,8 @@ void add_grids(nb::module_& module) {
             "__eq__", [](const Grid& a, const Grid& b) { return a == b; }, nb::arg("other"), nb::is_operator(),
             nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", &text_of)
-        .def("__getstate__",
-             [](const Grid& grid) { return std::tuple(grid.origin, grid.spacing, grid.size, grid.first); })
+        .def("__hash__", [](const Grid& grid) { return hash_of(state_of_grid(grid)); })
+        .def("__getstate__", &state_of_grid)
         .def("__setstate__", [](Grid& grid, const std::tuple<Vec3, Vec3, Index3, Index3>& state) {
             new (&grid) Grid{std::get<0>(state), std::get<1>(state), std::get<2>(state), std::get<3>(state)};
         });

@@ -54,7 +54,12 @@ void add_meshes(nb::module_& module) {
             "first_open_edges", [](const Topology& topology) { return list_of(topology.first_open_edges); },
             nb::sig(
                 "def first_open_edges(self) -> list[tuple[tuple[float, float, float], tuple[float, float, float]]]"),
-            "Up to five: two positions each.");
+            "Up to five: two positions each.")
+        .def("__repr__", [](const Topology& topology) {
+            return std::string("<clsdf.Topology: ") + (topology.closed ? "closed" : "open") +
+                   (topology.balanced ? ", balanced" : ", not balanced") +
+                   (topology.inside_out ? ", inside out>" : ">");
+        });
     module.def(
         "read_mesh", [](const std::string& path) { return arrays_of(read(path)); }, nb::arg("path"),
         "Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply. Raises clsdf.Error\n"

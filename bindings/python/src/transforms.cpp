@@ -1,5 +1,6 @@
 #include "body.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <span>
@@ -65,7 +66,18 @@ using Boxes = nb::ndarray<const double, nb::shape<-1, 2, 3>, nb::c_contig, nb::d
 auto classify(const Body& body, const Boxes& boxes, double half_width) {
     auto places = std::make_unique<std::vector<BoxPlace>>(boxes.shape(0));
     const std::span all(reinterpret_cast<const Box*>(boxes.data()), boxes.shape(0));
-    body.read([&](const DistanceTransform& transform) { transform.classify(all, half_width, *places); });
+    // Part by part: the library does not ask whether Ctrl-C was pressed.
+    constexpr std::size_t part = 1 << 15;
+    const Call call;
+    body.read([&](const DistanceTransform& transform) {
+        std::size_t begin = 0;
+        do {
+            const std::size_t size = std::min(part, all.size() - begin);
+            transform.classify(all.subspan(begin, size), half_width, std::span(*places).subspan(begin, size));
+            call.options().should_stop();
+            begin += size;
+        } while (begin < all.size());
+    });
     auto* const data = reinterpret_cast<std::uint8_t*>(places->data());
     const std::size_t count = places->size();
     const nb::capsule owner(places.release(),
@@ -107,10 +119,20 @@ bool compile(const Body& body, const Grid& grid, const Band& band, const std::ve
 std::vector<Request> requests_of(const RequestList& requests, Arrays& arrays) {
     std::vector<Request> boxes;
     for (const nb::handle item : requests) {
-        const auto request = nb::cast<nb::tuple>(item);
-        const auto& grid = nb::cast<const Grid&>(request[0]);
-        boxes.push_back({grid, nb::cast<const Band&>(request[1]),
-                         arrays.outputs(nb::cast<ArraysByName>(request[2]), shape_of(grid.size))});
+        const std::string name = "request " + std::to_string(boxes.size());
+        nb::tuple parts;
+        const Grid* grid = nullptr;
+        const Band* band = nullptr;
+        ArraysByName outputs;
+        if (!nb::try_cast(item, parts) || parts.size() != 3 || !nb::try_cast(parts[0], grid) ||
+            !nb::try_cast(parts[1], band) || !nb::try_cast(parts[2], outputs) || grid == nullptr || band == nullptr)
+            refuse(name + " is " + nb::cast<std::string>(nb::repr(item)).substr(0, 200) +
+                   "; expected (clsdf.Grid, clsdf.Band, {output: array})");
+        try {
+            boxes.push_back({*grid, *band, arrays.outputs(outputs, shape_of(grid->size))});
+        } catch (const Error& error) {
+            throw Error(error.code(), name + ": " + error.what());
+        }
     }
     return boxes;
 }

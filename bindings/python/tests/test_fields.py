@@ -61,11 +61,55 @@ def test_bands_are_those_of_the_command(body, band, width):
     assert field.band.inside == field.band.outside == pytest.approx(width)
 
 
-@pytest.mark.parametrize("band", ["", "x", "10 %", "-1", -1, "nan", float("nan"), "1_0", "inf", "3vv", (1, 2, 3)])
+@pytest.mark.parametrize("band", ["", "x", "10 %", "-1", -1, "nan", float("nan"), "1_0", "inf", "3vv", (1, 2, 3), ("1", None), {}])
 def test_a_band_that_is_no_length_is_refused(body, band):
     with pytest.raises(clsdf.Error, match="band") as error:
         body.field(resolution=8, band=band)
     assert error.value.code == "invalid_argument"
+
+
+WRONG = {
+    "a number as the grid": (lambda body: body.field(32), "32 is not a clsdf.Grid; resolution="),
+    "resolution": (lambda body: body.field(resolution=8.5), "resolution: 8.5 is not a whole number"),
+    "spacing": (lambda body: body.field(spacing=(1, 2)), r"spacing: \(1, 2\) is neither a number nor three"),
+    "spacing as a text": (lambda body: body.field(spacing="3v"), "spacing: '3v' is neither"),
+    "corners of blocks": (lambda body: body.blocks(body.grid(8), [[0.5, 0, 0]], (2, 2, 2)), "float64; expected whole"),
+    "corners without z": (lambda body: body.blocks(body.grid(8), [[0, 0]], (2, 2, 2)), r"shape \(1, 2\)"),
+    "size of blocks": (lambda body: body.blocks(body.grid(8), [[0, 0, 0]], 2), "size: 2 is not three"),
+    "boxes": (lambda body: body.classify(np.zeros((4, 6)), 0.1), r"shape \(4, 6\); expected \(n, 2, 3\)"),
+    "one point": (lambda body: body.query((1, 2)), r"shape \(2,\); expected .*\(3,\) of one point"),
+    "within": (lambda body: body.query((1, 2, 3), within="3v"), "within: '3v' is a text"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_option_is_an_error_of_the_package(body, name):
+    call, message = WRONG[name]
+    with pytest.raises(clsdf.Error, match=message) as error:
+        call(body)
+    assert error.value.code == "invalid_argument"
+
+
+def test_options_are_also_numbers_of_numpy_and_lists(body):
+    assert body.grid(np.int64(20)) == body.grid(20)
+    assert body.grid(spacing=np.float32(0.25)) == body.grid(spacing=0.25) == body.grid(spacing=[0.25] * 3)
+    assert body.field(resolution=8, band=[0.1, 0.2]).band == clsdf.Band(0.1, 0.2)
+    assert clsdf.Band(0.1) == clsdf.Band(0.1, 0.1) and clsdf.Band(0) == clsdf.Band(0, 0)
+
+
+def test_equal_grids_and_bands_have_equal_hashes(body):
+    grids = {body.grid(8), body.grid(8), body.grid(9), body.grid(8).part((1, 0, 0), (2, 2, 2))}
+    assert len(grids) == 3
+    assert len({clsdf.Band(0, 1), clsdf.Band(-0.0, 1), clsdf.Band(1, 0)}) == 2
+
+
+def test_a_field_as_out_keeps_its_grid_and_band(body):
+    field = body.field(resolution=20, band="3v")
+    band, distance = field.band, field.distance.copy()
+    assert body.field(out=field) is field and field.band == band
+    assert np.array_equal(field.distance, distance)
+    body.field(out=field, band="5%")
+    assert field.band != band
 
 
 def test_signs_alone(body, brute):
@@ -146,8 +190,18 @@ def test_requests_are_refused_by_their_index(body):
     with pytest.raises(clsdf.Error, match="request 1"):
         body.compute([good, far])
     assert (good.out["distance"] == 7).all()
+    small = clsdf.Request(grid, band, {"distance": np.empty((2, 2, 2), np.float32)})
+    with pytest.raises(clsdf.Error, match=r"request 1: .*shape \(2, 2, 2\)"):
+        body.compute([good, small])
+    for wrong in (7, (grid, band), (grid, None, good.out), ("grid", band, good.out), (grid, band, good.out["distance"])):
+        with pytest.raises(clsdf.Error, match="request 1|band"):
+            body.compute([good, wrong])
+    assert (good.out["distance"] == 7).all()
     body.compute([good])
     assert np.array_equal(good.out["distance"], body.field(grid, band=band).distance)
+    text = clsdf.Request(grid, "3v", {"distance": np.empty(grid.shape, np.float32)})
+    body.compute([text])
+    assert np.array_equal(text.out["distance"], body.field(grid, band="3v").distance)
 
 
 def test_blocks_have_the_bytes_of_the_lattice(body):
@@ -250,6 +304,13 @@ def test_positions_and_motions(solid, points):
     assert np.allclose(body.query(points).distance, BruteForce(turned, faces).distance(points), atol=1e-6)
 
 
+def test_many_boxes_are_classified_as_each(body, points):
+    boxes = np.stack([points, points + 0.05], 1)
+    many = np.tile(boxes, (140, 1, 1))  # more than are classified at once
+    assert np.array_equal(body.classify(many, 0.1), np.tile(body.classify(boxes, 0.1), 140))
+    assert len(body.classify(np.empty((0, 2, 3)), 0.1)) == 0
+
+
 def test_boxes_are_classified():
     # `within` counts from the boxes around triangles, so these are small.
     shape = clsdf.make_shape("sphere3")
@@ -281,12 +342,16 @@ def test_what_a_transform_says_of_itself(body, solid):
     assert body.sign == "nonzero" and body.topology.closed and body.topology.open_edges == 0
     assert np.array_equal(body.box, [solid[0].min(0), solid[0].max(0)])
     assert body.memory[0] > 0
+    assert repr(body) == f"<clsdf.Transform: mesh, sign nonzero, on {body.device.name}>"
+    assert repr(body.topology) == "<clsdf.Topology: closed, balanced>"
     device = body.device.info()
     assert device.name == body.device.name and device.usable
     assert device.name in [known.name for known in clsdf.devices()]
     with pytest.raises(clsdf.Error) as error:
         clsdf.Transform(solid, device="no such device")
     assert error.value.code == "no_device"
+    with pytest.raises(clsdf.Error, match="device: 2.5 is no clsdf.Device"):
+        clsdf.Transform(solid, device=2.5)
     with pytest.raises(clsdf.Error, match="auto, nonzero, parity, none"):
         clsdf.Transform(solid, sign="odd")
 

@@ -214,12 +214,15 @@ def test_memory_does_not_grow(body, points):
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 30_000  # KiB; a field has 8 MiB
 
 
-# One call that takes several seconds.
+# Calls that take several seconds.
 INTERRUPTED = """
     import os, signal, threading, time
+    import numpy as np
     import clsdf
     body = clsdf.Transform(clsdf.make_shape("sphere6"))
     grids = [clsdf.Grid((-1, -1, -1), 2 / 70 + n * 1e-4, (70, 70, 70)) for n in range(400)]
+    random = np.random.default_rng(1)
+    corners = random.uniform(-1, 1, (3_000_000, 1, 3)) + [[[0, 0, 0], [0.02, 0.02, 0.02]]]
     body.fields(grids[:2], band="full")
     def press():
         global pressed
@@ -229,7 +232,7 @@ INTERRUPTED = """
     threading.Thread(target=press).start()
     began = time.monotonic()
     try:
-        body.fields(grids, band="full")
+        CALL
         print("finished", time.monotonic() - began)
     except KeyboardInterrupt:
         print("interrupted", time.monotonic() - pressed)
@@ -237,8 +240,9 @@ INTERRUPTED = """
 """
 
 
-def test_ctrl_c_ends_a_call():
-    result = run(INTERRUPTED)
+@pytest.mark.parametrize("call", ['body.fields(grids, band="full")', "body.classify(corners, 0.05)"])
+def test_ctrl_c_ends_a_call(call):
+    result = run(INTERRUPTED.replace("CALL", call))
     assert result.returncode == 0, result.stderr
     outcome, seconds, usable = result.stdout.split()
     assert outcome == "interrupted" and float(seconds) < 1 and usable == "True", result.stdout

@@ -82,3 +82,18 @@ def test_an_open_mesh_has_no_inside(mesh, points):
     _, distance, _ = clsdf.trimesh.closest_point(half, points)
     expected = np.linalg.norm(BruteForce(half.vertices, half.faces).closest(points) - points[:, None], axis=-1).min(1)
     assert np.allclose(distance, expected, atol=1e-12)
+
+
+def test_a_proximity_query_has_the_same_results(mesh, points):
+    near = clsdf.trimesh.ProximityQuery(mesh)
+    assert np.array_equal(near.signed_distance(points), clsdf.trimesh.signed_distance(mesh, points))
+    for ours, function in zip(near.on_surface(points), clsdf.trimesh.closest_point(mesh, points)):
+        assert np.array_equal(ours, function)
+
+
+@pytest.mark.parametrize("call", [clsdf.trimesh.signed_distance, clsdf.trimesh.closest_point])
+def test_what_is_no_mesh_of_trimesh_and_points_of_another_shape_are_refused(mesh, points, call):
+    with pytest.raises(clsdf.Error, match=r"shape \(3,\); expected \(n, 3\)"):
+        call(mesh, [0, 0, 0])
+    with pytest.raises(clsdf.Error, match="tuple, not a trimesh.Trimesh"):
+        call((mesh.vertices, mesh.faces), points)

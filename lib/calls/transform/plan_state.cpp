@@ -95,16 +95,15 @@ void PlanState::check(const Part& part, const DeviceTargets& target) const {
                                 ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
                                               "memory, or plan without",
                                               row.name)
-                                : fmt::format("{0} has a target, and the plan was made without; plan with "
-                                              "Output::{0}",
+                                : fmt::format("the output {0} has a target, and the plan was made without; "
+                                              "leave the target out, or make the plan with {0}",
                                               row.name));
             // Distances in double are other work.
             const bool is_fixed = !part.in_place || row.output == Output::distance;
             if (is_fixed && other.type != like.type)
                 throw Error(ErrorCode::unsupported,
                             fmt::format("the target of the output {} has {}s, another type of elements than planned; "
-                                        "make the plan with DistanceTransform::plan(request), of a request with such "
-                                        "a target",
+                                        "make the plan of a request with such a target",
                                         row.name, name_of(other.type)));
         },
         part.arrays, target.arrays(), part.like, target.targets());
@@ -112,15 +111,15 @@ void PlanState::check(const Part& part, const DeviceTargets& target) const {
         throw Error(
             ErrorCode::unsupported,
             fmt::format("the target of the output {}, but this plan writes to its targets directly and cannot copy; "
-                        "make it with DistanceTransform::plan(request), of a request with such a target",
+                        "make it of a request with such a target",
                         target.why_not_in_place()));
 }
 
 std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> given) const {
     if (given.size() != requests.size())
         throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the plan has {} requests, and the targets of {} are given; give one OutputTargets for "
-                                "each request",
+                    fmt::format("the plan has {} requests, and the targets of {} are given; give each request its "
+                                "targets",
                                 requests.size(), given.size()));
     std::vector<Request> others = requests;
     for (std::size_t n = 0; n < given.size(); ++n) others[n].targets = given[n];

@@ -34,7 +34,7 @@ void enqueue_run(PlanState& state, cl_command_queue queue, std::span<const cl_ev
 void require_whole(const PlanState& state) {
     if (!state.is_whole)
         throw Error(ErrorCode::invalid_argument,
-                    "the plan's last update() failed, so that it has nothing to compute with; call it again");
+                    "the plan's last update failed, so that it has nothing to compute with; update it again");
 }
 
 /// The blocks by which batches are computed.
@@ -187,8 +187,9 @@ void Plan::enqueue(cl_command_queue queue, std::span<const cl_event> wait_list, 
     State& state = this->state();
     transform::require_whole(state);
     if (state.outputs_without_targets)
-        throw Error(ErrorCode::invalid_argument,
-                    "the plan was made of a grid and has no targets; give enqueue() targets, or plan a Request");
+        throw Error(
+            ErrorCode::invalid_argument,
+            "the plan was made of a grid and has no targets; give this run targets, or make the plan of a request");
     with_host_memory("for a run of the plan",
                      [&] { device::guarded([&] { transform::enqueue_run(state, queue, wait_list, done, {}); }); });
 }

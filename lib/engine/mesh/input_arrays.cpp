@@ -1,12 +1,10 @@
 #include "mesh/input_arrays.hpp"
 
-#include "core/parallel.hpp"
+#include "mesh/triples.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -15,61 +13,21 @@ namespace clsdf {
 
 namespace {
 
-/// Strides in bytes; 0 is replaced by the packed stride.
-struct Steps {
-    std::ptrdiff_t triple = 0;
-    std::ptrdiff_t number = 0;
-};
-
-Steps steps_of(const InputArray& triples) {
-    const auto width = static_cast<std::ptrdiff_t>(bytes_of(triples.type));
-    const std::ptrdiff_t number = triples.component_stride != 0 ? triples.component_stride : width;
-    // Components that lie elsewhere leave no room between the items.
-    return {triples.strides[0] != 0 ? triples.strides[0] : number == width ? 3 * width : width, number};
-}
-
 bool is_of_vec3(const InputArray& triples) {
     const Steps steps = steps_of(triples);
     return triples.type == ElementType::float64 && steps.triple == sizeof(Vec3) && steps.number == sizeof(double);
-}
-
-const std::byte* first_of(const InputArray& triples) {
-    if (triples.device != nullptr)
-        throw Error(ErrorCode::unsupported,
-                    "the mesh's arrays are memory of the device, which a Mesh cannot read; make a DistanceTransform of "
-                    "the view, or pass arrays of the host");
-    return static_cast<const std::byte*>(triples.host) + triples.offset;
-}
-
-/// Calls f(index, numbers) for each triple, on all cores.
-template <typename Number, typename Function>
-void for_each_triple(const InputArray& triples, const Function& f) {
-    if (triples.count == 0) return;
-    const std::byte* const first = first_of(triples);
-    const Steps steps = steps_of(triples);
-    for_each_index(triples.count, [&](std::size_t i) {
-        const std::byte* const at = first + static_cast<std::ptrdiff_t>(i) * steps.triple;
-        std::array<Number, 3> numbers;
-        for (std::size_t k = 0; k < 3; ++k)
-            std::memcpy(&numbers[k], at + static_cast<std::ptrdiff_t>(k) * steps.number, sizeof(Number));
-        f(i, numbers);
-    });
 }
 
 constexpr std::uint32_t no_index = std::numeric_limits<std::uint32_t>::max();
 
 /// Throws an error that names the first index that is out of range.
 void refuse_triangle(const InputArray& triangles, std::size_t triangle, const std::string& mesh_name) {
-    const Steps steps = steps_of(triangles);
-    const std::byte* const at = first_of(triangles) + static_cast<std::ptrdiff_t>(triangle) * steps.triple;
-    for (std::ptrdiff_t k = 0; k < 3; ++k) {
-        std::uint64_t index = 0;
-        std::memcpy(&index, at + k * steps.number, sizeof index);
+    for (const std::uint64_t index : triple_of<std::uint64_t>(triangles, triangle))
         if (index >= no_index)
             throw Error(ErrorCode::invalid_mesh,
-                        fmt::format("{}: triangle {} has the vertex index {}, and indices count from 0, to {} at most",
+                        fmt::format("{}: triangle {} has the vertex index {}; triangles and indices count from 0, "
+                                    "indices to {} at most",
                                     mesh_name, triangle, static_cast<std::int64_t>(index), no_index - 1));
-    }
 }
 
 }  // namespace
@@ -151,15 +109,12 @@ std::vector<Triangle> read_triangles(const InputArray& triangles, const std::str
         for_each_triple<std::uint32_t>(triangles, [&](std::size_t i, const auto& numbers) { result[i] = numbers; });
         return result;
     }
-    std::atomic<std::size_t> first_refused = triangles.count;
+    LeastIndex refused(triangles.count);
     for_each_triple<std::uint64_t>(triangles, [&](std::size_t i, const auto& numbers) {
         for (std::size_t k = 0; k < 3; ++k) result[i][k] = static_cast<std::uint32_t>(numbers[k]);
-        if (std::max({numbers[0], numbers[1], numbers[2]}) < no_index) return;
-        std::size_t first = first_refused;
-        while (i < first && !first_refused.compare_exchange_weak(first, i)) {
-        }
+        if (std::max({numbers[0], numbers[1], numbers[2]}) >= no_index) refused.take(i);
     });
-    if (first_refused < triangles.count) refuse_triangle(triangles, first_refused, mesh_name);
+    if (refused.get() < triangles.count) refuse_triangle(triangles, refused.get(), mesh_name);
     return result;
 }
 

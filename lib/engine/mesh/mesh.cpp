@@ -30,16 +30,18 @@ void throw_if_bad(std::size_t t, const std::vector<Vec3>& vertices, const std::v
         if (index >= vertices.size())
             throw Error(ErrorCode::invalid_mesh,
                         fmt::format("{}: triangle {} has the vertex index {}{}, but there are only {} vertices; "
-                                    "indices count from 0",
+                                    "triangles and indices count from 0",
                                     name, t, index,
                                     index >> 31 != 0 ? fmt::format(" (signed: {})", static_cast<std::int32_t>(index))
                                                      : std::string(),
                                     vertices.size()));
         const Vec3& vertex = vertices[index];
         if (!is_finite(vertex))
-            throw Error(ErrorCode::invalid_mesh, fmt::format("{}: vertex {}, used by triangle {}, is not finite: ({}, "
-                                                             "{}, {}); repair it, or leave the triangle out",
-                                                             name, index, t, vertex[0], vertex[1], vertex[2]));
+            throw Error(ErrorCode::invalid_mesh,
+                        fmt::format("{}: vertex {}, used by triangle {}, is not finite: ({}, "
+                                    "{}, {}); repair it, or leave the triangle out (both count from "
+                                    "0)",
+                                    name, index, t, vertex[0], vertex[1], vertex[2]));
     }
 }
 
@@ -134,6 +136,11 @@ void Mesh::set_positions(std::vector<Vec3> positions) {
                                                              name_, vertices_.size(), positions.size()));
     box_ = check(positions, triangles_, name_);
     vertices_ = std::move(positions);
+}
+
+void Mesh::set_positions(const InputArray& positions) {
+    check_array(positions, ArrayKind::positions, "positions", ErrorCode::invalid_argument);
+    set_positions(read_positions(positions));
 }
 
 std::uint64_t Mesh::hash() const {

@@ -24,7 +24,8 @@ void check_rotation(const std::array<Vec3, 3>& rotation) {
                 throw Error(
                     ErrorCode::invalid_argument,
                     fmt::format("the matrix is no rotation: the product of its rows {} and {} is {}, and must be {} "
-                                "to 1e-12; make its rows unit vectors at right angles",
+                                "to 1e-12; make its rows unit vectors at right angles in double precision, for "
+                                "example from an angle or a quaternion",
                                 a, b, product(a, b), expected));
     const auto& [x, y, z] = rotation;
     const double determinant =
@@ -62,8 +63,9 @@ std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positi
         if (index == no_vertex) continue;
         const Vec3& to = positions[vertex];
         if (!is_finite(to))
-            throw Error(ErrorCode::invalid_mesh, fmt::format("{}: vertex {} moves to ({}, {}, {}), which is not finite",
-                                                             mesh.name(), vertex, to[0], to[1], to[2]));
+            throw Error(ErrorCode::invalid_mesh,
+                        fmt::format("{}: vertex {}, counted from 0, moves to ({}, {}, {}), which is not finite",
+                                    mesh.name(), vertex, to[0], to[1], to[2]));
         if (first[index] == no_vertex) {
             first[index] = vertex;
             result[index] = to;

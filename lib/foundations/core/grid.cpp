@@ -2,6 +2,8 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 
+#include "core/real_numbers.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +15,24 @@ namespace clsdf {
 
 Length Length::infinite() {
     return in_mesh_units(std::numeric_limits<double>::infinity());
+}
+
+Length Length::parse(std::string_view text, std::string_view name) {
+    if (text == "full") return infinite();
+    Unit unit = Unit::mesh;
+    if (text.ends_with('%'))
+        unit = Unit::extent;
+    else if (text.ends_with('v'))
+        unit = Unit::voxels;
+    const char* const end = text.data() + text.size() - (unit == Unit::mesh ? 0 : 1);
+    double value = 0;
+    const auto [stop, error] = read_real(text.data(), end, value);
+    if (error != std::errc() || stop != end || !std::isfinite(value) || value < 0)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: \"{}\" is not a length: write 10% (of the longest side of the mesh's box), 3v "
+                                "(voxels), 0.05 (the mesh's units) or full",
+                                name, text));
+    return {unit == Unit::extent ? value / 100 : value, unit};
 }
 
 bool Length::is_infinite() const {
@@ -40,7 +60,7 @@ void Band::validate() const {
     if (std::isnan(inside) || std::isnan(outside))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("band: the half widths are {} inside and {} outside, and one that is nan was not set; "
-                                "give both, e.g. Band::symmetric(3 * grid.voxel()), or Band::full() for a full field",
+                                "give both, for example a band of three voxels, or use the full band",
                                 inside, outside));
     if (!(inside >= 0) || !(outside >= 0))
         throw Error(ErrorCode::invalid_argument,
@@ -50,12 +70,12 @@ void Band::validate() const {
     const bool has_no_width = inside == 0 && outside == 0;
     if (has_no_width && !has_signs_only)
         throw Error(ErrorCode::invalid_argument,
-                    "band: both half widths are 0, so no sample has a distance; give one, e.g. "
-                    "Band::symmetric(3 * grid.voxel()), or Band::signs_only() for the signs alone");
+                    "band: both half widths are 0, so no sample has a distance; give one, for example a band of "
+                    "three voxels, or ask for the signs alone");
     if (has_signs_only && !has_no_width)
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("band: it has signs only, and the half widths {} inside and {} outside; set both to 0, "
-                                "or has_signs_only to false",
+                                "or ask for distances, too",
                                 inside, outside));
 }
 

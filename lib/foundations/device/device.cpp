@@ -50,13 +50,14 @@ std::shared_ptr<device::Context> device::shared_context_of(const Device& device)
 Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queue queue) {
     if (context == nullptr || id == nullptr || queue == nullptr)
         throw Error(ErrorCode::invalid_argument,
-                    "Device::from_handles needs a context, a device and a queue; one of them is null");
+                    "a device of OpenCL's handles needs a context, a device and a queue; one of them is null");
     const DefaultFloatingPoint as_usual;
     return device::guarded([&] {
         const cl::CommandQueue callers(queue, true);
         if (callers.getInfo<CL_QUEUE_CONTEXT>()() != context || callers.getInfo<CL_QUEUE_DEVICE>()() != id)
-            throw Error(ErrorCode::invalid_argument,
-                        "Device::from_handles: the queue belongs to another context or device than those given");
+            throw Error(
+                ErrorCode::invalid_argument,
+                "the queue belongs to another context or device than those given; give a queue that was made for both");
         return Device(
             std::make_shared<detail::DeviceContext>(cl::Context(context, true), cl::Device(id, true), callers));
     });

@@ -148,8 +148,7 @@ constexpr KnownFault known_faults[] = {
      .symptom = "cannot compile vectors for AMD's processors with AVX-512 and ends the process",
      .remedy =
          "install PoCL 3.1 or later (Debian's pocl-opencl-icd; PyPI's pocl-binary-distribution ends with 3.0), or "
-         "choose another device (clsdf devices lists them), or in a program Device::from_handles and "
-         "TransformOptions::body = by_group"},
+         "choose another device (clsdf devices lists them)"},
 };
 
 bool has(std::string_view text, std::string_view part) {

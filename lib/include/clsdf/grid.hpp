@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 namespace clsdf {
 
@@ -23,6 +24,9 @@ struct CLSDF_EXPORT Length {
     /// 0.1 is 10% of the longest side of the mesh's own box.
     static Length of_extent(double fraction) { return {fraction, Unit::extent}; }
     static Length infinite();
+    /// What a text means: "10%" (of_extent), "3v" (in_voxels), "0.05" (in_mesh_units) or "full" (infinite). Throws
+    /// Error(invalid_argument) that begins with `name`, the option that has the text, and quotes it.
+    static Length parse(std::string_view text, std::string_view name);
 
     bool is_infinite() const;
 

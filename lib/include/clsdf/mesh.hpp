@@ -67,6 +67,8 @@ public:
     /// New positions of the same vertices. Throws Error(invalid_argument) for another number of them, and
     /// Error(invalid_mesh) if a vertex in use is not finite; the mesh is as before then.
     void set_positions(std::vector<Vec3> positions);
+    /// Copies the caller's array. Throws as above, and Error(unsupported) for memory of the device.
+    void set_positions(const InputArray& positions);
 
     const std::vector<Vec3>& vertices() const { return vertices_; }
     const std::vector<Triangle>& triangles() const { return triangles_; }

@@ -135,8 +135,8 @@ void check_host_memory(const OutputInfo& row, const Grid& grid, const char* owne
     if (is_plain && target.bytes != ArrayLayout::unknown_size) {
         if (target.bytes == packed_bytes(row, target, grid)) return;
         throw misuse(
-            fmt::format("{}, and the array given for the output {} has room for {} values; {} are needed: give a span "
-                        "of exactly these, or set the strides",
+            fmt::format("{0}, and the array given for the output {1} has room for {2} values; {3} are needed: give the "
+                        "array exactly {3} values, or set the strides",
                         fmt::format(fmt::runtime(owner), grid.sample_count()), row.name,
                         target.bytes / static_cast<std::size_t>(width),
                         static_cast<std::size_t>(grid.sample_count()) * row.components));
@@ -393,8 +393,8 @@ DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, con
             if (target.device == nullptr)
                 throw Error(ErrorCode::unsupported,
                             fmt::format("the target of the output {} is memory of the host, and this call writes to "
-                                        "the device's; give all targets memory of the device, or call compute() "
-                                        "with memory of the host",
+                                        "the device's; give all targets memory of the device, or compute without "
+                                        "a plan into memory of the host",
                                         row.name));
             resolve_type(row, target);
             const bool is_packed = resolve_strides(row, grid, target);
