@@ -1423,25 +1423,25 @@ contains
 
   ! ---- Bands and grids ----
 
-  function clsdf_infinity() result(infinity)
+  pure function clsdf_infinity() result(infinity)
     real(c_double) :: infinity
     infinity = ieee_value(infinity, ieee_positive_inf)
   end function
 
-  function clsdf_band_symmetric(half_width) result(band)
+  pure function clsdf_band_symmetric(half_width) result(band)
     real(c_double), intent(in) :: half_width
     type(clsdf_band) :: band
     band = clsdf_band(half_width, half_width)
   end function
 
   !> Every sample carries its distance.
-  function clsdf_band_full() result(band)
+  pure function clsdf_band_full() result(band)
     type(clsdf_band) :: band
     band = clsdf_band_symmetric(clsdf_infinity())
   end function
 
   !> -0.0 inside and +0.0 outside.
-  function clsdf_band_signs_only() result(band)
+  pure function clsdf_band_signs_only() result(band)
     type(clsdf_band) :: band
     band = clsdf_band(0, 0, 1)
   end function
@@ -1456,7 +1456,7 @@ contains
     call clsdf_finish(c_length_resolve(length, voxel, extent, resolved), stat, errmsg)
   end function
 
-  function clsdf_grid_for_c(grid) result(c)
+  pure function clsdf_grid_for_c(grid) result(c)
     type(clsdf_grid), intent(in) :: grid
     type(clsdf_c_grid) :: c
     c = clsdf_c_grid(grid%origin, grid%spacing, grid%size, grid%first - 1)
