@@ -1,6 +1,6 @@
 # PAGE: every name clsdf_... that it has is one of the HEADERS. The first program has at most 25 lines.
 cmake_minimum_required(VERSION 3.25)
-set(known "clsdf_io clsdf_c clsdf_c_io")
+set(known "clsdf_io clsdf_c clsdf_c_io clsdf_c_query_cost")
 foreach(header IN LISTS HEADERS)
   file(READ ${header} text)
   string(APPEND known " ${text}")
