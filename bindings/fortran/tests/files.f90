@@ -41,6 +41,15 @@ program files
   call clsdf_field_missing_files('fortran_field.h5', text)
   call check(text == '', 'no missing file')
 
+  ! A field of the program's own values.
+  call other%create(grid, band, outputs=[CLSDF_DISTANCE, CLSDF_TRIANGLE])
+  call other%array(CLSDF_DISTANCE, phi)
+  call other%array(CLSDF_TRIANGLE, triangle)
+  phi = expected
+  triangle = numbers
+  call clsdf_field_write(other, 'fortran_own.h5')
+  call read_back('fortran_own.h5', 'an own field')
+
   ! Slabs of a call into a file.
   call writer%create('fortran_slabs.h5', grid, band, transform%sign(), 'knot', [CLSDF_DISTANCE, CLSDF_TRIANGLE])
   copy = writer
