@@ -1,5 +1,5 @@
 # The installed package, for find_package(clsdf) and for pkg-config. Each library is a component of its own (core, meshes,
-# io, papers, picture, reference, c, c_io), and so is the command; headers, package files and what else a compiler needs are in
+# io, papers, picture, reference, c, c_io, fortran, fortran_io), and so is the command; headers, package files and what else a compiler needs are in
 # development.
 include(CMakePackageConfigHelpers)
 
@@ -131,6 +131,31 @@ if(CLSDF_BUILD_C)
     clsdf_install_binding(clsdf_c_io c_io "Files of fields, for clsdf in C" clsdf-c)
   endif()
 endif()
+if(CLSDF_BUILD_FORTRAN)
+  # Modules of this compiler; and the sources, for every other one.
+  file(RELATIVE_PATH sources ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_FULL_DATADIR}/clsdf/fortran)
+  set(PC_VARIABLES "sources=\${pcfiledir}/${sources}\n")
+  set(PC_INCLUDE_FOLDER /clsdf/fortran)
+  list(APPEND CLSDF_COMPONENTS fortran)
+  clsdf_install_binding(clsdf_fortran fortran "clsdf in Fortran: signed distance fields of triangle meshes" clsdf-c)
+  if(CLSDF_BUILD_IO)
+    list(APPEND CLSDF_COMPONENTS fortran_io)
+    clsdf_install_binding(clsdf_fortran_io fortran_io "Files of fields, for clsdf in Fortran" clsdf-fortran clsdf-c-io)
+  endif()
+  set(PC_VARIABLES "")
+  set(PC_INCLUDE_FOLDER "")
+  get_target_property(modules clsdf_fortran Fortran_MODULE_DIRECTORY)
+  install(
+    DIRECTORY ${modules}/
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/clsdf/fortran
+    COMPONENT development
+    FILES_MATCHING
+    PATTERN "*.mod")
+  install(
+    FILES bindings/fortran/clsdf.f90 bindings/fortran/clsdf_io.f90
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/clsdf/fortran
+    COMPONENT development)
+endif()
 if(CLSDF_BUILD_APPS)
   install(TARGETS clsdf_command COMPONENT command)
 endif()
@@ -154,7 +179,7 @@ install(
   COMPONENT development)
 
 # The licence goes with every component.
-foreach(component core meshes io papers picture reference c c_io command development)
+foreach(component core meshes io papers picture reference c c_io fortran fortran_io command development)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})
 endforeach()
 # The documents, and all that they link to.
@@ -174,6 +199,12 @@ install(
   COMPONENT development
   FILES_MATCHING
   PATTERN "*.[ch]")
+install(
+  DIRECTORY bindings/fortran/examples
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/bindings/fortran
+  COMPONENT development
+  FILES_MATCHING
+  PATTERN "*.f90")
 install(
   DIRECTORY benchmarks
   DESTINATION ${CMAKE_INSTALL_DOCDIR}

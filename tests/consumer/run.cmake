@@ -328,6 +328,37 @@ elseif(WAY STREQUAL "c")
   run(sh -c "eval \"${line}\"")
   run(${build}/slabs)
 
+elseif(WAY STREQUAL "fortran")
+  # A project in Fortran alone, with the modules that are installed; and with their sources, as another compiler needs.
+  write_readme_program(${build}/readme.cpp)  # and its mesh
+  file(READ ${CLSDF}/docs/fortran.md page)
+  if(NOT page MATCHES "```fortran\n(! first[.]f90: [^`]*)```")
+    message(FATAL_ERROR "docs/fortran.md has no program first.f90")
+  endif()
+  file(WRITE ${build}/first.f90 "${CMAKE_MATCH_1}")
+  file(WRITE ${build}/files.f90 "program files\n  use clsdf_io\n  call clsdf_field_check_path('a.nrrd')\nend program\n")
+  install_package(c fortran development)
+  set(configure_fortran ${CMAKE_COMMAND} -S ${source}/fortran -B ${build} -G ${GENERATOR} -DPROGRAMS=${build}
+                        -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON
+                        -DCMAKE_DISABLE_FIND_PACKAGE_OpenCL=ON -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON)
+  run(${configure_fortran} -DCOMPONENTS=fortran)
+  run(${CMAKE_COMMAND} --build ${build})
+  run(${build}/first)
+  install_package(c_io fortran_io)
+  run(${configure_fortran} -DCOMPONENTS=fortran_io)
+  run(${CMAKE_COMMAND} --build ${build})
+  run(${build}/files)
+
+  # The lines of the page, as a reader would paste them.
+  file(REMOVE ${build}/first)
+  file(STRINGS ${CLSDF}/docs/fortran.md lines REGEX "^(gfortran|fc) .*pkg-config" LIMIT_COUNT 2)
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE "^fc " "gfortran -J . " line "${line}")
+    run(sh -c "eval \"${line}\"")
+    run(${build}/first)
+    file(REMOVE ${build}/first)
+  endforeach()
+
 elseif(WAY STREQUAL "parallel_hdf5")
   find_program(mpirun mpirun)
   execute_process(COMMAND pkg-config --exists hdf5-openmpi RESULT_VARIABLE status)

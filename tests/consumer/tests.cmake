@@ -1,7 +1,11 @@
 # A program of another project builds and runs against the library, in each of the ways there are to get at it.
 # A sanitized library is not one to install.
 if(NOT CLSDF_SANITIZE)
-  foreach(way documents find_package clang add_subdirectory components pkg_config c parallel_hdf5 shared)
+  set(fortran "")
+  if(CLSDF_BUILD_FORTRAN)
+    set(fortran fortran)
+  endif()
+  foreach(way documents find_package clang add_subdirectory components pkg_config c ${fortran} parallel_hdf5 shared)
     # It compiles shared libraries, which no other test does.
     set(configurations "")
     if(way STREQUAL "shared")

@@ -808,6 +808,8 @@ CLSDF_API clsdf_status clsdf_field_outputs(const clsdf_field* field, uint32_t* o
 /* The field's own memory of an output, packed, to read and to write, as long as the field lives. An output that the
  * field does not have: an array without memory. */
 CLSDF_API clsdf_status clsdf_field_array(const clsdf_field* field, int32_t output, clsdf_array* array);
+/* Makes the field's triangles count from 0 or 1. Threads: one. */
+CLSDF_API clsdf_status clsdf_field_set_index_base(clsdf_field* field, int32_t index_base);
 
 /* ---- Files of points ---- */
 

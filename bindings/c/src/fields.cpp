@@ -1,4 +1,5 @@
 #include "handles.hpp"
+#include "index_base.hpp"
 #include "values.hpp"
 
 #include <clsdf/mesh_files.hpp>
@@ -42,6 +43,15 @@ clsdf_status clsdf_field_array(const clsdf_field* field, std::int32_t output, cl
         for (const clsdf_target& target : c::as_c(of(field).field.slab()))
             if (target.output == output) result = target.array;
         given(array, "array") = result;
+    });
+}
+
+clsdf_status clsdf_field_set_index_base(clsdf_field* field, std::int32_t index_base) {
+    return guarded([&] {
+        clsdf_field& self = of(field);
+        const std::int32_t base = c::checked_index_base(index_base);
+        c::shift_triangles(self.field.triangle(), static_cast<std::uint32_t>(base - self.index_base));
+        self.index_base = base;
     });
 }
 

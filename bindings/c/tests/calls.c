@@ -532,6 +532,13 @@ static void check_base(void) {
     OK(clsdf_compute_field(of_base_1, &grid, &band, CLSDF_SET(CLSDF_TRIANGLE), NULL, NULL, &field));
     OK(clsdf_field_array(field, CLSDF_TRIANGLE, &array));
     CHECK(memcmp(array.host, from_1, sizeof from_1) == 0);
+    for (n = 0; n < 2; ++n) {
+        OK(clsdf_field_set_index_base(field, 0));
+        CHECK(*(const uint32_t*)array.host == from_1[0] - 1);
+    }
+    OK(clsdf_field_set_index_base(field, 1));
+    CHECK(memcmp(array.host, from_1, sizeof from_1) == 0);
+    FAILS(CLSDF_INVALID_ARGUMENT, "2", clsdf_field_set_index_base(field, 2));
     clsdf_field_release(field);
     clsdf_transform_release(of_base_1);
 }

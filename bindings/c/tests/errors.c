@@ -127,6 +127,7 @@ static void check_null(void) {
     NULL_FAILS(clsdf_field_describe(NULL, NULL));
     NULL_FAILS(clsdf_field_outputs(NULL, NULL));
     NULL_FAILS(clsdf_field_array(NULL, 0, &array));
+    NULL_FAILS(clsdf_field_set_index_base(NULL, 0));
     NULL_FAILS(clsdf_points_read(NULL, &points));
     NULL_FAILS(clsdf_points_data(NULL, NULL, NULL));
     NULL_FAILS(clsdf_points_write(NULL, 1, NULL, 0, "x.csv", 0));

@@ -1,0 +1,4309 @@
+!> clsdf in Fortran 2008: exact signed distance fields of triangle meshes with OpenCL. docs/fortran.md has whole programs;
+!> it stands on libclsdf_c, whose header clsdf.h states units, ranges, errors and threads of each call: clsdf_mesh_read
+!> there is mesh%read here. A program compiles this file with its own compiler, or uses the module of gfortran that is
+!> installed.
+!>
+!> STATUS. Every procedure that can fail has the optional arguments stat, which is 0 or one of the numbers below, and
+!> errmsg, which is defined only after an error. Without stat, an error writes its message and stops the program.
+!>
+!> HANDLES (clsdf_device, clsdf_mesh, clsdf_transform, clsdf_plan, clsdf_field, clsdf_thread_limit) are counted
+!> references: assignment makes another reference to the same object, and the end of a variable gives its reference
+!> back. release() does so at once.
+!>
+!> ARRAYS are used where they are, whatever their bounds and strides: nothing is copied. Components (of vectors) come
+!> first or after the samples: x(3, n) or x(n, 3), gradient(3, i, j, k) or gradient(i, j, k, 3); of two readings the first
+!> counts.
+!>
+!> INDICES count from 1: vertices, triangles (0: none within reach) and samples of a lattice. Scalars are real(8).
+module clsdf
+  use, intrinsic :: iso_c_binding
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
+  implicit none
+  private
+
+  public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_transform, &
+      clsdf_kept_memory, clsdf_plan, clsdf_field, clsdf_thread_limit
+  public :: clsdf_array, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, clsdf_grid, clsdf_region, &
+      clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, clsdf_slab, clsdf_slab_sink
+  public :: clsdf_progress_procedure, clsdf_stop_procedure, clsdf_log_procedure, clsdf_slab_procedure
+  public :: clsdf_version, clsdf_version_text, clsdf_last_error, clsdf_last_opencl_error, clsdf_set_last_error, &
+      clsdf_status_name, clsdf_type_name, clsdf_sign_name, clsdf_device_kind_name, clsdf_output_count, &
+      clsdf_output_describe, clsdf_band_symmetric, clsdf_band_full, clsdf_band_signs_only, clsdf_infinity, &
+      clsdf_length_resolve, clsdf_devices_list, clsdf_default_record_folder, clsdf_thread_count, clsdf_shape_count, &
+      clsdf_shape_name, clsdf_shape_description, clsdf_slabs_of, clsdf_points_read, clsdf_points_write, &
+      clsdf_points_check_path, clsdf_abandon_unfinished_files
+  ! For the module clsdf_io, not for programs.
+  public :: clsdf_finish, clsdf_text, clsdf_outputs_mask, clsdf_targets_of_samples, clsdf_pack_for_c, clsdf_c_array, &
+      clsdf_c_target, clsdf_c_grid, clsdf_c_description, clsdf_grid_for_c
+
+  ! ---- Numbers ----
+
+  !> The version of this file: MAJOR * 1000000 + MINOR * 1000 + PATCH.
+  integer(c_int64_t), parameter, public :: CLSDF_MODULE_VERSION = 1000
+
+  integer(c_int32_t), parameter, public :: CLSDF_OK = 0, CLSDF_INVALID_MESH = 1, CLSDF_UNREADABLE_INPUT = 2, &
+      CLSDF_INVALID_ARGUMENT = 3, CLSDF_NO_DEVICE = 4, CLSDF_DEVICE_FAILURE = 5, CLSDF_OUT_OF_MEMORY = 6, &
+      CLSDF_UNSUPPORTED = 7, CLSDF_CANCELLED = 8, CLSDF_OUTPUT_FAILURE = 9, CLSDF_WRONG_RESULTS = 10, &
+      CLSDF_UNEXPECTED = -1
+  integer(c_int32_t), parameter, public :: CLSDF_AUTOMATIC = 0, CLSDF_FLOAT32 = 1, CLSDF_FLOAT64 = 2, CLSDF_INT32 = 3, &
+      CLSDF_INT64 = 4, CLSDF_UINT32 = 5, CLSDF_UINT64 = 6, CLSDF_UINT8 = 7
+
+  ! Outputs: one line each, and what their arrays are. Beyond the band vectors are NaN.
+  integer(c_int32_t), parameter, public :: CLSDF_DISTANCE = 0    !< real: signed; always computed
+  integer(c_int32_t), parameter, public :: CLSDF_TRIANGLE = 1    !< integer(4): the nearest triangle; 0 beyond the band
+  integer(c_int32_t), parameter, public :: CLSDF_SITE = 2        !< integer(1): its nearest part: 0 to 2 its vertices, 3 to
+  !                                                                 5 its edges, 6 its face; -1 beyond the band
+  integer(c_int32_t), parameter, public :: CLSDF_CLOSEST = 3     !< real, 3 components: the closest point; in real(4) its
+  !                                                                 offset from the sample
+  integer(c_int32_t), parameter, public :: CLSDF_GRADIENT = 4    !< real, 3 components: a unit vector
+  integer(c_int32_t), parameter, public :: CLSDF_BARYCENTRIC = 5 !< real, 2 components: the weights of the triangle's
+  !                                                                 second and third vertex
+
+  integer(c_int32_t), parameter, public :: CLSDF_SIGN_AUTOMATIC = 0, CLSDF_SIGN_NONZERO = 1, CLSDF_SIGN_PARITY = 2, &
+      CLSDF_SIGN_NONE = 3
+  !> The place of a box.
+  integer(c_int32_t), parameter, public :: CLSDF_WITHIN = 0, CLSDF_INSIDE = 1, CLSDF_OUTSIDE = 2, CLSDF_BEYOND = 3
+  integer(c_int32_t), parameter, public :: CLSDF_GPU = 0, CLSDF_PROCESSOR = 1, CLSDF_ACCELERATOR = 2, &
+      CLSDF_OTHER_DEVICE = 3
+  !> Units of a length; an extent is the longest side of the mesh's box.
+  integer(c_int32_t), parameter, public :: CLSDF_MESH_UNITS = 0, CLSDF_VOXELS = 1, CLSDF_EXTENT = 2
+  !> Stages of a call.
+  integer(c_int32_t), parameter, public :: CLSDF_COMPILING = 0, CLSDF_COMPUTING = 1
+
+  ! ---- Boxes, lengths, bands, grids ----
+
+  type, bind(C) :: clsdf_box
+    real(c_double) :: lower(3) = 0, upper(3) = 0  !< included
+  end type
+
+  type, bind(C) :: clsdf_length
+    real(c_double) :: value = 0
+    integer(c_int32_t) :: unit = CLSDF_MESH_UNITS, reserved = 0
+  end type
+
+  !> clsdf_band(inside, outside): samples with -inside <= distance <= outside carry their distance.
+  type, bind(C) :: clsdf_band
+    real(c_double) :: inside = 0, outside = 0
+    integer(c_int32_t) :: signs_only = 0, reserved = 0
+  end type
+
+  !> A box of the domain, and what is asked in it.
+  type, bind(C) :: clsdf_region
+    type(clsdf_box) :: box
+    real(c_double) :: half_width = 0  !< the largest distance asked for
+    real(c_double) :: spacing = 0     !< the largest spacing of grids; 0: only points and boxes
+  end type
+
+  !> clsdf_grid(origin, spacing, shape(phi), lbound(phi)): sample phi(i, j, k) lies at origin + ((i, j, k) - 1) * spacing.
+  !> `first` are the lower bounds of an array phi for the grid; 1 if it is left out. So a grid is a block of a lattice of
+  !> any extent, and sample (1, 1, 1) of the lattice lies at the origin.
+  type :: clsdf_grid
+    real(c_double) :: origin(3) = 0, spacing(3) = 1
+    integer(c_int64_t) :: size(3) = 0, first(3) = 1
+  contains
+    procedure, private :: grid_around_mesh, grid_around_box
+    generic :: around => grid_around_mesh, grid_around_box
+    procedure :: last => grid_last
+    procedure, private :: grid_part, grid_part_4, grid_block, grid_block_4
+    generic :: part => grid_part, grid_part_4
+    generic :: block => grid_block, grid_block_4
+    procedure :: grown => grid_grown
+    procedure :: refined => grid_refined
+    procedure :: refined_cells => grid_refined_cells
+    procedure :: cell_centred => grid_cell_centred
+    procedure :: position => grid_position
+    procedure :: box => grid_box
+    procedure :: voxel => grid_voxel
+    procedure :: sample_count => grid_sample_count
+    procedure :: validate => grid_validate
+  end type
+
+  ! ---- Arrays and targets ----
+
+  !> An array of the program, or a buffer of the device: clsdf_array(x), or clsdf_array(buffer, type, ...). A variable of
+  !> the program in it must have the attribute target. The components are not for programs.
+  type :: clsdf_array
+    type(c_ptr) :: host = c_null_ptr, device = c_null_ptr
+    integer(c_int32_t) :: type = CLSDF_AUTOMATIC, rank = 0
+    integer(c_int64_t) :: shape(5) = 0, strides(5) = 0  ! bytes
+    integer(c_int64_t) :: offset = 0, count = 0, component_stride = 0, block_stride = 0
+  end type
+
+  !> An output and the array that it is written to: clsdf_target(CLSDF_GRADIENT, g), with the attribute target for g.
+  type :: clsdf_target
+    integer(c_int32_t) :: output = -1
+    type(clsdf_array) :: array
+  end type
+
+  !> A row of the table of outputs.
+  type :: clsdf_output_info
+    integer(c_int32_t) :: output = -1, type = CLSDF_AUTOMATIC
+    integer(c_int64_t) :: components = 0
+    character(:), allocatable :: name, description
+  end type
+
+  !> One box of many.
+  type :: clsdf_request
+    type(clsdf_grid) :: grid
+    type(clsdf_band) :: band
+    type(clsdf_target), allocatable :: targets(:)
+  end type
+
+  !> Equal blocks of one lattice. The block is the last dimension of arrays: phi(i, j, k, block).
+  type :: clsdf_block_set
+    type(clsdf_grid) :: lattice  !< its origin and spacing count
+    type(clsdf_band) :: band
+    integer(c_int64_t) :: size(3) = 0
+    integer(c_int64_t), allocatable :: first(:, :)  !< (3, blocks): the first sample of each, on the lattice, from 1
+    type(clsdf_target), allocatable :: targets(:)
+  end type
+
+  ! ---- Options and results of calls ----
+
+  type, bind(C) :: clsdf_progress
+    integer(c_int32_t) :: stage = 0, reserved = 0
+    real(c_double) :: fraction = 0          !< of the stage, 0 to 1
+    integer(c_int64_t) :: step = 0, steps = 0  !< of compiling
+  end type
+
+  !> Options of one call. A procedure ends the call with a status that it sets to another number than 0, for instance
+  !> CLSDF_CANCELLED; clsdf_set_last_error() sets the message. Its first argument is the options of the call: extend the
+  !> type to hand data on.
+  type :: clsdf_call_options
+    procedure(clsdf_progress_procedure), pointer :: progress => null()  !< called between launches
+    procedure(clsdf_stop_procedure), pointer :: should_stop => null()   !< asked there, too
+    procedure(clsdf_log_procedure), pointer :: log => null()            !< warnings of this call
+    type(c_ptr), allocatable :: wait_list(:)  !< cl_events after which the call uses the caller's memory
+  end type
+
+  abstract interface
+    subroutine clsdf_progress_procedure(options, progress, status)
+      import :: clsdf_call_options, clsdf_progress, c_int32_t
+      class(clsdf_call_options), intent(inout) :: options
+      type(clsdf_progress), intent(in) :: progress
+      integer(c_int32_t), intent(inout) :: status
+    end subroutine
+    subroutine clsdf_stop_procedure(options, status)
+      import :: clsdf_call_options, c_int32_t
+      class(clsdf_call_options), intent(inout) :: options
+      integer(c_int32_t), intent(inout) :: status
+    end subroutine
+    subroutine clsdf_log_procedure(options, message, status)
+      import :: clsdf_call_options, c_int32_t
+      class(clsdf_call_options), intent(inout) :: options
+      character(*), intent(in) :: message
+      integer(c_int32_t), intent(inout) :: status
+    end subroutine
+  end interface
+
+  !> Times (seconds of the host) and memory of a call. The module sets struct_size.
+  type, bind(C) :: clsdf_statistics
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: slabs = 0, device_bytes = 0, host_bytes = 0
+    real(c_double) :: compile_seconds = 0, polyhedra_seconds = 0, field_seconds = 0
+    integer(c_int32_t) :: first_use = 0, reserved = 0
+  end type
+
+  !> Memory that a transform keeps between calls, beside the mesh.
+  type, bind(C) :: clsdf_kept_memory
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: host_bytes = 0, device_bytes = 0
+  end type
+
+  !> A slab of a field: whole slices, in memory that is there until the sink returns.
+  type :: clsdf_slab
+    type(clsdf_grid) :: part
+    type(c_ptr) :: values = c_null_ptr  ! clsdf_target[count] of C
+    integer(c_int64_t) :: count = 0
+  contains
+    procedure, private :: slab_r4_3, slab_r4_4, slab_r8_3, slab_r8_4, slab_i4, slab_i1
+    !> call slab%array(CLSDF_DISTANCE, phi): a pointer to the values of an output, with the lower bounds part%first.
+    generic :: array => slab_r4_3, slab_r4_4, slab_r8_3, slab_r8_4, slab_i4, slab_i1
+  end type
+
+  !> What takes the slabs of transform%compute_slabs(): extend it with the data that it needs.
+  type, abstract :: clsdf_slab_sink
+  contains
+    procedure(clsdf_slab_procedure), deferred :: take
+  end type
+
+  abstract interface
+    !> A status other than 0 ends the call.
+    subroutine clsdf_slab_procedure(sink, slab, status)
+      import :: clsdf_slab_sink, clsdf_slab, c_int32_t
+      class(clsdf_slab_sink), intent(inout) :: sink
+      type(clsdf_slab), intent(in) :: slab
+      integer(c_int32_t), intent(inout) :: status
+    end subroutine
+  end interface
+
+  ! ---- Devices ----
+
+  type :: clsdf_device_info
+    integer(c_int64_t) :: index = -1  !< in the list of devices, as the command and CLSDF_DEVICE count: from 0
+    character(:), allocatable :: name, platform, version, driver
+    character(:), allocatable :: why_not  !< why this library cannot use it; "" if it can
+    integer(c_int64_t) :: compute_units = 0, clock_megahertz = 0, memory = 0, largest_allocation = 0, float_width = 0
+    integer(c_int32_t) :: kind = CLSDF_OTHER_DEVICE
+    logical :: fp64 = .false., atomics64 = .false.
+    type(c_ptr) :: id = c_null_ptr
+  end type
+
+  type :: clsdf_device
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure :: automatic => device_automatic
+    procedure :: strongest => device_strongest
+    procedure :: select => device_select
+    procedure :: of_rank => device_of_rank
+    procedure :: from_handles => device_from_handles
+    procedure :: limited => device_limited
+    procedure :: describe => device_describe
+    procedure :: handles => device_handles
+    procedure :: keep_records => device_keep_records
+    procedure :: read_programs => device_read_programs
+    procedure :: write_programs => device_write_programs
+    procedure :: forget_records => device_forget_records
+    procedure :: record_folder => device_record_folder
+    procedure :: is_set => device_is_set
+    procedure :: release => device_release
+    procedure, private :: device_assign
+    generic :: assignment(=) => device_assign
+    final :: device_end
+  end type
+
+  !> As long as it lives, the loops of the library on the host have fewer threads.
+  type :: clsdf_thread_limit
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure :: set => limit_set
+    procedure :: release => limit_release
+    procedure, private :: limit_assign
+    generic :: assignment(=) => limit_assign
+    final :: limit_end
+  end type
+
+  ! ---- Meshes ----
+
+  type, bind(C) :: clsdf_edge
+    real(c_double) :: from(3) = 0, to(3) = 0
+  end type
+
+  !> What the sign rule depends on.
+  type :: clsdf_topology
+    logical :: closed = .false., balanced = .false., inside_out = .false.
+    integer(c_int64_t) :: open_edges = 0, unbalanced_edges = 0, non_manifold_edges = 0, repeated_vertex_faces = 0, &
+        coincident_vertices = 0, unused_vertices = 0
+    type(clsdf_edge), allocatable :: first_open(:), first_unbalanced(:)  !< at most five
+  end type
+
+  type, bind(C) :: clsdf_defects
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: zero_area_faces = 0, duplicate_faces = 0, components = 0
+  end type
+
+  type :: clsdf_mesh
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure, private :: mesh_create, mesh_create_r4_i4, mesh_create_r4_i8, mesh_create_r8_i4, mesh_create_r8_i8
+    generic :: create => mesh_create, mesh_create_r4_i4, mesh_create_r4_i8, mesh_create_r8_i4, mesh_create_r8_i8
+    procedure :: shape => mesh_shape
+    procedure :: read => mesh_read
+    procedure :: weld => mesh_weld
+    procedure :: write => mesh_write
+    procedure, private :: mesh_set_positions, mesh_set_positions_r4, mesh_set_positions_r8
+    generic :: set_positions => mesh_set_positions, mesh_set_positions_r4, mesh_set_positions_r8
+    procedure :: set_index_base => mesh_set_index_base
+    procedure :: index_base => mesh_index_base
+    procedure :: vertices => mesh_vertices
+    procedure :: triangles => mesh_triangles
+    procedure :: name => mesh_name
+    procedure :: box => mesh_box
+    procedure :: topology => mesh_topology
+    procedure :: defects => mesh_defects
+    procedure :: sign => mesh_sign
+    procedure :: is_set => mesh_is_set
+    procedure :: release => mesh_release
+    procedure, private :: mesh_assign
+    generic :: assignment(=) => mesh_assign
+    final :: mesh_end
+  end type
+
+  ! ---- Transforms ----
+
+  type :: clsdf_transform
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure, private :: transform_create, transform_from_arrays, transform_create_r4, transform_create_r8
+    generic :: create => transform_create, transform_from_arrays, transform_create_r4, transform_create_r8
+    procedure :: restrict => transform_restrict
+    procedure, private :: set_positions_array, set_positions_r4, set_positions_r8
+    generic :: set_positions => set_positions_array, set_positions_r4, set_positions_r8
+    procedure :: set_motion => transform_set_motion
+    procedure, private :: compute_targets, compute_r4, compute_r8, compute_requests
+    generic :: compute => compute_targets, compute_r4, compute_r8, compute_requests
+    procedure, private :: compute_block_set, compute_blocks_r4, compute_blocks_r8
+    generic :: compute_blocks => compute_block_set, compute_blocks_r4, compute_blocks_r8
+    procedure :: compute_slabs => transform_compute_slabs
+    procedure :: compute_field => transform_compute_field
+    procedure, private :: query_targets, query_r4, query_r8, query_xyz_r4, query_xyz_r8
+    generic :: query => query_targets, query_r4, query_r8, query_xyz_r4, query_xyz_r8
+    procedure :: classify => transform_classify
+    procedure :: box => transform_box
+    procedure :: topology => transform_topology
+    procedure :: sign => transform_sign
+    procedure :: index_base => transform_index_base
+    procedure :: device => transform_device
+    procedure :: memory => transform_memory
+    procedure :: compile => transform_compile
+    procedure :: is_set => transform_is_set
+    procedure :: release => transform_release
+    procedure, private :: transform_assign
+    generic :: assignment(=) => transform_assign
+    final :: transform_end
+  end type
+
+  ! ---- Plans: boxes that are computed again and again, into buffers of the device ----
+
+  type :: clsdf_plan
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure, private :: plan_create_grid, plan_create_requests, plan_create_blocks
+    generic :: create => plan_create_grid, plan_create_requests, plan_create_blocks
+    procedure, nopass, private :: plan_bytes_requests, plan_bytes_blocks
+    generic :: bytes => plan_bytes_requests, plan_bytes_blocks
+    procedure :: enqueue => plan_enqueue
+    procedure, private :: plan_enqueue_to, plan_enqueue_to_many
+    generic :: enqueue_to => plan_enqueue_to, plan_enqueue_to_many
+    procedure, private :: plan_update, plan_update_grids, plan_update_requests, plan_update_blocks
+    generic :: update => plan_update, plan_update_grids, plan_update_requests, plan_update_blocks
+    procedure :: sign => plan_sign
+    procedure :: statistics => plan_statistics
+    procedure :: request_count => plan_request_count
+    procedure :: request => plan_request
+    procedure :: is_set => plan_is_set
+    procedure :: release => plan_release
+    procedure, private :: plan_assign
+    generic :: assignment(=) => plan_assign
+    final :: plan_end
+  end type
+
+  ! ---- Fields in the library's memory ----
+
+  type :: clsdf_field
+    type(c_ptr) :: handle = c_null_ptr  ! for clsdf_io
+  contains
+    procedure :: create => field_create
+    procedure :: describe => field_describe
+    procedure :: outputs => field_outputs
+    procedure, private :: field_r4_3, field_r4_4, field_r8_3, field_r8_4, field_i4, field_i1
+    !> call field%array(CLSDF_DISTANCE, phi): a pointer to the field's own memory, with the lower bounds grid%first.
+    generic :: array => field_r4_3, field_r4_4, field_r8_3, field_r8_4, field_i4, field_i1
+    procedure :: is_set => field_is_set
+    procedure :: release => field_release
+    procedure, private :: field_assign
+    generic :: assignment(=) => field_assign
+    final :: field_end
+  end type
+
+  ! ---- Structs of C ----
+
+  type, bind(C) :: clsdf_c_array
+    type(c_ptr) :: host = c_null_ptr, device = c_null_ptr
+    integer(c_int64_t) :: offset = 0, count = 0, strides(3) = 0, component_stride = 0, block_stride = 0, bytes = 0
+    integer(c_int32_t) :: type = CLSDF_AUTOMATIC, reserved = 0
+  end type
+  type, bind(C) :: clsdf_c_target
+    integer(c_int32_t) :: output = 0, reserved = 0
+    type(clsdf_c_array) :: array
+  end type
+  type, bind(C) :: c_targets
+    type(c_ptr) :: items = c_null_ptr
+    integer(c_int64_t) :: count = 0
+  end type
+  type, bind(C) :: c_output_info
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int32_t) :: output = 0, type = 0
+    integer(c_int64_t) :: components = 0
+    type(c_ptr) :: name = c_null_ptr, description = c_null_ptr
+  end type
+  type, bind(C) :: clsdf_c_grid
+    real(c_double) :: origin(3) = 0, spacing(3) = 1
+    integer(c_int64_t) :: size(3) = 0, first(3) = 0
+  end type
+  type, bind(C) :: c_grid_options
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: resolution = 256
+    real(c_double) :: spacing(3) = 0
+    type(clsdf_length) :: margin = clsdf_length(0.05d0, CLSDF_EXTENT)
+    integer(c_int32_t) :: cubic = 0, cell_centred = 0
+  end type
+  type, bind(C) :: c_device_info
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: index = 0
+    type(c_ptr) :: id = c_null_ptr, name = c_null_ptr, platform = c_null_ptr, version = c_null_ptr, &
+        driver = c_null_ptr, why_not = c_null_ptr
+    integer(c_int64_t) :: compute_units = 0, clock_megahertz = 0, memory = 0, largest_allocation = 0, float_width = 0
+    integer(c_int32_t) :: kind = 0, fp64 = 0, atomics64 = 0, reserved = 0
+  end type
+  type, bind(C) :: c_device_limits
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: compute_units = 0, memory = 0
+  end type
+  type, bind(C) :: c_mesh_arrays
+    integer(c_size_t) :: struct_size = 0
+    type(clsdf_c_array) :: vertices, triangles
+    integer(c_int32_t) :: index_base = 1, reserved = 0
+    type(c_ptr) :: name = c_null_ptr
+  end type
+  type, bind(C) :: c_topology
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int32_t) :: closed = 0, balanced = 0, inside_out = 0, reserved = 0
+    integer(c_int64_t) :: open_edges = 0, unbalanced_edges = 0, non_manifold_edges = 0, repeated_vertex_faces = 0, &
+        coincident_vertices = 0, unused_vertices = 0, first_open_count = 0, first_unbalanced_count = 0
+    type(clsdf_edge) :: first_open(5), first_unbalanced(5)
+  end type
+  type, bind(C) :: c_call_options
+    integer(c_size_t) :: struct_size = 0
+    type(c_ptr) :: user = c_null_ptr
+    type(c_funptr) :: progress = c_null_funptr, should_stop = c_null_funptr, log = c_null_funptr
+    type(c_ptr) :: wait_list = c_null_ptr
+    integer(c_int64_t) :: wait_count = 0
+  end type
+  type, bind(C) :: c_transform_options
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int32_t) :: sign = CLSDF_SIGN_AUTOMATIC, reserved = 0
+    integer(c_int64_t) :: kept_bytes = -1
+  end type
+  type, bind(C) :: c_request
+    type(clsdf_c_grid) :: grid
+    type(clsdf_band) :: band
+    type(c_targets) :: targets
+  end type
+  type, bind(C) :: c_block_set
+    integer(c_size_t) :: struct_size = 0
+    type(clsdf_c_grid) :: lattice
+    type(clsdf_band) :: band
+    integer(c_int64_t) :: size(3) = 0
+    type(c_ptr) :: first = c_null_ptr
+    integer(c_int64_t) :: block_count = 0
+    type(c_targets) :: targets
+  end type
+  type, bind(C) :: c_slab_options
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int32_t) :: own_thread = 0, reserved = 0
+  end type
+  type, bind(C) :: clsdf_c_description
+    integer(c_size_t) :: struct_size = 0
+    type(clsdf_c_grid) :: grid
+    type(clsdf_band) :: band
+    integer(c_int32_t) :: sign = CLSDF_SIGN_NONE, reserved = 0
+    type(c_ptr) :: mesh_name = c_null_ptr
+  end type
+
+  ! What a call hands to C, and keeps for its duration.
+  type :: caller
+    type(c_call_options) :: c
+    class(clsdf_call_options), pointer :: options => null()
+  end type
+  type :: slab_taker
+    class(clsdf_slab_sink), pointer :: sink => null()
+  end type
+  type :: request_list
+    type(c_request), allocatable :: items(:)
+    type(clsdf_c_target), allocatable :: targets(:)
+  end type
+  type :: block_list
+    type(c_block_set) :: c
+    integer(c_int64_t), allocatable :: first(:, :)
+    type(clsdf_c_target), allocatable :: targets(:)
+  end type
+
+  interface clsdf_array
+    module procedure array_of_buffer, array_r4_1, array_r4_2, array_r4_3, array_r4_4, array_r4_5, array_r8_1, &
+        array_r8_2, array_r8_3, array_r8_4, array_r8_5, array_i4_1, array_i4_2, array_i4_3, array_i4_4, &
+        array_i8_2, array_i1_1, array_i1_3, array_i1_4
+  end interface
+  interface clsdf_target
+    module procedure target_of_array, target_of_buffer, target_r4_1, target_r4_2, target_r4_3, target_r4_4, &
+        target_r4_5, target_r8_1, target_r8_2, target_r8_3, target_r8_4, target_r8_5, target_i4_1, &
+        target_i4_3, target_i4_4, target_i1_1, target_i1_3, target_i1_4
+  end interface
+
+  ! ---- Functions of C ----
+
+  interface
+    function c_strlen(text) bind(C, name="strlen") result(value)
+      import
+      integer(c_size_t) :: value
+      type(c_ptr), value :: text
+    end function
+    function c_version() bind(C, name="clsdf_version") result(value)
+      import
+      integer(c_int64_t) :: value
+    end function
+    function c_version_text() bind(C, name="clsdf_version_text") result(value)
+      import
+      type(c_ptr) :: value
+    end function
+    function c_status_name(status) bind(C, name="clsdf_status_name") result(value)
+      import
+      type(c_ptr) :: value
+      integer(c_int32_t), value :: status
+    end function
+    function c_type_name(type) bind(C, name="clsdf_type_name") result(value)
+      import
+      type(c_ptr) :: value
+      integer(c_int32_t), value :: type
+    end function
+    function c_sign_name(rule) bind(C, name="clsdf_sign_name") result(value)
+      import
+      type(c_ptr) :: value
+      integer(c_int32_t), value :: rule
+    end function
+    function c_device_kind_name(kind) bind(C, name="clsdf_device_kind_name") result(value)
+      import
+      type(c_ptr) :: value
+      integer(c_int32_t), value :: kind
+    end function
+    function c_last_error() bind(C, name="clsdf_last_error") result(value)
+      import
+      type(c_ptr) :: value
+    end function
+    function c_last_opencl_error() bind(C, name="clsdf_last_opencl_error") result(value)
+      import
+      integer(c_int32_t) :: value
+    end function
+    subroutine c_set_last_error(message) bind(C, name="clsdf_set_last_error")
+      import
+      character(kind=c_char), intent(in) :: message(*)
+    end subroutine
+    subroutine c_devices_release(devices) bind(C, name="clsdf_devices_release")
+      import
+      type(c_ptr), value :: devices
+    end subroutine
+    subroutine c_device_retain(device) bind(C, name="clsdf_device_retain")
+      import
+      type(c_ptr), value :: device
+    end subroutine
+    subroutine c_device_release(device) bind(C, name="clsdf_device_release")
+      import
+      type(c_ptr), value :: device
+    end subroutine
+    subroutine c_mesh_retain(mesh) bind(C, name="clsdf_mesh_retain")
+      import
+      type(c_ptr), value :: mesh
+    end subroutine
+    subroutine c_mesh_release(mesh) bind(C, name="clsdf_mesh_release")
+      import
+      type(c_ptr), value :: mesh
+    end subroutine
+    subroutine c_transform_retain(transform) bind(C, name="clsdf_transform_retain")
+      import
+      type(c_ptr), value :: transform
+    end subroutine
+    subroutine c_transform_release(transform) bind(C, name="clsdf_transform_release")
+      import
+      type(c_ptr), value :: transform
+    end subroutine
+    subroutine c_plan_retain(plan) bind(C, name="clsdf_plan_retain")
+      import
+      type(c_ptr), value :: plan
+    end subroutine
+    subroutine c_plan_release(plan) bind(C, name="clsdf_plan_release")
+      import
+      type(c_ptr), value :: plan
+    end subroutine
+    subroutine c_field_retain(field) bind(C, name="clsdf_field_retain")
+      import
+      type(c_ptr), value :: field
+    end subroutine
+    subroutine c_field_release(field) bind(C, name="clsdf_field_release")
+      import
+      type(c_ptr), value :: field
+    end subroutine
+    subroutine c_points_release(points) bind(C, name="clsdf_points_release")
+      import
+      type(c_ptr), value :: points
+    end subroutine
+    subroutine c_thread_limit_retain(limit) bind(C, name="clsdf_thread_limit_retain")
+      import
+      type(c_ptr), value :: limit
+    end subroutine
+    subroutine c_thread_limit_release(limit) bind(C, name="clsdf_thread_limit_release")
+      import
+      type(c_ptr), value :: limit
+    end subroutine
+    function c_output_count() bind(C, name="clsdf_output_count") result(value)
+      import
+      integer(c_int64_t) :: value
+    end function
+    function c_output_describe(output, info) bind(C, name="clsdf_output_describe") result(value)
+      import
+      integer(c_int32_t) :: value
+      integer(c_int32_t), value :: output
+      type(c_output_info), intent(inout) :: info
+    end function
+    function c_length_resolve(length, voxel, extent, resolved) bind(C, name="clsdf_length_resolve") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_length), intent(in) :: length
+      real(c_double), value :: voxel, extent
+      real(c_double), intent(out) :: resolved
+    end function
+    function c_grid_around_box(box, options, grid) bind(C, name="clsdf_grid_around_box") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_box), intent(in) :: box
+      type(c_grid_options), intent(in) :: options
+      type(clsdf_c_grid), intent(out) :: grid
+    end function
+    function c_grid_around_mesh(mesh, resolution, band, grid) bind(C, name="clsdf_grid_around_mesh") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      integer(c_int64_t), value :: resolution
+      type(clsdf_band), intent(in) :: band
+      type(clsdf_c_grid), intent(out) :: grid
+    end function
+    function c_grid_part(grid, offset, size, result) bind(C, name="clsdf_grid_part") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int64_t), intent(in) :: offset(*), size(*)
+      type(clsdf_c_grid), intent(out) :: result
+    end function
+    function c_grid_block(grid, first, size, result) bind(C, name="clsdf_grid_block") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int64_t), intent(in) :: first(*), size(*)
+      type(clsdf_c_grid), intent(out) :: result
+    end function
+    function c_grid_grown(grid, samples, result) bind(C, name="clsdf_grid_grown") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int64_t), value :: samples
+      type(clsdf_c_grid), intent(out) :: result
+    end function
+    function c_grid_refined(grid, ratio, result) bind(C, name="clsdf_grid_refined") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int64_t), value :: ratio
+      type(clsdf_c_grid), intent(out) :: result
+    end function
+    function c_grid_refined_cells(grid, ratio, result) bind(C, name="clsdf_grid_refined_cells") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int64_t), value :: ratio
+      type(clsdf_c_grid), intent(out) :: result
+    end function
+    function c_grid_cell_centred(grid, result) bind(C, name="clsdf_grid_cell_centred") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_c_grid), intent(out) :: result
+    end function
+    function c_grid_position(grid, i, j, k, position) bind(C, name="clsdf_grid_position") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int64_t), value :: i, j, k
+      real(c_double), intent(out) :: position(*)
+    end function
+    function c_grid_box(grid, box) bind(C, name="clsdf_grid_box") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_box), intent(out) :: box
+    end function
+    function c_grid_voxel(grid, voxel) bind(C, name="clsdf_grid_voxel") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      real(c_double), intent(out) :: voxel
+    end function
+    function c_grid_sample_count(grid, count) bind(C, name="clsdf_grid_sample_count") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_grid_validate(grid) bind(C, name="clsdf_grid_validate") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+    end function
+    function c_devices_list(devices) bind(C, name="clsdf_devices_list") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), intent(out) :: devices
+    end function
+    function c_devices_count(devices) bind(C, name="clsdf_devices_count") result(value)
+      import
+      integer(c_int64_t) :: value
+      type(c_ptr), value :: devices
+    end function
+    function c_devices_describe(devices, index, info) bind(C, name="clsdf_devices_describe") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: devices
+      integer(c_int64_t), value :: index
+      type(c_device_info), intent(inout) :: info
+    end function
+    function c_device_strongest(device) bind(C, name="clsdf_device_strongest") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), intent(out) :: device
+    end function
+    function c_device_select(index_or_part, device) bind(C, name="clsdf_device_select") result(value)
+      import
+      integer(c_int32_t) :: value
+      character(kind=c_char), intent(in) :: index_or_part(*)
+      type(c_ptr), intent(out) :: device
+    end function
+    function c_device_automatic(device) bind(C, name="clsdf_device_automatic") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), intent(out) :: device
+    end function
+    function c_device_of_rank(rank, ranks, device) bind(C, name="clsdf_device_of_rank") result(value)
+      import
+      integer(c_int32_t) :: value
+      integer(c_int64_t), value :: rank, ranks
+      type(c_ptr), intent(out) :: device
+    end function
+    function c_device_from_handles(context, id, queue, device) bind(C, name="clsdf_device_from_handles") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: context, id, queue
+      type(c_ptr), intent(out) :: device
+    end function
+    function c_device_limited(device, limits, limited) bind(C, name="clsdf_device_limited") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      type(c_device_limits), intent(in) :: limits
+      type(c_ptr), intent(out) :: limited
+    end function
+    function c_device_describe(device, info) bind(C, name="clsdf_device_describe") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      type(c_device_info), intent(inout) :: info
+    end function
+    function c_device_handles(device, context, id, queue) bind(C, name="clsdf_device_handles") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      type(c_ptr), intent(out) :: context, id, queue
+    end function
+    function c_device_keep_records(device, folder) bind(C, name="clsdf_device_keep_records") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      character(kind=c_char), intent(in) :: folder(*)
+    end function
+    function c_device_read_programs(device, folder) bind(C, name="clsdf_device_read_programs") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      character(kind=c_char), intent(in) :: folder(*)
+    end function
+    function c_device_write_programs(device, folder) bind(C, name="clsdf_device_write_programs") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      character(kind=c_char), intent(in) :: folder(*)
+    end function
+    function c_device_forget_records(device) bind(C, name="clsdf_device_forget_records") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+    end function
+    function c_device_record_folder(device, text, size, length) &
+        bind(C, name="clsdf_device_record_folder") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device, text
+      integer(c_int64_t), value :: size
+      integer(c_int64_t), intent(out) :: length
+    end function
+    function c_default_record_folder(text, size, length) bind(C, name="clsdf_default_record_folder") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: text
+      integer(c_int64_t), value :: size
+      integer(c_int64_t), intent(out) :: length
+    end function
+    function c_limit_threads(count, limit) bind(C, name="clsdf_limit_threads") result(value)
+      import
+      integer(c_int32_t) :: value
+      integer(c_int64_t), value :: count
+      type(c_ptr), intent(out) :: limit
+    end function
+    function c_thread_count() bind(C, name="clsdf_thread_count") result(value)
+      import
+      integer(c_int64_t) :: value
+    end function
+    function c_mesh_create(arrays, mesh) bind(C, name="clsdf_mesh_create") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_mesh_arrays), intent(in) :: arrays
+      type(c_ptr), intent(out) :: mesh
+    end function
+    function c_mesh_shape(name, mesh) bind(C, name="clsdf_mesh_shape") result(value)
+      import
+      integer(c_int32_t) :: value
+      character(kind=c_char), intent(in) :: name(*)
+      type(c_ptr), intent(out) :: mesh
+    end function
+    function c_mesh_read(path, mesh) bind(C, name="clsdf_mesh_read") result(value)
+      import
+      integer(c_int32_t) :: value
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(out) :: mesh
+    end function
+    function c_mesh_weld(mesh, welded) bind(C, name="clsdf_mesh_weld") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(c_ptr), intent(out) :: welded
+    end function
+    function c_mesh_write(mesh, path, colours, colour_count) bind(C, name="clsdf_mesh_write") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh, colours
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int64_t), value :: colour_count
+    end function
+    function c_shape_count() bind(C, name="clsdf_shape_count") result(value)
+      import
+      integer(c_int64_t) :: value
+    end function
+    function c_shape_name(index) bind(C, name="clsdf_shape_name") result(value)
+      import
+      type(c_ptr) :: value
+      integer(c_int64_t), value :: index
+    end function
+    function c_shape_description(index) bind(C, name="clsdf_shape_description") result(value)
+      import
+      type(c_ptr) :: value
+      integer(c_int64_t), value :: index
+    end function
+    function c_mesh_set_positions(mesh, positions) bind(C, name="clsdf_mesh_set_positions") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(clsdf_c_array), intent(in) :: positions
+    end function
+    function c_mesh_set_index_base(mesh, index_base) bind(C, name="clsdf_mesh_set_index_base") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      integer(c_int32_t), value :: index_base
+    end function
+    function c_mesh_vertices(mesh, vertices, count) bind(C, name="clsdf_mesh_vertices") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(c_ptr), intent(out) :: vertices
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_mesh_triangles(mesh, triangles, count) bind(C, name="clsdf_mesh_triangles") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(c_ptr), intent(out) :: triangles
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_mesh_index_base(mesh, index_base) bind(C, name="clsdf_mesh_index_base") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      integer(c_int32_t), intent(out) :: index_base
+    end function
+    function c_mesh_name(mesh, name) bind(C, name="clsdf_mesh_name") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(c_ptr), intent(out) :: name
+    end function
+    function c_mesh_box(mesh, box) bind(C, name="clsdf_mesh_box") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(clsdf_box), intent(out) :: box
+    end function
+    function c_mesh_topology(mesh, topology) bind(C, name="clsdf_mesh_topology") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(c_topology), intent(inout) :: topology
+    end function
+    function c_mesh_defects(mesh, defects) bind(C, name="clsdf_mesh_defects") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(clsdf_defects), intent(inout) :: defects
+    end function
+    function c_mesh_sign(mesh, asked, rule, warning, size, length) bind(C, name="clsdf_mesh_sign") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh, warning
+      integer(c_int32_t), value :: asked
+      integer(c_int32_t), intent(out) :: rule
+      integer(c_int64_t), value :: size
+      integer(c_int64_t), intent(out) :: length
+    end function
+    function c_transform_create(device, mesh, options, call, transform) &
+        bind(C, name="clsdf_transform_create") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device, mesh, call
+      type(c_transform_options), intent(in) :: options
+      type(c_ptr), intent(out) :: transform
+    end function
+    function c_transform_from_arrays(device, arrays, options, call, transform) &
+        bind(C, name="clsdf_transform_from_arrays") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device, call
+      type(c_mesh_arrays), intent(in) :: arrays
+      type(c_transform_options), intent(in) :: options
+      type(c_ptr), intent(out) :: transform
+    end function
+    function c_transform_restrict(transform, regions, count, restricted) &
+        bind(C, name="clsdf_transform_restrict") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      type(clsdf_region), intent(in) :: regions(*)
+      integer(c_int64_t), value :: count
+      type(c_ptr), intent(out) :: restricted
+    end function
+    function c_transform_set_positions(transform, positions, call) &
+        bind(C, name="clsdf_transform_set_positions") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(clsdf_c_array), intent(in) :: positions
+    end function
+    function c_transform_set_motion(transform, rotation, translation) &
+        bind(C, name="clsdf_transform_set_motion") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      real(c_double), intent(in) :: rotation(*), translation(*)
+    end function
+    function c_compute(transform, grid, band, targets, target_count, call, statistics) &
+        bind(C, name="clsdf_compute") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      type(clsdf_c_target), intent(in) :: targets(*)
+      integer(c_int64_t), value :: target_count
+    end function
+    function c_compute_requests(transform, requests, count, call, statistics) &
+        bind(C, name="clsdf_compute_requests") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(c_request), intent(in) :: requests(*)
+      integer(c_int64_t), value :: count
+    end function
+    function c_compute_blocks(transform, blocks, call, statistics) bind(C, name="clsdf_compute_blocks") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(c_block_set), intent(in) :: blocks
+    end function
+    function c_compute_slabs(transform, grid, band, outputs, sink, user, options, call, statistics) &
+        bind(C, name="clsdf_compute_slabs") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, user, options, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      integer(c_int32_t), value :: outputs
+      type(c_funptr), value :: sink
+    end function
+    function c_compute_field(transform, grid, band, outputs, call, statistics, field) &
+        bind(C, name="clsdf_compute_field") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), intent(out) :: field
+    end function
+    function c_slabs_of(grid, slabs, size, count) bind(C, name="clsdf_slabs_of") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_c_grid), intent(inout) :: slabs(*)
+      integer(c_int64_t), value :: size
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_query(transform, points, half_width, targets, target_count, call, statistics) &
+        bind(C, name="clsdf_query") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_array), intent(in) :: points
+      real(c_double), value :: half_width
+      type(clsdf_c_target), intent(in) :: targets(*)
+      integer(c_int64_t), value :: target_count
+    end function
+    function c_classify(transform, boxes, count, half_width, places) bind(C, name="clsdf_classify") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      type(clsdf_box), intent(in) :: boxes(*)
+      integer(c_int64_t), value :: count
+      real(c_double), value :: half_width
+      integer(c_int8_t), intent(out) :: places(*)
+    end function
+    function c_transform_box(transform, box) bind(C, name="clsdf_transform_box") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      type(clsdf_box), intent(out) :: box
+    end function
+    function c_transform_topology(transform, topology) bind(C, name="clsdf_transform_topology") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      type(c_topology), intent(inout) :: topology
+    end function
+    function c_transform_sign(transform, rule) bind(C, name="clsdf_transform_sign") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      integer(c_int32_t), intent(out) :: rule
+    end function
+    function c_transform_index_base(transform, index_base) bind(C, name="clsdf_transform_index_base") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      integer(c_int32_t), intent(out) :: index_base
+    end function
+    function c_transform_device(transform, device) bind(C, name="clsdf_transform_device") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      type(c_ptr), intent(out) :: device
+    end function
+    function c_transform_memory(transform, memory) bind(C, name="clsdf_transform_memory") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform
+      type(clsdf_kept_memory), intent(inout) :: memory
+    end function
+    function c_transform_compile(transform, grid, band, outputs, call, statistics) &
+        bind(C, name="clsdf_transform_compile") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      integer(c_int32_t), value :: outputs
+    end function
+    function c_plan_create(transform, grid, band, outputs, call, plan) bind(C, name="clsdf_plan_create") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), intent(out) :: plan
+    end function
+    function c_plan_create_requests(transform, requests, count, call, plan) &
+        bind(C, name="clsdf_plan_create_requests") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(c_request), intent(in) :: requests(*)
+      integer(c_int64_t), value :: count
+      type(c_ptr), intent(out) :: plan
+    end function
+    function c_plan_create_blocks(transform, blocks, call, plan) &
+        bind(C, name="clsdf_plan_create_blocks") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(c_block_set), intent(in) :: blocks
+      type(c_ptr), intent(out) :: plan
+    end function
+    function c_plan_bytes_requests(transform, requests, count, call, bytes) &
+        bind(C, name="clsdf_plan_bytes_requests") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(c_request), intent(in) :: requests(*)
+      integer(c_int64_t), value :: count
+      integer(c_int64_t), intent(out) :: bytes
+    end function
+    function c_plan_bytes_blocks(transform, blocks, call, bytes) bind(C, name="clsdf_plan_bytes_blocks") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(c_block_set), intent(in) :: blocks
+      integer(c_int64_t), intent(out) :: bytes
+    end function
+    function c_plan_enqueue(plan, queue, wait_list, wait_count, done) bind(C, name="clsdf_plan_enqueue") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, queue, wait_list, done
+      integer(c_int64_t), value :: wait_count
+    end function
+    function c_plan_enqueue_to(plan, queue, targets, count, wait_list, wait_count, done) &
+        bind(C, name="clsdf_plan_enqueue_to") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, queue, wait_list, done
+      type(c_targets), intent(in) :: targets(*)
+      integer(c_int64_t), value :: count, wait_count
+    end function
+    function c_plan_update(plan, transform, call) bind(C, name="clsdf_plan_update") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, transform, call
+    end function
+    function c_plan_update_grids(plan, transform, grids, count, call) &
+        bind(C, name="clsdf_plan_update_grids") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, transform, call
+      type(clsdf_c_grid), intent(in) :: grids(*)
+      integer(c_int64_t), value :: count
+    end function
+    function c_plan_update_requests(plan, transform, requests, count, call) &
+        bind(C, name="clsdf_plan_update_requests") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, transform, call
+      type(c_request), intent(in) :: requests(*)
+      integer(c_int64_t), value :: count
+    end function
+    function c_plan_update_blocks(plan, transform, blocks, call) &
+        bind(C, name="clsdf_plan_update_blocks") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, transform, call
+      type(c_block_set), intent(in) :: blocks
+    end function
+    function c_plan_sign(plan, rule) bind(C, name="clsdf_plan_sign") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan
+      integer(c_int32_t), intent(out) :: rule
+    end function
+    function c_plan_statistics(plan, statistics) bind(C, name="clsdf_plan_statistics") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, statistics
+    end function
+    function c_plan_request_count(plan, count) bind(C, name="clsdf_plan_request_count") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_plan_request(plan, index, grid, band, targets, size, target_count) &
+        bind(C, name="clsdf_plan_request") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan
+      integer(c_int64_t), value :: index, size
+      type(clsdf_c_grid), intent(out) :: grid
+      type(clsdf_band), intent(out) :: band
+      type(clsdf_c_target), intent(inout) :: targets(*)
+      integer(c_int64_t), intent(out) :: target_count
+    end function
+    function c_field_create(description, outputs, field) bind(C, name="clsdf_field_create") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_description), intent(in) :: description
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), intent(out) :: field
+    end function
+    function c_field_describe(field, description) bind(C, name="clsdf_field_describe") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: field
+      type(clsdf_c_description), intent(inout) :: description
+    end function
+    function c_field_outputs(field, outputs) bind(C, name="clsdf_field_outputs") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: field
+      integer(c_int32_t), intent(out) :: outputs
+    end function
+    function c_field_array(field, output, array) bind(C, name="clsdf_field_array") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: field
+      integer(c_int32_t), value :: output
+      type(clsdf_c_array), intent(out) :: array
+    end function
+    function c_field_set_index_base(field, index_base) bind(C, name="clsdf_field_set_index_base") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: field
+      integer(c_int32_t), value :: index_base
+    end function
+    function c_points_read(path, points) bind(C, name="clsdf_points_read") result(value)
+      import
+      integer(c_int32_t) :: value
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(out) :: points
+    end function
+    function c_points_data(points, positions, count) bind(C, name="clsdf_points_data") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: points
+      type(c_ptr), intent(out) :: positions
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_points_write(positions, count, results, result_count, path, outputs) &
+        bind(C, name="clsdf_points_write") result(value)
+      import
+      integer(c_int32_t) :: value
+      real(c_double), intent(in) :: positions(*)
+      integer(c_int64_t), value :: count, result_count
+      type(clsdf_c_target), intent(in) :: results(*)
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int32_t), value :: outputs
+    end function
+    function c_points_check_path(path) bind(C, name="clsdf_points_check_path") result(value)
+      import
+      integer(c_int32_t) :: value
+      character(kind=c_char), intent(in) :: path(*)
+    end function
+    subroutine c_abandon_unfinished_files() bind(C, name="clsdf_abandon_unfinished_files")
+      import
+    end subroutine
+  end interface
+
+contains
+
+  ! ---- Version, numbers, errors ----
+
+  !> The version of the library in use: CLSDF_MODULE_VERSION if it is that of this file.
+  function clsdf_version() result(version)
+    integer(c_int64_t) :: version
+    version = c_version()
+  end function
+
+  function clsdf_version_text() result(text)
+    character(:), allocatable :: text
+    text = clsdf_text(c_version_text())
+  end function
+
+  !> The whole message of this thread's last call; "" after a success.
+  function clsdf_last_error() result(text)
+    character(:), allocatable :: text
+    text = clsdf_text(c_last_error())
+  end function
+
+  function clsdf_last_opencl_error() result(code)
+    integer(c_int32_t) :: code
+    code = c_last_opencl_error()
+  end function
+
+  !> For procedures that end a call: its message.
+  subroutine clsdf_set_last_error(message)
+    character(*), intent(in) :: message
+    call c_set_last_error(trim(message)//c_null_char)
+  end subroutine
+
+  function clsdf_status_name(status) result(text)
+    integer(c_int32_t), intent(in) :: status
+    character(:), allocatable :: text
+    text = clsdf_text(c_status_name(status))
+  end function
+
+  function clsdf_type_name(type) result(text)
+    integer(c_int32_t), intent(in) :: type
+    character(:), allocatable :: text
+    text = clsdf_text(c_type_name(type))
+  end function
+
+  function clsdf_sign_name(rule) result(text)
+    integer(c_int32_t), intent(in) :: rule
+    character(:), allocatable :: text
+    text = clsdf_text(c_sign_name(rule))
+  end function
+
+  function clsdf_device_kind_name(kind) result(text)
+    integer(c_int32_t), intent(in) :: kind
+    character(:), allocatable :: text
+    text = clsdf_text(c_device_kind_name(kind))
+  end function
+
+  !> A text of C; "" for null.
+  function clsdf_text(first) result(text)
+    type(c_ptr), intent(in) :: first
+    character(:), allocatable :: text
+    character(kind=c_char), pointer :: letters(:)
+    integer :: i
+    if (.not. c_associated(first)) then
+      text = ''
+      return
+    end if
+    call c_f_pointer(first, letters, [c_strlen(first)])
+    allocate (character(size(letters)) :: text)
+    do i = 1, size(letters)
+      text(i:i) = letters(i)
+    end do
+  end function
+
+  !> Ends a call: hands the status on, or stops the program.
+  subroutine clsdf_finish(status, stat, errmsg)
+    integer(c_int32_t), intent(in) :: status
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    if (present(stat)) stat = status
+    if (status == CLSDF_OK) return
+    if (present(errmsg)) errmsg = clsdf_last_error()
+    if (present(stat)) return
+    write (error_unit, '(4a)') 'clsdf: ', clsdf_status_name(status), ': ', clsdf_last_error()
+    error stop 1
+  end subroutine
+
+  function refused(message) result(status)
+    character(*), intent(in) :: message
+    integer(c_int32_t) :: status
+    call clsdf_set_last_error(message)
+    status = CLSDF_INVALID_ARGUMENT
+  end function
+
+  function clsdf_output_count() result(count)
+    integer(c_int64_t) :: count
+    count = c_output_count()
+  end function
+
+  !> Outputs are 0 to clsdf_output_count() - 1.
+  subroutine clsdf_output_describe(output, info, stat, errmsg)
+    integer(c_int32_t), intent(in) :: output
+    type(clsdf_output_info), intent(out) :: info
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_output_info) :: c
+    integer(c_int32_t) :: status
+    c%struct_size = c_sizeof(c)
+    status = c_output_describe(output, c)
+    info%output = c%output
+    info%type = c%type
+    info%components = c%components
+    info%name = clsdf_text(c%name)
+    info%description = clsdf_text(c%description)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The set of outputs as C has it; 0, the distance, if none are given.
+  function clsdf_outputs_mask(outputs) result(mask)
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    integer(c_int32_t) :: mask
+    integer :: i
+    mask = 0
+    if (.not. present(outputs)) return
+    do i = 1, size(outputs)
+      mask = ibset(mask, max(0, min(31, outputs(i))))
+    end do
+  end function
+
+  ! ---- Bands and grids ----
+
+  pure function clsdf_infinity() result(infinity)
+    real(c_double) :: infinity
+    infinity = ieee_value(infinity, ieee_positive_inf)
+  end function
+
+  pure function clsdf_band_symmetric(half_width) result(band)
+    real(c_double), intent(in) :: half_width
+    type(clsdf_band) :: band
+    band = clsdf_band(half_width, half_width)
+  end function
+
+  !> Every sample carries its distance.
+  pure function clsdf_band_full() result(band)
+    type(clsdf_band) :: band
+    band = clsdf_band_symmetric(clsdf_infinity())
+  end function
+
+  !> -0.0 inside and +0.0 outside.
+  pure function clsdf_band_signs_only() result(band)
+    type(clsdf_band) :: band
+    band = clsdf_band(0, 0, 1)
+  end function
+
+  !> In the mesh's units; `voxel` is the grid's smallest spacing, `extent` the longest side of the mesh's box.
+  function clsdf_length_resolve(length, voxel, extent, stat, errmsg) result(resolved)
+    type(clsdf_length), intent(in) :: length
+    real(c_double), intent(in) :: voxel, extent
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_double) :: resolved
+    call clsdf_finish(c_length_resolve(length, voxel, extent, resolved), stat, errmsg)
+  end function
+
+  pure function clsdf_grid_for_c(grid) result(c)
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_c_grid) :: c
+    c = clsdf_c_grid(grid%origin, grid%spacing, grid%size, grid%first - 1)
+  end function
+
+  subroutine take_grid(c, grid)
+    type(clsdf_c_grid), intent(in) :: c
+    class(clsdf_grid), intent(inout) :: grid
+    grid%origin = c%origin
+    grid%spacing = c%spacing
+    grid%size = c%size
+    grid%first = c%first + 1
+  end subroutine
+
+  !> A grid around a mesh with `resolution` samples on the longest side. The margin is the band's outside half width; 5%
+  !> of the longest side if it is infinite.
+  subroutine grid_around_mesh(self, mesh, resolution, band, stat, errmsg)
+    class(clsdf_grid), intent(inout) :: self
+    type(clsdf_mesh), intent(in) :: mesh
+    integer, intent(in) :: resolution
+    type(clsdf_band), intent(in) :: band
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_grid) :: c
+    integer(c_int32_t) :: status
+    status = c_grid_around_mesh(mesh%handle, int(resolution, c_int64_t), band, c)
+    if (status == CLSDF_OK) call take_grid(c, self)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> A grid around a box. Either `resolution`, the samples on the longest side, margin included (256), or `spacing`.
+  subroutine grid_around_box(self, box, resolution, spacing, margin, cubic, cell_centred, stat, errmsg)
+    class(clsdf_grid), intent(inout) :: self
+    type(clsdf_box), intent(in) :: box
+    integer, intent(in), optional :: resolution
+    real(c_double), intent(in), optional :: spacing(3)
+    type(clsdf_length), intent(in), optional :: margin  !< 5% of the longest side
+    logical, intent(in), optional :: cubic, cell_centred
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_grid_options) :: options
+    type(clsdf_c_grid) :: c
+    integer(c_int32_t) :: status
+    options%struct_size = c_sizeof(options)
+    if (present(resolution)) options%resolution = resolution
+    if (present(spacing)) options%spacing = spacing
+    if (present(margin)) options%margin = margin
+    if (present(cubic)) options%cubic = merge(1, 0, cubic)
+    if (present(cell_centred)) options%cell_centred = merge(1, 0, cell_centred)
+    status = c_grid_around_box(box, options, c)
+    if (status == CLSDF_OK) call take_grid(c, self)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The upper bounds of an array for the grid, whose lower bounds are `first`.
+  pure function grid_last(self) result(last)
+    class(clsdf_grid), intent(in) :: self
+    integer(c_int64_t) :: last(3)
+    last = self%first + self%size - 1
+  end function
+
+  !> The block from sample first(3) of the lattice on; must be inside this grid.
+  function grid_part(self, first, size, stat, errmsg) result(part)
+    class(clsdf_grid), intent(in) :: self
+    integer(c_int64_t), intent(in) :: first(3), size(3)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_grid) :: part
+    type(clsdf_c_grid) :: c
+    call clsdf_finish(c_grid_part(c_of(self), first - self%first, size, c), stat, errmsg)
+    call take_grid(c, part)
+  end function
+
+  function grid_part_4(self, first, size, stat, errmsg) result(part)
+    class(clsdf_grid), intent(in) :: self
+    integer(c_int32_t), intent(in) :: first(3), size(3)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_grid) :: part
+    part = self%part(int(first, c_int64_t), int(size, c_int64_t), stat, errmsg)
+  end function
+
+  !> Any block of this lattice.
+  function grid_block(self, first, size, stat, errmsg) result(block)
+    class(clsdf_grid), intent(in) :: self
+    integer(c_int64_t), intent(in) :: first(3), size(3)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_grid) :: block
+    type(clsdf_c_grid) :: c
+    call clsdf_finish(c_grid_block(c_of(self), first - 1, size, c), stat, errmsg)
+    call take_grid(c, block)
+  end function
+
+  function grid_block_4(self, first, size, stat, errmsg) result(block)
+    class(clsdf_grid), intent(in) :: self
+    integer(c_int32_t), intent(in) :: first(3), size(3)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_grid) :: block
+    block = self%block(int(first, c_int64_t), int(size, c_int64_t), stat, errmsg)
+  end function
+
+  !> So many samples more on every side; fewer if negative.
+  function grid_grown(self, samples, stat, errmsg) result(grown)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(in) :: samples
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_grid) :: grown
+    type(clsdf_c_grid) :: c
+    call clsdf_finish(c_grid_grown(c_of(self), int(samples, c_int64_t), c), stat, errmsg)
+    call take_grid(c, grown)
+  end function
+
+  !> A lattice `ratio` times as fine, from the first sample to the last: samples at nodes.
+  function grid_refined(self, ratio, stat, errmsg) result(refined)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(in) :: ratio
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_grid) :: refined
+    type(clsdf_c_grid) :: c
+    call clsdf_finish(c_grid_refined(c_of(self), int(ratio, c_int64_t), c), stat, errmsg)
+    call take_grid(c, refined)
+  end function
+
+  !> The same for samples at centres of cells: each cell becomes ratio**3 cells.
+  function grid_refined_cells(self, ratio, stat, errmsg) result(refined)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(in) :: ratio
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_grid) :: refined
+    type(clsdf_c_grid) :: c
+    call clsdf_finish(c_grid_refined_cells(c_of(self), int(ratio, c_int64_t), c), stat, errmsg)
+    call take_grid(c, refined)
+  end function
+
+  !> Shifted by half a voxel on every axis.
+  function grid_cell_centred(self, stat, errmsg) result(centred)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_grid) :: centred
+    type(clsdf_c_grid) :: c
+    call clsdf_finish(c_grid_cell_centred(c_of(self), c), stat, errmsg)
+    call take_grid(c, centred)
+  end function
+
+  !> Of sample (i, j, k) of the lattice: of phi(i, j, k) with the lower bounds `first`.
+  function grid_position(self, i, j, k, stat, errmsg) result(position)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(in) :: i, j, k
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_double) :: position(3)
+    integer(c_int64_t) :: from(3)
+    from = int([i, j, k], c_int64_t) - self%first
+    call clsdf_finish(c_grid_position(c_of(self), from(1), from(2), from(3), position), stat, errmsg)
+  end function
+
+  !> From the first sample to the last.
+  function grid_box(self, stat, errmsg) result(box)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_box) :: box
+    call clsdf_finish(c_grid_box(c_of(self), box), stat, errmsg)
+  end function
+
+  !> The smallest spacing.
+  function grid_voxel(self, stat, errmsg) result(voxel)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_double) :: voxel
+    call clsdf_finish(c_grid_voxel(c_of(self), voxel), stat, errmsg)
+  end function
+
+  function grid_sample_count(self, stat, errmsg) result(count)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: count
+    call clsdf_finish(c_grid_sample_count(c_of(self), count), stat, errmsg)
+  end function
+
+  subroutine grid_validate(self, stat, errmsg)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_grid_validate(c_of(self)), stat, errmsg)
+  end subroutine
+
+  function c_of(grid) result(c)
+    class(clsdf_grid), intent(in) :: grid
+    type(clsdf_c_grid) :: c
+    c = clsdf_c_grid(grid%origin, grid%spacing, grid%size, grid%first - 1)
+  end function
+
+  !> The slabs of a field on a device that sets no closer limit.
+  subroutine clsdf_slabs_of(grid, slabs, stat, errmsg)
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_grid), allocatable, intent(out) :: slabs(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_grid), allocatable :: c(:)
+    integer(c_int64_t) :: count, found
+    integer(c_int32_t) :: status
+    integer :: i
+    allocate (c(0))
+    status = c_slabs_of(c_of(grid), c, 0_c_int64_t, count)
+    if (status == CLSDF_OK) then
+      deallocate (c)
+      allocate (c(count), slabs(count))
+      status = c_slabs_of(c_of(grid), c, count, found)
+      do i = 1, size(slabs)
+        call take_grid(c(i), slabs(i))
+      end do
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! ---- Arrays: where they lie, without a copy ----
+
+  function array_r4_1(x) result(array)
+    real(c_float), intent(in), target :: x(:)
+    type(clsdf_array) :: array
+    integer :: k(1)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT32, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1)), [c_loc(x(k(1)))])
+  end function
+
+  function array_r4_2(x) result(array)
+    real(c_float), intent(in), target :: x(:, :)
+    type(clsdf_array) :: array
+    integer :: k(2)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT32, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1)), [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
+  end function
+
+  function array_r4_3(x) result(array)
+    real(c_float), intent(in), target :: x(:, :, :)
+    type(clsdf_array) :: array
+    integer :: k(3)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT32, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1)), [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
+  end function
+
+  function array_r4_4(x) result(array)
+    real(c_float), intent(in), target :: x(:, :, :, :)
+    type(clsdf_array) :: array
+    integer :: k(4)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT32, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), c_loc(x(1, 1, 1, k(4)))])
+  end function
+
+  function array_r4_5(x) result(array)
+    real(c_float), intent(in), target :: x(:, :, :, :, :)
+    type(clsdf_array) :: array
+    integer :: k(5)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT32, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1, 1, 1)), c_loc(x(1, k(2), 1, 1, 1)), c_loc(x(1, 1, k(3), 1, 1)), &
+        c_loc(x(1, 1, 1, k(4), 1)), c_loc(x(1, 1, 1, 1, k(5)))])
+  end function
+
+  function array_r8_1(x) result(array)
+    real(c_double), intent(in), target :: x(:)
+    type(clsdf_array) :: array
+    integer :: k(1)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT64, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1)), [c_loc(x(k(1)))])
+  end function
+
+  function array_r8_2(x) result(array)
+    real(c_double), intent(in), target :: x(:, :)
+    type(clsdf_array) :: array
+    integer :: k(2)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT64, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1)), [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
+  end function
+
+  function array_r8_3(x) result(array)
+    real(c_double), intent(in), target :: x(:, :, :)
+    type(clsdf_array) :: array
+    integer :: k(3)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT64, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1)), [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
+  end function
+
+  function array_r8_4(x) result(array)
+    real(c_double), intent(in), target :: x(:, :, :, :)
+    type(clsdf_array) :: array
+    integer :: k(4)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT64, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), c_loc(x(1, 1, 1, k(4)))])
+  end function
+
+  function array_r8_5(x) result(array)
+    real(c_double), intent(in), target :: x(:, :, :, :, :)
+    type(clsdf_array) :: array
+    integer :: k(5)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_FLOAT64, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1, 1, 1)), c_loc(x(1, k(2), 1, 1, 1)), c_loc(x(1, 1, k(3), 1, 1)), &
+        c_loc(x(1, 1, 1, k(4), 1)), c_loc(x(1, 1, 1, 1, k(5)))])
+  end function
+
+  function array_i4_1(x) result(array)
+    integer(c_int32_t), intent(in), target :: x(:)
+    type(clsdf_array) :: array
+    integer :: k(1)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_INT32, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1)), [c_loc(x(k(1)))])
+  end function
+
+  function array_i4_2(x) result(array)
+    integer(c_int32_t), intent(in), target :: x(:, :)
+    type(clsdf_array) :: array
+    integer :: k(2)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_INT32, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1)), [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
+  end function
+
+  function array_i4_3(x) result(array)
+    integer(c_int32_t), intent(in), target :: x(:, :, :)
+    type(clsdf_array) :: array
+    integer :: k(3)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_INT32, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1)), [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
+  end function
+
+  function array_i4_4(x) result(array)
+    integer(c_int32_t), intent(in), target :: x(:, :, :, :)
+    type(clsdf_array) :: array
+    integer :: k(4)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_INT32, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), c_loc(x(1, 1, 1, k(4)))])
+  end function
+
+  function array_i8_2(x) result(array)
+    integer(c_int64_t), intent(in), target :: x(:, :)
+    type(clsdf_array) :: array
+    integer :: k(2)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_INT64, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1)), [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
+  end function
+
+  function array_i1_1(x) result(array)
+    integer(c_int8_t), intent(in), target :: x(:)
+    type(clsdf_array) :: array
+    integer :: k(1)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_UINT8, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1)), [c_loc(x(k(1)))])
+  end function
+
+  function array_i1_3(x) result(array)
+    integer(c_int8_t), intent(in), target :: x(:, :, :)
+    type(clsdf_array) :: array
+    integer :: k(3)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_UINT8, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1)), [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
+  end function
+
+  function array_i1_4(x) result(array)
+    integer(c_int8_t), intent(in), target :: x(:, :, :, :)
+    type(clsdf_array) :: array
+    integer :: k(4)
+    k = int(min(2_c_int64_t, shape(x, c_int64_t)))
+    call describe(array, CLSDF_UINT8, shape(x, c_int64_t))
+    if (any(k == 0)) return
+    call place(array, c_loc(x(1, 1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), c_loc(x(1, 1, 1, k(4)))])
+  end function
+
+  !> Numbers in a buffer of the device. Bytes, as in C: of the first number, from a sample to the next along each axis,
+  !> from a component to the next, from a block to the next. `count`: of items, which points need.
+  function array_of_buffer(buffer, type, count, offset, strides, component_stride, block_stride) result(array)
+    type(c_ptr), intent(in) :: buffer
+    integer(c_int32_t), intent(in) :: type
+    integer(c_int64_t), intent(in), optional :: count, offset, strides(3), component_stride, block_stride
+    type(clsdf_array) :: array
+    array%device = buffer
+    array%type = type
+    if (present(count)) array%count = count
+    if (present(offset)) array%offset = offset
+    if (present(strides)) array%strides(1:3) = strides
+    if (present(component_stride)) array%component_stride = component_stride
+    if (present(block_stride)) array%block_stride = block_stride
+  end function
+
+  subroutine describe(array, type, shape)
+    type(clsdf_array), intent(inout) :: array
+    integer(c_int32_t), intent(in) :: type
+    integer(c_int64_t), intent(in) :: shape(:)
+    array%type = type
+    array%rank = size(shape)
+    array%shape(1:size(shape)) = shape
+  end subroutine
+
+  !> Strides from the addresses of neighbouring elements. An axis of one element gets any.
+  subroutine place(array, first, neighbours)
+    type(clsdf_array), intent(inout) :: array
+    type(c_ptr), intent(in) :: first, neighbours(:)
+    integer(c_int64_t) :: packed
+    integer :: i
+    array%host = first
+    packed = bytes_of(array%type)
+    do i = 1, size(neighbours)
+      array%strides(i) = address(neighbours(i)) - address(first)
+      if (array%shape(i) == 1) array%strides(i) = packed
+      packed = array%strides(i)*array%shape(i)
+    end do
+  end subroutine
+
+  pure function bytes_of(type) result(bytes)
+    integer(c_int32_t), intent(in) :: type
+    integer(c_int64_t) :: bytes
+    integer(c_int64_t), parameter :: of_types(7) = [4, 8, 4, 8, 4, 8, 1]
+    bytes = of_types(type)
+  end function
+
+  pure function address(pointer) result(number)
+    type(c_ptr), intent(in) :: pointer
+    integer(c_intptr_t) :: number
+    number = transfer(pointer, number)
+  end function
+
+  !> An array of items as C describes it. `items`: their number along each axis; the first `axes` of them have strides of
+  !> their own, the next one is that of blocks. Components come first, or after the axes.
+  subroutine for_c(array, what, components, items, axes, c, status)
+    type(clsdf_array), intent(in) :: array
+    character(*), intent(in) :: what
+    integer(c_int64_t), intent(in) :: components, items(:)
+    integer, intent(in) :: axes
+    type(clsdf_c_array), intent(out) :: c
+    integer(c_int32_t), intent(inout) :: status
+    integer :: n, skipped
+    integer :: rest(5)
+    c%type = array%type
+    if (c_associated(array%device)) then
+      c%device = array%device
+      c%offset = array%offset
+      c%count = array%count
+      c%strides = array%strides(1:3)
+      c%component_stride = array%component_stride
+      c%block_stride = array%block_stride
+      return
+    end if
+    n = size(items)
+    skipped = 0  ! the axis of components; 0: none
+    if (components == 1) then
+      if (array%rank /= n .or. any(array%shape(1:n) /= items)) skipped = -1
+    else if (array%rank /= n + 1) then
+      skipped = -1
+    else if (array%shape(1) == components .and. all(array%shape(2:n + 1) == items)) then
+      skipped = 1
+    else if (array%shape(axes + 1) == components .and. all(array%shape(1:axes) == items(1:axes)) .and. &
+        all(array%shape(axes + 2:n + 1) == items(axes + 1:))) then
+      skipped = axes + 1
+    else
+      skipped = -1
+    end if
+    if (skipped < 0) then
+      status = refused('the array of the '//what//' has the shape '//joined(array%shape(1:array%rank))//'; give it '// &
+          shapes(components, items, axes))
+      return
+    end if
+    rest = [1, 2, 3, 4, 5]
+    if (skipped > 0) rest(skipped:4) = rest(skipped + 1:5)
+    c%host = array%host
+    if (axes == 1) c%count = items(1)
+    c%strides(1:axes) = array%strides(rest(1:axes))
+    if (skipped > 0) c%component_stride = array%strides(skipped)
+    if (n > axes) c%block_stride = array%strides(rest(axes + 1))
+  end subroutine
+
+  function shapes(components, items, axes) result(text)
+    integer(c_int64_t), intent(in) :: components, items(:)
+    integer, intent(in) :: axes
+    character(:), allocatable :: text
+    text = joined(items)
+    if (components > 1) text = joined([components, items])//' or '//joined([items(1:axes), components, items(axes + 1:)])
+  end function
+
+  function joined(numbers) result(text)
+    integer(c_int64_t), intent(in) :: numbers(:)
+    character(:), allocatable :: text
+    character(24) :: number
+    integer :: i
+    text = '('
+    do i = 1, size(numbers)
+      write (number, '(i0)') numbers(i)
+      if (i > 1) text = text//', '
+      text = text//trim(number)
+    end do
+    text = text//')'
+  end function
+
+  !> Targets as C has them, whose arrays fit the items.
+  subroutine clsdf_targets_of_samples(targets, items, axes, c, status)
+    type(clsdf_target), intent(in) :: targets(:)
+    integer(c_int64_t), intent(in) :: items(:)
+    integer, intent(in) :: axes
+    type(clsdf_c_target), intent(out) :: c(:)
+    integer(c_int32_t), intent(inout) :: status
+    type(c_output_info) :: info
+    integer :: i
+    do i = 1, size(targets)
+      info = c_output_info(c_sizeof(info))
+      if (status == CLSDF_OK) status = c_output_describe(targets(i)%output, info)
+      if (status /= CLSDF_OK) return
+      c(i)%output = targets(i)%output
+      call for_c(targets(i)%array, clsdf_text(info%name), info%components, items, axes, c(i)%array, status)
+    end do
+  end subroutine
+
+  function target_r4_1(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), intent(in), target :: x(:)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_r4_2(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), intent(in), target :: x(:, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_r4_3(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), intent(in), target :: x(:, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_r4_4(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), intent(in), target :: x(:, :, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_r4_5(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), intent(in), target :: x(:, :, :, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_r8_1(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), intent(in), target :: x(:)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_r8_2(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), intent(in), target :: x(:, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_r8_3(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), intent(in), target :: x(:, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_r8_4(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), intent(in), target :: x(:, :, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_r8_5(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), intent(in), target :: x(:, :, :, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_i4_1(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int32_t), intent(in), target :: x(:)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_i4_3(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int32_t), intent(in), target :: x(:, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_i4_4(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int32_t), intent(in), target :: x(:, :, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_i1_1(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int8_t), intent(in), target :: x(:)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_i1_3(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int8_t), intent(in), target :: x(:, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_i1_4(output, x) result(target)
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int8_t), intent(in), target :: x(:, :, :, :)
+    type(clsdf_target) :: target
+    target = target_of_array(output, clsdf_array(x))
+  end function
+
+  function target_of_array(output, array) result(target)
+    integer(c_int32_t), intent(in) :: output
+    type(clsdf_array), intent(in) :: array
+    type(clsdf_target) :: target
+    target%output = output
+    target%array = array
+  end function
+
+  function target_of_buffer(output, buffer, type, offset, strides, component_stride, block_stride) result(target)
+    integer(c_int32_t), intent(in) :: output
+    type(c_ptr), intent(in) :: buffer
+    integer(c_int32_t), intent(in) :: type
+    integer(c_int64_t), intent(in), optional :: offset, strides(3), component_stride, block_stride
+    type(clsdf_target) :: target
+    target%output = output
+    target%array = array_of_buffer(buffer, type, offset=offset, strides=strides, component_stride=component_stride, &
+        block_stride=block_stride)
+  end function
+
+  ! ---- Calls: options, statistics, slabs ----
+
+  !> The options of a call for C, null for none. `given` lives as long as the call.
+  function options_for_c(given, options) result(pointer)
+    type(caller), intent(inout), target :: given
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(c_ptr) :: pointer
+    pointer = c_null_ptr
+    if (.not. present(options)) return
+    given%options => options
+    given%c%struct_size = c_sizeof(given%c)
+    given%c%user = c_loc(given)
+    if (associated(options%progress)) given%c%progress = c_funloc(on_progress)
+    if (associated(options%should_stop)) given%c%should_stop = c_funloc(on_stop)
+    if (associated(options%log)) given%c%log = c_funloc(on_log)
+    if (allocated(options%wait_list)) then
+      given%c%wait_count = size(options%wait_list)
+      if (size(options%wait_list) > 0) given%c%wait_list = c_loc(options%wait_list(1))
+    end if
+    pointer = c_loc(given%c)
+  end function
+
+  function on_progress(user, progress) bind(C) result(status)
+    type(c_ptr), value :: user
+    type(clsdf_progress), intent(in) :: progress
+    integer(c_int32_t) :: status
+    type(caller), pointer :: given
+    call c_f_pointer(user, given)
+    status = CLSDF_OK
+    call given%options%progress(progress, status)
+  end function
+
+  function on_stop(user) bind(C) result(status)
+    type(c_ptr), value :: user
+    integer(c_int32_t) :: status
+    type(caller), pointer :: given
+    call c_f_pointer(user, given)
+    status = CLSDF_OK
+    call given%options%should_stop(status)
+  end function
+
+  function on_log(user, message) bind(C) result(status)
+    type(c_ptr), value :: user, message
+    integer(c_int32_t) :: status
+    type(caller), pointer :: given
+    call c_f_pointer(user, given)
+    status = CLSDF_OK
+    call given%options%log(clsdf_text(message), status)
+  end function
+
+  function on_slab(user, part, values, count) bind(C) result(status)
+    type(c_ptr), value :: user, values
+    type(clsdf_c_grid), intent(in) :: part
+    integer(c_int64_t), value :: count
+    integer(c_int32_t) :: status
+    type(slab_taker), pointer :: taker
+    type(clsdf_slab) :: slab
+    call c_f_pointer(user, taker)
+    call take_grid(part, slab%part)
+    slab%values = values
+    slab%count = count
+    status = CLSDF_OK
+    call taker%sink%take(slab, status)
+  end function
+
+  function statistics_for_c(statistics) result(pointer)
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    type(c_ptr) :: pointer
+    pointer = c_null_ptr
+    if (.not. present(statistics)) return
+    statistics%struct_size = c_sizeof(statistics)
+    pointer = c_loc(statistics)
+  end function
+
+  ! ---- Devices ----
+
+  !> All devices of all platforms, also those that cannot be used.
+  subroutine clsdf_devices_list(devices, stat, errmsg)
+    type(clsdf_device_info), allocatable, intent(out) :: devices(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr) :: list
+    type(c_device_info) :: c
+    integer(c_int32_t) :: status
+    integer :: i
+    status = c_devices_list(list)
+    allocate (devices(c_devices_count(list)))
+    do i = 1, size(devices)
+      c = c_device_info(c_sizeof(c))
+      if (status == CLSDF_OK) status = c_devices_describe(list, int(i - 1, c_int64_t), c)
+      if (status == CLSDF_OK) call take_info(c, devices(i))
+    end do
+    call c_devices_release(list)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine take_info(c, info)
+    type(c_device_info), intent(in) :: c
+    type(clsdf_device_info), intent(out) :: info
+    info%index = c%index
+    info%id = c%id
+    info%name = clsdf_text(c%name)
+    info%platform = clsdf_text(c%platform)
+    info%version = clsdf_text(c%version)
+    info%driver = clsdf_text(c%driver)
+    info%why_not = clsdf_text(c%why_not)
+    info%compute_units = c%compute_units
+    info%clock_megahertz = c%clock_megahertz
+    info%memory = c%memory
+    info%largest_allocation = c%largest_allocation
+    info%float_width = c%float_width
+    info%kind = c%kind
+    info%fp64 = c%fp64 == 1
+    info%atomics64 = c%atomics64 == 1
+  end subroutine
+
+  !> device%select() with the environment variable CLSDF_DEVICE if it is set and not empty, else the strongest.
+  subroutine device_automatic(self, stat, errmsg)
+    class(clsdf_device), intent(inout) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%release()
+    call clsdf_finish(c_device_automatic(self%handle), stat, errmsg)
+  end subroutine
+
+  !> The strongest GPU, else the strongest other device.
+  subroutine device_strongest(self, stat, errmsg)
+    class(clsdf_device), intent(inout) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%release()
+    call clsdf_finish(c_device_strongest(self%handle), stat, errmsg)
+  end subroutine
+
+  !> A whole number is an index in the list, from 0. Any other text is a part of the name of exactly one usable device.
+  subroutine device_select(self, index_or_part, stat, errmsg)
+    class(clsdf_device), intent(inout) :: self
+    character(*), intent(in) :: index_or_part
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%release()
+    call clsdf_finish(c_device_select(trim(index_or_part)//c_null_char, self%handle), stat, errmsg)
+  end subroutine
+
+  !> The share of a process: `rank` of the `ranks` processes on this machine, 0 <= rank < ranks, as MPI counts.
+  subroutine device_of_rank(self, rank, ranks, stat, errmsg)
+    class(clsdf_device), intent(inout) :: self
+    integer, intent(in) :: rank, ranks
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%release()
+    call clsdf_finish(c_device_of_rank(int(rank, c_int64_t), int(ranks, c_int64_t), self%handle), stat, errmsg)
+  end subroutine
+
+  !> Retains the caller's cl_context, cl_device_id and cl_command_queue.
+  subroutine device_from_handles(self, context, id, queue, stat, errmsg)
+    class(clsdf_device), intent(inout) :: self
+    type(c_ptr), intent(in) :: context, id, queue
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%release()
+    call clsdf_finish(c_device_from_handles(context, id, queue, self%handle), stat, errmsg)
+  end subroutine
+
+  !> The same device with limits: compute units to use, and bytes of the buffers of one transform and its plans; 0: all.
+  subroutine device_limited(self, limited, compute_units, memory, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    type(clsdf_device), intent(inout) :: limited
+    integer(c_int64_t), intent(in), optional :: compute_units, memory
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_device_limits) :: limits
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    limits%struct_size = c_sizeof(limits)
+    if (present(compute_units)) limits%compute_units = compute_units
+    if (present(memory)) limits%memory = memory
+    status = c_device_limited(self%handle, limits, handle)
+    call limited%release()
+    limited%handle = handle
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine device_describe(self, info, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    type(clsdf_device_info), intent(out) :: info
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_device_info) :: c
+    integer(c_int32_t) :: status
+    c%struct_size = c_sizeof(c)
+    status = c_device_describe(self%handle, c)
+    if (status == CLSDF_OK) call take_info(c, info)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The cl_context, cl_device_id and cl_command_queue, which belong to the device.
+  subroutine device_handles(self, context, id, queue, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    type(c_ptr), intent(out) :: context, id, queue
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_device_handles(self%handle, context, id, queue), stat, errmsg)
+  end subroutine
+
+  !> Keeps records of passed tests in the folder; "": none.
+  subroutine device_keep_records(self, folder, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    character(*), intent(in) :: folder
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_device_keep_records(self%handle, trim(folder)//c_null_char), stat, errmsg)
+  end subroutine
+
+  !> Takes compiled programs from a folder in which nobody else can write; "": none.
+  subroutine device_read_programs(self, folder, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    character(*), intent(in) :: folder
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_device_read_programs(self%handle, trim(folder)//c_null_char), stat, errmsg)
+  end subroutine
+
+  !> Writes programs that are compiled from now on to the folder, too; "": none.
+  subroutine device_write_programs(self, folder, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    character(*), intent(in) :: folder
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_device_write_programs(self%handle, trim(folder)//c_null_char), stat, errmsg)
+  end subroutine
+
+  subroutine device_forget_records(self, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_device_forget_records(self%handle), stat, errmsg)
+  end subroutine
+
+  !> The folder of keep_records().
+  subroutine device_record_folder(self, folder, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    character(:), allocatable, intent(out) :: folder
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    character(kind=c_char), allocatable, target :: text(:)
+    integer(c_int64_t) :: length, written
+    integer(c_int32_t) :: status
+    status = c_device_record_folder(self%handle, c_null_ptr, 0_c_int64_t, length)
+    if (status == CLSDF_OK) then
+      allocate (text(length + 1))
+      status = c_device_record_folder(self%handle, c_loc(text), length + 1, written)
+      folder = clsdf_text(c_loc(text))
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The folder that clsdf's command uses; "" if none is known.
+  subroutine clsdf_default_record_folder(folder, stat, errmsg)
+    character(:), allocatable, intent(out) :: folder
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    character(kind=c_char), allocatable, target :: text(:)
+    integer(c_int64_t) :: length, written
+    integer(c_int32_t) :: status
+    status = c_default_record_folder(c_null_ptr, 0_c_int64_t, length)
+    if (status == CLSDF_OK) then
+      allocate (text(length + 1))
+      status = c_default_record_folder(c_loc(text), length + 1, written)
+      folder = clsdf_text(c_loc(text))
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The loops of the library on the host have at most `count` threads, the calling one included, while `self` lives.
+  subroutine limit_set(self, count, stat, errmsg)
+    class(clsdf_thread_limit), intent(inout) :: self
+    integer, intent(in) :: count
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%release()
+    call clsdf_finish(c_limit_threads(int(count, c_int64_t), self%handle), stat, errmsg)
+  end subroutine
+
+  function clsdf_thread_count() result(count)
+    integer(c_int64_t) :: count
+    count = c_thread_count()
+  end function
+
+  ! ---- Meshes ----
+
+  !> A checked copy of arrays of the host: vertices(3, n), and triangles(3, m) from 1.
+  subroutine mesh_create(self, vertices, triangles, name, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    type(clsdf_array), intent(in) :: vertices, triangles
+    character(*), intent(in), optional :: name
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_mesh_arrays) :: c
+    character(:), allocatable, target :: text
+    integer(c_int32_t) :: status
+    call self%release()
+    call mesh_for_c(vertices, triangles, name, c, text, status)
+    if (status == CLSDF_OK) status = c_mesh_create(c, self%handle)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> `text` keeps the name for the call.
+  subroutine mesh_for_c(vertices, triangles, name, c, text, status)
+    type(clsdf_array), intent(in) :: vertices, triangles
+    character(*), intent(in), optional :: name
+    type(c_mesh_arrays), intent(inout) :: c
+    character(:), allocatable, target, intent(inout) :: text
+    integer(c_int32_t), intent(out) :: status
+    status = CLSDF_OK
+    c%struct_size = c_sizeof(c)
+    call rows_for_c(vertices, 'vertices', c%vertices, status)
+    if (status == CLSDF_OK) call rows_for_c(triangles, 'triangles', c%triangles, status)
+    ! Only arrays of the host count from 1 in C.
+    if (c_associated(triangles%device)) c%index_base = 0
+    if (.not. present(name)) return
+    text = trim(name)//c_null_char
+    c%name = c_loc(text)
+  end subroutine
+
+  !> An array of triples.
+  subroutine rows_for_c(array, what, c, status)
+    type(clsdf_array), intent(in) :: array
+    character(*), intent(in) :: what
+    type(clsdf_c_array), intent(inout) :: c
+    integer(c_int32_t), intent(inout) :: status
+    integer(c_int64_t) :: count
+    count = array%shape(2)
+    if (array%shape(1) /= 3) count = array%shape(1)
+    if (.not. c_associated(array%device) .and. (array%rank /= 2 .or. all(array%shape(1:2) /= 3))) then
+      status = refused('the array of the '//what//' has the shape '//joined(array%shape(1:array%rank))// &
+          '; give it (3, n) or (n, 3)')
+      return
+    end if
+    call for_c(array, what, 3_c_int64_t, [count], 1, c, status)
+  end subroutine
+
+  subroutine mesh_create_r4_i4(self, vertices, triangles, name, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    real(c_float), intent(in), target :: vertices(:, :)
+    integer(c_int32_t), intent(in), target :: triangles(:, :)
+    character(*), intent(in), optional :: name
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%create(clsdf_array(vertices), clsdf_array(triangles), name, stat, errmsg)
+  end subroutine
+
+  subroutine mesh_create_r4_i8(self, vertices, triangles, name, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    real(c_float), intent(in), target :: vertices(:, :)
+    integer(c_int64_t), intent(in), target :: triangles(:, :)
+    character(*), intent(in), optional :: name
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%create(clsdf_array(vertices), clsdf_array(triangles), name, stat, errmsg)
+  end subroutine
+
+  subroutine mesh_create_r8_i4(self, vertices, triangles, name, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    real(c_double), intent(in), target :: vertices(:, :)
+    integer(c_int32_t), intent(in), target :: triangles(:, :)
+    character(*), intent(in), optional :: name
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%create(clsdf_array(vertices), clsdf_array(triangles), name, stat, errmsg)
+  end subroutine
+
+  subroutine mesh_create_r8_i8(self, vertices, triangles, name, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    real(c_double), intent(in), target :: vertices(:, :)
+    integer(c_int64_t), intent(in), target :: triangles(:, :)
+    character(*), intent(in), optional :: name
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%create(clsdf_array(vertices), clsdf_array(triangles), name, stat, errmsg)
+  end subroutine
+
+  subroutine mesh_set_positions_r4(self, positions, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    real(c_float), intent(in), target :: positions(:, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%set_positions(clsdf_array(positions), stat, errmsg)
+  end subroutine
+
+  subroutine mesh_set_positions_r8(self, positions, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    real(c_double), intent(in), target :: positions(:, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%set_positions(clsdf_array(positions), stat, errmsg)
+  end subroutine
+
+  !> A mesh made by code: "sphere0" to "sphere9", "torus", "knot", ...
+  subroutine mesh_shape(self, name, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    character(*), intent(in) :: name
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: status
+    call self%release()
+    status = c_mesh_shape(trim(name)//c_null_char, self%handle)
+    if (status == CLSDF_OK) status = c_mesh_set_index_base(self%handle, 1_c_int32_t)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Reads .off, .obj, .stl or .ply; polygons become fans.
+  subroutine mesh_read(self, path, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    character(*), intent(in) :: path
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: status
+    call self%release()
+    status = c_mesh_read(trim(path)//c_null_char, self%handle)
+    if (status == CLSDF_OK) status = c_mesh_set_index_base(self%handle, 1_c_int32_t)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The mesh in which vertices of equal coordinates are one.
+  subroutine mesh_weld(self, welded, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    type(clsdf_mesh), intent(inout) :: welded
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = c_mesh_weld(self%handle, handle)
+    if (status == CLSDF_OK) status = c_mesh_set_index_base(handle, 1_c_int32_t)
+    call welded%release()
+    welded%handle = handle
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Writes by the file's ending, complete or not at all. colours(3, triangles): red, green, blue, as unsigned bytes.
+  subroutine mesh_write(self, path, colours, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    character(*), intent(in) :: path
+    integer(c_int8_t), intent(in), target, contiguous, optional :: colours(:, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr) :: first
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    first = c_null_ptr
+    count = 0
+    status = CLSDF_OK
+    if (present(colours)) then
+      count = size(colours, 2, c_int64_t)
+      if (size(colours) > 0) first = c_loc(colours)
+      if (size(colours, 1) /= 3) status = refused('the array of the colours has the shape '// &
+          joined(shape(colours, c_int64_t))//'; give it (3, triangles)')
+    end if
+    if (status == CLSDF_OK) status = c_mesh_write(self%handle, trim(path)//c_null_char, first, count)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> New positions of the same vertices, on the host.
+  subroutine mesh_set_positions(self, positions, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    type(clsdf_array), intent(in) :: positions
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: c
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call rows_for_c(positions, 'positions', c, status)
+    if (status == CLSDF_OK) status = c_mesh_set_positions(self%handle, c)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> What triangles of transforms of this mesh count from, from now on: 1, or 0 for triangles in memory of the device,
+  !> where the library counts from 0.
+  subroutine mesh_set_index_base(self, index_base, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    integer, intent(in) :: index_base
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_mesh_set_index_base(self%handle, int(index_base, c_int32_t)), stat, errmsg)
+  end subroutine
+
+  function mesh_index_base(self, stat, errmsg) result(index_base)
+    class(clsdf_mesh), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: index_base
+    call clsdf_finish(c_mesh_index_base(self%handle, index_base), stat, errmsg)
+  end function
+
+  !> The mesh's own memory: (3, vertices), as long as the mesh lives.
+  subroutine mesh_vertices(self, vertices, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    real(c_double), pointer, intent(out) :: vertices(:, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr) :: first
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    vertices => null()
+    status = c_mesh_vertices(self%handle, first, count)
+    if (status == CLSDF_OK) call c_f_pointer(first, vertices, [3_c_int64_t, count])
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> A copy: (3, triangles), from 1.
+  subroutine mesh_triangles(self, triangles, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    integer(c_int32_t), allocatable, intent(out) :: triangles(:, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t), pointer :: from_0(:, :)
+    type(c_ptr) :: first
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    status = c_mesh_triangles(self%handle, first, count)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(first, from_0, [3_c_int64_t, count])
+      triangles = from_0 + 1
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  function mesh_name(self, stat, errmsg) result(name)
+    class(clsdf_mesh), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    character(:), allocatable :: name
+    type(c_ptr) :: text
+    integer(c_int32_t) :: status
+    text = c_null_ptr
+    status = c_mesh_name(self%handle, text)
+    name = ''
+    if (status == CLSDF_OK) name = clsdf_text(text)
+    call clsdf_finish(status, stat, errmsg)
+  end function
+
+  !> Of the vertices in use.
+  function mesh_box(self, stat, errmsg) result(box)
+    class(clsdf_mesh), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_box) :: box
+    call clsdf_finish(c_mesh_box(self%handle, box), stat, errmsg)
+  end function
+
+  function mesh_topology(self, stat, errmsg) result(topology)
+    class(clsdf_mesh), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_topology) :: topology
+    type(c_topology) :: c
+    c%struct_size = c_sizeof(c)
+    call clsdf_finish(c_mesh_topology(self%handle, c), stat, errmsg)
+    call take_topology(c, topology)
+  end function
+
+  subroutine take_topology(c, topology)
+    type(c_topology), intent(in) :: c
+    type(clsdf_topology), intent(out) :: topology
+    topology%closed = c%closed == 1
+    topology%balanced = c%balanced == 1
+    topology%inside_out = c%inside_out == 1
+    topology%open_edges = c%open_edges
+    topology%unbalanced_edges = c%unbalanced_edges
+    topology%non_manifold_edges = c%non_manifold_edges
+    topology%repeated_vertex_faces = c%repeated_vertex_faces
+    topology%coincident_vertices = c%coincident_vertices
+    topology%unused_vertices = c%unused_vertices
+    topology%first_open = c%first_open(1:c%first_open_count)
+    topology%first_unbalanced = c%first_unbalanced(1:c%first_unbalanced_count)
+  end subroutine
+
+  !> Defects beside those of edges.
+  function mesh_defects(self, stat, errmsg) result(defects)
+    class(clsdf_mesh), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_defects) :: defects
+    defects%struct_size = c_sizeof(defects)
+    call clsdf_finish(c_mesh_defects(self%handle, defects), stat, errmsg)
+  end function
+
+  !> The rule that a transform would use, and a warning about it, which may be "".
+  subroutine mesh_sign(self, rule, asked, warning, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    integer(c_int32_t), intent(out) :: rule
+    integer(c_int32_t), intent(in), optional :: asked
+    character(:), allocatable, intent(out), optional :: warning
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    character(kind=c_char), allocatable, target :: text(:)
+    integer(c_int64_t) :: length, written
+    integer(c_int32_t) :: status, wanted
+    wanted = CLSDF_SIGN_AUTOMATIC
+    if (present(asked)) wanted = asked
+    status = c_mesh_sign(self%handle, wanted, rule, c_null_ptr, 0_c_int64_t, length)
+    if (status == CLSDF_OK .and. present(warning)) then
+      allocate (text(length + 1))
+      status = c_mesh_sign(self%handle, wanted, rule, c_loc(text), length + 1, written)
+      warning = clsdf_text(c_loc(text))
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  function clsdf_shape_count() result(count)
+    integer(c_int64_t) :: count
+    count = c_shape_count()
+  end function
+
+  !> Of shape 1 to clsdf_shape_count(); "" beyond.
+  function clsdf_shape_name(index) result(name)
+    integer, intent(in) :: index
+    character(:), allocatable :: name
+    name = clsdf_text(c_shape_name(int(index - 1, c_int64_t)))
+  end function
+
+  function clsdf_shape_description(index) result(description)
+    integer, intent(in) :: index
+    character(:), allocatable :: description
+    description = clsdf_text(c_shape_description(int(index - 1, c_int64_t)))
+  end function
+
+  ! ---- Transforms ----
+
+  !> Copies and checks the mesh. Compiles nothing: the first call that needs a program does. `kept_bytes`: limit of the
+  !> device memory kept between calls; 0: none; -1: the default.
+  subroutine transform_create(self, device, mesh, sign, kept_bytes, options, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    type(clsdf_device), intent(in) :: device
+    type(clsdf_mesh), intent(in) :: mesh
+    integer(c_int32_t), intent(in), optional :: sign
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call self%release()
+    call clsdf_finish(c_transform_create(device%handle, mesh%handle, transform_options(sign, kept_bytes), &
+        options_for_c(given, options), self%handle), stat, errmsg)
+  end subroutine
+
+  function transform_options(sign, kept_bytes) result(c)
+    integer(c_int32_t), intent(in), optional :: sign
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    type(c_transform_options) :: c
+    c%struct_size = c_sizeof(c)
+    if (present(sign)) c%sign = sign
+    if (present(kept_bytes)) c%kept_bytes = kept_bytes
+  end function
+
+  !> The same from arrays, which may be buffers of the device's context: triangles in a buffer count from 0, here and in
+  !> results.
+  subroutine transform_from_arrays(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    type(clsdf_device), intent(in) :: device
+    type(clsdf_array), intent(in) :: vertices, triangles
+    character(*), intent(in), optional :: name
+    integer(c_int32_t), intent(in), optional :: sign
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    type(c_mesh_arrays) :: c
+    character(:), allocatable, target :: text
+    integer(c_int32_t) :: status
+    call self%release()
+    call mesh_for_c(vertices, triangles, name, c, text, status)
+    if (status == CLSDF_OK) status = c_transform_from_arrays(device%handle, c, transform_options(sign, kept_bytes), &
+        options_for_c(given, options), self%handle)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine transform_create_r4(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    type(clsdf_device), intent(in) :: device
+    real(c_float), intent(in), target :: vertices(:, :)
+    integer(c_int32_t), intent(in), target :: triangles(:, :)
+    character(*), intent(in), optional :: name
+    integer(c_int32_t), intent(in), optional :: sign
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, errmsg)
+  end subroutine
+
+  subroutine transform_create_r8(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    type(clsdf_device), intent(in) :: device
+    real(c_double), intent(in), target :: vertices(:, :)
+    integer(c_int32_t), intent(in), target :: triangles(:, :)
+    character(*), intent(in), optional :: name
+    integer(c_int32_t), intent(in), optional :: sign
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, errmsg)
+  end subroutine
+
+  subroutine set_positions_r4(self, positions, options, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    real(c_float), intent(in), target :: positions(:, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%set_positions(clsdf_array(positions), options, stat, errmsg)
+  end subroutine
+
+  subroutine set_positions_r8(self, positions, options, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    real(c_double), intent(in), target :: positions(:, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%set_positions(clsdf_array(positions), options, stat, errmsg)
+  end subroutine
+
+  !> A transform for a part of the domain, which keeps only what the regions need.
+  subroutine transform_restrict(self, regions, restricted, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_region), intent(in) :: regions(:)
+    type(clsdf_transform), intent(inout) :: restricted
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = c_transform_restrict(self%handle, regions, size(regions, kind=c_int64_t), handle)
+    call restricted%release()
+    restricted%handle = handle
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> New positions of all vertices, on the host or in a buffer. After an error the positions are those of before.
+  subroutine set_positions_array(self, positions, options, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    type(clsdf_array), intent(in) :: positions
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    type(clsdf_c_array) :: c
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call rows_for_c(positions, 'positions', c, status)
+    if (status == CLSDF_OK) status = c_transform_set_positions(self%handle, c, options_for_c(given, options))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Puts the vertices at matmul(rotation, x) + translation; x are the positions that the transform was made with.
+  subroutine transform_set_motion(self, rotation, translation, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    real(c_double), intent(in) :: rotation(3, 3), translation(3)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_double) :: rows(9)
+    rows = reshape(transpose(rotation), [9])
+    call clsdf_finish(c_transform_set_motion(self%handle, rows, translation), stat, errmsg)
+  end subroutine
+
+  !> The field on a grid, into arrays of any kinds, all on the host or all on the device.
+  subroutine compute_targets(self, grid, band, targets, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    type(clsdf_target), intent(in) :: targets(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_target) :: c(size(targets))
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call clsdf_targets_of_samples(targets, grid%size, 3, c, status)
+    if (status == CLSDF_OK) status = c_compute(self%handle, clsdf_grid_for_c(grid), band, c, &
+        size(targets, kind=c_int64_t), options_for_c(given, options), statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The same with arrays of one kind.
+  subroutine compute_r4(self, grid, band, distance, triangle, site, closest, gradient, barycentric, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    real(c_float), intent(inout), target :: distance(:, :, :)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :)
+    integer(c_int8_t), intent(inout), target, optional :: site(:, :, :)
+    real(c_float), intent(inout), target, optional :: closest(:, :, :, :), gradient(:, :, :, :), barycentric(:, :, :, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(6)
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    call self%compute(grid, band, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
+  end subroutine
+
+  !> The same with arrays of one kind.
+  subroutine compute_r8(self, grid, band, distance, triangle, site, closest, gradient, barycentric, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    real(c_double), intent(inout), target :: distance(:, :, :)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :)
+    integer(c_int8_t), intent(inout), target, optional :: site(:, :, :)
+    real(c_double), intent(inout), target, optional :: closest(:, :, :, :), gradient(:, :, :, :), barycentric(:, :, :, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(6)
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    call self%compute(grid, band, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
+  end subroutine
+
+  !> Equal blocks of the grid's lattice: distance(i, j, k, block), gradient(3, i, j, k, block). Block n starts with the
+  !> sample first(:, n) of the lattice.
+  subroutine compute_blocks_r4(self, lattice, band, first, distance, triangle, site, closest, gradient, barycentric, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: lattice
+    type(clsdf_band), intent(in) :: band
+    integer, intent(in) :: first(:, :)
+    real(c_float), intent(inout), target :: distance(:, :, :, :)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :, :)
+    integer(c_int8_t), intent(inout), target, optional :: site(:, :, :, :)
+    real(c_float), intent(inout), target, optional :: closest(:, :, :, :, :), gradient(:, :, :, :, :), barycentric(:, :, :, :, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_block_set) :: blocks
+    type(clsdf_target) :: targets(6)
+    integer(c_int64_t) :: samples(4)
+    samples = shape(distance, c_int64_t)
+    blocks%lattice = lattice
+    blocks%band = band
+    blocks%size = samples(1:3)
+    blocks%first = first
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    blocks%targets = pack(targets, targets%output >= 0)
+    call self%compute_blocks(blocks, options, statistics, stat, errmsg)
+  end subroutine
+
+  !> Equal blocks of the grid's lattice: distance(i, j, k, block), gradient(3, i, j, k, block). Block n starts with the
+  !> sample first(:, n) of the lattice.
+  subroutine compute_blocks_r8(self, lattice, band, first, distance, triangle, site, closest, gradient, barycentric, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: lattice
+    type(clsdf_band), intent(in) :: band
+    integer, intent(in) :: first(:, :)
+    real(c_double), intent(inout), target :: distance(:, :, :, :)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :, :)
+    integer(c_int8_t), intent(inout), target, optional :: site(:, :, :, :)
+    real(c_double), intent(inout), target, optional :: closest(:, :, :, :, :), gradient(:, :, :, :, :), barycentric(:, :, :, :, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_block_set) :: blocks
+    type(clsdf_target) :: targets(6)
+    integer(c_int64_t) :: samples(4)
+    samples = shape(distance, c_int64_t)
+    blocks%lattice = lattice
+    blocks%band = band
+    blocks%size = samples(1:3)
+    blocks%first = first
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    blocks%targets = pack(targets, targets%output >= 0)
+    call self%compute_blocks(blocks, options, statistics, stat, errmsg)
+  end subroutine
+
+  !> Many boxes in one call, of any lattices, bands and outputs.
+  subroutine compute_requests(self, requests, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_request), intent(in) :: requests(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(request_list), target :: c
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    call requests_for_c(requests, c, status)
+    if (status == CLSDF_OK) status = c_compute_requests(self%handle, c%items, size(requests, kind=c_int64_t), &
+        options_for_c(given, options), statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine requests_for_c(requests, c, status)
+    type(clsdf_request), intent(in) :: requests(:)
+    type(request_list), intent(inout), target :: c
+    integer(c_int32_t), intent(out) :: status
+    integer :: i, begin, count
+    status = CLSDF_OK
+    count = 0
+    do i = 1, size(requests)
+      if (allocated(requests(i)%targets)) count = count + size(requests(i)%targets)
+    end do
+    allocate (c%items(size(requests)), c%targets(count))
+    begin = 1
+    do i = 1, size(requests)
+      c%items(i)%grid = clsdf_grid_for_c(requests(i)%grid)
+      c%items(i)%band = requests(i)%band
+      if (.not. allocated(requests(i)%targets)) cycle
+      count = size(requests(i)%targets)
+      if (count == 0) cycle
+      call clsdf_targets_of_samples(requests(i)%targets, requests(i)%grid%size, 3, c%targets(begin:begin + count - 1), &
+          status)
+      if (status /= CLSDF_OK) return
+      c%items(i)%targets = c_targets(c_loc(c%targets(begin)), int(count, c_int64_t))
+      begin = begin + count
+    end do
+  end subroutine
+
+  !> Equal blocks of one lattice in one call.
+  subroutine compute_block_set(self, blocks, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_block_set), intent(in) :: blocks
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(block_list), target :: c
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    call blocks_for_c(blocks, c, status)
+    if (status == CLSDF_OK) status = c_compute_blocks(self%handle, c%c, options_for_c(given, options), &
+        statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine blocks_for_c(blocks, c, status)
+    type(clsdf_block_set), intent(in) :: blocks
+    type(block_list), intent(inout), target :: c
+    integer(c_int32_t), intent(out) :: status
+    status = CLSDF_OK
+    c%c%struct_size = c_sizeof(c%c)
+    c%c%lattice = clsdf_grid_for_c(blocks%lattice)
+    c%c%band = blocks%band
+    c%c%size = blocks%size
+    if (allocated(blocks%first)) c%first = blocks%first - 1
+    if (.not. allocated(c%first)) allocate (c%first(3, 0))
+    if (size(c%first, 1) /= 3) then
+      status = refused('the array of the blocks has the shape '//joined(shape(c%first, c_int64_t))//'; give it (3, blocks)')
+      return
+    end if
+    c%c%block_count = size(c%first, 2, c_int64_t)
+    if (size(c%first) > 0) c%c%first = c_loc(c%first)
+    if (.not. allocated(blocks%targets)) return
+    if (size(blocks%targets) == 0) return
+    allocate (c%targets(size(blocks%targets)))
+    call clsdf_targets_of_samples(blocks%targets, [blocks%size, c%c%block_count], 3, c%targets, status)
+    c%c%targets = c_targets(c_loc(c%targets), size(c%targets, kind=c_int64_t))
+  end subroutine
+
+  !> A field of any size, slab by slab in the order of z.
+  subroutine transform_compute_slabs(self, grid, band, sink, outputs, own_thread, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    class(clsdf_slab_sink), intent(inout), target :: sink
+    integer(c_int32_t), intent(in), optional :: outputs(:)  !< the distance alone
+    logical, intent(in), optional :: own_thread  !< the sink is called on another thread, while the next slab is computed
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_slab_options), target :: slab_options
+    type(slab_taker), target :: taker
+    type(caller), target :: given
+    taker%sink => sink
+    slab_options%struct_size = c_sizeof(slab_options)
+    if (present(own_thread)) slab_options%own_thread = merge(1, 0, own_thread)
+    call clsdf_finish(c_compute_slabs(self%handle, clsdf_grid_for_c(grid), band, clsdf_outputs_mask(outputs), &
+        c_funloc(on_slab), c_loc(taker), c_loc(slab_options), options_for_c(given, options), &
+        statistics_for_c(statistics)), stat, errmsg)
+  end subroutine
+
+  !> The field in memory of the library.
+  subroutine transform_compute_field(self, grid, band, field, outputs, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    type(clsdf_field), intent(inout) :: field
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call field%release()
+    call clsdf_finish(c_compute_field(self%handle, clsdf_grid_for_c(grid), band, clsdf_outputs_mask(outputs), &
+        options_for_c(given, options), statistics_for_c(statistics), field%handle), stat, errmsg)
+  end subroutine
+
+  !> The distance at points of any kind, on the host or the device, and all else that has a target.
+  subroutine query_targets(self, points, half_width, targets, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_array), intent(in) :: points
+    real(c_double), intent(in) :: half_width
+    type(clsdf_target), intent(in) :: targets(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_target) :: c(size(targets))
+    type(clsdf_c_array) :: from
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call rows_for_c(points, 'points', from, status)
+    if (status == CLSDF_OK) call clsdf_targets_of_samples(targets, [from%count], 1, c, status)
+    if (status == CLSDF_OK) status = c_query(self%handle, from, half_width, c, size(targets, kind=c_int64_t), &
+        options_for_c(given, options), statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The same with arrays of one kind: points(3, n) or points(n, 3).
+  subroutine query_r4(self, points, half_width, distance, triangle, site, closest, gradient, barycentric, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_float), intent(in), target :: points(:, :)
+    real(c_double), intent(in) :: half_width
+    real(c_float), intent(inout), target :: distance(:)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:)
+    integer(c_int8_t), intent(inout), target, optional :: site(:)
+    real(c_float), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(6)
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), &
+        options, statistics, stat, errmsg)
+  end subroutine
+
+  !> The same with arrays of one kind: points(3, n) or points(n, 3).
+  subroutine query_r8(self, points, half_width, distance, triangle, site, closest, gradient, barycentric, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_double), intent(in), target :: points(:, :)
+    real(c_double), intent(in) :: half_width
+    real(c_double), intent(inout), target :: distance(:)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:)
+    integer(c_int8_t), intent(inout), target, optional :: site(:)
+    real(c_double), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(6)
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), &
+        options, statistics, stat, errmsg)
+  end subroutine
+
+  !> The same with an array for each coordinate. If these are not equally far apart in memory, they are copied.
+  subroutine query_xyz_r4(self, x, y, z, half_width, distance, triangle, site, closest, gradient, barycentric, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_float), intent(in), target :: x(:), y(:), z(:)
+    real(c_double), intent(in) :: half_width
+    real(c_float), intent(inout), target :: distance(:)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:)
+    integer(c_int8_t), intent(inout), target, optional :: site(:)
+    real(c_float), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(6)
+    type(clsdf_array) :: points
+    real(c_float), allocatable, target :: copy(:, :)
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call join(clsdf_array(x), clsdf_array(y), clsdf_array(z), points, status)
+    if (status /= CLSDF_OK) then
+      call clsdf_finish(status, stat, errmsg)
+      return
+    end if
+    if (points%rank == 0) then
+      allocate (copy(3, size(x)))
+      copy(1, :) = x
+      copy(2, :) = y
+      copy(3, :) = z
+      points = clsdf_array(copy)
+    end if
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    call self%query(points, half_width, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
+  end subroutine
+
+  !> The same with an array for each coordinate. If these are not equally far apart in memory, they are copied.
+  subroutine query_xyz_r8(self, x, y, z, half_width, distance, triangle, site, closest, gradient, barycentric, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_double), intent(in), target :: x(:), y(:), z(:)
+    real(c_double), intent(in) :: half_width
+    real(c_double), intent(inout), target :: distance(:)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:)
+    integer(c_int8_t), intent(inout), target, optional :: site(:)
+    real(c_double), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(6)
+    type(clsdf_array) :: points
+    real(c_double), allocatable, target :: copy(:, :)
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call join(clsdf_array(x), clsdf_array(y), clsdf_array(z), points, status)
+    if (status /= CLSDF_OK) then
+      call clsdf_finish(status, stat, errmsg)
+      return
+    end if
+    if (points%rank == 0) then
+      allocate (copy(3, size(x)))
+      copy(1, :) = x
+      copy(2, :) = y
+      copy(3, :) = z
+      points = clsdf_array(copy)
+    end if
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    call self%query(points, half_width, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
+  end subroutine
+
+  !> Three arrays as the components of one, if they are equally far apart; else an array of rank 0.
+  subroutine join(x, y, z, points, status)
+    type(clsdf_array), intent(in) :: x, y, z
+    type(clsdf_array), intent(out) :: points
+    integer(c_int32_t), intent(inout) :: status
+    integer(c_int64_t) :: apart
+    if (any([y%shape(1), z%shape(1)] /= x%shape(1))) then
+      status = refused('the arrays of the coordinates have the shapes '//joined(x%shape(1:1))//', '// &
+          joined(y%shape(1:1))//' and '//joined(z%shape(1:1))//'; give them one shape')
+      return
+    end if
+    apart = address(y%host) - address(x%host)
+    if (address(z%host) - address(y%host) /= apart .or. apart == 0) return
+    if (any([y%strides(1), z%strides(1)] /= x%strides(1))) return
+    points = x
+    points%rank = 2
+    points%shape(1:2) = [3_c_int64_t, x%shape(1)]
+    points%strides(1:2) = [apart, x%strides(1)]
+  end subroutine
+
+  !> The places (CLSDF_WITHIN ...) of boxes.
+  subroutine transform_classify(self, boxes, half_width, places, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_box), intent(in) :: boxes(:)
+    real(c_double), intent(in) :: half_width
+    integer(c_int8_t), intent(inout) :: places(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: status
+    if (size(places, kind=c_int64_t) /= size(boxes, kind=c_int64_t)) then
+      status = refused('the array of the places has the shape '//joined(shape(places, c_int64_t))//'; give it '// &
+          joined(shape(boxes, c_int64_t)))
+    else
+      status = c_classify(self%handle, boxes, size(boxes, kind=c_int64_t), half_width, places)
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Of the vertices in use, at their present positions.
+  function transform_box(self, stat, errmsg) result(box)
+    class(clsdf_transform), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_box) :: box
+    call clsdf_finish(c_transform_box(self%handle, box), stat, errmsg)
+  end function
+
+  function transform_topology(self, stat, errmsg) result(topology)
+    class(clsdf_transform), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_topology) :: topology
+    type(c_topology) :: c
+    c%struct_size = c_sizeof(c)
+    call clsdf_finish(c_transform_topology(self%handle, c), stat, errmsg)
+    call take_topology(c, topology)
+  end function
+
+  !> The rule in use, never automatic.
+  function transform_sign(self, stat, errmsg) result(rule)
+    class(clsdf_transform), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: rule
+    call clsdf_finish(c_transform_sign(self%handle, rule), stat, errmsg)
+  end function
+
+  function transform_index_base(self, stat, errmsg) result(index_base)
+    class(clsdf_transform), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: index_base
+    call clsdf_finish(c_transform_index_base(self%handle, index_base), stat, errmsg)
+  end function
+
+  subroutine transform_device(self, device, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_device), intent(inout) :: device
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call device%release()
+    call clsdf_finish(c_transform_device(self%handle, device%handle), stat, errmsg)
+  end subroutine
+
+  function transform_memory(self, stat, errmsg) result(memory)
+    class(clsdf_transform), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_kept_memory) :: memory
+    memory%struct_size = c_sizeof(memory)
+    call clsdf_finish(c_transform_memory(self%handle, memory), stat, errmsg)
+  end function
+
+  !> Builds and tests the programs that such a field needs. Computations do it by themselves.
+  subroutine transform_compile(self, grid, band, outputs, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call clsdf_finish(c_transform_compile(self%handle, clsdf_grid_for_c(grid), band, clsdf_outputs_mask(outputs), &
+        options_for_c(given, options), statistics_for_c(statistics)), stat, errmsg)
+  end subroutine
+
+  ! ---- Plans ----
+
+  !> A plan of one grid, without targets: enqueue_to() gives them, packed.
+  subroutine plan_create_grid(self, transform, grid, band, outputs, options, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call self%release()
+    call clsdf_finish(c_plan_create(transform%handle, clsdf_grid_for_c(grid), band, clsdf_outputs_mask(outputs), &
+        options_for_c(given, options), self%handle), stat, errmsg)
+  end subroutine
+
+  !> A plan of boxes, into buffers of the device's context, which must outlive it.
+  subroutine plan_create_requests(self, transform, requests, options, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_request), intent(in) :: requests(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(request_list), target :: c
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    call self%release()
+    call requests_for_c(requests, c, status)
+    if (status == CLSDF_OK) status = c_plan_create_requests(transform%handle, c%items, size(requests, kind=c_int64_t), &
+        options_for_c(given, options), self%handle)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine plan_create_blocks(self, transform, blocks, options, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_block_set), intent(in) :: blocks
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(block_list), target :: c
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    call self%release()
+    call blocks_for_c(blocks, c, status)
+    if (status == CLSDF_OK) status = c_plan_create_blocks(transform%handle, c%c, options_for_c(given, options), self%handle)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The device memory of such a plan, which is made and given back.
+  function plan_bytes_requests(transform, requests, options, stat, errmsg) result(bytes)
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_request), intent(in) :: requests(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: bytes
+    type(request_list), target :: c
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    bytes = 0
+    call requests_for_c(requests, c, status)
+    if (status == CLSDF_OK) status = c_plan_bytes_requests(transform%handle, c%items, size(requests, kind=c_int64_t), &
+        options_for_c(given, options), bytes)
+    call clsdf_finish(status, stat, errmsg)
+  end function
+
+  function plan_bytes_blocks(transform, blocks, options, stat, errmsg) result(bytes)
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_block_set), intent(in) :: blocks
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: bytes
+    type(block_list), target :: c
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    bytes = 0
+    call blocks_for_c(blocks, c, status)
+    if (status == CLSDF_OK) status = c_plan_bytes_blocks(transform%handle, c%c, options_for_c(given, options), bytes)
+    call clsdf_finish(status, stat, errmsg)
+  end function
+
+  !> Enqueues all requests on a cl_command_queue (c_null_ptr: the device's own) after the events. Never blocks. `done` gets
+  !> the cl_event of the end, which the caller releases.
+  subroutine plan_enqueue(self, queue, wait_list, done, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(c_ptr), intent(in), optional :: queue
+    type(c_ptr), intent(in), target, optional :: wait_list(:)
+    type(c_ptr), intent(out), target, optional :: done
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr), allocatable, target :: events(:)
+    call list_events(wait_list, events)
+    call clsdf_finish(c_plan_enqueue(self%handle, queue_of(queue), first_of(events), size(events, kind=c_int64_t), &
+        place_of(done)), stat, errmsg)
+  end subroutine
+
+  !> One run of a plan of one grid or request into other targets.
+  subroutine plan_enqueue_to(self, targets, queue, wait_list, done, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(clsdf_target), intent(in) :: targets(:)
+    type(c_ptr), intent(in), optional :: queue
+    type(c_ptr), intent(in), target, optional :: wait_list(:)
+    type(c_ptr), intent(out), target, optional :: done
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_request) :: request(1)
+    request(1)%targets = targets
+    call self%enqueue_to(request, queue, wait_list, done, stat, errmsg)
+  end subroutine
+
+  !> One run into the targets of these requests, one for each request of the plan; their grids and bands do not count.
+  subroutine plan_enqueue_to_many(self, requests, queue, wait_list, done, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(clsdf_request), intent(in) :: requests(:)
+    type(c_ptr), intent(in), optional :: queue
+    type(c_ptr), intent(in), target, optional :: wait_list(:)
+    type(c_ptr), intent(out), target, optional :: done
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr), allocatable, target :: events(:)
+    type(request_list), target :: c
+    type(c_targets) :: lists(size(requests))
+    integer(c_int32_t) :: status
+    call list_events(wait_list, events)
+    call requests_for_c(requests, c, status)
+    if (status == CLSDF_OK) then
+      lists = c%items%targets
+      status = c_plan_enqueue_to(self%handle, queue_of(queue), lists, size(lists, kind=c_int64_t), first_of(events), &
+          size(events, kind=c_int64_t), place_of(done))
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  function queue_of(queue) result(handle)
+    type(c_ptr), intent(in), optional :: queue
+    type(c_ptr) :: handle
+    handle = c_null_ptr
+    if (present(queue)) handle = queue
+  end function
+
+  subroutine list_events(wait_list, events)
+    type(c_ptr), intent(in), optional :: wait_list(:)
+    type(c_ptr), allocatable, intent(out) :: events(:)
+    allocate (events(0))
+    if (present(wait_list)) events = wait_list
+  end subroutine
+
+  function first_of(events) result(pointer)
+    type(c_ptr), intent(in), target :: events(:)
+    type(c_ptr) :: pointer
+    pointer = c_null_ptr
+    if (size(events) > 0) pointer = c_loc(events(1))
+  end function
+
+  function place_of(done) result(pointer)
+    type(c_ptr), intent(in), target, optional :: done
+    type(c_ptr) :: pointer
+    pointer = c_null_ptr
+    if (present(done)) pointer = c_loc(done)
+  end function
+
+  !> Prepares the next runs for the present positions of the transform. Blocks.
+  subroutine plan_update(self, transform, options, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call clsdf_finish(c_plan_update(self%handle, transform%handle, options_for_c(given, options)), stat, errmsg)
+  end subroutine
+
+  !> The same with a grid for each request.
+  subroutine plan_update_grids(self, transform, grids, options, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_grid), intent(in) :: grids(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_grid) :: c(size(grids))
+    type(caller), target :: given
+    integer :: i
+    do i = 1, size(grids)
+      c(i) = clsdf_grid_for_c(grids(i))
+    end do
+    call clsdf_finish(c_plan_update_grids(self%handle, transform%handle, c, size(grids, kind=c_int64_t), &
+        options_for_c(given, options)), stat, errmsg)
+  end subroutine
+
+  !> The same with other requests, any number.
+  subroutine plan_update_requests(self, transform, requests, options, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_request), intent(in) :: requests(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(request_list), target :: c
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    call requests_for_c(requests, c, status)
+    if (status == CLSDF_OK) status = c_plan_update_requests(self%handle, transform%handle, c%items, &
+        size(requests, kind=c_int64_t), options_for_c(given, options))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine plan_update_blocks(self, transform, blocks, options, stat, errmsg)
+    class(clsdf_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_block_set), intent(in) :: blocks
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(block_list), target :: c
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    call blocks_for_c(blocks, c, status)
+    if (status == CLSDF_OK) status = c_plan_update_blocks(self%handle, transform%handle, c%c, &
+        options_for_c(given, options))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  function plan_sign(self, stat, errmsg) result(rule)
+    class(clsdf_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: rule
+    call clsdf_finish(c_plan_sign(self%handle, rule), stat, errmsg)
+  end function
+
+  !> Of making or updating it.
+  function plan_statistics(self, stat, errmsg) result(statistics)
+    class(clsdf_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_statistics), target :: statistics
+    call clsdf_finish(c_plan_statistics(self%handle, statistics_for_c(statistics)), stat, errmsg)
+  end function
+
+  function plan_request_count(self, stat, errmsg) result(count)
+    class(clsdf_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: count
+    call clsdf_finish(c_plan_request_count(self%handle, count), stat, errmsg)
+  end function
+
+  !> The grid and band of request `index`, from 1.
+  subroutine plan_request(self, index, grid, band, stat, errmsg)
+    class(clsdf_plan), intent(in) :: self
+    integer, intent(in) :: index
+    type(clsdf_grid), intent(out) :: grid
+    type(clsdf_band), intent(out) :: band
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_grid) :: c
+    type(clsdf_c_target) :: targets(1)
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    status = c_plan_request(self%handle, int(index - 1, c_int64_t), c, band, targets, 0_c_int64_t, count)
+    if (status == CLSDF_OK) call take_grid(c, grid)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! ---- Fields ----
+
+  !> A field with room for these outputs; the values are not set.
+  subroutine field_create(self, grid, band, sign, mesh_name, outputs, stat, errmsg)
+    class(clsdf_field), intent(inout) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    integer(c_int32_t), intent(in), optional :: sign
+    character(*), intent(in), optional :: mesh_name
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    character(:), allocatable, target :: text
+    type(clsdf_c_description) :: c
+    integer(c_int32_t) :: status
+    call self%release()
+    c%struct_size = c_sizeof(c)
+    c%grid = clsdf_grid_for_c(grid)
+    c%band = band
+    if (present(sign)) c%sign = sign
+    text = c_null_char
+    if (present(mesh_name)) text = trim(mesh_name)//c_null_char
+    c%mesh_name = c_loc(text)
+    status = c_field_create(c, clsdf_outputs_mask(outputs), self%handle)
+    if (status == CLSDF_OK) status = c_field_set_index_base(self%handle, 1_c_int32_t)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine field_describe(self, grid, band, sign, mesh_name, stat, errmsg)
+    class(clsdf_field), intent(in) :: self
+    type(clsdf_grid), intent(out), optional :: grid
+    type(clsdf_band), intent(out), optional :: band
+    integer(c_int32_t), intent(out), optional :: sign
+    character(:), allocatable, intent(out), optional :: mesh_name
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_description) :: c
+    integer(c_int32_t) :: status
+    c%struct_size = c_sizeof(c)
+    status = c_field_describe(self%handle, c)
+    if (status == CLSDF_OK) then
+      if (present(grid)) call take_grid(c%grid, grid)
+      if (present(band)) band = c%band
+      if (present(sign)) sign = c%sign
+      if (present(mesh_name)) mesh_name = clsdf_text(c%mesh_name)
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The outputs of the field.
+  function field_outputs(self, stat, errmsg) result(outputs)
+    class(clsdf_field), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t), allocatable :: outputs(:)
+    integer(c_int32_t) :: mask, i
+    mask = 0
+    call clsdf_finish(c_field_outputs(self%handle, mask), stat, errmsg)
+    outputs = pack([(i, i=0, 31)], [(btest(mask, i), i=0, 31)])
+  end function
+
+  !> The memory of an output of a field, and its grid.
+  subroutine find_in_field(self, output, type, rank, array, grid, components, status)
+    class(clsdf_field), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output, type
+    integer, intent(in) :: rank
+    type(clsdf_c_array), intent(out) :: array
+    type(clsdf_grid), intent(out) :: grid
+    integer(c_int64_t), intent(out) :: components
+    integer(c_int32_t), intent(out) :: status
+    type(clsdf_c_description) :: c
+    components = 0
+    c%struct_size = c_sizeof(c)
+    status = c_field_describe(self%handle, c)
+    if (status == CLSDF_OK) call take_grid(c%grid, grid)
+    if (status == CLSDF_OK) status = c_field_array(self%handle, output, array)
+    if (status == CLSDF_OK) call check_memory(output, type, rank, array, components, status)
+  end subroutine
+
+  subroutine find_in_slab(self, output, type, rank, array, components, status)
+    class(clsdf_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output, type
+    integer, intent(in) :: rank
+    type(clsdf_c_array), intent(out) :: array
+    integer(c_int64_t), intent(out) :: components
+    integer(c_int32_t), intent(out) :: status
+    type(clsdf_c_target), pointer :: values(:)
+    integer :: i
+    call c_f_pointer(self%values, values, [self%count])
+    do i = 1, size(values)
+      if (values(i)%output == output) array = values(i)%array
+    end do
+    call check_memory(output, type, rank, array, components, status)
+  end subroutine
+
+  !> A pointer of `rank` to numbers of `type` can be given to the output's memory.
+  subroutine check_memory(output, type, rank, array, components, status)
+    integer(c_int32_t), intent(in) :: output, type
+    integer, intent(in) :: rank
+    type(clsdf_c_array), intent(in) :: array
+    integer(c_int64_t), intent(out) :: components
+    integer(c_int32_t), intent(out) :: status
+    type(c_output_info) :: info
+    integer(c_int32_t) :: own
+    info%struct_size = c_sizeof(info)
+    status = c_output_describe(output, info)
+    components = info%components
+    if (status /= CLSDF_OK) return
+    own = merge(CLSDF_INT32, array%type, array%type == CLSDF_UINT32)
+    if (.not. c_associated(array%host)) then
+      status = refused('the output '//clsdf_text(info%name)//' is not there; ask for it when the field is computed')
+    else if (own /= type .or. (rank == 4 .neqv. components > 1)) then
+      status = refused('the output '//clsdf_text(info%name)//' has '//joined([components])//' components of type '// &
+          clsdf_type_name(own)//'; give a pointer to such an array, (i, j, k), or (component, i, j, k) if there are several')
+    end if
+  end subroutine
+
+  subroutine field_r4_3(self, output, values, stat, errmsg)
+    class(clsdf_field), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), pointer, intent(out) :: values(:, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_float), pointer :: memory(:, :, :)
+    type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_field(self, output, CLSDF_FLOAT32, 3, array, grid, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, grid%size)
+      values(grid%first(1):, grid%first(2):, grid%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine field_r4_4(self, output, values, stat, errmsg)
+    class(clsdf_field), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), pointer, intent(out) :: values(:, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_float), pointer :: memory(:, :, :, :)
+    type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_field(self, output, CLSDF_FLOAT32, 4, array, grid, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, [components, grid%size])
+      values(1:, grid%first(1):, grid%first(2):, grid%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine field_r8_3(self, output, values, stat, errmsg)
+    class(clsdf_field), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), pointer, intent(out) :: values(:, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_double), pointer :: memory(:, :, :)
+    type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_field(self, output, CLSDF_FLOAT64, 3, array, grid, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, grid%size)
+      values(grid%first(1):, grid%first(2):, grid%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine field_r8_4(self, output, values, stat, errmsg)
+    class(clsdf_field), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), pointer, intent(out) :: values(:, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_double), pointer :: memory(:, :, :, :)
+    type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_field(self, output, CLSDF_FLOAT64, 4, array, grid, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, [components, grid%size])
+      values(1:, grid%first(1):, grid%first(2):, grid%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine field_i4(self, output, values, stat, errmsg)
+    class(clsdf_field), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int32_t), pointer, intent(out) :: values(:, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t), pointer :: memory(:, :, :)
+    type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_field(self, output, CLSDF_INT32, 3, array, grid, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, grid%size)
+      values(grid%first(1):, grid%first(2):, grid%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine field_i1(self, output, values, stat, errmsg)
+    class(clsdf_field), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int8_t), pointer, intent(out) :: values(:, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int8_t), pointer :: memory(:, :, :)
+    type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_field(self, output, CLSDF_UINT8, 3, array, grid, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, grid%size)
+      values(grid%first(1):, grid%first(2):, grid%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine slab_r4_3(self, output, values, stat, errmsg)
+    class(clsdf_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), pointer, intent(out) :: values(:, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_float), pointer :: memory(:, :, :)
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_slab(self, output, CLSDF_FLOAT32, 3, array, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, self%part%size)
+      values(self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine slab_r4_4(self, output, values, stat, errmsg)
+    class(clsdf_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), pointer, intent(out) :: values(:, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_float), pointer :: memory(:, :, :, :)
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_slab(self, output, CLSDF_FLOAT32, 4, array, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, [components, self%part%size])
+      values(1:, self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine slab_r8_3(self, output, values, stat, errmsg)
+    class(clsdf_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), pointer, intent(out) :: values(:, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_double), pointer :: memory(:, :, :)
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_slab(self, output, CLSDF_FLOAT64, 3, array, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, self%part%size)
+      values(self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine slab_r8_4(self, output, values, stat, errmsg)
+    class(clsdf_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), pointer, intent(out) :: values(:, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_double), pointer :: memory(:, :, :, :)
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_slab(self, output, CLSDF_FLOAT64, 4, array, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, [components, self%part%size])
+      values(1:, self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine slab_i4(self, output, values, stat, errmsg)
+    class(clsdf_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int32_t), pointer, intent(out) :: values(:, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t), pointer :: memory(:, :, :)
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_slab(self, output, CLSDF_INT32, 3, array, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, self%part%size)
+      values(self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine slab_i1(self, output, values, stat, errmsg)
+    class(clsdf_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int8_t), pointer, intent(out) :: values(:, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int8_t), pointer :: memory(:, :, :)
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_slab(self, output, CLSDF_UINT8, 3, array, components, status)
+    if (status == CLSDF_OK) then
+      call c_f_pointer(array%host, memory, self%part%size)
+      values(self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! ---- Points in files ----
+
+  !> Reads points from .npy (n, 3), .csv (columns x, y, z) or .ply.
+  subroutine clsdf_points_read(path, points, stat, errmsg)
+    character(*), intent(in) :: path
+    real(c_double), allocatable, intent(out) :: points(:, :)  !< (3, n)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    real(c_double), pointer :: data(:, :)
+    type(c_ptr) :: handle, first
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    status = c_points_read(trim(path)//c_null_char, handle)
+    if (status == CLSDF_OK) status = c_points_data(handle, first, count)
+    if (status == CLSDF_OK) then
+      allocate (points(3, count))
+      if (count > 0) then
+        call c_f_pointer(first, data, [3_c_int64_t, count])
+        points = data
+      end if
+    end if
+    call c_points_release(handle)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Writes what a query found, a row for each point: .npy, .csv or .ply. Packed arrays of the types that
+  !> clsdf_output_describe() states. Triangles are written as they are.
+  subroutine clsdf_points_write(points, results, path, stat, errmsg)
+    real(c_double), intent(in), contiguous :: points(:, :)  !< (3, n)
+    type(clsdf_target), intent(in) :: results(:)
+    character(*), intent(in) :: path
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_target) :: c(size(results))
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    integer :: i
+    status = CLSDF_OK
+    count = size(points, 2, c_int64_t)
+    if (size(points, 1) /= 3) status = refused('the array of the points has the shape '// &
+        joined(shape(points, c_int64_t))//'; give it (3, n)')
+    call clsdf_targets_of_samples(results, [count], 1, c, status)
+    do i = 1, size(c)
+      if (status /= CLSDF_OK) exit
+      call clsdf_pack_for_c(results(i)%array, c(i), status)
+      c(i)%array%count = count
+    end do
+    if (status == CLSDF_OK) status = c_points_write(points, count, c, size(c, kind=c_int64_t), trim(path)//c_null_char, &
+        clsdf_outputs_mask(results%output))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> A packed array as C describes it, without strides. Triangles are uint32 in files.
+  subroutine clsdf_pack_for_c(array, c, status)
+    type(clsdf_array), intent(in) :: array
+    type(clsdf_c_target), intent(inout) :: c
+    integer(c_int32_t), intent(inout) :: status
+    integer(c_int64_t) :: packed
+    integer :: i
+    packed = bytes_of(array%type)
+    do i = 1, array%rank
+      if (array%strides(i) /= packed) then
+        status = refused('the array of the output '//clsdf_text(output_name(c%output))//' is not packed, with components '// &
+            'first; write a copy of it')
+        return
+      end if
+      packed = packed*array%shape(i)
+    end do
+    c%array%strides = 0
+    c%array%component_stride = 0
+    c%array%count = product(array%shape(1:array%rank))
+    if (c%array%type == CLSDF_INT32) c%array%type = CLSDF_UINT32
+  end subroutine
+
+  function output_name(output) result(name)
+    integer(c_int32_t), intent(in) :: output
+    type(c_ptr) :: name
+    type(c_output_info) :: info
+    info%struct_size = c_sizeof(info)
+    name = c_null_ptr
+    if (c_output_describe(output, info) == CLSDF_OK) name = info%name
+  end function
+
+  !> The error that clsdf_points_write() would give for the ending or the folder.
+  subroutine clsdf_points_check_path(path, stat, errmsg)
+    character(*), intent(in) :: path
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_points_check_path(trim(path)//c_null_char), stat, errmsg)
+  end subroutine
+
+  !> For a program that is about to end: removes the unfinished files of all threads. With clsdf_io, call
+  !> clsdf_io_abandon_unfinished_files() instead.
+  subroutine clsdf_abandon_unfinished_files()
+    call c_abandon_unfinished_files()
+  end subroutine
+
+  ! ---- References ----
+
+  elemental function device_is_set(self) result(is_set)
+    class(clsdf_device), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  subroutine device_release(self)
+    class(clsdf_device), intent(inout) :: self
+    call c_device_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine device_assign(left, right)
+    class(clsdf_device), intent(inout) :: left
+    type(clsdf_device), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_device_retain(right%handle)
+    left%handle = right%handle
+    call c_device_release(before)
+  end subroutine
+
+  impure elemental subroutine device_end(self)
+    type(clsdf_device), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  subroutine limit_release(self)
+    class(clsdf_thread_limit), intent(inout) :: self
+    call c_thread_limit_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine limit_assign(left, right)
+    class(clsdf_thread_limit), intent(inout) :: left
+    type(clsdf_thread_limit), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_thread_limit_retain(right%handle)
+    left%handle = right%handle
+    call c_thread_limit_release(before)
+  end subroutine
+
+  impure elemental subroutine limit_end(self)
+    type(clsdf_thread_limit), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  elemental function mesh_is_set(self) result(is_set)
+    class(clsdf_mesh), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  subroutine mesh_release(self)
+    class(clsdf_mesh), intent(inout) :: self
+    call c_mesh_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine mesh_assign(left, right)
+    class(clsdf_mesh), intent(inout) :: left
+    type(clsdf_mesh), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_mesh_retain(right%handle)
+    left%handle = right%handle
+    call c_mesh_release(before)
+  end subroutine
+
+  impure elemental subroutine mesh_end(self)
+    type(clsdf_mesh), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  elemental function transform_is_set(self) result(is_set)
+    class(clsdf_transform), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  subroutine transform_release(self)
+    class(clsdf_transform), intent(inout) :: self
+    call c_transform_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine transform_assign(left, right)
+    class(clsdf_transform), intent(inout) :: left
+    type(clsdf_transform), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_transform_retain(right%handle)
+    left%handle = right%handle
+    call c_transform_release(before)
+  end subroutine
+
+  impure elemental subroutine transform_end(self)
+    type(clsdf_transform), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  elemental function plan_is_set(self) result(is_set)
+    class(clsdf_plan), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  subroutine plan_release(self)
+    class(clsdf_plan), intent(inout) :: self
+    call c_plan_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine plan_assign(left, right)
+    class(clsdf_plan), intent(inout) :: left
+    type(clsdf_plan), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_plan_retain(right%handle)
+    left%handle = right%handle
+    call c_plan_release(before)
+  end subroutine
+
+  impure elemental subroutine plan_end(self)
+    type(clsdf_plan), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  elemental function field_is_set(self) result(is_set)
+    class(clsdf_field), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  subroutine field_release(self)
+    class(clsdf_field), intent(inout) :: self
+    call c_field_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine field_assign(left, right)
+    class(clsdf_field), intent(inout) :: left
+    type(clsdf_field), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_field_retain(right%handle)
+    left%handle = right%handle
+    call c_field_release(before)
+  end subroutine
+
+  impure elemental subroutine field_end(self)
+    type(clsdf_field), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+end module

@@ -1,0 +1,256 @@
+!> Files of fields for clsdf in Fortran 2008: on libclsdf_c_io, which links HDF5. A program with an HDF5 of its own uses
+!> the module clsdf alone. The rules of clsdf.f90 hold.
+module clsdf_io
+  use, intrinsic :: iso_c_binding
+  use clsdf
+  implicit none
+  private
+  public :: clsdf_field_read, clsdf_field_missing_files, clsdf_field_write, clsdf_field_check_path, clsdf_field_writer, &
+      clsdf_io_abandon_unfinished_files
+
+  !> Writes a field slab by slab, from the caller's arrays; or, as a sink of transform%compute_slabs(), from that call.
+  type, extends(clsdf_slab_sink) :: clsdf_field_writer
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure :: create => writer_create
+    procedure :: append => writer_append
+    procedure :: take => writer_take
+    procedure :: finish => writer_finish
+    procedure :: release => writer_release
+    procedure, private :: writer_assign
+    generic :: assignment(=) => writer_assign
+    final :: writer_end
+  end type
+
+  interface
+    function c_field_read(path, field) bind(C, name="clsdf_field_read") result(value)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(out) :: field
+      integer(c_int32_t) :: value
+    end function
+    function c_field_set_index_base(field, index_base) bind(C, name="clsdf_field_set_index_base") result(value)
+      import
+      type(c_ptr), value :: field
+      integer(c_int32_t), value :: index_base
+      integer(c_int32_t) :: value
+    end function
+    function c_field_missing_files(path, text, size, length) bind(C, name="clsdf_field_missing_files") result(value)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), value :: text
+      integer(c_int64_t), value :: size
+      integer(c_int64_t), intent(out) :: length
+      integer(c_int32_t) :: value
+    end function
+    function c_field_write(field, path) bind(C, name="clsdf_field_write") result(value)
+      import
+      type(c_ptr), value :: field
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int32_t) :: value
+    end function
+    function c_field_check_path(path, outputs) bind(C, name="clsdf_field_check_path") result(value)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int32_t), value :: outputs
+      integer(c_int32_t) :: value
+    end function
+    subroutine c_field_writer_retain(writer) bind(C, name="clsdf_field_writer_retain")
+      import
+      type(c_ptr), value :: writer
+    end subroutine
+    subroutine c_field_writer_release(writer) bind(C, name="clsdf_field_writer_release")
+      import
+      type(c_ptr), value :: writer
+    end subroutine
+    function c_field_writer_create(path, description, outputs, writer) bind(C, name="clsdf_field_writer_create") &
+        result(value)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(clsdf_c_description), intent(in) :: description
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), intent(out) :: writer
+      integer(c_int32_t) :: value
+    end function
+    function c_field_writer_append(writer, values, count, slices) bind(C, name="clsdf_field_writer_append") result(value)
+      import
+      type(c_ptr), value :: writer, values
+      integer(c_int64_t), value :: count, slices
+      integer(c_int32_t) :: value
+    end function
+    function c_field_writer_finish(writer) bind(C, name="clsdf_field_writer_finish") result(value)
+      import
+      type(c_ptr), value :: writer
+      integer(c_int32_t) :: value
+    end function
+    subroutine c_io_abandon_unfinished_files() bind(C, name="clsdf_io_abandon_unfinished_files")
+    end subroutine
+  end interface
+
+contains
+
+  !> Reads a field: .nrrd, .npy, .vti, .h5, .sdf or, if OpenVDB is built in, .vdb. Its triangles count from 1.
+  subroutine clsdf_field_read(path, field, stat, errmsg)
+    character(*), intent(in) :: path
+    type(clsdf_field), intent(inout) :: field
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: status
+    call field%release()
+    status = c_field_read(trim(path)//c_null_char, field%handle)
+    if (status == CLSDF_OK) status = c_field_set_index_base(field%handle, 1_c_int32_t)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The files of outputs that the field's file names but that do not exist, one a line.
+  subroutine clsdf_field_missing_files(path, files, stat, errmsg)
+    character(*), intent(in) :: path
+    character(:), allocatable, intent(out) :: files
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    character(kind=c_char), allocatable, target :: text(:)
+    integer(c_int64_t) :: length, written
+    integer(c_int32_t) :: status
+    files = ''
+    status = c_field_missing_files(trim(path)//c_null_char, c_null_ptr, 0_c_int64_t, length)
+    if (status == CLSDF_OK) then
+      allocate (text(length + 1))
+      status = c_field_missing_files(trim(path)//c_null_char, c_loc(text), length + 1, written)
+      files = clsdf_text(c_loc(text))
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Writes by the file's ending, complete or not at all.
+  subroutine clsdf_field_write(field, path, stat, errmsg)
+    type(clsdf_field), intent(in) :: field
+    character(*), intent(in) :: path
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_field_write(field%handle, trim(path)//c_null_char), stat, errmsg)
+  end subroutine
+
+  !> The error that clsdf_field_write() would give for the ending, the outputs or the folder. Leaves no file.
+  subroutine clsdf_field_check_path(path, outputs, stat, errmsg)
+    character(*), intent(in) :: path
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_field_check_path(trim(path)//c_null_char, clsdf_outputs_mask(outputs)), stat, errmsg)
+  end subroutine
+
+  subroutine writer_create(self, path, grid, band, sign, mesh_name, outputs, stat, errmsg)
+    class(clsdf_field_writer), intent(inout) :: self
+    character(*), intent(in) :: path
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    integer(c_int32_t), intent(in), optional :: sign
+    character(*), intent(in), optional :: mesh_name
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_description) :: c
+    character(:), allocatable, target :: text
+    call self%release()
+    c%struct_size = c_sizeof(c)
+    c%grid = clsdf_grid_for_c(grid)
+    c%band = band
+    if (present(sign)) c%sign = sign
+    text = c_null_char
+    if (present(mesh_name)) text = trim(mesh_name)//c_null_char
+    c%mesh_name = c_loc(text)
+    call clsdf_finish(c_field_writer_create(trim(path)//c_null_char, c, clsdf_outputs_mask(outputs), self%handle), &
+        stat, errmsg)
+  end subroutine
+
+  !> The next slices, size(array, 3) of the distance, in ascending z: packed arrays of the announced outputs and of the
+  !> types that clsdf_output_describe() states.
+  subroutine writer_append(self, values, stat, errmsg)
+    class(clsdf_field_writer), intent(inout) :: self
+    type(clsdf_target), intent(in) :: values(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_target), target :: c(size(values))
+    integer(c_int64_t) :: items(3)
+    integer(c_int32_t) :: status
+    integer :: i
+    status = CLSDF_OK
+    items = 0
+    do i = 1, size(values)
+      if (values(i)%output == CLSDF_DISTANCE) items = values(i)%array%shape(1:3)
+    end do
+    call clsdf_targets_of_samples(values, items, 3, c, status)
+    do i = 1, size(values)
+      if (status /= CLSDF_OK) exit
+      call clsdf_pack_for_c(values(i)%array, c(i), status)
+    end do
+    if (status == CLSDF_OK) call append_from_1(self, c, items(3), status)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine writer_take(sink, slab, status)
+    class(clsdf_field_writer), intent(inout) :: sink
+    type(clsdf_slab), intent(in) :: slab
+    integer(c_int32_t), intent(inout) :: status
+    type(clsdf_c_target), pointer :: values(:)
+    call c_f_pointer(slab%values, values, [slab%count])
+    call append_from_1(sink, values, slab%part%size(3), status)
+  end subroutine
+
+  !> Triangles in files count from 0: a copy of them does.
+  subroutine append_from_1(self, values, slices, status)
+    class(clsdf_field_writer), intent(inout) :: self
+    type(clsdf_c_target), intent(in) :: values(:)
+    integer(c_int64_t), intent(in) :: slices
+    integer(c_int32_t), intent(inout) :: status
+    type(clsdf_c_target), target :: from_0(size(values))
+    integer(c_int32_t), allocatable, target :: triangles(:)
+    integer(c_int32_t), pointer :: from_1(:)
+    integer :: i
+    from_0 = values
+    do i = 1, size(values)
+      if (values(i)%output /= CLSDF_TRIANGLE) cycle
+      call c_f_pointer(values(i)%array%host, from_1, [values(i)%array%count])
+      allocate (triangles(size(from_1)))
+      triangles = from_1 - 1
+      from_0(i)%array%host = c_loc(triangles)
+    end do
+    status = c_field_writer_append(self%handle, c_loc(from_0), size(values, kind=c_int64_t), slices)
+  end subroutine
+
+  !> Gives the files their names.
+  subroutine writer_finish(self, stat, errmsg)
+    class(clsdf_field_writer), intent(inout) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_field_writer_finish(self%handle), stat, errmsg)
+  end subroutine
+
+  !> The last release without finish() leaves no file.
+  subroutine writer_release(self)
+    class(clsdf_field_writer), intent(inout) :: self
+    call c_field_writer_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine writer_assign(left, right)
+    class(clsdf_field_writer), intent(inout) :: left
+    type(clsdf_field_writer), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_field_writer_retain(right%handle)
+    left%handle = right%handle
+    call c_field_writer_release(before)
+  end subroutine
+
+  impure elemental subroutine writer_end(self)
+    type(clsdf_field_writer), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  !> For a program that is about to end: removes the unfinished files of all threads, those of the module clsdf included.
+  subroutine clsdf_io_abandon_unfinished_files()
+    call c_io_abandon_unfinished_files()
+  end subroutine
+
+end module

@@ -1,0 +1,109 @@
+! Files of fields and points.
+program files
+  use, intrinsic :: iso_c_binding
+  use clsdf
+  use clsdf_io
+  use test
+  implicit none
+  type(clsdf_device) :: device
+  type(clsdf_mesh) :: mesh
+  type(clsdf_transform) :: transform
+  type(clsdf_grid) :: grid, other_grid
+  type(clsdf_band) :: band
+  type(clsdf_field) :: field, other
+  type(clsdf_field_writer) :: writer, copy
+  real(4), allocatable, target :: expected(:, :, :)
+  integer, allocatable, target :: numbers(:, :, :)
+  real(4), pointer :: phi(:, :, :)
+  integer, pointer :: triangle(:, :, :)
+  real(8), allocatable :: points(:, :)
+  real(4), target :: d(2)
+  character(:), allocatable :: text
+  integer :: stat, half
+  character(300) :: errmsg
+  logical :: is_there
+
+  call device%automatic()
+  call mesh%shape('knot')
+  call transform%create(device, mesh)
+  band = clsdf_band_symmetric(0.2d0)
+  call grid%around(mesh, 24, band)
+  allocate (expected(grid%size(1), grid%size(2), grid%size(3)), numbers(grid%size(1), grid%size(2), grid%size(3)))
+  call transform%compute(grid, band, expected, triangle=numbers)
+
+  ! A field of the library, and its triangles, from 1 on both ways.
+  call transform%compute_field(grid, band, field, [CLSDF_DISTANCE, CLSDF_TRIANGLE])
+  call clsdf_field_check_path('fortran_field.h5', [CLSDF_DISTANCE, CLSDF_TRIANGLE])
+  call clsdf_field_write(field, 'fortran_field.h5')
+  call read_back('fortran_field.h5', 'a field')
+  call clsdf_field_write(other, 'fortran_field.h5')
+  call read_back('fortran_field.h5', 'a field that was read')
+  call clsdf_field_missing_files('fortran_field.h5', text)
+  call check(text == '', 'no missing file')
+
+  ! A field of the program's own values.
+  call other%create(grid, band, outputs=[CLSDF_DISTANCE, CLSDF_TRIANGLE])
+  call other%array(CLSDF_DISTANCE, phi)
+  call other%array(CLSDF_TRIANGLE, triangle)
+  phi = expected
+  triangle = numbers
+  call clsdf_field_write(other, 'fortran_own.h5')
+  call read_back('fortran_own.h5', 'an own field')
+
+  ! Slabs of a call into a file.
+  call writer%create('fortran_slabs.h5', grid, band, transform%sign(), 'knot', [CLSDF_DISTANCE, CLSDF_TRIANGLE])
+  copy = writer
+  call transform%compute_slabs(grid, band, writer, [CLSDF_DISTANCE, CLSDF_TRIANGLE])
+  call copy%finish()
+  call read_back('fortran_slabs.h5', 'slabs')
+  call other%describe(mesh_name=text)
+  call check(text == 'knot', 'the name of the mesh')
+
+  ! Slices of the program.
+  half = size(expected, 3)/2
+  call writer%create('fortran_slices.nrrd', grid, band, outputs=[CLSDF_DISTANCE, CLSDF_TRIANGLE])
+  call writer%append([clsdf_target(CLSDF_DISTANCE, expected(:, :, :half)), clsdf_target(CLSDF_TRIANGLE, numbers(:, :, :half))])
+  call writer%append([clsdf_target(CLSDF_DISTANCE, expected(:, :, half + 1:)), &
+      clsdf_target(CLSDF_TRIANGLE, numbers(:, :, half + 1:))])
+  call writer%finish()
+  call read_back('fortran_slices.nrrd', 'slices')
+
+  ! Without finish() there is no file.
+  call writer%create('fortran_never.nrrd', grid, band)
+  call writer%append([clsdf_target(CLSDF_DISTANCE, expected(::2, :, :))], stat, errmsg)
+  call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'distance is not packed')
+  call writer%append([clsdf_target(CLSDF_DISTANCE, real(expected, 8))], stat, errmsg)
+  call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'double')
+  call writer%release()
+  inquire (file='fortran_never.nrrd', exist=is_there)
+  call check(.not. is_there, 'no file without finish()')
+
+  call clsdf_field_check_path('fortran_field.xyz', stat=stat, errmsg=errmsg)
+  call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'fortran_field.xyz')
+  call clsdf_field_read('no such field.nrrd', other, stat, errmsg)
+  call fails(stat, CLSDF_UNREADABLE_INPUT, errmsg, 'no such field')
+  call check(.not. other%is_set(), 'a field after an error')
+
+  ! Points.
+  d = [1.5, -2.25]
+  call clsdf_points_write(reshape([1d0, 2d0, 3d0, 4d0, 5d0, 6d0], [3, 2]), [clsdf_target(CLSDF_DISTANCE, d)], &
+      'fortran_points.csv')
+  call clsdf_points_read('fortran_points.csv', points)
+  call check(all(points == reshape([1d0, 2d0, 3d0, 4d0, 5d0, 6d0], [3, 2])), 'points')
+  call clsdf_points_check_path('fortran_points.xyz', stat, errmsg)
+  call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'fortran_points.xyz')
+  call clsdf_io_abandon_unfinished_files()
+
+contains
+
+  subroutine read_back(path, what)
+    character(*), intent(in) :: path, what
+    call clsdf_field_read(path, other)
+    call other%describe(other_grid)
+    call other%array(CLSDF_DISTANCE, phi)
+    call other%array(CLSDF_TRIANGLE, triangle)
+    call check(all(other_grid%first == grid%first) .and. all(other_grid%size == grid%size), what//': the grid')
+    call check(all(phi == expected) .and. all(triangle == numbers), what//': the values')
+  end subroutine
+
+end program

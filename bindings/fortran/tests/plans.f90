@@ -1,0 +1,164 @@
+! Buffers of the device: plans, and calls that write to a buffer, against the same field on the host.
+module opencl
+  use, intrinsic :: iso_c_binding
+  implicit none
+  interface
+    function create_buffer(context, flags, bytes, host, status) bind(C, name="clCreateBuffer") result(buffer)
+      import
+      type(c_ptr), value :: context, host
+      integer(c_int64_t), value :: flags
+      integer(c_size_t), value :: bytes
+      integer(c_int), intent(out) :: status
+      type(c_ptr) :: buffer
+    end function
+    function read_buffer(queue, buffer, blocking, offset, bytes, host, count, wait_list, event) &
+        bind(C, name="clEnqueueReadBuffer") result(status)
+      import
+      type(c_ptr), value :: queue, buffer, host, wait_list, event
+      integer(c_int), value :: blocking, count
+      integer(c_size_t), value :: offset, bytes
+      integer(c_int) :: status
+    end function
+    function release_event(event) bind(C, name="clReleaseEvent") result(status)
+      import
+      type(c_ptr), value :: event
+      integer(c_int) :: status
+    end function
+    function release_buffer(buffer) bind(C, name="clReleaseMemObject") result(status)
+      import
+      type(c_ptr), value :: buffer
+      integer(c_int) :: status
+    end function
+  end interface
+end module
+
+program plans
+  use, intrinsic :: iso_c_binding
+  use clsdf
+  use opencl
+  use test
+  implicit none
+  type(clsdf_device) :: device
+  type(clsdf_mesh) :: mesh
+  type(clsdf_transform) :: transform
+  type(clsdf_grid) :: grid, part
+  type(clsdf_band) :: band, own_band
+  type(clsdf_plan) :: plan, copy
+  type(clsdf_request) :: requests(2)
+  type(clsdf_block_set) :: blocks
+  type(clsdf_statistics) :: statistics
+  type(c_ptr) :: context, id, queue, buffer, done(1)
+  real(4), allocatable, target :: expected(:, :, :), found(:, :, :), moved(:, :, :)
+  integer(c_int) :: status
+  integer :: n
+  integer :: stat
+  character(300) :: errmsg
+
+  call device%automatic()
+  call device%handles(context, id, queue)
+  call mesh%shape('torus')
+  call transform%create(device, mesh)
+  band = clsdf_band_symmetric(0.2d0)
+  call grid%around(mesh, 32, band)
+  allocate (expected(grid%size(1), grid%size(2), grid%size(3)))
+  allocate (found, moved, mold=expected)
+  n = size(expected)
+  call transform%compute(grid, band, expected)
+  buffer = create_buffer(context, 1_8, int(4*n, c_size_t), c_null_ptr, status)
+  call check(status == 0, 'a buffer')
+
+  ! Without a plan.
+  call transform%compute(grid, band, [clsdf_target(CLSDF_DISTANCE, buffer, CLSDF_FLOAT32)])
+  call fetch()
+  call check(all(found == expected), 'a field in a buffer')
+
+  ! One grid, into the targets of each run.
+  call plan%create(transform, grid, band)
+  copy = plan
+  call plan%enqueue_to([clsdf_target(CLSDF_DISTANCE, buffer, CLSDF_FLOAT32)], queue, done=done(1))
+  call fetch(done)
+  call check(all(found == expected), 'a plan')
+  status = release_event(done(1))
+  call check(copy%request_count() == 1, 'requests of a plan')
+  call copy%request(1, part, own_band)
+  call check(all(part%first == grid%first) .and. all(part%size == grid%size), 'a request of a plan')
+  call check(plan%sign() == transform%sign(), 'its sign')
+  statistics = plan%statistics()
+  call check(statistics%device_bytes > 0, 'its statistics')
+
+  ! Requests with targets of their own: the two halves, each with the strides of the whole.
+  call halves()
+  call check(plan%bytes(transform, requests) > 0, 'the memory of a plan')
+  call plan%create(transform, requests)
+  call plan%enqueue()
+  call fetch()
+  call check(all(found == expected), 'a plan of requests')
+  call transform%set_motion(reshape([0d0, 1d0, 0d0, -1d0, 0d0, 0d0, 0d0, 0d0, 1d0], [3, 3]), [0.1d0, 0d0, 0d0])
+  call transform%compute(grid, band, moved)
+  call check(any(moved /= expected), 'a motion')
+  call plan%update(transform)
+  call plan%enqueue(queue)
+  call fetch()
+  call check(all(found == moved), 'a plan after a motion')
+  call plan%update(transform, requests%grid)
+  call plan%update(transform, requests(2:))
+  call check(plan%request_count() == 1, 'other requests')
+
+  ! Blocks: slices.
+  blocks%lattice = grid
+  blocks%band = band
+  blocks%size = [grid%size(1), grid%size(2), 1_8]
+  allocate (blocks%first(3, grid%size(3)))
+  blocks%first(1:2, :) = 1
+  blocks%first(3, :) = [(n, n=1, size(expected, 3))]
+  n = size(expected)
+  blocks%targets = [clsdf_target(CLSDF_DISTANCE, buffer, CLSDF_FLOAT32)]
+  call check(plan%bytes(transform, blocks) > 0, 'the memory of a plan of blocks')
+  call plan%create(transform, blocks)
+  call plan%update(transform, blocks)
+  call plan%enqueue(queue)
+  call fetch()
+  call check(all(found == moved), 'a plan of blocks')
+
+  ! In memory of the device triangles count from 0.
+  call transform%compute(grid, band, [clsdf_target(CLSDF_DISTANCE, buffer, CLSDF_FLOAT32), &
+      clsdf_target(CLSDF_TRIANGLE, buffer, CLSDF_UINT32)], stat=stat, errmsg=errmsg)
+  call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'index_base')
+  call plan%release()
+  call copy%release()
+  call plan%enqueue(stat=stat, errmsg=errmsg)
+  call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'plan is null')
+  status = release_buffer(buffer)
+
+contains
+
+  subroutine halves()
+    integer(8) :: first(3), half(3), bytes
+    half = grid%size
+    half(3) = grid%size(3)/2
+    first = [1_8, 1_8, half(3) + 1]
+    requests(1)%grid = grid%part([1_8, 1_8, 1_8], half)
+    requests(2)%grid = grid%part(first, [half(1), half(2), grid%size(3) - half(3)])
+    requests%band = band
+    bytes = 4*product(half)
+    requests(1)%targets = [clsdf_target(CLSDF_DISTANCE, buffer, CLSDF_FLOAT32)]
+    requests(2)%targets = [clsdf_target(CLSDF_DISTANCE, buffer, CLSDF_FLOAT32, offset=bytes)]
+  end subroutine
+
+  ! The buffer, after the events.
+  subroutine fetch(events)
+    type(c_ptr), intent(in), target, optional :: events(:)
+    type(c_ptr) :: first
+    integer(c_int) :: count
+    first = c_null_ptr
+    count = 0
+    if (present(events)) then
+      first = c_loc(events(1))
+      count = size(events)
+    end if
+    found = 7
+    status = read_buffer(queue, buffer, 1, 0_c_size_t, int(4*n, c_size_t), c_loc(found), count, first, c_null_ptr)
+    call check(status == 0, 'a buffer is read')
+  end subroutine
+
+end program
