@@ -50,7 +50,8 @@ clsdf_status clsdf_field_set_index_base(clsdf_field* field, std::int32_t index_b
     return guarded([&] {
         clsdf_field& self = of(field);
         const std::int32_t base = c::checked_index_base(index_base);
-        c::shift_triangles(self.field.triangle(), static_cast<std::uint32_t>(base - self.index_base));
+        for (std::uint32_t& triangle : self.field.triangle())
+            triangle += static_cast<std::uint32_t>(base) - static_cast<std::uint32_t>(self.index_base);
         self.index_base = base;
     });
 }
