@@ -69,7 +69,9 @@ module clsdf
   !> Units of a length; an extent is the longest side of the mesh's box.
   integer(c_int32_t), parameter, public :: CLSDF_MESH_UNITS = 0, CLSDF_VOXELS = 1, CLSDF_EXTENT = 2
   !> Stages of a call.
-  integer(c_int32_t), parameter, public :: CLSDF_COMPILING = 0, CLSDF_COMPUTING = 1
+  integer(c_int32_t), parameter, public :: CLSDF_COMPILING = 0, CLSDF_COMPUTING = 1, CLSDF_TESTING = 2
+  !> Numbers of a program's own that end a call, returned by its callbacks, begin here.
+  integer(c_int32_t), parameter, public :: CLSDF_OWN_STATUS = 1000
 
   ! ---- Boxes, lengths, bands, grids ----
 
@@ -320,6 +322,7 @@ module clsdf
     procedure :: triangles => mesh_triangles
     procedure :: name => mesh_name
     procedure :: box => mesh_box
+    procedure :: hash => mesh_hash
     procedure :: topology => mesh_topology
     procedure :: defects => mesh_defects
     procedure :: sign => mesh_sign
@@ -938,6 +941,12 @@ module clsdf
       integer(c_int32_t) :: value
       type(c_ptr), value :: mesh
       type(clsdf_box), intent(out) :: box
+    end function
+    function c_mesh_hash(mesh, hash) bind(C, name="clsdf_mesh_hash") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      integer(c_int64_t), intent(out) :: hash
     end function
     function c_mesh_topology(mesh, topology) bind(C, name="clsdf_mesh_topology") result(value)
       import
@@ -2692,6 +2701,17 @@ contains
     character(*), intent(inout), optional :: errmsg
     type(clsdf_box) :: box
     call clsdf_finish(c_mesh_box(self%handle, box), stat, errmsg)
+  end function
+
+  !> Of all vertices and triangles in their order, the same on every machine: tells whether ranks have the same mesh. The
+  !> index base and the name do not count.
+  function mesh_hash(self, stat, errmsg) result(hash)
+    class(clsdf_mesh), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: hash
+    hash = 0
+    call clsdf_finish(c_mesh_hash(self%handle, hash), stat, errmsg)
   end function
 
   function mesh_topology(self, stat, errmsg) result(topology)

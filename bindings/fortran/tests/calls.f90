@@ -164,6 +164,14 @@ contains
     call own%vertices(vertices)
     call check(all(vertices == 2*x), 'new positions')
     call own%set_positions(real(x, 4))
+    block
+      integer(8) :: hash
+      hash = own%hash()
+      call own%set_positions(3*x)
+      call check(own%hash() /= hash, 'the hash of other positions')
+      call own%set_positions(real(x, 4))
+      call check(own%hash() == hash, 'the hash of the same positions')
+    end block
     call own%weld(welded)
     call check(welded%index_base() == 1, 'a welded mesh')
     colours = 100

@@ -123,7 +123,7 @@ program plans
   ! In memory of the device triangles count from 0.
   call transform%compute(grid, band, [clsdf_target(CLSDF_DISTANCE, buffer, CLSDF_FLOAT32), &
       clsdf_target(CLSDF_TRIANGLE, buffer, CLSDF_UINT32)], stat=stat, errmsg=errmsg)
-  call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'index_base')
+  call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'index base')
   call plan%release()
   call copy%release()
   call plan%enqueue(stat=stat, errmsg=errmsg)
