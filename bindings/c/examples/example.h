@@ -1,4 +1,4 @@
-/* What the examples share. */
+/* Functions that the examples share. */
 #ifndef CLSDF_EXAMPLE_H
 #define CLSDF_EXAMPLE_H
 

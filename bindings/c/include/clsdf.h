@@ -181,11 +181,11 @@ CLSDF_API void clsdf_thread_limit_release(clsdf_thread_limit* limit);
  * returns; only a plan writes later, to its targets, until its last run has ended. Strides of an output cost a copy of
  * its samples inside the call. An input is not written, though `host` is not const. */
 typedef struct clsdf_array {
-    void* host;               /* the address of the first item, or null */
-    void* device;             /* a cl_mem, or null */
-    int64_t offset;           /* bytes before the first item, a multiple of a number's bytes */
-    int64_t count;            /* of items. Of an output 0: not known; any other count must be exactly that of the grid's
-                                 samples, of the points, or of the samples of all blocks, with strides, too */
+    void* host;     /* the address of the first item, or null */
+    void* device;   /* a cl_mem, or null */
+    int64_t offset; /* bytes before the first item, a multiple of a number's bytes */
+    int64_t count;  /* of items; 0 if that of an output is not known. Any other count must be exactly that of the grid's
+                       samples, of the points, or of the samples of all blocks, with strides, too */
     int64_t strides[3];       /* bytes from an item to the next along x, y, z; inputs and points: strides[0] alone.
                                  Negative ones run backwards from the first item. Zeros: packed, x fastest */
     int64_t component_stride; /* bytes from a component to the next; 0: side by side. If it is set and `strides` are
@@ -365,7 +365,7 @@ static inline int64_t clsdf_grid_offset(const clsdf_grid* grid, int64_t i, int64
 
 /* ---- Devices ---- */
 
-/* What a device reports. Texts live as long as the handle that gave them. Unknown properties are 0 or "". */
+/* The properties that a device reports; unknown ones are 0 or "". Texts live as long as the handle that gave them. */
 typedef struct clsdf_device_info {
     size_t struct_size;
     int64_t index;    /* in the list of devices; -1: not in it, as a part of a device */
@@ -470,7 +470,7 @@ typedef struct clsdf_edge {
     double to[3];
 } clsdf_edge;
 
-/* What the sign rule depends on. Vertices of equal coordinates count as one. */
+/* The facts that decide the sign rule. Vertices of equal coordinates count as one. */
 typedef struct clsdf_topology {
     size_t struct_size;
     int32_t closed;     /* 1: every undirected edge has an even number of faces */
@@ -536,10 +536,10 @@ CLSDF_API clsdf_status clsdf_mesh_vertices(const clsdf_mesh* mesh, const double*
 CLSDF_API clsdf_status clsdf_mesh_triangles(const clsdf_mesh* mesh, const uint32_t** triangles, int64_t* count);
 CLSDF_API clsdf_status clsdf_mesh_index_base(const clsdf_mesh* mesh, int32_t* index_base);
 CLSDF_API clsdf_status clsdf_mesh_name(const clsdf_mesh* mesh, const char** name);
-/* Of the vertices in use. */
+/* The box of the vertices in use. */
 CLSDF_API clsdf_status clsdf_mesh_box(const clsdf_mesh* mesh, clsdf_box* box);
-/* Of all vertices and triangles in their order, the same on every machine: tells whether ranks have the same mesh. The
- * index base and the name do not count. */
+/* A hash of all vertices and triangles in their order, the same on every machine. It tells whether ranks have the same
+ * mesh. The index base and the name do not count. */
 CLSDF_API clsdf_status clsdf_mesh_hash(const clsdf_mesh* mesh, uint64_t* hash);
 CLSDF_API clsdf_status clsdf_mesh_topology(const clsdf_mesh* mesh, clsdf_topology* topology);
 CLSDF_API clsdf_status clsdf_mesh_defects(const clsdf_mesh* mesh, clsdf_defects* defects);
@@ -720,7 +720,7 @@ CLSDF_API clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf
 CLSDF_API clsdf_status clsdf_classify(const clsdf_transform* transform, const clsdf_box* boxes, int64_t count,
                                       double half_width, uint8_t* places);
 
-/* Of the vertices in use, at their present positions. */
+/* The box of the vertices in use, at their present positions. */
 CLSDF_API clsdf_status clsdf_transform_box(const clsdf_transform* transform, clsdf_box* box);
 CLSDF_API clsdf_status clsdf_transform_topology(const clsdf_transform* transform, clsdf_topology* topology);
 /* The rule in use, never automatic. */

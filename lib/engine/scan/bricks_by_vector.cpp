@@ -75,7 +75,7 @@ private:
 
 void specialise_bricks_by_vector(device::Context& context, const Programs& programs, const BrickVariant& variant) {
     cl::Kernel kernel(programs.bricks(context, variant), "bricks_by_vector");
-    // Of the arrays only the counter of the slots and the minima are written.
+    // The kernel writes only the counter of the slots and the minima. It computes nothing, whatever they hold.
     const cl::Buffer array(context.context(), CL_MEM_READ_WRITE, minima_bytes(variant));
     const cl_uint none = 0;
     cl_uint next = set_arguments(kernel, 0, Layout{}, none, none, none, array, array, array, none);
