@@ -37,9 +37,17 @@ pid_t start(std::vector<std::string> arguments) {
     return failure == 0 ? process : 0;
 }
 
+void compile_level(const std::string& choice, const std::string& folder) {
+    const clsdf::Device device = open_device(choice);
+    device.read_programs("");
+    device.write_programs(folder);
+    clsdf::tuning::compile_level(device);
+}
+
 }  // namespace
 
 SecondCompiler::SecondCompiler(const clsdf::Device& device, const std::vector<std::string>& arguments) {
+    // Its name differs from that of the bundled driver, which compiles nothing.
     if (device.platform() != "Portable Computing Language") return;
     const clsdf::DeviceInfo info = device.info();
     if (info.kind != clsdf::DeviceKind::processor || info.index == clsdf::DeviceInfo::not_listed) return;
@@ -76,6 +84,7 @@ Command add_compile_ahead(Parser& program) {
         std::string device;
         std::vector<std::string> with;
         bool prepare = false;
+        std::string programs;
     };
     const auto options = std::make_shared<Options>();
     Parser parser = program.add_subcommand(subcommand, "Compile programs beside another process that needs them");
@@ -83,8 +92,12 @@ Command add_compile_ahead(Parser& program) {
     add_device_option(parser, options->device, "what computes");
     add_outputs_option(parser, options->with);
     parser.add("--prepare", options->prepare, "instead of the bricks: half of what \"clsdf devices --prepare\" does");
+    parser.add("--programs", options->programs, "instead: write all programs of a bundled driver, for this level")
+        .takes_text("FOLDER");
     return {parser, [options](Report& report) {
-                if (options->prepare)
+                if (!options->programs.empty())
+                    compile_level(options->device, options->programs);
+                else if (options->prepare)
                     prepare_ahead(report, options->device);
                 else
                     clsdf::tuning::compile_bricks(open_device(options->device), parse_outputs(options->with));
