@@ -8,6 +8,8 @@
 
 #include <clsdf/tuning.hpp>
 
+#include <fmt/format.h>
+
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -41,6 +43,15 @@ void compile_level(const std::string& choice, const std::string& folder) {
     const clsdf::Device device = open_device(choice);
     device.read_programs("");
     device.write_programs(folder);
+    clsdf::tuning::compile_level(device);
+}
+
+/// Builds those of this processor's level, too.
+void check_levels(const clsdf::Device& device) {
+    const std::vector<std::string> missing = clsdf::tuning::missing_programs(device);
+    if (!missing.empty())
+        throw clsdf::Error(clsdf::ErrorCode::unsupported, fmt::format("the bundled driver lacks {} programs: {}",
+                                                                      missing.size(), fmt::join(missing, "; ")));
     clsdf::tuning::compile_level(device);
 }
 
@@ -85,6 +96,7 @@ Command add_compile_ahead(Parser& program) {
         std::vector<std::string> with;
         bool prepare = false;
         std::string programs;
+        bool check = false;
     };
     const auto options = std::make_shared<Options>();
     Parser parser = program.add_subcommand(subcommand, "Compile programs beside another process that needs them");
@@ -94,8 +106,11 @@ Command add_compile_ahead(Parser& program) {
     parser.add("--prepare", options->prepare, "instead of the bricks: half of what \"clsdf devices --prepare\" does");
     parser.add("--programs", options->programs, "instead: write all programs of a bundled driver, for this level")
         .takes_text("FOLDER");
+    parser.add("--check", options->check, "instead: tell which programs the bundled driver lacks");
     return {parser, [options](Report& report) {
-                if (!options->programs.empty())
+                if (options->check)
+                    check_levels(open_device(options->device));
+                else if (!options->programs.empty())
                     compile_level(options->device, options->programs);
                 else if (options->prepare)
                     prepare_ahead(report, options->device);

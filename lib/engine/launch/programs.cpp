@@ -1,5 +1,6 @@
 #include "launch/programs.hpp"
 
+#include "device/bundled_driver.hpp"
 #include "device/opencl.hpp"
 #include "layout.h"
 
@@ -164,6 +165,23 @@ void tuning::compile_level(const Device& device) {
         for (const scan::ProgramSource& source : scan::sources_of_level(context.capabilities()))
             context.program(scan::around_faults(context, source, lanes));
     });
+}
+
+std::vector<std::string> tuning::missing_programs(const Device& device) {
+    const device::Context& context = device::context_of(device);
+    std::vector<std::string> missing;
+    device::guarded([&] {
+        for (const device::BundledLevel& level : device::bundled_levels(context.device())) {
+            device::Context::Capabilities capabilities = context.capabilities();
+            capabilities.float_width = level.name == "x86-64-v4" ? 16 : 8;
+            const device::Records programs(level.folder, device::PreparedPrograms::ending);
+            for (const scan::ProgramSource& source : scan::sources_of_level(capabilities))
+                if (!programs.has(
+                        device::program_key(level.target, "", source.options, device::kernel_text(source.kernel_file))))
+                    missing.push_back(fmt::format("{} {} {}", level.name, source.kernel_file, source.options));
+        }
+    });
+    return missing;
 }
 
 }  // namespace clsdf

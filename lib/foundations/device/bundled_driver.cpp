@@ -54,10 +54,8 @@ cl_platform_id open(const fs::path& file) {
     void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr) throw Error(ErrorCode::no_device, fmt::format("it cannot be loaded: {}", ::dlerror()));
     const auto address = reinterpret_cast<FunctionAddress>(::dlsym(library, "clGetExtensionFunctionAddress"));
-    const auto list =
-        address == nullptr ? nullptr : reinterpret_cast<PlatformIds>(address("clIcdGetPlatformIDsKHR"));
-    if (list == nullptr)
-        throw Error(ErrorCode::no_device, fmt::format("{} is no driver of OpenCL", file.string()));
+    const auto list = address == nullptr ? nullptr : reinterpret_cast<PlatformIds>(address("clIcdGetPlatformIDsKHR"));
+    if (list == nullptr) throw Error(ErrorCode::no_device, fmt::format("{} is no driver of OpenCL", file.string()));
     cl_platform_id platform = nullptr;
     if (const cl_int code = list(1, &platform, nullptr); code != CL_SUCCESS || platform == nullptr)
         throw Error(ErrorCode::no_device, fmt::format("{} has no platform: {}", file.string(), code_name(code)));
@@ -93,11 +91,22 @@ bool is_bundled(const cl::Device& device) {
 }
 
 fs::path bundled_programs(const cl::Device& device) {
-    const std::string level = processor_level(device);
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(bundled_driver().folder / "programs", error))
-        if (level.ends_with(fmt::format("-{}", entry.path().filename().string()))) return entry.path();
-    return {};
+    const fs::path folder = bundled_driver().folder / "programs" / processor_level(device);
+    std::error_code none;
+    return fs::is_directory(folder, none) ? folder : fs::path();
+}
+
+std::vector<BundledLevel> bundled_levels(const cl::Device& device) {
+    // It ends with the device's own level.
+    std::string target = target_of(device);
+    target.resize(target.size() - processor_level(device).size());
+    std::vector<BundledLevel> levels;
+    std::error_code none;
+    for (const fs::directory_entry& entry : fs::directory_iterator(bundled_driver().folder / "programs", none)) {
+        const std::string name = entry.path().filename().string();
+        levels.push_back({name, entry.path(), target + name});
+    }
+    return levels;
 }
 
 std::string platform_name(const cl::Device& device) {

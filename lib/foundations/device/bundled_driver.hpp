@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace clsdf::device {
 
@@ -32,6 +33,15 @@ CLSDF_EXPORT bool is_bundled(const cl::Device& device);
 /// The folder of the programs of a bundled device, which is that of its processor's level; empty if there is none.
 /// Throws cl::Error.
 CLSDF_EXPORT std::filesystem::path bundled_programs(const cl::Device& device);
+
+/// A level of processors for which the bundled driver has programs.
+struct BundledLevel {
+    std::string name;  ///< x86-64-v3
+    std::filesystem::path folder;
+    std::string target;  ///< target_of() a device of this level
+};
+/// All of them; `device` is the bundled one. Throws cl::Error.
+CLSDF_EXPORT std::vector<BundledLevel> bundled_levels(const cl::Device& device);
 
 /// CL_PLATFORM_NAME of a device; that of the bundled driver, which is PoCL's, with an addition. Throws cl::Error.
 CLSDF_EXPORT std::string platform_name(const cl::Device& device);

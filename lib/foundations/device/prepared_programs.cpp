@@ -23,6 +23,11 @@ std::string_view pocl_version(std::string_view platform_version) {
     return version.substr(0, version.find_first_not_of("0123456789."));
 }
 
+/// "cpu-x86_64-pc-linux-gnu-x86-64-v3" of "OpenCL 3.0 PoCL HSTR: cpu-...": PoCL takes binaries that have the same text.
+std::string_view hash_text(std::string_view device_version) {
+    return behind(device_version, "HSTR: ");
+}
+
 std::optional<cl::Program> from_binary(const std::string& binary, const cl::Context& context, const cl::Device& device,
                                        const std::string& options) {
     try {
@@ -58,13 +63,14 @@ std::string compiler_environment() {
 }
 
 std::string processor_level(const cl::Device& device) {
-    return std::string(behind(device.getInfo<CL_DEVICE_VERSION>(), "HSTR: "));
+    return std::string(behind(hash_text(device.getInfo<CL_DEVICE_VERSION>()), "-gnu-"));
 }
 
 std::string target_of(const cl::Device& device) {
     const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
     const std::string name = platform.getInfo<CL_PLATFORM_NAME>(), version = platform.getInfo<CL_PLATFORM_VERSION>();
-    if (name == pocl) return fmt::format("{}\n{}\n{}", name, pocl_version(version), processor_level(device));
+    if (name == pocl)
+        return fmt::format("{}\n{}\n{}", name, pocl_version(version), hash_text(device.getInfo<CL_DEVICE_VERSION>()));
     return fmt::format("{}\n{}\n{}\n{}\n{}", name, version, device.getInfo<CL_DEVICE_NAME>(),
                        device.getInfo<CL_DEVICE_VERSION>(), device.getInfo<CL_DRIVER_VERSION>());
 }

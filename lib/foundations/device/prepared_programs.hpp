@@ -13,12 +13,12 @@ namespace clsdf::device {
 /// The environment variables that change what compilers of PoCL, AMD and Intel make, a line each.
 std::string compiler_environment();
 
-/// The level of a processor's instructions, as PoCL's devices name it: "cpu-x86_64-pc-linux-gnu-x86-64-v3". Empty for
-/// other devices. Throws cl::Error.
+/// The level of a processor's instructions, as PoCL names it: "x86-64-v3", the end of the version of its devices. Empty
+/// for devices of others. Throws cl::Error.
 std::string processor_level(const cl::Device& device);
 
 /// All that a binary depends on beside environment, options and text: platform, driver and device; of PoCL its version
-/// without its compiler's, and processor_level(). Throws cl::Error.
+/// without its compiler's, and, at the end, processor_level(). Throws cl::Error.
 std::string target_of(const cl::Device& device);
 
 /// Under which a program is stored.

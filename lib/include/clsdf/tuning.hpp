@@ -35,6 +35,10 @@ CLSDF_EXPORT void compile_bricks(const Device& device, OutputSet outputs);
 /// Error(device_failure), Error(output_failure).
 CLSDF_EXPORT void compile_level(const Device& device);
 
+/// The programs of compile_level() that the bundled driver lacks, of every level that it has a folder for: the level,
+/// the kernel file and the options of each. `device` is its device. Thread-safe. Throws Error(device_failure).
+CLSDF_EXPORT std::vector<std::string> missing_programs(const Device& device);
+
 }  // namespace tuning
 
 /// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.
