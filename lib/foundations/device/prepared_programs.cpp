@@ -23,7 +23,8 @@ std::string_view pocl_version(std::string_view platform_version) {
     return version.substr(0, version.find_first_not_of("0123456789."));
 }
 
-/// "cpu-x86_64-pc-linux-gnu-x86-64-v3" of "OpenCL 3.0 PoCL HSTR: cpu-...": PoCL takes binaries that have the same text.
+/// "cpu-x86_64-pc-linux-gnu-haswell" of "OpenCL 3.0 PoCL HSTR: cpu-...", in the bundled driver
+/// "cpu-x86_64-clsdf-x86-64-v3": PoCL takes binaries that have the same text.
 std::string_view hash_text(std::string_view device_version) {
     return behind(device_version, "HSTR: ");
 }
@@ -63,7 +64,9 @@ std::string compiler_environment() {
 }
 
 std::string processor_level(const cl::Device& device) {
-    return std::string(behind(hash_text(device.getInfo<CL_DEVICE_VERSION>()), "-gnu-"));
+    const std::string version = device.getInfo<CL_DEVICE_VERSION>();
+    const std::string_view target = hash_text(version), of_installed = behind(target, "-gnu-");
+    return std::string(of_installed.empty() ? behind(target, "-clsdf-") : of_installed);
 }
 
 std::string target_of(const cl::Device& device) {

@@ -13,8 +13,8 @@ namespace clsdf::device {
 /// The environment variables that change what compilers of PoCL, AMD and Intel make, a line each.
 std::string compiler_environment();
 
-/// The level of a processor's instructions, as PoCL names it: "x86-64-v3", the end of the version of its devices. Empty
-/// for devices of others. Throws cl::Error.
+/// The level of a processor's instructions, as PoCL names it at the end of the version of its devices: "haswell", in
+/// the bundled driver "x86-64-v3". Empty for devices of others. Throws cl::Error.
 std::string processor_level(const cl::Device& device);
 
 /// All that a binary depends on beside environment, options and text: platform, driver and device; of PoCL its version
