@@ -84,8 +84,9 @@ BOOST_AUTO_TEST_CASE(keeps_its_programs_whatever_the_environment_says_to_compile
     BOOST_REQUIRE(setenv("POCL_WORK_GROUP_METHOD", "loopvec", 1) == 0);
     const Device device = Device::strongest();
     bool is_compiled = false;
-    device::context_of(device).program({"sign_sweep.cl", "-cl-std=CL1.2 -DLANES=1 -cl-fp32-correctly-rounded-divide-sqrt"},
-                                       {[&] { is_compiled = true; }});
+    device::context_of(device).program(
+        {"sign_sweep.cl", "-cl-std=CL1.2 -DLANES=1 -cl-fp32-correctly-rounded-divide-sqrt"},
+        {[&] { is_compiled = true; }});
     BOOST_TEST(!is_compiled);
     BOOST_REQUIRE(unsetenv("POCL_WORK_GROUP_METHOD") == 0);
 }
