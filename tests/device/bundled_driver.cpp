@@ -63,7 +63,7 @@ BOOST_AUTO_TEST_CASE(computes_exact_fields_with_programs_that_are_not_compiled) 
             for (std::int64_t j = 0; j < grid.size[1]; ++j)
                 for (std::int64_t i = 0; i < grid.size[0]; ++i, ++sample) {
                     const double exact = std::clamp(distance_to_cube(grid.position(i, j, k)), -0.2, 0.2);
-                    largest = std::max(largest, std::abs(field.distance()[sample] - exact));
+                    largest = std::max(largest, std::abs(double{field.distance()[sample]} - exact));
                 }
         BOOST_TEST(largest < 1e-6);
     }
