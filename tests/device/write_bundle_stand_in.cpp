@@ -42,6 +42,8 @@ void write_to(const fs::path& folder) {
     const Band band = Band::symmetric(0.2);
     DistanceTransform(device, mesh).compile(Grid::around(mesh, 32, band), band, {});
     fs::create_symlink(driver, folder / "libclsdf_pocl.so");
+    // Debian's PoCL has its devices in files of their own, which it looks for beside itself.
+    fs::create_symlink(driver.parent_path() / "pocl", folder / "pocl");
 }
 
 }  // namespace
