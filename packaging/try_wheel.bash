@@ -55,7 +55,7 @@ if [ "$system" = bare ]; then
     [ -z "$left" ] || fail "it wrote to the home: $left"
 
     say "the command"
-    as_user $homes/usual clsdf devices >$work/devices
+    as_user $homes/usual clsdf devices 2>$work/devices
     grep "bundled with clsdf" $work/devices
     as_user $homes/usual clsdf compute bunny.off -o bunny.nrrd --resolution 64 --quiet
     if as_user $homes/usual clsdf compute bunny.off -o by_slices.nrrd --resolution 64 --scan slices 2>$work/error; then
