@@ -2,6 +2,7 @@
 
 #include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
+#include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
 #include "prepare/layout_of.hpp"
@@ -35,16 +36,17 @@ transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
     : Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)),
-      topology(describe_topology(mesh)),
+      topology(describe_vertices(mesh)),
       vertices(mesh, topology.coincident_vertices > 0) {
-    const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
-    sign = resolved.rule;
-    if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
     stages = std::make_unique<transform::Stages>(
         context(), pool, std::move(mesh),
         transform::Stages::Options{method, transform::SetUpBy{programs.mesh_records, programs.mesh_lanes()},
                                    programs.body == KernelBody::by_vector, options.kept_bytes});
     kept_points = std::make_unique<points::KeptPoints>(*stages);
+    describe_edges(stages->mesh(), stages->topology().edges.are_paired, topology);
+    const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
+    sign = resolved.rule;
+    if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
 }
 
 DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
