@@ -179,7 +179,7 @@ BOOST_AUTO_TEST_CASE(of_usual_calls_are_prepared_for_later_calls) {
     for (const fs::path& file : fs::recursive_directory_iterator(caches.file("empty"))) {
         if (file.extension() != ".so") continue;
         const fs::path groups = file.parent_path(), kernel = groups.parent_path();
-        const std::string name = "/" + (kernel.filename() / groups.filename() / file.filename()).string();
+        const std::string name = (kernel.filename() / groups.filename() / file.filename()).string();
         BOOST_TEST(has(programs, name), name);
         ++kernels;
     }
