@@ -39,11 +39,9 @@ pid_t start(std::vector<std::string> arguments) {
 
 }  // namespace
 
-SecondCompiler::SecondCompiler(const clsdf::Device& device, const std::vector<std::string>& arguments) {
-    if (device.platform() != "Portable Computing Language") return;
-    const clsdf::DeviceInfo info = device.info();
-    if (info.kind != clsdf::DeviceKind::processor || info.index == clsdf::DeviceInfo::not_listed) return;
-    std::vector<std::string> all{"clsdf", subcommand, "--device", std::to_string(info.index)};
+SecondCompiler::SecondCompiler(const std::string& device, const std::vector<std::string>& arguments) {
+    std::vector<std::string> all{"clsdf", subcommand};
+    if (!device.empty()) all.insert(all.end(), {"--device", device});
     all.insert(all.end(), arguments.begin(), arguments.end());
     process_ = start(std::move(all));
 }
@@ -84,10 +82,12 @@ Command add_compile_ahead(Parser& program) {
     add_outputs_option(parser, options->with);
     parser.add("--prepare", options->prepare, "instead of the bricks: half of what \"clsdf devices --prepare\" does");
     return {parser, [options](Report& report) {
+                const clsdf::Device device = open_device(options->device);
+                if (!specialises_at_launch(device)) return ExitStatus::done;
                 if (options->prepare)
-                    prepare_ahead(report, options->device);
+                    prepare_ahead(report, device);
                 else
-                    clsdf::tuning::compile_bricks(open_device(options->device), parse_outputs(options->with));
+                    clsdf::tuning::compile_bricks(device, parse_outputs(options->with));
                 return ExitStatus::done;
             }};
 }

@@ -39,8 +39,8 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
 
 /// Programs that are tested together.
 struct TestSubject {
-    std::string name;  ///< for messages and records
-    std::vector<cl::Program> programs;
+    std::string name;                                 ///< for messages and records
+    std::function<std::vector<cl::Program>()> build;  ///< called after the test if there can be no record
 };
 /// Runs test() if the subject has not been tested on this device and driver version; it returns what is wrong, in a
 /// sentence. Returns whether it ran. Throws Error(wrong_results) that says what is wrong; with
