@@ -337,8 +337,8 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
     if (!kept.sweep_mesh) {
         const auto faces = device_faces(lattice_of(grid));
         const ReaderMark mark(*this);
-        kept.sweep_mesh = std::make_shared<const SweepMesh>(make_sweep_mesh(
-            context_, pool_, grid, mesh_, faces ? set_up() : DeviceSetUp{context_, pool_, cl::Program(), 1}, faces));
+        kept.sweep_mesh = std::make_shared<const SweepMesh>(
+            make_sweep_mesh(faces ? set_up() : DeviceSetUp{context_, pool_, cl::Program(), 1}, grid, mesh_, faces));
     }
     inputs.sweep_mesh = kept.sweep_mesh;
     if (near) inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);
