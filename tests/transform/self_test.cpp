@@ -47,6 +47,10 @@ TestCase wide(TestCase test_case) {
     test_case.is_wide = true;
     return test_case;
 }
+TestCase large(TestCase test_case) {
+    test_case.is_large = true;
+    return test_case;
+}
 TestCase without_sign(TestCase test_case) {
     test_case.is_signed = false;
     return test_case;
@@ -226,6 +230,7 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
           bricks(group_body, true, true), bricks(group_body, false, false, true), slices(vector_body, true, true, true),
           slices(vector_body, true, false, false), slices(group_body, false, false, false),
           wide(bricks(vector_body, false, false)), wide(bricks(group_body, true, true)),
+          large(bricks(vector_body, false, false)), large(bricks(group_body, true, true)),
           without_sign(bricks(vector_body, false, false))}) {
         const scan::Programs programs(device::context_of(test_device()), test_case.body);
         const auto difference = transform::run_self_test(test_device(), programs, test_case);
@@ -448,6 +453,27 @@ BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
     const Device device = nothing.device(folder.file("cache"));
     device.forget_records();
     BOOST_TEST(DistanceTransform(device, mesh).compile(grid, band).first_use);
+}
+
+BOOST_AUTO_TEST_CASE(is_run_for_large_triangles_also_where_a_sweep_finds_them_first) {
+    // Two large triangles among ten thousand, which a sample of them does not show.
+    Mesh sphere = make_shape("sphere5");
+    std::vector<Vec3> vertices = sphere.vertices();
+    std::vector<Triangle> triangles = sphere.triangles();
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (const Vec3& p : {Vec3{2, -1, -1}, Vec3{2, 1, -1}, Vec3{2, 1, 1}, Vec3{3, 0, 0}}) vertices.push_back(p);
+    for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{1, 2, 3}, Triangle{2, 0, 3}})
+        triangles.insert(triangles.begin() + 30, {first + t[0], first + t[1], first + t[2]});
+    const Mesh mesh(vertices, triangles);
+    Changed nothing;
+    const Device device = nothing.device("");
+    const Band band = Band::symmetric(0.1);
+    DistanceTransform transform(device, mesh);
+    transform.compute(Grid::around(mesh, 64, band), band);
+    TestCase test_case = bricks(KernelBody::automatic, false, false);
+    test_case.body = scan::Programs(device::context_of(device), KernelBody::automatic).body;
+    BOOST_TEST(device::context_of(device).is_tested(test_case.name()));
+    BOOST_TEST(device::context_of(device).is_tested(large(test_case).name()));
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -152,7 +152,8 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
         transform::Inputs block_inputs = batch_inputs;
         if (!(block.grid == batch->job.grid))
             stages->select(block.grid, scan::layout_of(block.grid, batch->job.band, sign), block_inputs);
-        auto block_plan = make_plan(with(made.pool), std::move(block_inputs), batch->job.part(block.grid), caller);
+        auto block_plan =
+            make_plan(with(made.pool), std::move(block_inputs), batch->job.part(block.grid), caller, compiling);
         add_slab(made.statistics, block_plan->statistics);
         made.add(block, std::move(block_plan), targets, programs);
     }

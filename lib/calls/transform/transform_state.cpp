@@ -5,6 +5,7 @@
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
 #include "prepare/layout_of.hpp"
+#include "prepare/sweep_mesh.hpp"
 #include "scan/coarse_lists.hpp"
 
 #include <fmt/format.h>
@@ -135,6 +136,14 @@ transform::TestCase DistanceTransform::State::test_case_of(const transform::Job&
     return test_case;
 }
 
+void DistanceTransform::State::test(const transform::TestCase& test_case, transform::Compiling& compiling) const {
+    if (context().is_tested(test_case.name())) return;
+    const Stopwatch watch;
+    compiling.first_use |=
+        transform::ensure_tested(device, programs, test_case, compiling.watch(transform::step_count(test_case)));
+    compiling.seconds += watch.seconds();
+}
+
 void DistanceTransform::State::check(const transform::Job& job) const {
     for (const double width : {job.band.inside, job.band.outside})
         if (width > 0 && static_cast<float>(width) == 0)
@@ -158,12 +167,11 @@ void DistanceTransform::State::check(const transform::Job& job) const {
 
 void DistanceTransform::State::compile(const transform::Job& job, transform::Compiling& compiling) const {
     context().require_usable();
-    const transform::TestCase test_case = test_case_of(job);
-    if (context().is_tested(test_case.name())) return;
-    const Stopwatch watch;
-    compiling.first_use |=
-        transform::ensure_tested(device, programs, test_case, compiling.watch(transform::step_count(test_case)));
-    compiling.seconds += watch.seconds();
+    transform::TestCase test_case = test_case_of(job), large = test_case;
+    large.is_large = true;
+    // It runs all that the other one runs.
+    if (context().is_tested(large.name())) return;
+    test(test_case.is_signed && scan::expects_large_triangles(job.grid, mesh()) ? large : test_case, compiling);
 }
 
 transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bool lone) {
@@ -181,9 +189,21 @@ transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bo
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(const transform::Workshop& from,
                                                                          transform::Inputs inputs,
                                                                          const transform::Job& job,
-                                                                         transform::Caller& caller) {
+                                                                         transform::Caller& caller,
+                                                                         transform::Compiling& compiling) {
     auto plan =
         std::make_unique<transform::GridPlan>(from, std::move(inputs), job, [&caller] { caller.throw_if_stopped(); });
+    // Known only now: large triangles have a kernel that must be tested.
+    if (plan->has_large_triangles) {
+        transform::TestCase large = test_case_of(job);
+        large.is_large = true;
+        try {
+            test(large, compiling);
+        } catch (...) {
+            context().drain();  // the set-up's commands use the plan's buffers
+            throw;
+        }
+    }
     from.pool->trim();
     return plan;
 }

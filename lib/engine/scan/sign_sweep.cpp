@@ -43,6 +43,7 @@ struct Crossings {
     device::BufferPool::Lease starts;   ///< of the rows' crossings, were they listed row by row; and `count`
     device::BufferPool::Lease records;  ///< SweepRecord, in no order
     std::size_t record_count = 0;       ///< those that are left over included
+    bool has_large_triangles = false;   ///< see SignBits
 };
 
 /// The launches that find the crossings.
@@ -108,6 +109,7 @@ private:
     /// Waits, and sets the crossings' numbers: of the records those that it took, also if there was room for fewer.
     void end() {
         SweepTotals totals = wait_for_totals();
+        crossings_.has_large_triangles = totals.large > 0;
         if (totals.large > 0) {
             find_large(totals);
             add_up();
@@ -192,11 +194,11 @@ SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
     device::guarded([&] {
         const std::size_t bytes =
             sign_row_count(inputs.layout) * static_cast<std::size_t>(inputs.layout.sign_words) * sizeof(cl_uint);
-        bits_ = inputs.pool->lease(bytes, "sign bits");
+        result_.bits = inputs.pool->lease(bytes, "sign bits");
         const bool is_empty = inputs.mesh == nullptr || inputs.mesh->triangle_count == 0 ||
                               (inputs.selection.triangles() != nullptr && inputs.selection.count == 0);
         if (is_empty) {
-            inputs.context.queue().enqueueFillBuffer(*bits_, cl_uint{0}, 0, bytes);
+            inputs.context.queue().enqueueFillBuffer(*result_.bits, cl_uint{0}, 0, bytes);
         } else {
             search_ = std::make_unique<CrossingSearch>(inputs_);
             search_->begin();
@@ -206,10 +208,14 @@ SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
 
 SignSweep::~SignSweep() = default;
 
-device::BufferPool::Lease SignSweep::finish() {
+SignBits SignSweep::finish() {
     return device::guarded([&] {
-        if (search_) sweep_rows(search_->finish());
-        return std::move(bits_);
+        if (search_) {
+            const Crossings crossings = search_->finish();
+            result_.has_large_triangles = crossings.has_large_triangles;
+            sweep_rows(crossings);
+        }
+        return std::move(result_);
     });
 }
 
@@ -225,7 +231,7 @@ void SignSweep::sweep_rows(const Crossings& crossings) {
         const std::size_t items = chunk_count(end - begin, item_rows);
         launch(inputs_.context.queue(), sweep, {items, inputs_.programs.part_group()}, layout,
                static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
-               cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *crossings.starts, *keys, *bits_);
+               cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *crossings.starts, *keys, *result_.bits);
     });
 }
 
