@@ -59,7 +59,8 @@ double number_at(const HostArrays& arrays, Output output, std::size_t index) {
 }
 
 KnownOutputs::KnownOutputs(const Mesh& mesh, const Grid& grid)
-    : grid_(grid),
+    : how_(grid, Band::full(), scan::layout_of(grid, Band::full(), SignRule::nonzero),
+           std::make_shared<scan::DeviceSites>(), false),
       triangles_(mesh.triangles()),
       polyhedra_(triangles_.size()),
       sites_(triangles_.size()),
@@ -85,9 +86,7 @@ std::string KnownOutputs::difference_from(std::uint32_t face, const HostArrays& 
             used += info.components;
         },
         expected);
-    const Layout layout = scan::layout_of(grid_, Band::full(), SignRule::nonzero);
-    const scan::Finishing how(grid_, Band::full(), layout, std::make_shared<scan::DeviceSites>(), false);
-    points::finish_on_host({how, polyhedra_.data(), sites_.data(), normals_.data()}, sample.index, face,
+    points::finish_on_host({how_, polyhedra_.data(), sites_.data(), normals_.data()}, sample.index, face,
                            sample.distance < 0, expected);
 
     double& distance = room[0];

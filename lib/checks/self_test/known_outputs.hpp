@@ -40,7 +40,7 @@ private:
     std::string difference_from(std::uint32_t face, const scan::HostArrays& found, const KnownSample& sample,
                                 double error) const;
 
-    Grid grid_;
+    scan::Finishing how_;
     std::vector<Triangle> triangles_;
     std::vector<Polyhedron> polyhedra_;
     std::vector<TriangleSites> sites_;
