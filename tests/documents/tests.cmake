@@ -14,5 +14,5 @@ clsdf_documented_code(amrex 2 tests/documents/amrex.cpp)
 
 # AMReX is not installed: a stand-in for its classes.
 add_executable(test_code_for_amrex ${CMAKE_CURRENT_LIST_DIR}/amrex.cpp)
-target_link_libraries(test_code_for_amrex PRIVATE clsdf::clsdf clsdf_warnings)
+target_link_libraries(test_code_for_amrex PRIVATE clsdf::meshes clsdf::clsdf clsdf_warnings)
 add_test(NAME code_for_amrex COMMAND test_code_for_amrex)

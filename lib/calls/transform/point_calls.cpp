@@ -35,16 +35,16 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
-        inputs.sites = stages->sites(transform::names_sites(outputs),
-                                     outputs.contains(Output::gradient) || inputs.sides != nullptr);
+        const bool has_normals = transform::takes_normals(outputs);
+        inputs.sites = stages->sites(transform::names_sites(outputs), has_normals || inputs.sides != nullptr);
         inputs.sign = sign;
-        inputs.is_inside_out = outputs.contains(Output::gradient) && sign != SignRule::none && topology.balanced &&
-                               stages->encloses_negative_volume();
+        inputs.is_inside_out =
+            has_normals && sign != SignRule::none && topology.balanced && stages->encloses_negative_volume();
         if (!on_host) return inputs;
         // Only what these outputs need.
         scan::DeviceSites sites = *inputs.sites;
         if (!transform::names_sites(outputs)) sites.names.reset();
-        if (!outputs.contains(Output::gradient)) sites.normals.reset();
+        if (!has_normals) sites.normals.reset();
         inputs.sites = std::make_shared<const scan::DeviceSites>(std::move(sites));
         points::bring_to_host(inputs);
         return inputs;

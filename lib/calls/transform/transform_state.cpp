@@ -180,10 +180,10 @@ transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bo
     return transform::with_remedies(nullptr, {forgetting()}, [&] {
         transform::Inputs inputs = stages->inputs(job.grid, scan::layout_of(job.grid, job.band, sign), sign, lone);
         if (job.outputs == OutputSet{} || method) return inputs;
-        const bool has_gradients = job.outputs.contains(Output::gradient);
+        const bool has_normals = transform::takes_normals(job.outputs);
         inputs.sites =
-            stages->sites(transform::names_sites(job.outputs), has_gradients && stages->may_meet_samples(job.grid));
-        inputs.is_inside_out = has_gradients && topology.balanced && stages->encloses_negative_volume();
+            stages->sites(transform::names_sites(job.outputs), has_normals && stages->may_meet_samples(job.grid));
+        inputs.is_inside_out = has_normals && topology.balanced && stages->encloses_negative_volume();
         return inputs;
     });
 }
