@@ -8,7 +8,9 @@ function(clsdf_documented_code page blocks)
 endfunction()
 
 clsdf_documented_code(parallel 7 examples/mesh_on_ranks.cpp)
-clsdf_documented_code(petsc 2 integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c)
+clsdf_documented_code(petsc 3 integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c
+                      integrations/petsc/examples/dmda.F90)
+clsdf_documented_code(flow 1 integrations/peclet/flow_past_a_body.py)
 clsdf_documented_code(dealii 1 integrations/dealii/examples/forest.cpp)
 clsdf_documented_code(amrex 2 tests/documents/amrex.cpp)
 
