@@ -38,6 +38,15 @@ source_commit() {
     echo "$commit"
 }
 
+# debian_mirror prints the mirror of Debian that this machine's apt uses.
+debian_mirror() {
+    local codename mirror
+    codename=$(. /etc/os-release && echo "${VERSION_CODENAME:-none}")
+    mirror=$(apt-get update --print-uris 2>/dev/null |
+        sed -nE "s|^'(.*)/dists/($codename\|stable\|testing\|unstable\|sid)/(In)?Release'.*|\1|p" | head -n 1)
+    echo "${mirror:-http://deb.debian.org/debian}"
+}
+
 # clang_14 PROGRAM prints the name of version 14 of clang-format or clang-tidy: results of other versions differ.
 clang_14() {
     local version

@@ -197,7 +197,12 @@ Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const st
     if (second_compiler) second_compiler->wait(stop);
     add(preparation.compile(calls[1]));
     add(preparation.query());
-    add(preparation.render());
+    try {
+        add(preparation.render());
+    } catch (const clsdf::Error& error) {
+        // A command without cairo draws nothing, and the bundled driver has no program for it.
+        if (error.code() != clsdf::ErrorCode::unsupported) throw;
+    }
     return {{"index", info.index}, {"name", info.name}, {"steps", steps}};
 }
 

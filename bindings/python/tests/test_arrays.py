@@ -7,7 +7,7 @@ import types
 
 import numpy as np
 import pytest
-from conftest import BruteForce
+from brute_force import BruteForce
 
 import clsdf
 

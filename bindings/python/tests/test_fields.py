@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import BruteForce, positions
+from brute_force import BruteForce, positions
 
 import clsdf
 

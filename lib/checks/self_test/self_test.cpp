@@ -173,10 +173,9 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
                         .large = test_case.is_large};
     device::Context& context = device::context_of(device);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    Stages stages(context, pool, KnownField(kind).mesh(),
-                  {.method = test_case.method,
-                   .set_up = {programs.mesh_records, programs.mesh_lanes()},
-                   .is_whole = true});
+    Stages stages(
+        context, pool, KnownField(kind).mesh(),
+        {.method = test_case.method, .set_up = {programs.mesh_records, programs.mesh_lanes()}, .is_whole = true});
     const auto run = [&] { return run_field_test(device, programs, test_case, kind, stages, watch); };
     std::optional<std::string> difference = run();
     if (difference || test_case.method) return difference;
