@@ -12,7 +12,7 @@ set(CLSDF_DRIVER_BUNDLE "" CACHE PATH "A bundled driver to test, the folder that
 mark_as_advanced(CLSDF_DRIVER_BUNDLE)
 set(stand_in ${CMAKE_CURRENT_BINARY_DIR}/bundled_driver)
 add_executable(write_bundle_stand_in ${CMAKE_CURRENT_LIST_DIR}/write_bundle_stand_in.cpp)
-target_link_libraries(write_bundle_stand_in PRIVATE clsdf::clsdf clsdf_internals OpenCL::OpenCL clsdf_warnings Eigen3::Eigen
+target_link_libraries(write_bundle_stand_in PRIVATE clsdf::meshes clsdf_internals OpenCL::OpenCL clsdf_warnings Eigen3::Eigen
                                                     TBB::tbb ${CLSDF_FMT})
 add_test(NAME bundled_driver_written COMMAND write_bundle_stand_in ${stand_in})
 clsdf_test(bundled_driver ${CMAKE_CURRENT_LIST_DIR}/bundled_driver.cpp)

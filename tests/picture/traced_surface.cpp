@@ -33,8 +33,6 @@ using clsdf::picture::Scene;
 using clsdf::picture::SurfaceOptions;
 using clsdf::picture::SurfacePictures;
 using clsdf::picture::View;
-using clsdf::test::Agreement;
-using clsdf::test::check_agreements;
 using clsdf::test::check_throws;
 using clsdf::test::distance_to_box;
 using clsdf::test::field_of;
