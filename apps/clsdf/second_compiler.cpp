@@ -57,12 +57,9 @@ void check_levels(const clsdf::Device& device) {
 
 }  // namespace
 
-SecondCompiler::SecondCompiler(const clsdf::Device& device, const std::vector<std::string>& arguments) {
-    // Its name differs from that of the bundled driver, which compiles nothing.
-    if (device.platform() != "Portable Computing Language") return;
-    const clsdf::DeviceInfo info = device.info();
-    if (info.kind != clsdf::DeviceKind::processor || info.index == clsdf::DeviceInfo::not_listed) return;
-    std::vector<std::string> all{"clsdf", subcommand, "--device", std::to_string(info.index)};
+SecondCompiler::SecondCompiler(const std::string& device, const std::vector<std::string>& arguments) {
+    std::vector<std::string> all{"clsdf", subcommand};
+    if (!device.empty()) all.insert(all.end(), {"--device", device});
     all.insert(all.end(), arguments.begin(), arguments.end());
     process_ = start(std::move(all));
 }
@@ -108,14 +105,19 @@ Command add_compile_ahead(Parser& program) {
         .takes_text("FOLDER");
     parser.add("--check", options->check, "instead: tell which programs the bundled driver lacks");
     return {parser, [options](Report& report) {
-                if (options->check)
-                    check_levels(open_device(options->device));
-                else if (!options->programs.empty())
+                if (!options->programs.empty()) {
                     compile_level(options->device, options->programs);
+                    return ExitStatus::done;
+                }
+                const clsdf::Device device = open_device(options->device);
+                if (options->check)
+                    check_levels(device);
+                else if (!specialises_at_launch(device))
+                    return ExitStatus::done;  // a driver that compiles nothing at a launch, such as the bundled one
                 else if (options->prepare)
-                    prepare_ahead(report, options->device);
+                    prepare_ahead(report, device);
                 else
-                    clsdf::tuning::compile_bricks(open_device(options->device), parse_outputs(options->with));
+                    clsdf::tuning::compile_bricks(device, parse_outputs(options->with));
                 return ExitStatus::done;
             }};
 }

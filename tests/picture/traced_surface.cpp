@@ -1,7 +1,6 @@
 #include "picture/balls_and_boxes.hpp"
 #include "picture/scene.hpp"
 #include "picture/tracer.hpp"
-#include "support/shared_structs.hpp"
 #include "support/throws.hpp"
 
 #include <clsdf/device.hpp>
@@ -34,8 +33,6 @@ using clsdf::picture::Scene;
 using clsdf::picture::SurfaceOptions;
 using clsdf::picture::SurfacePictures;
 using clsdf::picture::View;
-using clsdf::test::Agreement;
-using clsdf::test::check_agreements;
 using clsdf::test::check_throws;
 using clsdf::test::distance_to_box;
 using clsdf::test::field_of;
@@ -150,15 +147,6 @@ void check_ball(const Field& field, const SurfaceOptions& options, std::optional
 }
 
 }  // namespace
-
-BOOST_AUTO_TEST_CASE(host_and_device_lay_out_views_and_hits_alike) {
-    std::vector<Agreement> all;
-    CLSDF_SHARED(all, RenderView, origin, origin_right, origin_down, direction, direction_right, direction_down, cut,
-                 light, light_spread, spacing, level, slope, highest, gradient_step, reach, cut_side, size, columns,
-                 rows, per_side, padding);
-    CLSDF_SHARED(all, RenderHit, position, kind, gradient, value, light, ambient, padding);
-    check_agreements(all, clsdf::device::kernel_text("render.h", clsdf::picture::tracer_source().files));
-}
 
 BOOST_AUTO_TEST_SUITE(traced_surface)
 
