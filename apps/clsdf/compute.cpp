@@ -240,16 +240,13 @@ std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
 }
 
 Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
-                    const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer, Report& report,
-                    const std::stop_token& stop) {
+                    const std::optional<clsdf::Device>& named, std::optional<SecondCompiler>& second_compiler,
+                    clsdf::FieldWriter& writer, Report& report, const std::stop_token& stop) {
     Computation result;
     ProgressBar progress(!report.quiet);
 
     const Stopwatch setup;
     const clsdf::Device device = named ? *named : open_device({});
-    std::optional<SecondCompiler> second_compiler;
-    if (request.scan == clsdf::Scan::bricks && is_first_use(device))
-        second_compiler.emplace(device, bricks_ahead(request.outputs));
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
     clsdf::CallOptions call;
@@ -298,11 +295,13 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
 
 // The device ends in order. Its compiler may react to the same signals and fail; the reason is still the user's wish.
 Computation compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
-                                       const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer,
+                                       const std::optional<clsdf::Device>& named,
+                                       std::optional<SecondCompiler>& second_compiler, clsdf::FieldWriter& writer,
                                        Report& report) {
     const Interruption interruption;
     try {
-        Computation computation = compute(request, layout, named, writer, report, interruption.token());
+        Computation computation =
+            compute(request, layout, named, second_compiler, writer, report, interruption.token());
         if (!interruption.token().stop_requested()) return computation;
     } catch (const Error&) {
         if (!interruption.token().stop_requested()) throw;
@@ -323,6 +322,9 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         throw Error(ErrorCode::invalid_argument,
                     "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");
     const std::optional<clsdf::Device> device = named_device(options);
+    std::optional<SecondCompiler> second_compiler;
+    if (!options.dry_run && request.scan == clsdf::Scan::bricks && is_first_use())
+        second_compiler.emplace(options.device, bricks_ahead(request.outputs));
 
     const Stopwatch read;
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
@@ -353,7 +355,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
 
     // Opening and finishing may wait for the reader of a pipe or for a disk, so Ctrl-C ends the program at once there.
     clsdf::FieldWriter writer(options.output, describe_field(layout), layout.outputs);
-    Computation computation = compute_unless_interrupted(request, layout, device, writer, report);
+    Computation computation = compute_unless_interrupted(request, layout, device, second_compiler, writer, report);
     const Stopwatch finish;
     writer.finish();
     output_is_written();

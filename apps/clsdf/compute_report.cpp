@@ -197,7 +197,8 @@ void print_outcome(const ComputeLayout& layout, const Computation& computation) 
     const clsdf::TransformStatistics& statistics = computation.statistics;
     if (statistics.first_use)
         print_text(
-            "setup   compiled the kernels for this device{} in {:.1f} s{}\n",
+            "setup   {} the kernels for this device{} in {:.1f} s{}\n",
+            computation.device_platform.ends_with("bundled with clsdf") ? "tested" : "compiled",
             computation.keeps_records ? ", once," : "", statistics.compile_seconds,
             computation.keeps_records ? "" : "; without a folder of records that can be written every run does so");
     print_text("done    computed in {:.3f} s: {} samples, {} of them within the band's limits; {} samples a second\n",

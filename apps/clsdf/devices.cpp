@@ -21,6 +21,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <system_error>
 #include <vector>
 
@@ -54,9 +55,14 @@ clsdf::Device open_device(const std::string& choice) {
     return device;
 }
 
-bool is_first_use(const clsdf::Device& device) {
+bool is_first_use() {
     std::error_code error;
-    return std::filesystem::directory_iterator(device.record_folder(), error) == std::filesystem::directory_iterator();
+    return std::filesystem::directory_iterator(clsdf::Device::default_record_folder(), error) ==
+           std::filesystem::directory_iterator();
+}
+
+bool specialises_at_launch(const clsdf::Device& device) {
+    return device.platform() == "Portable Computing Language" && device.info().kind == DeviceKind::processor;
 }
 
 std::string device_variable() {
@@ -109,12 +115,13 @@ public:
         return step;
     }
 
-    /// Traces a small picture, because some drivers compile a kernel at its first launch.
+    /// Traces a small picture, of a plane, because some drivers compile a kernel at its first launch.
     Step render() {
         const Stopwatch watch;
         const clsdf::Band band = clsdf::Band::full();
-        const clsdf::Field field =
-            clsdf::DistanceTransform(device_, mesh_).compute(clsdf::Grid::around(mesh_, 8, band), band);
+        clsdf::Field field({clsdf::Grid::around(mesh_, 8, band), band, clsdf::SignRule::nonzero, {}});
+        const std::span<float> distance = field.distance();
+        for (std::size_t n = 0; n < distance.size(); ++n) distance[n] = n < distance.size() / 2 ? -1.0F : 1.0F;
         clsdf::picture::SurfaceOptions options;
         options.width = options.height = 16;
         options.should_stop = [this] { return stop_.stop_requested(); };
@@ -151,10 +158,8 @@ private:
     clsdf::Mesh mesh_;
 };
 
-/// A device that writes the programs that it compiles. PoCL puts kernels specialised for the usual work-groups into a
-/// binary, so that their first launch compiles nothing.
-clsdf::Device open_to_prepare(const std::string& choice) {
-    ::setenv("POCL_BINARY_SPECIALIZE_WG", "1-1-1-goffs0-smallgrid", 0);
+/// A device that writes the programs that it compiles.
+clsdf::Device open_to_write(const std::string& choice) {
     clsdf::Device device = open_device(choice);
     device.write_programs(clsdf::Device::default_record_folder());
     return device;
@@ -167,20 +172,37 @@ Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const st
         steps.push_back({{"name", step.name}, {"seconds", step.seconds}, {"tested", step.is_tested}});
     };
     report.print("{}  {} ({})\n", info.index, info.name, info.platform);
-    const clsdf::Device device = open_to_prepare(std::to_string(info.index));
+    const std::string index = std::to_string(info.index);
+    const clsdf::Device launching = open_device(index), writing = open_to_write(index);
     std::optional<SecondCompiler> second_compiler;
     if (again) {
-        device.forget_records();
-        device.read_programs("");
+        writing.forget_records();
+        for (const clsdf::Device& device : {launching, writing}) device.read_programs("");
     } else {
-        second_compiler.emplace(device, std::vector<std::string>{"--prepare"});
+        second_compiler.emplace(index, std::vector<std::string>{"--prepare"});
     }
-    Preparation preparation(report, device, stop);
-    add(preparation.compile(calls[0]));
+    Preparation launches(report, launching, stop), preparation(report, writing, stop);
+    const Stopwatch watch;
+    if (specialises_at_launch(writing)) {
+        // So that the binaries have what launches need.
+        for (const Call& call : calls) launches.compile(call);
+        if (again) {
+            launches.query();
+            launches.render();
+        }
+    }
+    Step first = preparation.compile(calls[0]);
+    first.seconds = watch.seconds();
+    add(first);
     if (second_compiler) second_compiler->wait(stop);
     add(preparation.compile(calls[1]));
     add(preparation.query());
-    add(preparation.render());
+    try {
+        add(preparation.render());
+    } catch (const clsdf::Error& error) {
+        // A command without cairo draws nothing, and the bundled driver has no program for it.
+        if (error.code() != clsdf::ErrorCode::unsupported) throw;
+    }
     return {{"index", info.index}, {"name", info.name}, {"steps", steps}};
 }
 
@@ -197,12 +219,16 @@ void show(ProgressBar& bar, const clsdf::Progress& progress) {
         bar.show(text_of(progress));
 }
 
-void prepare_ahead(Report& report, const std::string& choice) {
+void prepare_ahead(Report& report, const clsdf::Device& launching) {
     const Interruption interruption;
-    const clsdf::Device device = open_to_prepare(choice);
-    clsdf::tuning::compile_bricks(device, clsdf::Output::triangle);
-    Preparation preparation(report, device, interruption.token());
+    const clsdf::Device writing = open_to_write(std::to_string(launching.info().index));
+    Preparation launches(report, launching, interruption.token()), preparation(report, writing, interruption.token());
+    clsdf::tuning::compile_bricks(launching, clsdf::Output::triangle);
+    launches.query();
+    launches.render();
+    // Queries first: the other process needs one of their programs, too, but later.
     preparation.query();
+    clsdf::tuning::compile_bricks(writing, clsdf::Output::triangle);
     preparation.render();
 }
 

@@ -16,7 +16,11 @@ void add_device_option(Parser& parser, std::string& choice, const std::string& d
 clsdf::Device open_device(const std::string& choice);
 
 /// Whether the user's folder has no record of a test yet.
-bool is_first_use(const clsdf::Device& device);
+bool is_first_use();
+
+/// Whether it is a processor of PoCL, which compiles a kernel anew for the size of its first launch's groups, and puts
+/// what it has compiled so far into a program's binary.
+bool specialises_at_launch(const clsdf::Device& device);
 
 /// The value of CLSDF_DEVICE; empty if it is not set.
 std::string device_variable();
@@ -35,4 +39,4 @@ void show(ProgressBar& bar, const clsdf::Progress& progress);
 void prepare(Report& report, const std::vector<clsdf::DeviceInfo>& devices, bool again);
 
 /// The part of it that another process can do meanwhile: the bricks of compute --with, query and render.
-void prepare_ahead(Report& report, const std::string& device);
+void prepare_ahead(Report& report, const clsdf::Device& device);

@@ -1,6 +1,6 @@
 #include "option_values.hpp"
 
-#include "core/text.hpp"
+#include "tools/text.hpp"
 
 #include <fmt/format.h>
 

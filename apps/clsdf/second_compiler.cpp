@@ -8,6 +8,8 @@
 
 #include <clsdf/tuning.hpp>
 
+#include <fmt/format.h>
+
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -37,13 +39,27 @@ pid_t start(std::vector<std::string> arguments) {
     return failure == 0 ? process : 0;
 }
 
+void compile_level(const std::string& choice, const std::string& folder) {
+    const clsdf::Device device = open_device(choice);
+    device.read_programs("");
+    device.write_programs(folder);
+    clsdf::tuning::compile_level(device);
+}
+
+/// Builds those of this processor's level, too.
+void check_levels(const clsdf::Device& device) {
+    const std::vector<std::string> missing = clsdf::tuning::missing_programs(device);
+    if (!missing.empty())
+        throw clsdf::Error(clsdf::ErrorCode::unsupported, fmt::format("the bundled driver lacks {} programs: {}",
+                                                                      missing.size(), fmt::join(missing, "; ")));
+    clsdf::tuning::compile_level(device);
+}
+
 }  // namespace
 
-SecondCompiler::SecondCompiler(const clsdf::Device& device, const std::vector<std::string>& arguments) {
-    if (device.platform() != "Portable Computing Language") return;
-    const clsdf::DeviceInfo info = device.info();
-    if (info.kind != clsdf::DeviceKind::processor || info.index == clsdf::DeviceInfo::not_listed) return;
-    std::vector<std::string> all{"clsdf", subcommand, "--device", std::to_string(info.index)};
+SecondCompiler::SecondCompiler(const std::string& device, const std::vector<std::string>& arguments) {
+    std::vector<std::string> all{"clsdf", subcommand};
+    if (!device.empty()) all.insert(all.end(), {"--device", device});
     all.insert(all.end(), arguments.begin(), arguments.end());
     process_ = start(std::move(all));
 }
@@ -76,6 +92,8 @@ Command add_compile_ahead(Parser& program) {
         std::string device;
         std::vector<std::string> with;
         bool prepare = false;
+        std::string programs;
+        bool check = false;
     };
     const auto options = std::make_shared<Options>();
     Parser parser = program.add_subcommand(subcommand, "Compile programs beside another process that needs them");
@@ -83,11 +101,23 @@ Command add_compile_ahead(Parser& program) {
     add_device_option(parser, options->device, "what computes");
     add_outputs_option(parser, options->with);
     parser.add("--prepare", options->prepare, "instead of the bricks: half of what \"clsdf devices --prepare\" does");
+    parser.add("--programs", options->programs, "instead: write all programs of a bundled driver, for this level")
+        .takes_text("FOLDER");
+    parser.add("--check", options->check, "instead: tell which programs the bundled driver lacks");
     return {parser, [options](Report& report) {
-                if (options->prepare)
-                    prepare_ahead(report, options->device);
+                if (!options->programs.empty()) {
+                    compile_level(options->device, options->programs);
+                    return ExitStatus::done;
+                }
+                const clsdf::Device device = open_device(options->device);
+                if (options->check)
+                    check_levels(device);
+                else if (!specialises_at_launch(device))
+                    return ExitStatus::done;  // a driver that compiles nothing at a launch, such as the bundled one
+                else if (options->prepare)
+                    prepare_ahead(report, device);
                 else
-                    clsdf::tuning::compile_bricks(open_device(options->device), parse_outputs(options->with));
+                    clsdf::tuning::compile_bricks(device, parse_outputs(options->with));
                 return ExitStatus::done;
             }};
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <clsdf/device.hpp>
 #include <clsdf/outputs.hpp>
 
 #include <sys/types.h>
@@ -12,8 +11,9 @@
 /// process, and keeps programs on disk for all. It prints nothing, does no harm if it fails, and ends with this object.
 class SecondCompiler {
 public:
-    /// Runs "clsdf compile-ahead" with these arguments for a processor of PoCL, nothing for another device.
-    SecondCompiler(const clsdf::Device& device, const std::vector<std::string>& arguments);
+    /// Runs "clsdf compile-ahead" with these arguments for the device that --device names. It does something for a
+    /// processor of PoCL alone.
+    SecondCompiler(const std::string& device, const std::vector<std::string>& arguments);
     SecondCompiler(const SecondCompiler&) = delete;
     SecondCompiler& operator=(const SecondCompiler&) = delete;
     ~SecondCompiler();

@@ -2,17 +2,10 @@
 // are given in double, in the grid's index space, so that the voxels are the grid's samples.
 
 #include "benchmarks/method.hpp"
+#include "benchmarks/peers/openvdb_headers.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
-// OpenVDB's headers have warnings, which are errors here.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/Dense.h>
-#include <openvdb/tools/MeshToVolume.h>
-#pragma GCC diagnostic pop
 
 #include <cmath>
 #include <limits>

@@ -2,17 +2,9 @@
 // sweeping, a solver of the eikonal equation of first order. The samples of the band keep their distances.
 
 #include "benchmarks/method.hpp"
+#include "benchmarks/peers/openvdb_headers.hpp"
 
 #include <fmt/format.h>
-// OpenVDB's headers have warnings, which are errors here.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wall"
-#pragma GCC diagnostic ignored "-Wextra"
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/Activate.h>
-#include <openvdb/tools/Dense.h>
-#include <openvdb/tools/FastSweeping.h>
-#pragma GCC diagnostic pop
 
 namespace clsdf::bench {
 

@@ -191,15 +191,36 @@ INLINE void store_by_name(__private const Finishing* finishing, __private const 
     }
 }
 
+// The outputs that have functions for rows. All others are finished sample by sample.
+#define FINISHED_BY_ROWS                                                                   \
+    (1u << CLSDF_OUTPUT_distance | 1u << CLSDF_OUTPUT_triangle | 1u << CLSDF_OUTPUT_site | \
+     1u << CLSDF_OUTPUT_closest | 1u << CLSDF_OUTPUT_gradient | 1u << CLSDF_OUTPUT_barycentric)
+#define FINISHED_BY_SAMPLE (((1u << CLSDF_OUTPUT_COUNT) - 1u) & ~FINISHED_BY_ROWS)
+
+INLINE void store_by_sample(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
+    Finishing others = *finishing;
+    others.how.wanted &= FINISHED_BY_SAMPLE;
+    for (uint lane = 0; lane < LANES; ++lane) {
+        const size_t to = at + OFFSET_OF_LANE(lane);
+        if (!(rows->found >> lane & 1u)) {
+            leave_sample(&others, to);
+            continue;
+        }
+        Nearest nearest;
+        find_nearest_at(&others, convert_double3(sample_of(rows, lane)), rows->polyhedra[lane],
+                        rows->inside >> lane & 1u, &nearest);
+        store_outputs(&others, &nearest, to);
+    }
+}
+
 // Stores what finishing makes of samples into a slice. at: the first one's index there.
 static inline void finish_rows(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
     if (IS_DOUBLE(finishing, distance)) store_distance(finishing, rows, at);
     if ((finishing->how.wanted & CLSDF_OUTPUTS_BY_NAME) != 0) store_by_name(finishing, rows, at);
     if (IS_WANTED(finishing, closest)) store_closest(finishing, rows, at);
     if (IS_WANTED(finishing, gradient)) store_gradient(finishing, rows, at);
+    if ((finishing->how.wanted & FINISHED_BY_SAMPLE) != 0) store_by_sample(finishing, rows, at);
 }
-// A new output needs a line there.
-typedef char AllOutputsAreFinished[CLSDF_OUTPUT_COUNT == 6 ? 1 : -1];
 
 // A slice of rows of up to four bricks, in memory of its own: each row begins CLSDF_COARSE samples after the one before
 // it. All rows are found before any is finished: each is a chain of dependent steps, and several rows hide its latency.

@@ -1,18 +1,13 @@
-// One definition for the host and the kernels: what a field may hold, and what finishing needs for it.
+// One definition for the host and the kernels: the numbers of the outputs, and what finishing needs for them.
 #ifndef CLSDF_OUTPUTS_H
 #define CLSDF_OUTPUTS_H
 
 #include "polyhedron.h"
-
-// The outputs beside the distance: ROW(name, what it is, type of an element, elements of a sample). An element of type
-// float32 or float64 is a float or a double, as the caller asks for; in fields and files it has this type. Beyond the
-// band every bit is set: no triangle, no site, and not a number.
-#define CLSDF_OUTPUTS(ROW)                                   \
-    ROW(triangle, "nearest triangle", uint32, 1)             \
-    ROW(site, "nearest site of the triangle", uint8, 1)      \
-    ROW(closest, "closest point of the surface", float64, 3) \
-    ROW(gradient, "gradient of the distance", float32, 3)    \
-    ROW(barycentric, "barycentric coordinates", float32, 2)
+#ifdef __OPENCL_VERSION__
+#include "output_table.h"
+#else
+#include <clsdf/output_table.h>
+#endif
 
 // Sites of a triangle: its vertices 0, 1, 2; its edges 3, 4, 5, of which edge 3 + k runs from vertex k to the next;
 // its face.
@@ -27,9 +22,6 @@ namespace clsdf {
 #define CLSDF_OUTPUT_NUMBER(name, content, element, components) CLSDF_OUTPUT_##name,
 enum clsdf_output_number { CLSDF_OUTPUT_distance, CLSDF_OUTPUTS(CLSDF_OUTPUT_NUMBER) CLSDF_OUTPUT_COUNT };
 #undef CLSDF_OUTPUT_NUMBER
-
-// The outputs that take the names of sites.
-#define CLSDF_OUTPUTS_BY_NAME (1u << CLSDF_OUTPUT_triangle | 1u << CLSDF_OUTPUT_site | 1u << CLSDF_OUTPUT_barycentric)
 
 // Names of a triangle's vertices and edges: each is named as a site of the lowest triangle that shares it.
 typedef struct TriangleSites {

@@ -1,7 +1,7 @@
 #include "io/field_files.hpp"
 
-#include "core/text.hpp"
 #include "io/raw_values.hpp"
+#include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/version.hpp>

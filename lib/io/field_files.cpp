@@ -1,8 +1,8 @@
 #include "io/field_files.hpp"
 
 #include "core/files.hpp"
-#include "core/text.hpp"
 #include "core/unfinished_files.hpp"
+#include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/field.hpp>

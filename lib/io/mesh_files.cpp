@@ -2,7 +2,7 @@
 
 #include "core/files.hpp"
 #include "core/real_numbers.hpp"
-#include "core/text.hpp"
+#include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/mesh_files.hpp>

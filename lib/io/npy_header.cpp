@@ -1,6 +1,6 @@
 #include "io/npy_header.hpp"
 
-#include "core/text.hpp"
+#include "tools/text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,6 +1,6 @@
-#include "core/text.hpp"
 #include "io/field_files.hpp"
 #include "io/raw_values.hpp"
+#include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/mesh.hpp>

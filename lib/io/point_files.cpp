@@ -1,8 +1,8 @@
 #include "core/files.hpp"
 #include "core/outputs.hpp"
-#include "core/text.hpp"
 #include "io/mesh_files.hpp"
 #include "io/npy_header.hpp"
+#include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/mesh_files.hpp>

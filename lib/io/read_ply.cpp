@@ -1,5 +1,5 @@
-#include "core/text.hpp"
 #include "io/mesh_files.hpp"
+#include "tools/text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "core/large_memory.hpp"
 #include "core/real_numbers.hpp"
-#include "core/text.hpp"
 #include "io/field_files.hpp"
+#include "tools/text.hpp"
 
 #include <fmt/compile.h>
 #include <fmt/format.h>

@@ -46,7 +46,7 @@ private:
     float fill(bool inside) const;
     void judge_sign(const Case& sample) const;
     void judge_distance(const Case& sample) const;
-    void judge_outputs(const Case& sample) const;  // judge_outputs.cpp
+    void judge_outputs(const Case& sample) const;  // output_contracts.cpp
 
     const TrueSamples& truth_;
     const Field& field_;

@@ -9,7 +9,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/triangle_tree.cpp
           ${CMAKE_CURRENT_LIST_DIR}/oracle.cpp
           ${CMAKE_CURRENT_LIST_DIR}/true_samples.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/judge_outputs.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/output_contracts.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mesh_sites.cpp
           ${CMAKE_CURRENT_LIST_DIR}/check.cpp
           ${CMAKE_CURRENT_LIST_DIR}/reference_field.cpp

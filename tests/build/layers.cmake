@@ -54,6 +54,10 @@ foreach(layer ${layers})
   endforeach()
 endforeach()
 
+# Tools for meshes, beside the core.
+set(allowed core mesh)
+check_folder(${SOURCE}/lib/tools)
+
 # The kernels' folders, whose files are included by their names alone.
 file(STRINGS ${SOURCE}/cmake/EmbedKernels.cmake kernel_folders REGEX "^set\\(CLSDF_KERNEL_FOLDERS ")
 string(REGEX REPLACE "^set\\(CLSDF_KERNEL_FOLDERS (.*)\\)$" "\\1" kernel_folders "${kernel_folders}")

@@ -7,7 +7,19 @@
 
 // A cube's field by Mauch's polyhedra, slice by slice, is that by ours, by bricks; and its edges are counted.
 int main() try {
-    const clsdf::Mesh cube = clsdf::make_shape("cube");
+    const clsdf::Mesh cube({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}},
+                           {{0, 2, 3},
+                            {0, 3, 1},
+                            {4, 5, 7},
+                            {4, 7, 6},
+                            {0, 1, 5},
+                            {0, 5, 4},
+                            {2, 6, 7},
+                            {2, 7, 3},
+                            {0, 4, 6},
+                            {0, 6, 2},
+                            {1, 3, 7},
+                            {1, 7, 5}});
     if (clsdf::classify_convexity(cube).count(clsdf::EdgeKind::convex) != 12) return 2;
 
     const clsdf::Band band = clsdf::Band::symmetric(0.2);

@@ -1,17 +1,41 @@
 clsdf_test(device ${CMAKE_CURRENT_LIST_DIR}/device.cpp ${CMAKE_CURRENT_LIST_DIR}/choice.cpp
            ${CMAKE_CURRENT_LIST_DIR}/errors.cpp ${CMAKE_CURRENT_LIST_DIR}/buffer_pool.cpp ${CMAKE_CURRENT_LIST_DIR}/records.cpp
            ${CMAKE_CURRENT_LIST_DIR}/prepared_programs.cpp
-           ${CMAKE_CURRENT_LIST_DIR}/shared_structs.cpp ${CMAKE_CURRENT_LIST_DIR}/host_filling.cpp
-           ${CMAKE_CURRENT_LIST_DIR}/vectors.cpp ${CMAKE_CURRENT_LIST_DIR}/known_faults.cpp)
+           ${CMAKE_CURRENT_LIST_DIR}/host_filling.cpp ${CMAKE_CURRENT_LIST_DIR}/known_faults.cpp)
 target_link_libraries(test_device PRIVATE OpenCL::OpenCL)
 # A process of its own: the loader looks for drivers once.
 clsdf_test(no_device ${CMAKE_CURRENT_LIST_DIR}/no_device.cpp)
-# Likewise: PoCL starts its threads once.
+# Likewise, of a bundled driver.
+clsdf_test(broken_driver ${CMAKE_CURRENT_LIST_DIR}/broken_driver.cpp)
+# The driver that a package brings with it: a stand-in, and that of CLSDF_DRIVER_BUNDLE (scripts/bundle-driver).
+set(CLSDF_DRIVER_BUNDLE "" CACHE PATH "A bundled driver to test, the folder that scripts/bundle-driver made")
+mark_as_advanced(CLSDF_DRIVER_BUNDLE)
+set(stand_in ${CMAKE_CURRENT_BINARY_DIR}/bundled_driver)
+add_executable(write_bundle_stand_in ${CMAKE_CURRENT_LIST_DIR}/write_bundle_stand_in.cpp)
+target_link_libraries(write_bundle_stand_in PRIVATE clsdf::clsdf clsdf_internals OpenCL::OpenCL clsdf_warnings Eigen3::Eigen
+                                                    TBB::tbb ${CLSDF_FMT})
+add_test(NAME bundled_driver_written COMMAND write_bundle_stand_in ${stand_in})
+clsdf_test(bundled_driver ${CMAKE_CURRENT_LIST_DIR}/bundled_driver.cpp)
+target_link_libraries(test_bundled_driver PRIVATE OpenCL::OpenCL)
+set_tests_properties(bundled_driver_written PROPERTIES FIXTURES_SETUP bundled_driver)
+set_tests_properties(bundled_driver PROPERTIES FIXTURES_REQUIRED bundled_driver
+                                               ENVIRONMENT "CLSDF_DRIVER=${stand_in};OCL_ICD_VENDORS=${stand_in}")
+set_tests_properties(bundled_driver_written bundled_driver PROPERTIES ENVIRONMENT_MODIFICATION "POCL_KERNELLIB_NAME=unset:")
+if(CLSDF_DRIVER_BUNDLE)
+  set(environment "CLSDF_DRIVER=${CLSDF_DRIVER_BUNDLE};OCL_ICD_VENDORS=${CLSDF_DRIVER_BUNDLE}")
+  add_test(NAME bundled_driver_of_package COMMAND test_bundled_driver --color_output=no)
+  set_tests_properties(bundled_driver_of_package PROPERTIES ENVIRONMENT "${environment}")
+  if(TARGET clsdf_command)
+    add_test(NAME bundled_programs COMMAND clsdf_command compile-ahead --device bundled --check)
+    set_tests_properties(bundled_programs PROPERTIES ENVIRONMENT "${environment}")
+  endif()
+endif()
+# A process of its own: PoCL starts its threads once.
 clsdf_test(floating_point ${CMAKE_CURRENT_LIST_DIR}/floating_point.cpp)
 target_link_libraries(test_floating_point PRIVATE clsdf::reference)
 
 add_executable(first_compute ${CMAKE_CURRENT_LIST_DIR}/first_compute.cpp)
-target_link_libraries(first_compute PRIVATE clsdf::clsdf clsdf_warnings)
+target_link_libraries(first_compute PRIVATE clsdf::meshes clsdf::clsdf clsdf_warnings)
 add_test(NAME first_compute COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:first_compute>
                                     -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/first_compute_files
                                     -P ${CMAKE_CURRENT_LIST_DIR}/first_compute.cmake)

@@ -72,7 +72,7 @@ clsdf_disguised(shapes test_transform_shapes)
 clsdf_disguised(streams test_transform_streams)
 clsdf_disguised(plans test_transform_plans)
 clsdf_disguised(request_plans test_transform_request_plans)
-clsdf_disguised(mesh_records test_transform_mesh_records)
+clsdf_disguised(kernel_frusta test_transform_kernel_frusta)
 clsdf_disguised(callers_memory test_transform_callers_memory)
 
 # and, with -C nightly (scripts/on-disguise), all that use a device, and a sample of the acceptance list.

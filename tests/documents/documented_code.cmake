@@ -1,5 +1,5 @@
-# Every block of code of the PAGE, in C or C++, is a part of one of the SOURCES, but for the indentation: what the page shows is
-# compiled and tested. At least BLOCKS of them.
+# Every block of code of the PAGE, in C, C++, Fortran or Python, is a part of one of the SOURCES, but for the indentation:
+# what the page shows is compiled and tested. At least BLOCKS of them.
 cmake_minimum_required(VERSION 3.25)
 function(read_code file variable)
   file(READ ${file} text)
@@ -17,13 +17,13 @@ foreach(source IN LISTS SOURCES)
   read_code(${source} text)
   string(APPEND sources "${text}")
 endforeach()
-string(REGEX MATCHALL "\n```(cpp|c)\n[^`]*\n```" blocks "${page}")
+string(REGEX MATCHALL "\n```(cpp|c|fortran|python)\n[^`]*\n```" blocks "${page}")
 list(LENGTH blocks count)
 if(count LESS BLOCKS)
   message(SEND_ERROR "${PAGE} has only ${count} blocks of code, not ${BLOCKS}")
 endif()
 foreach(block IN LISTS blocks)
-  string(REGEX REPLACE "^\n```(cpp|c)" "" block "${block}")
+  string(REGEX REPLACE "^\n```(cpp|c|fortran|python)" "" block "${block}")
   string(REGEX REPLACE "```$" "" block "${block}")
   string(FIND "${sources}" "${block}" at)
   if(at EQUAL -1)

@@ -7,12 +7,14 @@ function(clsdf_documented_code page blocks)
             -P ${PROJECT_SOURCE_DIR}/tests/documents/documented_code.cmake)
 endfunction()
 
-clsdf_documented_code(parallel 7 examples/mesh_on_ranks.cpp)
-clsdf_documented_code(petsc 2 integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c)
-clsdf_documented_code(dealii 1 integrations/dealii/examples/forest.cpp)
+clsdf_documented_code(parallel 8 examples/mesh_on_ranks.cpp)
+clsdf_documented_code(petsc 4 integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c
+                      integrations/petsc/examples/dmda.F90 integrations/petsc/tests/dmda_test.cpp)
+clsdf_documented_code(flow 1 integrations/peclet/flow_past_a_body.py)
+clsdf_documented_code(dealii 3 integrations/dealii/examples/forest.cpp integrations/dealii/tests/forest_test.cpp)
 clsdf_documented_code(amrex 2 tests/documents/amrex.cpp)
 
 # AMReX is not installed: a stand-in for its classes.
 add_executable(test_code_for_amrex ${CMAKE_CURRENT_LIST_DIR}/amrex.cpp)
-target_link_libraries(test_code_for_amrex PRIVATE clsdf::clsdf clsdf_warnings)
+target_link_libraries(test_code_for_amrex PRIVATE clsdf::meshes clsdf::clsdf clsdf_warnings)
 add_test(NAME code_for_amrex COMMAND test_code_for_amrex)

@@ -2,7 +2,6 @@
 #include "papers/scans.hpp"
 #include "polyhedra/awkward_meshes.hpp"
 #include "polyhedra/pointwise.hpp"
-#include "support/shared_structs.hpp"
 
 #include <clsdf/tuning.hpp>
 
@@ -49,14 +48,6 @@ Vec3 point_near(Random& random, const Mesh& mesh) {
 }
 
 }  // namespace
-
-BOOST_AUTO_TEST_CASE(host_and_device_lay_out_pieces_alike) {
-    std::vector<Agreement> all;
-    CLSDF_SHARED(all, PiecePlane, normal, offset);
-    CLSDF_SHARED(all, Piece, plane_begin, plane_count, polyhedron, site, slice_begin, slice_end, origin);
-    const scan::ProgramSources programs(device::context_of(Device::strongest()).capabilities(), KernelBody::automatic);
-    check_agreements(all, device::kernel_text("piece.h", papers::slices_source(programs, {}).files));
-}
 
 // The records' polyhedra are cut by slices. The least distance of those that hold a point is the least of all.
 BOOST_AUTO_TEST_CASE(pieces_hold_what_the_records_hold_and_are_exact) {

@@ -1,7 +1,6 @@
 #include "picture/balls_and_boxes.hpp"
 #include "picture/scene.hpp"
 #include "picture/tracer.hpp"
-#include "support/shared_structs.hpp"
 #include "support/throws.hpp"
 
 #include <clsdf/device.hpp>
@@ -150,15 +149,6 @@ void check_ball(const Field& field, const SurfaceOptions& options, std::optional
 }
 
 }  // namespace
-
-BOOST_AUTO_TEST_CASE(host_and_device_lay_out_views_and_hits_alike) {
-    std::vector<Agreement> all;
-    CLSDF_SHARED(all, RenderView, origin, origin_right, origin_down, direction, direction_right, direction_down, cut,
-                 light, light_spread, spacing, level, slope, highest, gradient_step, reach, cut_side, size, columns,
-                 rows, per_side, padding);
-    CLSDF_SHARED(all, RenderHit, position, kind, gradient, value, light, ambient, padding);
-    check_agreements(all, clsdf::device::kernel_text("render.h", clsdf::picture::tracer_source().files));
-}
 
 BOOST_AUTO_TEST_SUITE(traced_surface)
 

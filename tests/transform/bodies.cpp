@@ -108,3 +108,29 @@ BOOST_AUTO_TEST_CASE(vectors_compute_long_lists_exactly) {
         BOOST_TEST(statistics.work->coarse_pairs > CLSDF_LIST_PART * statistics.work->coarse_bricks);
     }
 }
+
+// Each polyhedron is in the list of every coarse brick that has a sample of it.
+BOOST_AUTO_TEST_CASE(soups_over_many_coarse_bricks_are_exact_by_every_body) {
+    for (const unsigned seed : {1U, 2U}) BOOST_TEST_CONTEXT("seed " << seed) {
+            Random random(seed);
+            const Mesh mesh = seed % 2 == 0 ? random_sphere(random, "sphere2", 0.2) : random_soup(random, 60, 80);
+            Grid grid;
+            grid.size = {70, 90, 80};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                grid.spacing[axis] = random.uniform(1, 1.5) * mesh.box().longest_side() / 64;
+                grid.first[axis] = static_cast<std::int64_t>(random.index(200)) - 100;
+                grid.origin[axis] =
+                    mesh.box().lower[axis] - grid.spacing[axis] * static_cast<double>(grid.first[axis] + 7);
+            }
+            for (const Band& band :
+                 {Band::symmetric(3 * grid.voxel()), Band::symmetric(12 * grid.voxel()), Band::full()}) {
+                std::vector<Field> fields;
+                for (const unsigned width : {16U, 8U})
+                    fields.push_back(DistanceTransform(with_float_width(width), mesh, {.body = KernelBody::by_vector})
+                                         .compute(grid, band));
+                fields.push_back(
+                    DistanceTransform(test_device(), mesh, {.body = KernelBody::by_group}).compute(grid, band));
+                for (const reference::CheckReport& report : reference::check(mesh, fields)) BOOST_TEST(report.passed());
+            }
+        }
+}

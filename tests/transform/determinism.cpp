@@ -1,3 +1,4 @@
+#include "polyhedra/awkward_meshes.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 
@@ -5,7 +6,11 @@
 
 #include <clsdf/tuning.hpp>
 
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
 #include <array>
+#include <cmath>
 #include <limits>
 
 using namespace clsdf;
@@ -96,6 +101,44 @@ BOOST_AUTO_TEST_CASE(any_number_of_threads_gives_the_same_bytes) {
     check(noisy(), small, Band::full(), KernelBody::by_group);
 }
 
+namespace {
+
+/// Faces of a fan around one vertex, in an order that leaps to and fro.
+Mesh fan(std::uint32_t count) {
+    std::vector<Vec3> vertices{{0, 0, 0}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const double angle = 6.283185307179586 * i / count;
+        vertices.push_back({std::cos(angle), std::sin(angle), 0.1});
+        const auto spoke = static_cast<std::uint32_t>(std::uint64_t{i} * 7919 % count);
+        triangles.push_back({0, 1 + spoke, 1 + (spoke + 1) % count});
+    }
+    return {std::move(vertices), std::move(triangles), "fan"};
+}
+
+}  // namespace
+
+// All threads share a vertex, or a few, or none.
+BOOST_AUTO_TEST_CASE(any_number_of_the_hosts_threads_gives_the_same_bytes) {
+    Random random(3);
+    for (const Mesh& mesh : {make_shape("sphere6"), make_shape("noisy"), fan(20000), random_soup(random, 20, 5000),
+                             random_soup(random, 40000, 5000)}) {
+        const Grid grid = whole_grid(mesh, 24);
+        const auto field_by = [&](std::size_t threads) {
+            const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+            Field field;
+            // Also more threads than cores.
+            tbb::task_arena(static_cast<int>(threads)).execute([&] {
+                field = compute(mesh, grid, Band::symmetric(2 * grid.voxel()), KernelBody::by_vector);
+            });
+            return field;
+        };
+        const Field expected = field_by(1);
+        for (const std::size_t threads : {2U, 16U, 16U})
+            BOOST_TEST(same_bytes(expected, field_by(threads)), mesh.name() << ", " << threads << " threads");
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole) {
     const Grid grid = whole_grid(noisy(), 72);
     const double h = grid.voxel();
@@ -138,4 +181,37 @@ BOOST_AUTO_TEST_CASE(a_part_computed_by_groups_has_the_bytes_of_the_whole) {
     for (const Band& band : {Band::symmetric(3 * grid.voxel()), Band::full()})
         check_parts(mesh, grid, band, KernelBody::by_group,
                     {{{21, 5, 5}, {16, 24, 32}}, {{3, 4, 9}, {31, 17, 5}}, {{0, 0, 0}, {9, 53, 39}}});
+}
+
+// Parts with fewer coarse bricks on an axis than a group of them has, which begin anywhere among them.
+BOOST_AUTO_TEST_CASE(thin_parts_of_a_large_lattice_have_the_bytes_of_the_whole) {
+    Grid grid = whole_grid(noisy(), 150);
+    grid.first = {-70, -41, 9};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        grid.origin[axis] = noisy().box().lower[axis] - grid.spacing[axis] * static_cast<double>(grid.first[axis] + 9);
+    const std::vector<std::pair<Index3, Index3>> parts{{{0, 0, 0}, {150, 9, 145}},
+                                                       {{90, 0, 0}, {8, 159, 145}},
+                                                       {{30, 0, 40}, {64, 159, 96}},
+                                                       {{100, 100, 0}, {1, 1, 145}},
+                                                       {{11, 100, 50}, {99, 17, 33}}};
+    for (const Band& band : {Band::symmetric(10 * grid.voxel()), Band::full()})
+        check_parts(noisy(), grid, band, KernelBody::by_vector, parts);
+    check_parts(noisy(), grid, Band::symmetric(3 * grid.voxel()), KernelBody::by_group, parts);
+}
+
+// Kernels make their records near the part only.
+BOOST_AUTO_TEST_CASE(a_part_of_any_mesh_has_the_bytes_of_the_whole) {
+    for (unsigned seed = 1; seed <= 30; ++seed) BOOST_TEST_CONTEXT("seed " << seed) {
+            Random random(seed);
+            const Mesh mesh = awkward_mesh(random);
+            const Band band = Band::symmetric(0.05 * mesh.box().longest_side());
+            Grid grid = Grid::around(mesh, 40, band);
+            if (seed % 3 == 0) grid.spacing[seed % 2] *= 0.7;
+            const auto& [nx, ny, nz] = grid.size;
+            check_parts(mesh, grid, band, KernelBody::by_vector,
+                        {{{nx / 4, ny / 4, nz / 4}, {nx / 4 + 1, ny / 4 + 1, nz / 4 + 1}}});
+            reference::CheckOptions options;
+            options.samples = 5000;
+            BOOST_TEST(reference::check(mesh, compute(mesh, grid, band, KernelBody::by_vector), options).passed());
+        }
 }

@@ -5,7 +5,7 @@ function(clsdf_transform_test name)
 endfunction()
 
 foreach(name counterexamples shapes bands grids accuracy double_distances topology ties extremes determinism plans calls
-             outputs bodies slabs streams launches hostile_callers coarse_lists mesh_records
+             outputs bodies slabs streams launches hostile_callers kernel_frusta plain_opencl
              slender_polyhedra self_test stages requests request_plans points classify restricted
              callers_memory shared_memory promises runs overlap blocks arrays)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
@@ -14,6 +14,7 @@ foreach(name double_distances extremes outputs self_test promises)
   target_link_libraries(test_transform_${name} PRIVATE clsdf::papers)
 endforeach()
 target_link_libraries(test_transform_self_test PRIVATE clsdf_papers_internals)
+target_link_libraries(test_transform_determinism PRIVATE TBB::tbb)
 # 10,000 steps of a moving body.
 add_test(NAME transform_steps COMMAND test_transform_calls --color_output=no
                                       --run_test=steps_of_a_moving_body_leave_memory_as_it_was CONFIGURATIONS nightly)

@@ -97,7 +97,53 @@ Mesh tetrahedra_at_an_edge() {
             "two tetrahedra at an edge"};
 }
 
+void check_same_edges(const std::vector<Topology::Edge>& found, const std::vector<Topology::Edge>& expected) {
+    BOOST_TEST_REQUIRE(found.size() == expected.size());
+    for (std::size_t n = 0; n < found.size(); ++n) {
+        BOOST_TEST((found[n].from == expected[n].from));
+        BOOST_TEST((found[n].to == expected[n].to));
+    }
+}
+
+/// A transform looks for edges that are not paired while it prepares the mesh, and counts only if there are any.
+void check_description(const Mesh& mesh) {
+    BOOST_TEST_CONTEXT(mesh.name()) {
+        const DistanceTransform transform(test_device(), mesh);
+        const Topology &found = transform.topology(), expected = describe_topology(mesh);
+        BOOST_TEST(found.closed == expected.closed);
+        BOOST_TEST(found.balanced == expected.balanced);
+        BOOST_TEST(found.inside_out == expected.inside_out);
+        BOOST_TEST(found.open_edges == expected.open_edges);
+        BOOST_TEST(found.unbalanced_edges == expected.unbalanced_edges);
+        BOOST_TEST(found.non_manifold_edges == expected.non_manifold_edges);
+        BOOST_TEST(found.repeated_vertex_faces == expected.repeated_vertex_faces);
+        BOOST_TEST(found.coincident_vertices == expected.coincident_vertices);
+        BOOST_TEST(found.unused_vertices == expected.unused_vertices);
+        check_same_edges(found.first_open_edges, expected.first_open_edges);
+        check_same_edges(found.first_unbalanced_edges, expected.first_unbalanced_edges);
+    }
+}
+
 }  // namespace
+
+BOOST_AUTO_TEST_CASE(a_transform_describes_its_mesh_as_describe_topology_does) {
+    const Mesh sphere = make_shape("sphere3");
+    const Triangle face = sphere.triangles()[7];
+    for (const Mesh& mesh :
+         {sphere, reversed(sphere), unwelded(sphere), half_sphere(), without_triangle(sphere, 100), flipped(sphere, 5),
+          unwelded(flipped(sphere, 5)), klein_bottle(12, 6), moebius_strip(20), tetrahedra_at_an_edge(), cone(40),
+          with_faces(sphere, {{0, 0, 1}}, "a face with a vertex twice"),
+          with_faces(sphere, {{3, 3, 3}}, "a face of one vertex"), with_faces(sphere, {face}, "a face twice"),
+          with_faces(sphere, {face, {face[0], face[2], face[1]}}, "a face three times, once turned around")})
+        check_description(mesh);
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        Random random(seed);
+        BOOST_TEST_CONTEXT("seed " << seed) {
+            check_description(random_soup(random, 40, 100));
+            check_description(unwelded(random_closed(random, 3)));
+        }
+    }
+}
 
 BOOST_AUTO_TEST_CASE(what_is_open_has_no_sign) {
     check_rule(half_sphere(), SignRule::none, "not closed");

@@ -24,7 +24,7 @@ from .transform import BoxPlace, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
 
-from ._meshes import read_mesh  # noqa: E402
+from ._meshes import mesh_hash, read_mesh  # noqa: E402
 from . import trimesh  # noqa: E402
 
 #: The triangle and the site of a sample beyond the band.
@@ -52,6 +52,7 @@ __all__ = [
     "Transform",
     "devices",
     "make_shape",
+    "mesh_hash",
     "no_site",
     "no_triangle",
     "read_field",

@@ -73,3 +73,12 @@ def read_mesh(path: str | os.PathLike[str]) -> tuple[np.ndarray[Any, Any], np.nd
     """Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply. Raises clsdf.Error:
     unreadable_input or invalid_mesh that names the line or the element; unsupported for an unknown ending."""
     return _core.read_mesh(os.fspath(path))
+
+
+def mesh_hash(mesh: Any) -> int:
+    """A number of 64 bits of all vertices and faces of a mesh, in their order: Mesh::hash() of C++, the same on every
+    machine. Meshes that differ in one coordinate or one index never share it, other meshes with a chance of about
+    2^-64. The processes of a parallel program compare it. mesh: as for Transform, in host memory. Raises clsdf.Error
+    (invalid_mesh, unsupported)."""
+    vertices, faces, _ = arrays_of(mesh)
+    return _core.mesh_hash(vertices, faces)

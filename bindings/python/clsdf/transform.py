@@ -164,12 +164,24 @@ class Transform:
         room = outside_of(parse_band(band)) if margin is None else parse_length("margin", margin)
         return _core.grid_around(lower, upper, samples, _steps(spacing), room, cubic, cell_centred)
 
-    def _grid_and_band(self, grid: Grid | None, band: BandLike, around: dict[str, Any]) -> tuple[Grid, Band]:
+    def _grid_and_band(
+        self,
+        grid: Grid | None,
+        band: BandLike,
+        resolution: int | None = None,
+        spacing: float | Sequence[float] | None = None,
+        margin: LengthLike | None = None,
+        cubic: bool = False,
+        cell_centred: bool = False,
+    ) -> tuple[Grid, Band]:
+        """A grid that is given, or one around the mesh; and its band."""
         if grid is None:
-            grid = self.grid(band=band, **around)
+            grid = self.grid(
+                resolution, spacing=spacing, margin=margin, cubic=cubic, cell_centred=cell_centred, band=band
+            )
         elif not isinstance(grid, Grid):
             raise Error(f"grid: {grid!r} is not a clsdf.Grid; resolution= takes a number of samples")
-        elif any(value not in (None, False) for value in around.values()):
+        elif any(value not in (None, False) for value in (resolution, spacing, margin, cubic, cell_centred)):
             raise Error("a grid that is given excludes resolution=, spacing=, margin=, cubic= and cell_centred=")
         return grid, self._band_on(grid, band)
 
@@ -226,14 +238,7 @@ class Transform:
             grid = out.grid
         if band is None:
             band = out.band if isinstance(out, Field) else "10%"
-        around = {
-            "resolution": resolution,
-            "spacing": spacing,
-            "margin": margin,
-            "cubic": cubic,
-            "cell_centred": cell_centred,
-        }
-        grid, own_band = self._grid_and_band(grid, band, around)
+        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
         arrays = new_samples(wanted(outputs or ()), grid.shape) if out is None else given(out, outputs)
         with shown(progress) as show:
             self._body.compute(grid, own_band, arrays, show, wait_for)
@@ -249,7 +254,7 @@ class Transform:
         bytes of a call of its own. band and outputs: as of field()."""
         fields = []
         for grid in grids:
-            grid, own_band = self._grid_and_band(grid, band, {})
+            grid, own_band = self._grid_and_band(grid, band)
             arrays = new_samples(wanted(outputs), grid.shape)
             fields.append(Field(grid, own_band, self.sign, self.mesh_name, arrays))
         self.compute([Request(field.grid, field.band, field.arrays) for field in fields], progress=progress)
@@ -279,7 +284,7 @@ class Transform:
         block on the lattice. size: samples (nx, ny, nz) of each block. band, outputs, out: as of field(), with arrays
         of the shape (n, nz, ny, nx).
         """
-        _, own_band = self._grid_and_band(lattice, band, {})
+        _, own_band = self._grid_and_band(lattice, band)
         rows = np.asarray(first)
         if rows.size == 0:
             rows = np.zeros((0, 3), np.int64)
@@ -309,21 +314,14 @@ class Transform:
         """A field of any size as an iterator of its slabs: Fields of whole slices, in the order of z, at most about 16
         million samples at a time. Options: as of field(). Each slab is computed when it is asked for; the bytes are
         those of the whole."""
-        around = {
-            "resolution": resolution,
-            "spacing": spacing,
-            "margin": margin,
-            "cubic": cubic,
-            "cell_centred": cell_centred,
-        }
-        whole, own_band = self._grid_and_band(grid, band, around)
+        whole, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
         return (self.field(part, band=own_band, outputs=outputs) for part in _core.slabs_of(whole))
 
     def compile(
         self, grid: Grid, *, band: BandLike = "10%", outputs: Outputs = "distance", progress: Progress = None
     ) -> None:
         """Builds and tests the programs that such a field needs. Calls do it by themselves; this is to choose when."""
-        grid, own_band = self._grid_and_band(grid, band, {})
+        grid, own_band = self._grid_and_band(grid, band)
         with shown(progress) as show:
             self._body.compile(grid, own_band, wanted(outputs), show)
 
@@ -407,6 +405,6 @@ class Transform:
         """
         with shown(progress) as show:
             if isinstance(what, Grid):
-                grid, own_band = self._grid_and_band(what, band, {})
+                grid, own_band = self._grid_and_band(what, band)
                 return Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show))
             return Plan(_core.plan_of_requests(self._body, self._requests(what), show))

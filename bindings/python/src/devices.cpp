@@ -76,6 +76,16 @@ void add_devices(nb::module_& module) {
             [](const std::string& choice) { return PyDevice(without_gil([&] { return Device::select(choice); })); },
             nb::arg("choice"), "An index in devices(), or a part of one device's name, in upper or lower case.")
         .def_static(
+            "of_rank",
+            [](std::size_t rank, std::size_t ranks) {
+                return PyDevice(without_gil([&] { return Device::of_rank(rank, ranks); }));
+            },
+            nb::arg("rank"), nb::arg("ranks"),
+            "The share of a process among those of this machine, 0 <= rank < ranks. GPUs are dealt out in turn; if\n"
+            "there is none, or if CLSDF_DEVICE names a device, an equal part of a processor's compute units. Raises\n"
+            "clsdf.Error: invalid_argument, or unsupported that names the driver's variable if a processor cannot be\n"
+            "divided.")
+        .def_static(
             "from_queue", &device_of_queue, nb::arg("queue"), nb::sig("def from_queue(queue: object) -> Device"),
             "The device, context and queue of a pyopencl.CommandQueue. Arrays of that context can be written to.")
         .def("limited", &limited, nb::arg("compute_units") = nb::none(), nb::arg("memory") = nb::none(),

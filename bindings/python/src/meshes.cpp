@@ -3,7 +3,7 @@
 
 #include <clsdf/mesh_files.hpp>
 
-#include <cstring>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -28,6 +28,13 @@ auto arrays_of(const Mesh& mesh) {
 Mesh read(const std::string& path) {
     const nb::gil_scoped_release no_gil;
     return read_mesh(path);
+}
+
+std::uint64_t hash_of_mesh(nb::handle vertices, nb::handle faces) {
+    Arrays arrays;
+    const MeshView view(arrays.triples(vertices, "vertices"), arrays.triples(faces, "faces"));
+    const nb::gil_scoped_release no_gil;
+    return Mesh(view).hash();
 }
 
 nb::list list_of(const std::vector<Topology::Edge>& edges) {
@@ -64,6 +71,7 @@ void add_meshes(nb::module_& module) {
         "read_mesh", [](const std::string& path) { return arrays_of(read(path)); }, nb::arg("path"),
         "Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply. Raises clsdf.Error\n"
         "(unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
+    module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));
     module.def(
         "make_shape", [](const std::string& name) { return arrays_of(make_shape(name)); }, nb::arg("name"),
         "Vertices and faces of a shape made by code: 'sphere0' to 'sphere9', 'torus', 'knot' and others, which\n"

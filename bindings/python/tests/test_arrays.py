@@ -7,7 +7,7 @@ import types
 
 import numpy as np
 import pytest
-from conftest import BruteForce
+from brute_force import BruteForce
 
 import clsdf
 
@@ -274,3 +274,32 @@ def test_a_mesh_from_a_file(tmp_path, solid, points):
     with pytest.raises(clsdf.Error, match="nothing.off") as error:
         clsdf.Transform(tmp_path / "nothing.off")
     assert error.value.code == "unreadable_input"
+
+
+# Of tests/mesh/mesh.cpp, which has its hash, too.
+TETRAHEDRON = ([(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+
+
+def test_the_hash_of_a_mesh_is_that_of_cpp(tmp_path):
+    assert clsdf.mesh_hash(TETRAHEDRON) == 7316670834777255572
+    vertices, faces = np.array(TETRAHEDRON[0], np.float32), np.array(TETRAHEDRON[1], np.uint64)
+    assert clsdf.mesh_hash((vertices, faces)) == clsdf.mesh_hash(TETRAHEDRON)
+    assert clsdf.mesh_hash(types.SimpleNamespace(vertices=vertices[::-1][::-1], faces=faces)) == clsdf.mesh_hash(TETRAHEDRON)
+    path = tmp_path / "tetrahedron.off"
+    path.write_text("OFF\n4 4 0\n" + "".join("%g %g %g\n" % v for v in TETRAHEDRON[0])
+                    + "".join("3 %d %d %d\n" % f for f in TETRAHEDRON[1]))
+    assert clsdf.mesh_hash(path) == clsdf.mesh_hash(TETRAHEDRON)
+
+
+def test_other_meshes_have_other_hashes(solid):
+    vertices, faces = solid
+    turned = np.roll(faces, 1, axis=1)
+    moved = vertices.copy()
+    moved[-1, 2] = np.nextafter(moved[-1, 2], 9)
+    unused = np.concatenate([vertices, [(0, 0, 0)]])
+    meshes = [(vertices, faces), (vertices, turned), (moved, faces), (unused, faces), (vertices, faces[:-1])]
+    hashes = {clsdf.mesh_hash(mesh) for mesh in meshes}
+    assert len(hashes) == len(meshes) and all(0 <= number < 2**64 for number in hashes)
+    with pytest.raises(clsdf.Error) as error:
+        clsdf.mesh_hash((vertices, faces + len(vertices)))
+    assert error.value.code == "invalid_mesh"

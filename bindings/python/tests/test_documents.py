@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -43,6 +45,25 @@ def test_a_program_of_the_page_runs(program, bunny):
         pytest.importorskip(package)
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=bunny, timeout=200)
     assert result.returncode == 0, result.stderr
+
+
+def test_any_number_of_ranks_computes_the_same(bunny):
+    pytest.importorskip("mpi4py")
+    if shutil.which("mpirun") is None:
+        pytest.skip("there is no mpirun")
+    program = next(text for _, text in PROGRAMS if "mpi4py" in text)
+    # As root, and with more ranks than cores, for Open MPI 4 and 5.
+    settings = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+                "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
+    counts = set()
+    for ranks in (1, 3):
+        result = subprocess.run(["mpirun", "-n", str(ranks), sys.executable, "-c", program], capture_output=True,
+                                text=True, cwd=bunny, timeout=200, env={**os.environ, **settings})
+        assert result.returncode == 0, result.stderr
+        lines = re.findall(r"rank \d: .* samples; (\d+) of all are inside", result.stdout)
+        assert len(lines) == ranks and int(lines[0]) > 10_000
+        counts.update(lines)
+    assert len(counts) == 1
 
 
 def test_the_page_names_everything_public():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import BruteForce, positions
+from brute_force import BruteForce, positions
 
 import clsdf
 
@@ -364,3 +364,21 @@ def test_a_limited_device(solid, points):
     assert one.info().compute_units == 1
     assert np.array_equal(clsdf.Transform(solid, device=one).query(points).distance,
                           clsdf.Transform(solid).query(points).distance)
+
+
+def test_shares_of_a_machine(solid, points):
+    whole = clsdf.Device.automatic().info()
+    if whole.kind != "processor":
+        pytest.skip("GPUs are dealt out")
+    try:
+        shares = [clsdf.Device.of_rank(rank, 3) for rank in range(3)]
+    except clsdf.Error as error:
+        assert error.code == "unsupported"
+        pytest.skip(str(error))
+    for share in shares:
+        assert share.info().compute_units == max(1, whole.compute_units // 3)
+    assert np.array_equal(clsdf.Transform(solid, device=shares[2]).query(points).distance,
+                          clsdf.Transform(solid).query(points).distance)
+    with pytest.raises(clsdf.Error) as refused:
+        clsdf.Device.of_rank(3, 3)
+    assert refused.value.code == "invalid_argument"

@@ -6,7 +6,7 @@ import gc
 
 import numpy as np
 import pytest
-from conftest import BruteForce
+from brute_force import BruteForce
 
 import clsdf
 import clsdf.trimesh

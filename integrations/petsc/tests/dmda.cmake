@@ -1,4 +1,4 @@
-# Runs TEST with 1, 2 and 4 ranks: the files that it writes are equal.
+# Runs TEST with 1, 2 and 4 ranks: the files that it writes are equal. Runs FORTRAN_TEST, too, if there is one.
 include(${RUN_RANKS})
 file(REMOVE_RECURSE ${SCRATCH})
 file(MAKE_DIRECTORY ${SCRATCH})
@@ -11,6 +11,9 @@ foreach(ranks 1 2 4)
     message(FATAL_ERROR "the field depends on the number of ranks")
   endif()
   set(expected ${sum})
+  if(DEFINED FORTRAN_TEST)
+    run_ranks_or_fail(${ranks} output ${FORTRAN_TEST})
+  endif()
 endforeach()
 # 25 x 18 x 21 samples of 4 floats at least.
 if(size LESS 151200)

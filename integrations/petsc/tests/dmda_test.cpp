@@ -4,6 +4,7 @@
 #include <petscviewer.h>
 #include <clsdf_petsc.hpp>
 
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -169,6 +170,43 @@ PetscErrorCode try_refusals(const clsdf::DistanceTransform& transform, const cls
     PetscFunctionReturn(PetscErrorCode{});
 }
 
+/// Two levels of a multigrid hierarchy in one call, against a call for each.
+PetscErrorCode try_levels(const clsdf::DistanceTransform& transform, const clsdf::Grid& lattice,
+                          const clsdf::Band& band) {
+    DM grids[2] = {nullptr, nullptr};
+    Vec levels[2] = {nullptr, nullptr};
+    PetscFunctionBegin;
+    PetscCall(make(DM_BOUNDARY_NONE, 1, 1, grids[0]));
+
+    PetscCall(DMRefine(grids[0], PETSC_COMM_WORLD, &grids[1]));
+    const std::array<clsdf::Grid, 2> lattices{lattice, lattice.refined(2)};
+    const clsdf::petsc::Component distance{clsdf::Output::distance, 0};
+    std::array<clsdf::Request, 2> requests;
+    std::array<PetscScalar*, 2> values{};
+    for (std::size_t n = 0; n < 2; ++n) {
+        PetscCall(DMCreateLocalVector(grids[n], &levels[n]));
+        PetscCall(VecGetArray(levels[n], &values[n]));
+        PetscCall(clsdf::petsc::request_of(grids[n], lattices[n], band, levels[n], values[n], std::span(&distance, 1),
+                                           requests[n]));
+    }
+    PetscCall(clsdf::petsc::guarded([&] { transform.compute(requests); }));
+    for (std::size_t n = 0; n < 2; ++n) PetscCall(VecRestoreArray(levels[n], &values[n]));
+
+    for (std::size_t n = 0; n < 2; ++n) {
+        Vec alone = nullptr;
+        PetscBool same = PETSC_FALSE;
+        PetscCall(VecDuplicate(levels[n], &alone));
+        PetscCall(VecSet(alone, untouched));
+        PetscCall(clsdf::petsc::compute(transform, grids[n], lattices[n], band, alone));
+        PetscCall(VecEqual(levels[n], alone, &same));
+        check(same == PETSC_TRUE, "a level differs from a call of its own", n);
+        PetscCall(VecDestroy(&alone));
+        PetscCall(VecDestroy(&levels[n]));
+        PetscCall(DMDestroy(&grids[n]));
+    }
+    PetscFunctionReturn(PetscErrorCode{});
+}
+
 PetscErrorCode write_field(const clsdf::DistanceTransform& transform, const clsdf::Grid& lattice, const char* file) {
     DM grid = nullptr;
     Vec global = nullptr;
@@ -206,6 +244,7 @@ int main(int argc, char** argv) {
             {DM_BOUNDARY_NONE, 5, 0, {{Output::gradient, 0}, {Output::distance, 4}}},
         };
         for (std::size_t n = 0; n < cases.size(); ++n) PetscCall(try_case(transform, lattice, cases[n], n));
+        PetscCall(try_levels(transform, lattice, clsdf::Band::symmetric(4 * lattice.voxel())));
         PetscCall(try_refusals(transform, lattice));
         if (argc > 1) PetscCall(write_field(transform, lattice, argv[1]));
     }

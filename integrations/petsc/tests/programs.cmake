@@ -1,9 +1,13 @@
-# Runs the programs of docs/petsc.md, IN_CXX and IN_C, with 1, 2 and 4 ranks: their files of HDF5 are equal, but for the four
-# bytes of the time when they were written. A file that does not exist ends all ranks with a message.
+# Runs the programs of docs/petsc.md, IN_CXX, IN_C and, if there is one, IN_FORTRAN, with 1, 2 and 4 ranks: their files of HDF5
+# are equal, but for the four bytes of the time when they were written. A file that does not exist ends all ranks with a message.
 include(${RUN_RANKS})
 file(REMOVE_RECURSE ${SCRATCH})
 file(MAKE_DIRECTORY ${SCRATCH})
-foreach(language CXX C)
+set(languages CXX C)
+if(DEFINED IN_FORTRAN)
+  list(APPEND languages FORTRAN)
+endif()
+foreach(language IN LISTS languages)
   foreach(ranks 1 2 4)
     set(file ${SCRATCH}/${language}_${ranks}.h5)
     run_ranks_or_fail(${ranks} output ${IN_${language}} -n 20 -file ${file})

@@ -35,16 +35,16 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
-        inputs.sites = stages->sites(transform::names_sites(outputs),
-                                     outputs.contains(Output::gradient) || inputs.sides != nullptr);
+        const bool has_normals = transform::takes_normals(outputs);
+        inputs.sites = stages->sites(transform::names_sites(outputs), has_normals || inputs.sides != nullptr);
         inputs.sign = sign;
-        inputs.is_inside_out = outputs.contains(Output::gradient) && sign != SignRule::none && topology.balanced &&
-                               stages->encloses_negative_volume();
+        inputs.is_inside_out =
+            has_normals && sign != SignRule::none && topology.balanced && stages->encloses_negative_volume();
         if (!on_host) return inputs;
         // Only what these outputs need.
         scan::DeviceSites sites = *inputs.sites;
         if (!transform::names_sites(outputs)) sites.names.reset();
-        if (!outputs.contains(Output::gradient)) sites.normals.reset();
+        if (!has_normals) sites.normals.reset();
         inputs.sites = std::make_shared<const scan::DeviceSites>(std::move(sites));
         points::bring_to_host(inputs);
         return inputs;
@@ -126,16 +126,8 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += all.size();
-        const points::PointInputs inputs = point_inputs(outputs, all.size(), false);
+        point_inputs(outputs, all.size(), false);
         statistics.polyhedra_seconds = watch.seconds();
-        // Only the stages see whether records are made of kept frusta.
-        if (inputs.scanned && inputs.scanned->is_later) {
-            const Stopwatch test_watch;
-            if (transform::ensure_points_tested(device, programs, {.are_scanned = true, .is_later = true},
-                                                compiling.watch(transform::point_test_steps)))
-                compiling.first_use = true;
-            compiling.seconds += test_watch.seconds();
-        }
     }
     scan::OwnArrays own;
     std::size_t most = points::most_points;

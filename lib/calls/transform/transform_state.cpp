@@ -2,6 +2,7 @@
 
 #include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
+#include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
 #include "prepare/layout_of.hpp"
@@ -35,16 +36,17 @@ transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
     : Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)),
-      topology(describe_topology(mesh)),
+      topology(describe_vertices(mesh)),
       vertices(mesh, topology.coincident_vertices > 0) {
-    const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
-    sign = resolved.rule;
-    if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
     stages = std::make_unique<transform::Stages>(
         context(), pool, std::move(mesh),
         transform::Stages::Options{method, transform::SetUpBy{programs.mesh_records, programs.mesh_lanes()},
                                    programs.body == KernelBody::by_vector, options.kept_bytes});
     kept_points = std::make_unique<points::KeptPoints>(*stages);
+    describe_edges(stages->mesh(), stages->topology().edges.are_paired, topology);
+    const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
+    sign = resolved.rule;
+    if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
 }
 
 DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
@@ -178,10 +180,10 @@ transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bo
     return transform::with_remedies(nullptr, {forgetting()}, [&] {
         transform::Inputs inputs = stages->inputs(job.grid, scan::layout_of(job.grid, job.band, sign), sign, lone);
         if (job.outputs == OutputSet{} || method) return inputs;
-        const bool has_gradients = job.outputs.contains(Output::gradient);
+        const bool has_normals = transform::takes_normals(job.outputs);
         inputs.sites =
-            stages->sites(transform::names_sites(job.outputs), has_gradients && stages->may_meet_samples(job.grid));
-        inputs.is_inside_out = has_gradients && topology.balanced && stages->encloses_negative_volume();
+            stages->sites(transform::names_sites(job.outputs), has_normals && stages->may_meet_samples(job.grid));
+        inputs.is_inside_out = has_normals && topology.balanced && stages->encloses_negative_volume();
         return inputs;
     });
 }
@@ -193,14 +195,12 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(const t
                                                                          transform::Compiling& compiling) {
     auto plan =
         std::make_unique<transform::GridPlan>(from, std::move(inputs), job, [&caller] { caller.throw_if_stopped(); });
-    // Known only now: large triangles, and records made from kept frusta. Each has a kernel that must be tested.
-    const bool is_later = plan->inputs.records->is_later;
-    if (plan->has_large_triangles || is_later) {
-        transform::TestCase found = test_case_of(job);
-        found.is_large = plan->has_large_triangles;
-        found.is_later = is_later;
+    // Known only now: large triangles have a kernel that must be tested.
+    if (plan->has_large_triangles) {
+        transform::TestCase large = test_case_of(job);
+        large.is_large = true;
         try {
-            test(found, compiling);
+            test(large, compiling);
         } catch (...) {
             context().drain();  // the set-up's commands use the plan's buffers
             throw;

@@ -1,6 +1,5 @@
 #include "self_test/known_field.hpp"
 
-#include "outputs.h"
 #include "polyhedra/frames.hpp"
 
 #include <clsdf/outputs.hpp>
@@ -10,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace clsdf::transform {
@@ -24,14 +22,6 @@ using scan::HostArrays;
 
 // In voxels: what a field is held to (docs/accuracy.md), twice.
 constexpr double tolerance = 2e-5;
-// In voxels: of distances in double, to the site that is named.
-constexpr double double_tolerance = 1e-9;
-// For the length of a unit vector, and for its direction, on top of the error of the distance.
-constexpr double direction_tolerance = 1e-5;
-// For a barycentric coordinate in float.
-constexpr double weight_tolerance = 2e-7;
-// In voxels: a sample this near to the surface has the pseudonormal for its gradient.
-constexpr double on_surface = 1e-8;
 
 // The saddle vertex.
 constexpr Vec3 saddle{5.31, 4.22, 3.13};
@@ -122,7 +112,7 @@ Grid make_fine_grid(const KnownFieldKind& kind) {
 }
 
 /// The grid's sample (0, 0, 0) is the common corner of eight coarse bricks. Some samples of the later lattice lie a few
-/// 1e-9 beside vertices and faces of the second surface. They are nearer than on_surface, so that their gradient is the
+/// 1e-9 beside vertices and faces of the second surface. They are so near that their gradient is the
 /// pseudonormal, and farther than the rounding of this arithmetic, so that their sign is certain.
 Grid make_grid(const KnownFieldKind& kind) {
     if (kind.fine) return make_fine_grid(kind);
@@ -187,48 +177,15 @@ std::optional<Crossing> crossing_of(double y, double z, const Vector& a, const V
 std::string text_of(const Vec3& p) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
 }
-std::string text_of(const Vector& p) {
-    return text_of(Vec3{p.x(), p.y(), p.z()});
-}
-
-template <typename Value>
-Value value_at(const HostArray& array, std::size_t index) {
-    Value value{};
-    std::memcpy(&value, array.data + index * sizeof(Value), sizeof(Value));
-    return value;
-}
-/// An element of an array of floats or doubles.
-double number_at(const HostArray& array, std::size_t index) {
-    return array.in_double ? value_at<double>(array, index) : static_cast<double>(value_at<float>(array, index));
-}
-Vector vector_at(const HostArray& array, std::size_t sample) {
-    return {number_at(array, 3 * sample), number_at(array, 3 * sample + 1), number_at(array, 3 * sample + 2)};
-}
-
-/// One vertex, two of an edge, or all three.
-std::vector<std::uint32_t> vertices_of(const Triangle& triangle, std::uint8_t site) {
-    if (site < 3) return {triangle[site]};
-    if (site < CLSDF_SITE_OF_FACE) return {triangle[site - 3U], triangle[(site - 2U) % 3]};
-    return {triangle[0], triangle[1], triangle[2]};
-}
-bool has_all(const Triangle& triangle, const std::vector<std::uint32_t>& vertices) {
-    return std::ranges::all_of(vertices, [&](auto v) { return std::ranges::find(triangle, v) != triangle.end(); });
-}
-
-/// The point closest to p of the plane of three corners, of the line through two, or a single one.
-Vector closest_of_extension(const std::vector<Vector>& corners, const Vector& p) {
-    const Vector& a = corners[0];
-    if (corners.size() == 1) return a;
-    const Vector edge = corners[1] - a;
-    if (corners.size() == 2) return a + edge * (edge.dot(p - a) / edge.squaredNorm());
-    const Vector normal = edge.cross(corners[2] - a);
-    return p - normal * (normal.dot(p - a) / normal.squaredNorm());
-}
 
 }  // namespace
 
 KnownField::KnownField(const KnownFieldKind& kind)
-    : kind_(kind), mesh_(make_mesh()), grid_(make_grid(kind)), band_(make_band(kind, grid_.voxel())) {}
+    : kind_(kind),
+      mesh_(make_mesh()),
+      grid_(make_grid(kind)),
+      band_(make_band(kind, grid_.voxel())),
+      outputs_(mesh_, grid_) {}
 
 double KnownField::distance_to(std::uint32_t triangle, const Vec3& point) const {
     const Triangle& t = mesh_.triangles()[triangle];
@@ -286,30 +243,6 @@ double KnownField::error() const {
     return tolerance * grid_.voxel();
 }
 
-bool KnownField::is_lowest(std::uint32_t triangle, std::uint8_t site) const {
-    const auto vertices = vertices_of(mesh_.triangles()[triangle], site);
-    return std::ranges::none_of(mesh_.triangles().begin(), mesh_.triangles().begin() + triangle,
-                                [&](const Triangle& lower) { return has_all(lower, vertices); });
-}
-
-std::array<double, 3> KnownField::pseudonormal(std::uint32_t triangle, std::uint8_t site) const {
-    const auto vertices = vertices_of(mesh_.triangles()[triangle], site);
-    Vector sum(0, 0, 0);
-    for (const Triangle& face : mesh_.triangles()) {
-        if (!has_all(face, vertices)) continue;
-        const auto corner = [&](std::size_t k) { return to_vector(mesh_.vertices()[face[k % 3]]); };
-        const Vector normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
-        double weight = 1;
-        if (vertices.size() == 1) {
-            const auto k = static_cast<std::size_t>(std::ranges::find(face, vertices[0]) - face.begin());
-            weight = std::acos((corner(k + 1) - corner(k)).normalized().dot((corner(k + 2) - corner(k)).normalized()));
-        }
-        sum += weight * normal;
-    }
-    sum.normalize();
-    return {sum.x(), sum.y(), sum.z()};
-}
-
 double KnownField::limit(bool negative, const HostArray& distance) const {
     const double half_width = negative ? band_.inside : band_.outside;
     return distance.in_double ? half_width : static_cast<double>(static_cast<float>(half_width));
@@ -320,96 +253,29 @@ std::size_t KnownField::band_samples(const HostArrays& found) const {
     const double inside = -limit(true, distance), outside = limit(false, distance);
     std::size_t count = 0;
     for (std::size_t at = 0; at < grid_.sample_count(); ++at) {
-        const double value = number_at(distance, at);
+        const double value = number_at(found, Output::distance, at);
         count += static_cast<std::size_t>(inside < value && value < outside);
     }
     return count;
 }
 
-std::string KnownField::wrong_distance(const HostArrays& found, const Sample& sample) const {
+std::string KnownField::wrong_distance(const HostArrays& found, const KnownSample& sample) const {
     // Beyond the band a sample carries the band's limit.
     const double expected = std::clamp(sample.distance, -band_.inside, band_.outside);
-    const double distance = number_at(found[Output::distance], sample.at);
+    const double distance = number_at(found, Output::distance, sample.at);
     // A comparison that a NaN fails, too.
     if (std::abs(distance - expected) <= error()) return {};
     return fmt::format("has the distance {:.9g} instead of {:.7g}", distance, expected);
 }
 
-std::string KnownField::wrong_triangle(const HostArrays& found, const Sample& sample) const {
-    const auto triangle = value_at<std::uint32_t>(found[Output::triangle], sample.at);
+std::string KnownField::wrong_triangle(const HostArrays& found, const KnownSample& sample) const {
+    const auto triangle = static_cast<std::uint32_t>(number_at(found, Output::triangle, sample.at));
     const double limit = sample.distance < 0 ? band_.inside : band_.outside, length = std::abs(sample.distance);
     const bool is_none = triangle == no_triangle;
     const bool is_nearest =
         triangle < mesh_.triangles().size() && distance_to(triangle, sample.position) <= length + error();
     if (is_none ? length >= limit - error() : length <= limit + error() && is_nearest) return {};
     return fmt::format("has the triangle {}, which is not nearest", triangle);
-}
-
-static_assert(CLSDF_OUTPUT_COUNT == 6, "a new output is compared here, and asked for in self_test.cpp");
-
-// All outputs belong to one triangle and site. If several are as near, any one may be named: the closest point of the
-// named one decides what the others must be.
-std::string KnownField::wrong_outputs(const HostArrays& found, const Sample& sample) const {
-    const auto triangle = value_at<std::uint32_t>(found[Output::triangle], sample.at);
-    const auto site = value_at<std::uint8_t>(found[Output::site], sample.at);
-    const Vector closest_or_offset = vector_at(found[Output::closest], sample.at),
-                 gradient = vector_at(found[Output::gradient], sample.at);
-    const double first = number_at(found[Output::barycentric], 2 * sample.at),
-                 second = number_at(found[Output::barycentric], 2 * sample.at + 1);
-    const HostArray& distances = found[Output::distance];
-    const double value = number_at(distances, sample.at), most = limit(sample.distance < 0, distances);
-    if (triangle == no_triangle && distances.in_double && std::abs(value) != most)
-        return fmt::format("has the distance {:.17g} beyond the band", value);
-    if (triangle == no_triangle) {
-        if (site == no_site && closest_or_offset.array().isNaN().all() && gradient.array().isNaN().all() &&
-            std::isnan(first) && std::isnan(second))
-            return {};
-        return "has outputs, but no triangle";
-    }
-    const Vector position = to_vector(sample.position);
-    const Vector from =
-        found[Output::closest].in_double ? Vector(position - closest_or_offset) : Vector(-closest_or_offset);
-    const Vector closest = position - from;
-    const double length = std::abs(sample.distance), error = this->error();
-    const double off_triangle = distance_to(triangle, {closest.x(), closest.y(), closest.z()});
-    if (!(std::abs(from.norm() - length) <= error) || !(off_triangle <= error))
-        return fmt::format("has the closest point {}, which is {:.7g} away and {:.3g} off triangle {}",
-                           text_of(closest), from.norm(), off_triangle, triangle);
-
-    std::vector<Vector> corners;
-    if (site <= CLSDF_SITE_OF_FACE)
-        for (const std::uint32_t vertex : vertices_of(mesh_.triangles()[triangle], site))
-            corners.push_back(to_vector(mesh_.vertices()[vertex]));
-    if (corners.empty() || !is_lowest(triangle, site) ||
-        !((closest_of_extension(corners, position) - closest).norm() <= error))
-        return fmt::format(
-            "has the site {} of triangle {}, which is not the nearest, or not in the lowest triangle that shares it",
-            site, triangle);
-
-    const double to_site = (closest_of_extension(corners, position) - position).norm();
-    if (distances.in_double &&
-        !(std::abs(std::abs(value) - std::min(to_site, most)) <= double_tolerance * grid_.voxel()))
-        return fmt::format("has the distance {:.17g}, and site {} of triangle {} is {:.17g} away", value, site,
-                           triangle, to_site);
-
-    Vector direction = gradient.normalized();  // free beside the surface
-    if (length <= on_surface * grid_.voxel())
-        direction = to_vector(pseudonormal(triangle, site));
-    else if (length > error)
-        direction = (sample.distance < 0 ? -1 : 1) * from.normalized();
-    const double allowed = direction_tolerance + (length > error ? error / length : 0);
-    if (!(std::abs(gradient.norm() - 1) <= direction_tolerance) || !((gradient - direction).norm() <= allowed))
-        return fmt::format("has the gradient {} instead of {}", text_of(gradient), text_of(direction));
-
-    const auto corner = [&](std::size_t k) { return to_vector(mesh_.vertices()[mesh_.triangles()[triangle][k]]); };
-    const Vector along = corner(1) - corner(0), across = corner(2) - corner(0);
-    const double off_closest = (corner(0) + first * along + second * across - closest).norm();
-    const bool is_inside = first >= 0 && second >= 0 && first + second <= 1 + weight_tolerance;
-    if (!is_inside || !(off_closest <= error + weight_tolerance * (along.norm() + across.norm())))
-        return fmt::format(
-            "has the barycentric coordinates ({:.7g}, {:.7g}) of triangle {}, {:.3g} off the closest point", first,
-            second, triangle, off_closest);
-    return {};
 }
 
 std::optional<std::string> KnownField::difference(const HostArrays& found) const {
@@ -420,10 +286,17 @@ std::optional<std::string> KnownField::difference(const HostArrays& found) const
         for (std::int64_t j = 0; j < grid_.size[1]; ++j)
             for (std::int64_t i = 0; i < grid_.size[0]; ++i) {
                 const std::size_t at = grid_.offset(i, j, k);
-                const Sample sample{at, grid_.position(i, j, k), known[at]};
+                const KnownSample sample{
+                    at,
+                    {static_cast<double>(grid_.first[0] + i), static_cast<double>(grid_.first[1] + j),
+                     static_cast<double>(grid_.first[2] + k)},
+                    grid_.position(i, j, k),
+                    known[at],
+                    limit(known[at] < 0, found[Output::distance])};
                 std::string what = wrong_distance(found, sample);
                 if (what.empty() && found[Output::triangle].is_wanted) what = wrong_triangle(found, sample);
-                if (what.empty() && found[Output::closest].is_wanted) what = wrong_outputs(found, sample);
+                if (what.empty() && found[Output::closest].is_wanted)
+                    what = outputs_.difference(found, sample, error());
                 if (what.empty()) continue;
                 if (wrong++ == 0)
                     first = fmt::format("sample ({}, {}, {}) at {} {}", grid_.first[0] + i, grid_.first[1] + j,

@@ -3,9 +3,8 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 
-#include "targets/slab_pipeline.hpp"
+#include "self_test/known_outputs.hpp"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -27,7 +26,8 @@ struct KnownFieldKind {
 /// A small field whose values are known: of a cube, a closed fan whose saddle vertex has a gap between its triangles'
 /// polyhedra, and a sliver, on a grid across the corner of eight coarse bricks, or a fine one through a face. The
 /// values come from plain arithmetic in double precision: the least distance to all triangles, and the winding number
-/// along rows. It shares nothing with the polyhedra and the kernels. All kinds have the same mesh.
+/// along rows. It shares nothing with the polyhedra and the kernels. The other outputs come from KnownOutputs. All
+/// kinds have the same mesh.
 class KnownField {
 public:
     explicit KnownField(const KnownFieldKind& kind);
@@ -47,25 +47,14 @@ public:
     std::size_t band_samples(const scan::HostArrays& found) const;
 
 private:
-    /// A sample that is compared.
-    struct Sample {
-        std::size_t at;  ///< among the packed ones
-        Vec3 position;
-        double distance;  ///< signed, and not limited by the band
-    };
     /// Each describes what is wrong, or returns an empty text.
-    std::string wrong_distance(const scan::HostArrays& found, const Sample& sample) const;
-    std::string wrong_triangle(const scan::HostArrays& found, const Sample& sample) const;
-    std::string wrong_outputs(const scan::HostArrays& found, const Sample& sample) const;
+    std::string wrong_distance(const scan::HostArrays& found, const KnownSample& sample) const;
+    std::string wrong_triangle(const scan::HostArrays& found, const KnownSample& sample) const;
 
     /// The half width on this side of the surface, as elements of the array have it.
     double limit(bool negative, const scan::HostArray& distance) const;
     double error() const;
     double distance_to(std::uint32_t triangle, const Vec3& point) const;
-    /// Whether a triangle is the lowest that shares its site.
-    bool is_lowest(std::uint32_t triangle, std::uint8_t site) const;
-    /// The unit vector along the sum of the normals of the faces at a site, at a vertex weighted by angles.
-    std::array<double, 3> pseudonormal(std::uint32_t triangle, std::uint8_t site) const;
     /// Negative inside, unless the field has no sign.
     std::vector<double> values() const;
     /// 1 outside, -1 inside.
@@ -75,6 +64,7 @@ private:
     Mesh mesh_;
     Grid grid_;
     Band band_;
+    KnownOutputs outputs_;
 };
 
 }  // namespace clsdf::transform

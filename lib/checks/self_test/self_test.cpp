@@ -9,15 +9,17 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <mutex>
 #include <string_view>
+#include <system_error>
 
 namespace clsdf::transform {
 
 namespace {
 
 // Part of the records' keys: with another known field, all is tested again.
-constexpr int known_field_number = 4;
+constexpr int known_field_number = 5;
 
 bool is_switched_off() {
     const char* const value = tuning_variable("CLSDF_SELF_TEST");
@@ -40,6 +42,12 @@ std::string key_of(const device::Context& context, const std::string& name, cons
     std::string key = fmt::format("{}known field {} {}\n", context.identity(), known_field_number, name);
     for (const cl::Program& program : programs) key += context.key_of(program) + '\n';
     return key;
+}
+
+/// Whether a record may be there.
+bool may_have(const device::Records& records) {
+    std::error_code none;
+    return std::filesystem::exists(records.folder(), none);
 }
 
 /// On the first lattice the values that may be floats or doubles have the type of fields, on the others the other type,
@@ -114,7 +122,6 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const KnownField unlimited({.wide = true}), limited = KnownField({.later = true}).within(limit);
     Stages stages(context, pool, unlimited.mesh(), {nullptr, {programs.mesh_records, programs.mesh_lanes()}});
-    if (test_case.is_later) stages.frusta();
     points::KeptPoints kept(stages);
     points::PointInputs inputs;
     inputs.mesh = kept.tree();
@@ -136,22 +143,17 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
 }  // namespace
 
 std::vector<TestCase> TestCase::contained() const {
-    std::vector<TestCase> cases;
-    for (const bool large : {false, true})
-        for (const bool later : {false, true}) {
-            if ((large && !is_large) || (later && !is_later) || (large == is_large && later == is_later)) continue;
-            cases.push_back(*this);
-            cases.back().is_large = large;
-            cases.back().is_later = later;
-        }
-    return cases;
+    if (!is_large) return {};
+    TestCase small = *this;
+    small.is_large = false;
+    return {small};
 }
 
 std::string TestCase::name() const {
-    return fmt::format("{} {}{}{}{} {} {}{}{}", device::name_of(body), method ? method->name() : "bricks",
+    return fmt::format("{} {}{}{}{} {} {}{}", device::name_of(body), method ? method->name() : "bricks",
                        variant.nearest ? " NEAREST" : "", variant.count ? " COUNT" : "",
                        variant.long_bricks ? " LONG_BRICKS" : "", is_signed ? "signed" : "unsigned",
-                       is_wide ? "wide" : "narrow", is_large ? " large" : "", is_later ? " later" : "");
+                       is_wide ? "wide" : "narrow", is_large ? " large" : "");
 }
 
 std::size_t step_count(const TestCase& test_case) {
@@ -171,26 +173,19 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
                         .large = test_case.is_large};
     device::Context& context = device::context_of(device);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    const auto make_stages = [&] {
-        return std::make_unique<Stages>(context, pool, KnownField(kind).mesh(),
-                                        Stages::Options{.method = test_case.method,
-                                                        .set_up = {programs.mesh_records, programs.mesh_lanes()},
-                                                        .is_whole = true});
-    };
-    std::unique_ptr<Stages> stages = make_stages();
-    std::optional<std::string> difference = run_field_test(device, programs, test_case, kind, *stages, watch);
+    Stages stages(
+        context, pool, KnownField(kind).mesh(),
+        {.method = test_case.method, .set_up = {programs.mesh_records, programs.mesh_lanes()}, .is_whole = true});
+    const auto run = [&] { return run_field_test(device, programs, test_case, kind, stages, watch); };
+    std::optional<std::string> difference = run();
     if (difference || test_case.method) return difference;
-    const auto run_on_another_lattice = [&] {
-        if (!test_case.is_later) stages = make_stages();
-        return run_field_test(device, programs, test_case, kind, *stages, watch);
-    };
     kind.later = true;
-    if ((difference = run_on_another_lattice()) || test_case.is_wide) return difference;
+    if ((difference = run()) || test_case.is_wide) return difference;
     // The group body computes all bricks of a coarse brick that a polyhedron overlaps; the fill is left with the
     // others.
     kind.later = false;
     kind.fine = true;
-    return run_on_another_lattice();
+    return run();
 }
 
 bool test_once(const Device& device, const TestSubject& subject,
@@ -199,10 +194,10 @@ bool test_once(const Device& device, const TestSubject& subject,
     if (context.is_tested(subject.name)) return false;
     const std::scoped_lock lock(context.test_mutex());
     if (context.is_tested(subject.name)) return false;
-    bool is_run = false;
-    const std::string key = key_of(context, subject.name, subject.programs);
-    if (!is_switched_off() && !context.records().has(key)) {
-        is_run = true;
+    const device::Records records = context.records();
+    const auto key = [&] { return key_of(context, subject.name, subject.build()); };
+    const bool is_run = !is_switched_off() && !(may_have(records) && records.has(key()));
+    if (is_run)
         if (const std::optional<std::string> difference = test())
             throw Error(
                 ErrorCode::wrong_results,
@@ -210,8 +205,8 @@ bool test_once(const Device& device, const TestSubject& subject,
                             "kernels \"{}\", {}. The OpenCL compiler or driver is at fault: update it, or take another "
                             "device (\"clsdf devices\" lists them, --device or CLSDF_DEVICE chooses)",
                             device::guarded([&] { return context.description(); }), subject.name, *difference));
-        context.records().note(key);
-    }
+    const std::string built = key();
+    if (is_run) records.note(built);
     context.set_tested(subject.name);
     return is_run;
 }
@@ -220,19 +215,24 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
                    const device::BuildWatch& watch) {
     device::Context& context = device::context_of(device);
     if (context.is_tested(test_case.name())) return false;
-    TestSubject subject{test_case.name(), {}};
-    device::guarded([&] {
-        const BrickVariant& variant = test_case.variant;
-        subject.programs = programs.of_fields(watch);
-        for (cl::Program& program : test_case.method ? test_case.method->build(context, programs, variant, watch)
-                                                     : std::vector{programs.bricks(context, variant, watch)})
-            subject.programs.push_back(std::move(program));
-    });
+    const std::vector<cl::Program> of_fields = device::guarded([&] { return programs.of_fields(watch); });
+    // In a first test, after the other kernels: "clsdf compute" has them compiled by another process meanwhile.
+    const auto with_scan = [&] {
+        return device::guarded([&] {
+            const BrickVariant& variant = test_case.variant;
+            std::vector<cl::Program> all = of_fields;
+            for (cl::Program& program : test_case.method ? test_case.method->build(context, programs, variant, watch)
+                                                         : std::vector{programs.bricks(context, variant, watch)})
+                all.push_back(std::move(program));
+            return all;
+        });
+    };
+    const TestSubject subject{test_case.name(), with_scan};
     const bool is_run = test_once(device, subject, [&] {
         std::optional<std::string> difference = run_self_test(device, programs, test_case, watch);
         if (!difference)
             for (const TestCase& other : test_case.contained())
-                context.records().note(key_of(context, other.name(), subject.programs));
+                context.records().note(key_of(context, other.name(), with_scan()));
         return difference;
     });
     for (const TestCase& other : test_case.contained()) context.set_tested(other.name());
@@ -242,15 +242,16 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
 bool ensure_points_tested(const Device& device, const Programs& programs, const PointTestCase& test_case,
                           const device::BuildWatch& watch) {
     device::Context& context = device::context_of(device);
-    TestSubject subject{fmt::format("{} {}points{}", device::name_of(programs.body),
-                                    test_case.are_scanned ? "many " : "", test_case.is_later ? " later" : ""),
-                        {}};
+    std::vector<cl::Program> built;
     device::guarded([&] {
-        subject.programs.push_back(programs.points(context, watch));
+        built.push_back(programs.points(context, watch));
         if (!test_case.are_scanned) return;
-        subject.programs.push_back(programs.mesh_records.get(watch));
-        subject.programs.push_back(programs.point_scan(context, watch));
+        built.push_back(programs.mesh_records.get(watch));
+        built.push_back(programs.point_scan(context, watch));
     });
+    const TestSubject subject{
+        fmt::format("{} {}points", device::name_of(programs.body), test_case.are_scanned ? "many " : ""),
+        [&] { return built; }};
     return test_once(device, subject, [&] { return run_point_test(device, programs, test_case); });
 }
 

@@ -19,7 +19,6 @@ struct TestCase {
     bool is_signed = true;  ///< the sign is swept
     bool is_wide = false;   ///< coarse bricks have bounds of their own
     bool is_large = false;  ///< triangles with many rows of samples are swept by a kernel of their own
-    bool is_later = false;  ///< see PreparedMesh: a kernel of their own makes the records
 
     /// Other cases all of whose kernels this one runs, too.
     std::vector<TestCase> contained() const;
@@ -39,8 +38,8 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
 
 /// Programs that are tested together.
 struct TestSubject {
-    std::string name;  ///< for messages and records
-    std::vector<cl::Program> programs;
+    std::string name;                                 ///< for messages and records
+    std::function<std::vector<cl::Program>()> build;  ///< called after the test if there can be no record
 };
 /// Runs test() if the subject has not been tested on this device and driver version; it returns what is wrong, in a
 /// sentence. Returns whether it ran. Throws Error(wrong_results) that says what is wrong; with
@@ -55,7 +54,6 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
 /// The properties of a query of points that decide which code it runs on the device.
 struct PointTestCase {
     bool are_scanned = false;  ///< many points
-    bool is_later = false;     ///< as TestCase's; for many points
 };
 
 /// Builds the programs of queries of points and, the first time on this device and driver version, computes a small

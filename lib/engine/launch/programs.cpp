@@ -1,5 +1,6 @@
 #include "launch/programs.hpp"
 
+#include "device/bundled_driver.hpp"
 #include "device/opencl.hpp"
 #include "layout.h"
 
@@ -76,8 +77,10 @@ ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
     if (body == KernelBody::by_group)
         return {"bricks_by_group.cl",
                 fmt::format("{} -DGROUP={}{}", common_options(lanes), group_size, options_of(variant))};
+    // Other variants have no use for it.
+    const bool is_scattered = scattered_access_ && lanes == 16 && !variant.nearest;
     return {"bricks_by_vector.cl",
-            common_options(lanes) + options_of(variant) + (scattered_access_ ? " -DSCATTERED_ACCESS" : "")};
+            common_options(lanes) + options_of(variant) + (is_scattered ? " -DSCATTERED_ACCESS" : "")};
 }
 
 std::vector<ProgramSource> ProgramSources::every_source() const {
@@ -85,6 +88,19 @@ std::vector<ProgramSource> ProgramSources::every_source() const {
                                        points_source(), store_source(),        mesh_records_source()};
     if (body == KernelBody::by_vector) sources.push_back(point_scan_source());
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
+    return sources;
+}
+
+std::vector<ProgramSource> sources_of_level(device::Context::Capabilities capabilities) {
+    std::vector<ProgramSource> sources;
+    for (const bool scattered_access : {false, true}) {
+        capabilities.scattered_access = scattered_access;
+        for (ProgramSource& source : ProgramSources(capabilities, KernelBody::automatic).every_source())
+            if (std::none_of(sources.begin(), sources.end(), [&](const ProgramSource& other) {
+                    return other.kernel_file == source.kernel_file && other.options == source.options;
+                }))
+                sources.push_back(std::move(source));
+    }
     return sources;
 }
 
@@ -139,3 +155,33 @@ std::size_t Programs::parallel_parts(const device::Context& context, std::size_t
 }
 
 }  // namespace clsdf::scan
+
+namespace clsdf {
+
+void tuning::compile_level(const Device& device) {
+    device::Context& context = device::context_of(device);
+    const std::size_t lanes = scan::usable_sources(context, KernelBody::automatic).lanes;
+    device::guarded([&] {
+        for (const scan::ProgramSource& source : scan::sources_of_level(context.capabilities()))
+            context.program(scan::around_faults(context, source, lanes));
+    });
+}
+
+std::vector<std::string> tuning::missing_programs(const Device& device) {
+    const device::Context& context = device::context_of(device);
+    std::vector<std::string> missing;
+    device::guarded([&] {
+        for (const device::BundledLevel& level : device::bundled_levels(context.device())) {
+            device::Context::Capabilities capabilities = context.capabilities();
+            capabilities.float_width = level.name == "x86-64-v4" ? 16 : 8;
+            const device::Records programs(level.folder, device::PreparedPrograms::ending);
+            for (const scan::ProgramSource& source : scan::sources_of_level(capabilities))
+                if (!programs.has(
+                        device::program_key(level.target, "", source.options, device::kernel_text(source.kernel_file))))
+                    missing.push_back(fmt::format("{} {} {}", level.name, source.kernel_file, source.options));
+        }
+    });
+    return missing;
+}
+
+}  // namespace clsdf

@@ -70,6 +70,10 @@ private:
     std::string device_options_;
 };
 
+/// Every program that a transform may ask for on any model of a processor with these capabilities. Bodies that a call
+/// names (TransformOptions::body) are left out.
+std::vector<ProgramSource> sources_of_level(device::Context::Capabilities capabilities);
+
 /// A program that is built when it is used first. Copies share it.
 class LazyProgram {
 public:

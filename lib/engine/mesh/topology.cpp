@@ -80,23 +80,23 @@ bool has_repeated_vertex(const Triangle& triangle) {
 
 /// Counts the vertices; `first` as of first_equal_vertices().
 void count_vertices(std::span<const Triangle> triangles, std::span<const std::uint32_t> first, Topology& report) {
-    std::vector<std::uint8_t> used(first.size());
-    std::vector<std::uint8_t> represented(first.size());
-    const auto set = [](std::uint8_t& flag) {
-        const std::atomic_ref shared(flag);
-        if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
+    // Counts the vertices number_of(index) of the triangles' indices.
+    const auto count_used = [&](const auto& number_of) {
+        std::vector<std::uint8_t> used(first.size());
+        for_each_index(triangles.size(), [&](std::size_t t) {
+            for (const std::uint32_t index : triangles[t]) {
+                const std::atomic_ref flag(used[number_of(index)]);
+                if (flag.load(std::memory_order_relaxed) == 0) flag.store(1, std::memory_order_relaxed);
+            }
+        });
+        return static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
     };
-    for_each_index(triangles.size(), [&](std::size_t t) {
-        for (const std::uint32_t index : triangles[t]) {
-            set(used[index]);
-            set(represented[first[index]]);
-        }
-    });
-    const auto count = [](const std::vector<std::uint8_t>& flags) {
-        return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
-    };
-    report.unused_vertices = first.size() - count(used);
-    report.coincident_vertices = count(used) - count(represented);
+    bool are_different = true;
+    for (std::size_t v = 0; v < first.size(); ++v) are_different = are_different && first[v] == v;
+    const std::size_t used = count_used([](std::uint32_t index) { return index; });
+    report.unused_vertices = first.size() - used;
+    report.coincident_vertices =
+        are_different ? 0 : used - count_used([&](std::uint32_t index) { return first[index]; });
 }
 
 std::vector<Triangle> triangles_over(std::span<const std::uint32_t> first, std::span<const Triangle> triangles) {
@@ -228,10 +228,10 @@ bool encloses_negative_volume(const Mesh& mesh) {
         half_side = std::max(half_side, 0.5 * box.upper[axis] - 0.5 * box.lower[axis]);
     }
     if (half_side == 0) return false;
+    const double scale = std::min(1 / half_side, 1e300);  // finite for the smallest numbers, too
     const auto local = [&](std::uint32_t index) {
         const Vec3& vertex = mesh.vertices()[index];
-        return Vec3{(vertex[0] - centre[0]) / half_side, (vertex[1] - centre[1]) / half_side,
-                    (vertex[2] - centre[2]) / half_side};
+        return Vec3{(vertex[0] - centre[0]) * scale, (vertex[1] - centre[1]) * scale, (vertex[2] - centre[2]) * scale};
     };
     struct Volume {
         double sum = 0;
@@ -262,14 +262,10 @@ bool encloses_negative_volume(const Mesh& mesh) {
     return volume.sum < -rounding * volume.magnitude;
 }
 
-Topology describe_topology(const Mesh& mesh) {
-    Topology report;
-    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
-    count_vertices(mesh.triangles(), first, report);
-    std::vector<Triangle> renumbered;
-    if (report.coincident_vertices > 0) renumbered = triangles_over(first, mesh.triangles());
-    const std::span<const Triangle> triangles = report.coincident_vertices > 0 ? renumbered : mesh.triangles();
+namespace {
 
+/// Describes the edges of a mesh's triangles, whose vertices are all different.
+void describe_edges(const Mesh& mesh, std::span<const Triangle> triangles, Topology& report) {
     constexpr std::size_t grain = 4096;
     report.repeated_vertex_faces = reduce_ranges(
         triangles.size(), grain, std::size_t{0},
@@ -287,6 +283,33 @@ Topology describe_topology(const Mesh& mesh) {
     report.closed = report.open_edges == 0;
     report.balanced = report.unbalanced_edges == 0;
     report.inside_out = report.balanced && encloses_negative_volume(mesh);
+}
+
+}  // namespace
+
+Topology describe_vertices(const Mesh& mesh) {
+    Topology report;
+    count_vertices(mesh.triangles(), first_equal_vertices(mesh.vertices()), report);
+    return report;
+}
+
+void describe_edges(const Mesh& mesh, bool are_paired, Topology& report) {
+    if (are_paired) {
+        report.closed = report.balanced = true;
+        report.inside_out = encloses_negative_volume(mesh);
+    } else {
+        describe_edges(mesh, mesh.triangles(), report);
+    }
+}
+
+Topology describe_topology(const Mesh& mesh) {
+    Topology report;
+    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
+    count_vertices(mesh.triangles(), first, report);
+    if (report.coincident_vertices > 0)
+        describe_edges(mesh, triangles_over(first, mesh.triangles()), report);
+    else
+        describe_edges(mesh, mesh.triangles(), report);
     return report;
 }
 

@@ -171,11 +171,6 @@ std::shared_ptr<const polyhedra::MeshTopology> Stages::shared_topology() {
     return topology_;
 }
 
-const polyhedra::Frusta& Stages::frusta() {
-    if (!frusta_) make_frusta(nullptr);
-    return *frusta_;
-}
-
 bool Stages::has_kernels() {
     return options_.set_up.program && suits_kernels(topology());
 }
@@ -186,19 +181,17 @@ const std::shared_ptr<const DeviceFaces::Names>& Stages::names() {
     return names_;
 }
 
-std::optional<PreparedMesh> Stages::make_frusta(const polyhedra::LatticeView* lattice) {
-    if (!has_kernels()) {
-        frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
-        return std::nullopt;
-    }
+const polyhedra::Frusta& Stages::frusta() {
+    if (frusta_) return *frusta_;
+    if (!has_kernels()) return frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
     const DeviceSetUp job = set_up();
     const ReaderMark mark(*this);
     if (!frusta_sources_) frusta_sources_ = std::make_shared<const FrustaSources>(job, topology());
-    MadeFrusta made = frusta_by_kernels(job, names(), frusta_sources_, mesh_, lattice);
+    MadeFrusta made = frusta_by_kernels(job, names(), frusta_sources_, mesh_);
     frusta_.emplace(std::move(made.frusta));
     faces_ = std::make_shared<const DeviceFaces>(std::move(made.faces));
     if (!has_moved_) frusta_sources_.reset();
-    return std::move(made.records);
+    return *frusta_;
 }
 
 const polyhedra::ClusterIndex& Stages::index() {
@@ -214,8 +207,6 @@ std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::Lattice
 }
 
 PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
-    if (!frusta_ && is_plain(mesh_, lattice))
-        if (std::optional<PreparedMesh> first = make_frusta(&lattice)) return std::move(*first);
     const polyhedra::RecordRange all{0, topology().order.size()}, sites{0, frusta().sites.size()};
     return records(lattice, {&all, 1}, {&sites, 1});
 }
@@ -346,8 +337,8 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
     if (!kept.sweep_mesh) {
         const auto faces = device_faces(lattice_of(grid));
         const ReaderMark mark(*this);
-        kept.sweep_mesh = std::make_shared<const SweepMesh>(make_sweep_mesh(
-            context_, pool_, grid, mesh_, faces ? set_up() : DeviceSetUp{context_, pool_, cl::Program(), 1}, faces));
+        kept.sweep_mesh = std::make_shared<const SweepMesh>(
+            make_sweep_mesh(faces ? set_up() : DeviceSetUp{context_, pool_, cl::Program(), 1}, grid, mesh_, faces));
     }
     inputs.sweep_mesh = kept.sweep_mesh;
     if (near) inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);

@@ -36,23 +36,9 @@ Numbers collected(std::size_t count, std::size_t chunk, const Function& f) {
 Numbers answered_faces(std::span<const std::uint8_t> answers) {
     constexpr std::size_t chunk = 1U << 16;
     return collected(answers.size(), chunk, [&](std::size_t begin, std::size_t end, Numbers& found) {
-        const std::uint8_t* const first = answers.data();
-        for (std::size_t face = begin; face < end;) {
-            constexpr std::size_t step = 64;
-            const std::size_t last = std::min(end, face + step);
-            if (std::any_of(first + face, first + last, [](std::uint8_t answer) { return answer != 0; }))
-                for (std::size_t i = face; i < last; ++i)
-                    if (first[i] != 0) found.push_back(static_cast<std::uint32_t>(i));
-            face = last;
-        }
+        for (std::size_t face = begin; face < end; ++face)
+            if (answers[face] != 0) found.push_back(static_cast<std::uint32_t>(face));
     });
-}
-
-/// Without branches: few are open.
-bool has_open_vertex(const std::uint8_t* answers, const std::uint8_t* end) {
-    std::uint8_t any = 0;
-    for (; answers != end; ++answers) any |= *answers;
-    return (any & CLSDF_VERTEX_IS_OPEN) != 0;
 }
 
 /// Files the vertices of closed fans by the number of their faces.
@@ -212,15 +198,11 @@ LeftToHost KernelTopology::left_to_host(const MeshTopology& topology, std::span<
                 const std::uint8_t* const answers = &vertex_answers[number * CLSDF_FAN_ITEM];
                 saddles_here += static_cast<std::size_t>(
                     std::count(answers, answers + item.count, std::uint8_t{CLSDF_VERTEX_IS_SADDLE}));
-                for (std::uint32_t first = 0; first < item.count; first += CLSDF_FAN_STRIDE) {
-                    const std::uint32_t last = std::min<std::uint32_t>(first + CLSDF_FAN_STRIDE, item.count);
-                    if (!has_open_vertex(answers + first, answers + last)) continue;
-                    const std::uint32_t block = item.offset + first * item.faces;
-                    for (std::uint32_t i = first; i < last; ++i) {
-                        if ((answers[i] & CLSDF_VERTEX_IS_OPEN) == 0) continue;
-                        const Corner corner = Corner::unpack(fan_words[block + i - first]);
-                        found.push_back(topology.faces.triangles[corner.face][corner.vertex]);
-                    }
+                for (std::uint32_t i = 0; i < item.count; ++i) {
+                    if ((answers[i] & CLSDF_VERTEX_IS_OPEN) == 0) continue;
+                    const std::uint32_t in_block = i % CLSDF_FAN_STRIDE, block = (i - in_block) * item.faces;
+                    const Corner corner = Corner::unpack(fan_words[item.offset + block + in_block]);
+                    found.push_back(topology.faces.triangles[corner.face][corner.vertex]);
                 }
             }
             saddles += saddles_here;

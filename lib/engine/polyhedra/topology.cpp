@@ -57,6 +57,8 @@ public:
 
     /// The ends among the vertices so far.
     const std::vector<std::uint32_t>& non_manifold_ends() const { return non_manifold_ends_; }
+    /// Whether an edge that leaves one of the vertices so far has a mark.
+    bool has_marks() const { return has_marks_; }
 
 private:
     /// Sets the pairs of a vertex whose edges all have two faces that run along them in opposite directions. Returns
@@ -113,12 +115,14 @@ private:
     void set(const Corner& edge, std::uint32_t across, std::uint8_t marks) {
         faces_[edge.face].across[edge.vertex] = across;
         faces_[edge.face].marks[edge.vertex] = marks;
+        has_marks_ = has_marks_ || marks != 0;
     }
 
     std::span<const Triangle> triangles_;
     const OneRings& rings_;
     std::span<FaceEdges> faces_;
     std::vector<std::uint32_t> non_manifold_ends_;
+    bool has_marks_ = false;
     std::vector<EdgeEntry> entries_;
 };
 
@@ -129,13 +133,15 @@ PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& ring
     result.faces = UninitializedVector<FaceEdges>(triangles.size());
     // One after the other first: those around vertices would be waited for, as memory that is far.
     for_each_index(triangles.size(), [&](std::size_t face) { result.faces[face] = {}; });
+    result.are_paired = true;
     std::mutex mutex;
     for_each_range(rings.vertex_count(), [&](std::size_t begin, std::size_t end) {
         EdgePairing pairing(triangles, rings, result.faces);
         for (std::size_t vertex = begin; vertex != end; ++vertex)
             pairing.set_leaving(static_cast<std::uint32_t>(vertex));
-        if (pairing.non_manifold_ends().empty()) return;
+        if (!pairing.has_marks()) return;
         const std::lock_guard lock(mutex);
+        result.are_paired = false;
         result.non_manifold_ends.insert(result.non_manifold_ends.end(), pairing.non_manifold_ends().begin(),
                                         pairing.non_manifold_ends().end());
     });

@@ -42,6 +42,7 @@ struct PairedEdges {
     /// edge_at_box of an edge from a vertex to itself, and the faces across.
     UninitializedVector<FaceEdges> faces;
     std::vector<std::uint32_t> non_manifold_ends;  ///< lower ends of edges with edge_non_manifold, ascending
+    bool are_paired = false;  ///< each edge has two faces, which run along it in opposite directions
 
     bool is_non_manifold(std::size_t face) const {
         const auto& [a, b, c] = faces[face].marks;

@@ -27,6 +27,11 @@ inline bool names_sites(OutputSet outputs) {
     return (outputs.bits() & CLSDF_OUTPUTS_BY_NAME) != 0;
 }
 
+/// Whether an output takes pseudonormals.
+inline bool takes_normals(OutputSet outputs) {
+    return (outputs.bits() & CLSDF_OUTPUTS_BY_NORMAL) != 0;
+}
+
 /// The data of a mesh's sites on the device (polyhedra/sites.hpp).
 struct DeviceSites {
     std::shared_ptr<const device::BufferPool::Lease> names;    ///< null unless an output names sites

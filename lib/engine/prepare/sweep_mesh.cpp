@@ -58,20 +58,6 @@ std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const polyhedra::Lat
     return CLSDF_BRICK * static_cast<std::int32_t>(std::clamp(nearest, -limit, limit) / CLSDF_BRICK);
 }
 
-device::BufferPool::Lease sweep_triangles(const device::Context& context,
-                                          const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh) {
-    const std::size_t bytes = mesh.triangles().size() * sizeof(Triangle);
-    if (context.capabilities().is_processor && bytes > 0) {
-        pool->check_size(bytes, "triangles");
-        // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): the device only reads it
-        auto* values = const_cast<Triangle*>(mesh.triangles().data());
-        return {nullptr, cl::Buffer(context.context(), CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, bytes, values), bytes};
-    }
-    device::HostFilling filling(context, pool, bytes, "triangles");
-    std::copy(mesh.triangles().begin(), mesh.triangles().end(), static_cast<Triangle*>(filling.memory()));
-    return filling.finish();
-}
-
 /// A lattice as the sweep sees it.
 struct SweepLattice {
     SweepLattice(const Grid& grid_in, const Mesh& mesh)
@@ -194,8 +180,7 @@ const cl::Buffer& SweepMesh::triangles() const {
     return faces ? *faces->triangles : *own_triangles;
 }
 
-SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Grid& grid,
-                          const Mesh& mesh, const DeviceSetUp& set_up,
+SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& mesh,
                           const std::shared_ptr<const DeviceFaces>& faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, mesh);
@@ -205,12 +190,13 @@ SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device
         result.bits_z = lattice.bits_z;
         result.first_x = lattice.first_x;
         if (faces && faces->names->face_count() == result.triangle_count && is_within_sweep(mesh, grid)) {
-            result.vertices = vertices_on_device(set_up, lattice, *faces);
+            result.vertices = vertices_on_device(job, lattice, *faces);
             result.faces = faces->names;
         } else {
-            result.own_triangles = sweep_triangles(context, pool, mesh);
-            result.vertices = sweep_vertices(context, pool, lattice, mesh);
-            result.shares_triangles = context.capabilities().is_processor;
+            constexpr const char* purpose = "triangles";
+            job.pool->check_size(result.triangle_count * sizeof(Triangle), purpose);
+            result.own_triangles = job.input(mesh.triangles(), purpose);
+            result.vertices = sweep_vertices(job.context, job.pool, lattice, mesh);
         }
         return result;
     });

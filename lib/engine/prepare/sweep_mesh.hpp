@@ -26,11 +26,10 @@ struct SweepMesh {
 
     /// Whose triangles are swept, in the topology's order; null: own_triangles, in the caller's.
     std::shared_ptr<const DeviceFaces::Names> faces{};
-    bool shares_triangles = false;  ///< own_triangles lie in the mesh's memory
 
     const cl::Buffer& triangles() const;
     /// Bytes on the device that are its own.
-    std::size_t device_bytes() const { return vertices.bytes() + (shares_triangles ? 0 : own_triangles.bytes()); }
+    std::size_t device_bytes() const { return vertices.bytes() + own_triangles.bytes(); }
 };
 
 /// The triangles that rows of a part of the lattice can cross, if they are few.
@@ -47,9 +46,9 @@ SweepSelection select_triangles(const device::Context& context, const SweepMesh&
 bool expects_large_triangles(const Grid& grid, const Mesh& mesh);
 
 /// Throws Error(unsupported) if the mesh reaches farther from the grid's origin than the sweep's integers.
-/// `faces`: null if the host makes the vertices, else the device's faces.
-SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Grid& grid,
-                          const Mesh& mesh, const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces>& faces);
+/// `faces`: null if the host makes the vertices, without the job's program; else the device's faces.
+SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& mesh,
+                          const std::shared_ptr<const DeviceFaces>& faces);
 
 /// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
 bool is_within_sweep(const Mesh& mesh, const Grid& grid);

@@ -100,6 +100,19 @@ BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
     const std::size_t most_slices = inputs.launches.most(seconds_per_filled_sample * slice);
     if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
     slices_per_fill_ = most_slices / fill_group_slices_ * fill_group_slices_;
+    if (inputs.context.is_first_use_of(fill_kernel_)) specialise_fill(inputs);
+}
+
+/// Has the kernels that end a field compiled before the bricks', which another process may be compiling. Launches a
+/// group of each behind the last slice, where it fills nothing.
+void BrickScan::specialise_fill(const ScanInputs& inputs) {
+    const cl_int behind = layout_.size[2];
+    const cl::NDRange group(fill_group_pieces_, 1, fill_group_slices_);
+    set_arguments(fill_kernel_, fill_outputs_, *computed_, cl_int{1}, cl_ulong{0}, cl_ulong{0}, behind);
+    inputs.queue().enqueueNDRangeKernel(fill_kernel_, cl::NullRange, group, group);
+    if (!inputs.variant.nearest) return;
+    set_arguments(leave_kernel_, leave_outputs_, *computed_, cl_int{1}, behind);
+    inputs.queue().enqueueNDRangeKernel(leave_kernel_, cl::NullRange, group, group);
 }
 
 void BrickScan::make_counters(const ScanInputs& inputs, std::size_t sets) {

@@ -54,6 +54,7 @@ protected:
     device::BufferPool::Lease computed_;  ///< a mark for each brick that is computed
 
 private:
+    void specialise_fill(const ScanInputs& inputs);
     void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most) const;
     std::size_t in_groups(std::size_t slices) const;
 

@@ -19,65 +19,34 @@ namespace clsdf {
 
 namespace detail {
 
-/// The length of the number at the begin of a text, in the grammar of std::from_chars: an optional '-', then digits
-/// with an optional point and exponent, or "inf", "infinity", "nan" or "nan(...)" in upper or lower case; 0 if there is
-/// none.
-inline std::size_t real_length(std::string_view text) {
-    const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
-    const auto is = [&](std::size_t i, char c) { return i < text.size() && (text[i] | 0x20) == c; };
-    const auto has_word = [&](std::size_t begin, std::string_view word) {
-        for (std::size_t i = 0; i < word.size(); ++i)
-            if (!is(begin + i, word[i])) return false;
-        return true;
-    };
-    const std::size_t begin = text.starts_with('-') ? 1 : 0;
-    if (has_word(begin, "infinity")) return begin + 8;
-    if (has_word(begin, "inf")) return begin + 3;
-    if (has_word(begin, "nan")) {
-        std::size_t end = begin + 3;
-        if (end == text.size() || text[end] != '(') return end;
-        const auto is_of_word = [&](std::size_t i) {
-            return is_digit(i) || (i < text.size() && ((text[i] | 0x20) >= 'a' && (text[i] | 0x20) <= 'z')) ||
-                   (i < text.size() && text[i] == '_');
-        };
-        do ++end;
-        while (is_of_word(end));
-        return end < text.size() && text[end] == ')' ? end + 1 : begin + 3;
-    }
-    std::size_t end = begin, digits = 0;
-    for (; is_digit(end); ++end) ++digits;
-    if (end < text.size() && text[end] == '.')
-        for (++end; is_digit(end); ++end) ++digits;
-    if (digits == 0) return 0;
-    if (is(end, 'e')) {
-        std::size_t exponent = end + 1;
-        if (exponent < text.size() && (text[exponent] == '-' || text[exponent] == '+')) ++exponent;
-        if (is_digit(exponent)) {
-            end = exponent;
-            while (is_digit(end)) ++end;
-        }
-    }
-    return end;
-}
-
-/// The same as std::from_chars, by the C library.
+/// The same as std::from_chars, by the C library, whose functions also accept white space, a '+' and hexadecimal
+/// digits.
 template <class Real>
 std::from_chars_result read_real_in_c(const char* begin, const char* end, Real& value) {
     static const locale_t classic = newlocale(LC_ALL_MASK, "C", nullptr);
-    const std::string text(begin, real_length({begin, static_cast<std::size_t>(end - begin)}));
-    if (text.empty()) return {begin, std::errc::invalid_argument};
-    const char* const stop = begin + text.size();
+    constexpr std::string_view of_numbers =
+        "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ+-.()_";  // "nan(...)" has any letters
+    std::string_view rest(begin, static_cast<std::size_t>(end - begin));
+    rest = rest.substr(0, rest.find_first_not_of(of_numbers));
+    const std::size_t zero = rest.starts_with('-') ? 1 : 0;
+    if (rest.starts_with('+')) rest = {};
+    if (rest.size() > zero + 1 && rest[zero] == '0' && (rest[zero + 1] | 0x20) == 'x') rest = rest.substr(0, zero + 1);
+    const std::string text(rest);
+    char* stop = nullptr;
     Real read{};
     if constexpr (std::is_same_v<Real, float>)
-        read = strtof_l(text.c_str(), nullptr, classic);
+        read = strtof_l(text.c_str(), &stop, classic);
     else
-        read = strtod_l(text.c_str(), nullptr, classic);
-    const std::string_view mantissa = std::string_view(text).substr(0, text.find_first_of("eE"));
-    const bool is_finite_text = text.find_first_of("nN") == std::string::npos;  // neither "inf" nor "nan"
+        read = strtod_l(text.c_str(), &stop, classic);
+    const std::string_view number = rest.substr(0, static_cast<std::size_t>(stop - text.c_str()));
+    if (number.empty()) return {begin, std::errc::invalid_argument};
+    const std::string_view mantissa = number.substr(0, number.find_first_of("eE"));
+    const bool is_finite_text = number.find_first_of("nN") == std::string_view::npos;  // neither "inf" nor "nan"
     const bool has_digit = mantissa.find_first_of("123456789") != std::string_view::npos;
-    if (is_finite_text && (std::isinf(read) || (read == 0 && has_digit))) return {stop, std::errc::result_out_of_range};
+    if (is_finite_text && (std::isinf(read) || (read == 0 && has_digit)))
+        return {begin + number.size(), std::errc::result_out_of_range};
     value = read;
-    return {stop, std::errc()};
+    return {begin + number.size(), std::errc()};
 }
 
 }  // namespace detail

@@ -1,6 +1,7 @@
 #include "device/context.hpp"
 
 #include "core/tuning_variables.hpp"
+#include "device/bundled_driver.hpp"
 #include "device/requirements.hpp"
 #include "kernel_sources.hpp"
 
@@ -83,10 +84,6 @@ bool gathers_and_scatters_fast() {
 #endif
 }
 
-std::string platform_name(const cl::Device& device) {
-    return cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
-}
-
 /// The lines of Context::identity() without the environment. Throws cl::Error.
 std::string identity_of(const cl::Device& device) {
     const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
@@ -164,6 +161,7 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
                                                             device_.getInfo<CL_DEVICE_NAME>(), reason));
         capabilities_ = capabilities_of(device_);
         identity_ = identity_of(device_);
+        if (is_bundled(device_)) prepared_.read_first(bundled_programs(device_));
         if (callers_queue_.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
             queue_ = cl::CommandQueue(context_, device_);
     });
@@ -268,6 +266,12 @@ Context::Built Context::build(const ProgramSource& source, const BuildWatch& wat
     const std::string key = fmt::format("{} {} {:016x}", source.kernel_file, source.options, hash_of(text));
     if (const std::optional<cl::Program> program = prepared.find(context_, device_, source.options, text))
         return {*program, key + " prepared"};
+    if (is_bundled(device_))
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("{} with the options \"{}\" is not among the programs that are bundled with clsdf for this "
+                        "processor, and the bundled driver has no compiler; for this call {}",
+                        source.kernel_file, source.options, how_to_install));
     if (watch.begins) watch.begins();
     const cl::Program program = compile(source, text);
     const cl::Program written = prepared.write(program, context_, device_, source.options, text);

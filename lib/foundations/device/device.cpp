@@ -3,9 +3,11 @@
 
 #include "core/floating_point.hpp"
 #include "core/lifetime.hpp"
+#include "device/bundled_driver.hpp"
 #include "device/context.hpp"
 #include "device/found_devices.hpp"
 #include "device/opencl.hpp"
+#include "device/requirements.hpp"
 
 #include <fmt/format.h>
 
@@ -121,10 +123,7 @@ std::string Device::name() const {
 }
 
 std::string Device::platform() const {
-    return device::guarded([&] {
-        return cl::Platform(device::context_of(*this).device().getInfo<CL_DEVICE_PLATFORM>())
-            .getInfo<CL_PLATFORM_NAME>();
-    });
+    return device::guarded([&] { return device::platform_name(device::context_of(*this).device()); });
 }
 
 void Device::keep_records(const std::string& folder) const {
@@ -171,13 +170,9 @@ cl_command_queue Device::queue() const {
 
 namespace {
 
-constexpr const char* how_to_install =
-    "install an OpenCL driver: for any processor PoCL (Debian: apt install pocl-opencl-icd); for a GPU its maker's, "
-    "nvidia-opencl-icd (NVIDIA), intel-opencl-icd (Intel), rocm-opencl-icd (AMD, from Debian 13 on) or AMD's own ROCm";
-
 Error no_device_found() {
     return {ErrorCode::no_device,
-            fmt::format("no OpenCL device was found{}; {}", device::empty_platforms(), how_to_install)};
+            fmt::format("no OpenCL device was found{}; {}", device::empty_platforms(), device::how_to_install)};
 }
 
 Error not_selected(const std::string& reason, const std::vector<DeviceInfo>& infos) {
@@ -251,6 +246,9 @@ const DeviceInfo& with_name(const std::vector<DeviceInfo>& infos, const std::str
     for (const DeviceInfo& info : infos)
         if (contains(info.name, part) || contains(info.platform, part))
             (info.usable() ? usable : unusable).push_back(&info);
+    // A name that an installed PoCL has, too, means that one.
+    if (usable.size() > 1 && device::guarded([&] { return device::is_bundled(cl::Device(usable.back()->id, true)); }))
+        usable.pop_back();
     if (usable.size() > 1)
         throw not_selected(fmt::format("\"{}\" fits {} devices; choose by index", part, usable.size()), infos);
     if (!usable.empty()) return *usable.front();
@@ -262,30 +260,34 @@ const DeviceInfo& with_name(const std::vector<DeviceInfo>& infos, const std::str
 
 Device Device::strongest() {
     const DefaultFloatingPoint as_usual;
-    const std::vector<device::FoundDevice> found = device::guarded(device::find_devices);
-    if (found.empty()) throw no_device_found();
+    std::size_t count = 0;
     std::string failures;
     bool lacks_features = false, fails = false;
-    std::vector<DeviceInfo> infos;
-    for (const auto& [info, obstacle] : found) {
-        infos.push_back(info);
-        if (!info.usable()) failures += fmt::format("; \"{}\" cannot be used: {}", info.name, info.why_not);
-        lacks_features |= obstacle == device::Obstacle::missing_feature;
-        fails |= obstacle == device::Obstacle::failing_call;
-    }
-    for (const DeviceInfo& info : device::guarded([&] { return candidates(infos); })) {
-        try {
-            return detail::DeviceContext::open(info);
-        } catch (const cl::Error& error) {
-            failures += fmt::format("; \"{}\" failed at {}: {}", info.name, device::call_name(error),
-                                    device::code_name(error.err()));
-            fails = true;
+    // The bundled driver is opened if no other device is usable.
+    for (const auto find : {&device::find_installed_devices, &device::find_bundled_devices}) {
+        std::vector<DeviceInfo> infos;
+        for (const auto& [info, obstacle] : device::guarded(find)) {
+            infos.push_back(info);
+            if (!info.usable()) failures += fmt::format("; \"{}\" cannot be used: {}", info.name, info.why_not);
+            lacks_features |= obstacle == device::Obstacle::missing_feature;
+            fails |= obstacle == device::Obstacle::failing_call;
+        }
+        count += infos.size();
+        for (const DeviceInfo& info : device::guarded([&] { return candidates(infos); })) {
+            try {
+                return detail::DeviceContext::open(info);
+            } catch (const cl::Error& error) {
+                failures += fmt::format("; \"{}\" failed at {}: {}", info.name, device::call_name(error),
+                                        device::code_name(error.err()));
+                fails = true;
+            }
         }
     }
+    if (count == 0) throw no_device_found();
     // A device with a known fault has its own remedy.
     std::string remedies;
     if (fails) remedies += "; try again, and update the driver if it fails again";
-    if (lacks_features) remedies += fmt::format("; {}", how_to_install);
+    if (lacks_features) remedies += fmt::format("; {}", device::how_to_install);
     throw Error(ErrorCode::no_device,
                 fmt::format("no usable OpenCL device with double precision and a compiler was found{}{}{}", failures,
                             device::empty_platforms(), remedies));

@@ -2,13 +2,16 @@
 
 #include <clsdf/tuning.hpp>
 
+#include "device/bundled_driver.hpp"
 #include "device/context.hpp"
 #include "device/opencl.hpp"
+#include "device/prepared_programs.hpp"
 #include "device/requirements.hpp"
 
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <iterator>
 
 namespace clsdf::device {
 
@@ -67,7 +70,7 @@ void refuse(FoundDevice& found, const cl::Platform& platform, const cl::Error& e
 void ask(const cl::Device& device, FoundDevice& found) {
     DeviceInfo& info = found.info;
     info.name = device.getInfo<CL_DEVICE_NAME>();
-    info.platform = cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
+    info.platform = platform_name(device);
     info.version = device.getInfo<CL_DEVICE_VERSION>();
     info.driver = device.getInfo<CL_DRIVER_VERSION>();
     info.kind = kind_of(device);
@@ -85,7 +88,11 @@ void ask(const cl::Device& device, FoundDevice& found) {
     if (capabilities.largest_group < 64)
         refuse(found, Obstacle::missing_feature,
                fmt::format("its work-groups have {} items at most, and kernels need 64", capabilities.largest_group));
-    else if (device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>() == 0)
+    else if (is_bundled(device) && bundled_programs(device).empty())
+        refuse(found, Obstacle::missing_feature,
+               fmt::format("{} has no programs for this processor, {}", bundled_driver().folder.string(),
+                           processor_level(device)));
+    else if (!is_bundled(device) && device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>() == 0)
         refuse(found, Obstacle::missing_feature, "its driver has no compiler");
     else if (device.getInfo<CL_DEVICE_AVAILABLE>() == 0)
         refuse(found, Obstacle::missing_feature, "its driver says that it is not available");
@@ -108,17 +115,37 @@ FoundDevice found_device(const cl::Platform& platform, const cl::Device& device)
     return found;
 }
 
+void append_devices(const cl::Platform& platform, std::vector<FoundDevice>& all) {
+    try {
+        for (const cl::Device& device : devices_of(platform)) all.push_back(found_device(platform, device));
+    } catch (const cl::Error& error) {
+        refuse(all.emplace_back(), platform, error);
+    }
+}
+
 }  // namespace
 
-std::vector<FoundDevice> find_devices() {
-    std::vector<FoundDevice> all;
-    for (const cl::Platform& platform : all_platforms()) {
-        try {
-            for (const cl::Device& device : devices_of(platform)) all.push_back(found_device(platform, device));
-        } catch (const cl::Error& error) {
-            refuse(all.emplace_back(), platform, error);
-        }
+std::vector<FoundDevice> find_installed_devices() {
+    std::vector<FoundDevice> found;
+    for (const cl::Platform& platform : all_platforms()) append_devices(platform, found);
+    return found;
+}
+
+std::vector<FoundDevice> find_bundled_devices() {
+    std::vector<FoundDevice> found;
+    const BundledDriver& driver = bundled_driver();
+    if (driver.platform() != nullptr) append_devices(driver.platform, found);
+    if (!driver.why_not.empty()) {
+        FoundDevice& none = found.emplace_back();
+        none.info.name = "the driver bundled with clsdf";
+        refuse(none, Obstacle::missing_feature, driver.why_not);
     }
+    return found;
+}
+
+std::vector<FoundDevice> find_devices() {
+    std::vector<FoundDevice> all = find_installed_devices(), bundled = find_bundled_devices();
+    std::move(bundled.begin(), bundled.end(), std::back_inserter(all));
     for (std::size_t index = 0; index < all.size(); ++index) all[index].info.index = index;
     return all;
 }

@@ -23,7 +23,11 @@ struct FoundDevice {
 };
 
 /// Every device of every platform, in the order of OpenCL's loader. A platform that does not list its devices has one
-/// entry without `id`. Throws cl::Error if the platforms cannot be listed.
+/// entry without `id`. `index` is not set. Throws cl::Error if the platforms cannot be listed.
+std::vector<FoundDevice> find_installed_devices();
+/// The device of the bundled driver, likewise. A driver that cannot be opened has one entry without `id`.
+std::vector<FoundDevice> find_bundled_devices();
+/// The former, then the latter, with `index`. Throws cl::Error.
 std::vector<FoundDevice> find_devices();
 
 /// The entry of one device; `index` is DeviceInfo::not_listed if find_devices() has no device of this id. Throws

@@ -9,15 +9,24 @@ namespace clsdf::device {
 
 namespace {
 
-/// Throws cl::Error.
-std::string key_of(const cl::Device& device, const std::string& options, const std::string& source) {
-    const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
-    const std::string name = platform.getInfo<CL_PLATFORM_NAME>();
-    // The version of a device of PoCL ends with the processor's level, its name with the model.
-    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}{}\n{}", name, platform.getInfo<CL_PLATFORM_VERSION>(),
-                       name == "Portable Computing Language" ? "" : device.getInfo<CL_DEVICE_NAME>(),
-                       device.getInfo<CL_DEVICE_VERSION>(), device.getInfo<CL_DRIVER_VERSION>(), compiler_environment(),
-                       options, source);
+constexpr std::string_view pocl = "Portable Computing Language";
+
+/// The text behind the mark; empty if the mark is not there.
+std::string_view behind(std::string_view text, std::string_view mark) {
+    const std::size_t found = text.find(mark);
+    return found == text.npos ? std::string_view() : text.substr(found + mark.size());
+}
+
+/// "6.0" of "OpenCL 3.0 PoCL 6.0  Linux, ..., LLVM 18.1.8, ...": the form of its binaries depends on it.
+std::string_view pocl_version(std::string_view platform_version) {
+    const std::string_view version = behind(platform_version, "PoCL ");
+    return version.substr(0, version.find_first_not_of("0123456789."));
+}
+
+/// "cpu-x86_64-pc-linux-gnu-haswell" of "OpenCL 3.0 PoCL HSTR: cpu-...", in the bundled driver
+/// "cpu-x86_64-clsdf-x86-64-v3": PoCL takes binaries that have the same text.
+std::string_view hash_text(std::string_view device_version) {
+    return behind(device_version, "HSTR: ");
 }
 
 std::optional<cl::Program> from_binary(const std::string& binary, const cl::Context& context, const cl::Device& device,
@@ -54,10 +63,32 @@ std::string compiler_environment() {
     return values;
 }
 
+std::string processor_level(const cl::Device& device) {
+    const std::string version = device.getInfo<CL_DEVICE_VERSION>();
+    const std::string_view target = hash_text(version), of_installed = behind(target, "-gnu-");
+    return std::string(of_installed.empty() ? behind(target, "-clsdf-") : of_installed);
+}
+
+std::string target_of(const cl::Device& device) {
+    const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+    const std::string name = platform.getInfo<CL_PLATFORM_NAME>(), version = platform.getInfo<CL_PLATFORM_VERSION>();
+    if (name == pocl)
+        return fmt::format("{}\n{}\n{}", name, pocl_version(version), hash_text(device.getInfo<CL_DEVICE_VERSION>()));
+    return fmt::format("{}\n{}\n{}\n{}\n{}", name, version, device.getInfo<CL_DEVICE_NAME>(),
+                       device.getInfo<CL_DEVICE_VERSION>(), device.getInfo<CL_DRIVER_VERSION>());
+}
+
+std::string program_key(std::string_view target, std::string_view environment, std::string_view options,
+                        std::string_view text) {
+    return fmt::format("{}\n{}{}\n{}", target, environment, options, text);
+}
+
 std::optional<cl::Program> PreparedPrograms::find(const cl::Context& context, const cl::Device& device,
                                                   const std::string& options, const std::string& source) const {
-    if (read_.folder().empty()) return std::nullopt;
-    const std::optional<std::string> binary = read_.find(key_of(device, options, source));
+    std::optional<std::string> binary;
+    if (!bundled_.folder().empty()) binary = bundled_.find(program_key(target_of(device), "", options, source));
+    if (!binary && !read_.folder().empty())
+        binary = read_.find(program_key(target_of(device), compiler_environment(), options, source));
     return binary ? from_binary(*binary, context, device, options) : std::nullopt;
 }
 
@@ -66,7 +97,7 @@ cl::Program PreparedPrograms::write(const cl::Program& program, const cl::Contex
     if (written_.folder().empty()) return program;
     const std::string binary = binary_of(program);
     if (binary.empty()) return program;
-    written_.store(key_of(device, options, source), binary);
+    written_.store(program_key(target_of(device), compiler_environment(), options, source), binary);
     return from_binary(binary, context, device, options).value_or(program);
 }
 

@@ -6,18 +6,33 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace clsdf::device {
 
 /// The environment variables that change what compilers of PoCL, AMD and Intel make, a line each.
 std::string compiler_environment();
 
-/// A folder of compiled programs, "*.program". A program is taken for the same text, options, platform, driver, device
-/// and compiler_environment(). Of a processor its level of instructions counts, not its model, if the driver is PoCL.
+/// The level of a processor's instructions, as PoCL names it at the end of the version of its devices: "haswell", in
+/// the bundled driver "x86-64-v3". Empty for devices of others. Throws cl::Error.
+std::string processor_level(const cl::Device& device);
+
+/// All that a binary depends on beside environment, options and text: platform, driver and device; of PoCL its version
+/// without its compiler's, and, at the end, processor_level(). Throws cl::Error.
+std::string target_of(const cl::Device& device);
+
+/// Under which a program is stored.
+std::string program_key(std::string_view target, std::string_view environment, std::string_view options,
+                        std::string_view text);
+
+/// Folders of compiled programs, "*.program". A program is taken for the same text, options, target_of() its device and
+/// compiler_environment().
 class PreparedPrograms {
 public:
     static constexpr std::string_view ending = ".program";
 
+    /// Programs of a driver without a compiler, which no environment variable changes. They come before those below.
+    void read_first(std::filesystem::path folder) { bundled_ = Records(std::move(folder), ending); }
     /// Empty, as at the start: none is read, or written.
     void read_from(std::filesystem::path folder) { read_ = Records(std::move(folder), ending); }
     void write_to(std::filesystem::path folder) { written_ = Records(std::move(folder), ending); }
@@ -32,6 +47,7 @@ public:
                       const std::string& options, const std::string& source) const;
 
 private:
+    Records bundled_{{}, ending};
     Records read_{{}, ending};
     Records written_{{}, ending};
 };

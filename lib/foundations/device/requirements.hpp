@@ -18,4 +18,9 @@ std::string too_old(const cl::Device& device);
 /// too_old(), or why a device cannot compute in double, with a remedy; else empty. Throws cl::Error.
 std::string missing_feature(const cl::Device& device);
 
+/// Which drivers there are: a remedy.
+inline constexpr const char* how_to_install =
+    "install an OpenCL driver: for any processor PoCL (Debian: apt install pocl-opencl-icd); for a GPU its maker's, "
+    "nvidia-opencl-icd (NVIDIA), intel-opencl-icd (Intel), rocm-opencl-icd (AMD, from Debian 13 on) or AMD's own ROCm";
+
 }  // namespace clsdf::device

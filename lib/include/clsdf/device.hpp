@@ -67,20 +67,23 @@ struct DeviceLimits {
 /// functions of one device at the same time. Once moved from, every member but assignment and the destructor throws
 /// Error(invalid_argument). A function that asks the driver throws Error(device_failure) if a call of OpenCL fails.
 ///
-/// Unless it is given a folder, the library reads and writes no file by itself.
+/// Unless it is given a folder, the library writes no file by itself, and reads only those of the bundled driver, if
+/// the package that contains the library has one (docs/devices.md). Its device has programs that were compiled ahead,
+/// and no compiler: a call that needs another program throws Error(unsupported).
 class CLSDF_EXPORT Device {
 public:
-    /// Every device of every platform, in the order of OpenCL's loader, also those that cannot be used. Empty if there
-    /// is none. Throws Error(device_failure) if the platforms cannot be listed.
+    /// Every device of every platform, in the order of OpenCL's loader, then that of the bundled driver, also those
+    /// that cannot be used. Empty if there is none. Throws Error(device_failure) if the platforms cannot be listed.
     static std::vector<DeviceInfo> all();
 
-    /// The strongest GPU, else the strongest other device. Throws Error(no_device) that says why each device
-    /// cannot be used, and the remedy.
+    /// The strongest GPU, else the strongest other device, else that of the bundled driver. Throws Error(no_device)
+    /// that says why each device cannot be used, and the remedy.
     static Device strongest();
 
     /// A whole number is an index in all(). Any other text is a part of the name or of the platform's name of exactly
-    /// one usable device, in upper or lower case. Throws Error(no_device) that lists the devices, Error(device_failure)
-    /// if the device cannot be opened.
+    /// one usable device, in upper or lower case; the bundled driver's does not count if it fits another one's, too
+    /// ("bundled" fits it alone). Throws Error(no_device) that lists the devices, Error(device_failure) if the device
+    /// cannot be opened.
     static Device select(const std::string& index_or_substring);
     /// The same for a number in all() (DeviceInfo::index).
     static Device select(std::size_t index) { return select(std::to_string(index)); }

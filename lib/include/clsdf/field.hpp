@@ -95,6 +95,12 @@ namespace detail {
 /// Room for outputs of later versions, so that a new one changes no layout.
 inline constexpr std::size_t most_outputs = 16;
 
+// The types of output_table()'s elements.
+using uint8 = std::uint8_t;
+using uint32 = std::uint32_t;
+using float32 = float;
+using float64 = double;
+
 constexpr std::size_t index_of(Output output) {
     return static_cast<std::size_t>(output);
 }
@@ -113,13 +119,6 @@ std::span<const Value> values_in(std::span<const std::byte> bytes) {
 /// vector side by side. An array is empty if there are no values of that output.
 class FieldSlab {
 public:
-    std::span<const float> distance() const { return values<float>(Output::distance); }
-    std::span<const std::uint32_t> triangle() const { return values<std::uint32_t>(Output::triangle); }
-    std::span<const std::uint8_t> site() const { return values<std::uint8_t>(Output::site); }
-    std::span<const double> closest() const { return values<double>(Output::closest); }
-    std::span<const float> gradient() const { return values<float>(Output::gradient); }
-    std::span<const float> barycentric() const { return values<float>(Output::barycentric); }
-
     std::span<const std::byte> bytes(Output output) const { return bytes_[detail::index_of(output)]; }
     /// `values` have the type that output_table() states for the output, and must outlive this. Throws
     /// Error(invalid_argument) for another type.
@@ -139,12 +138,16 @@ public:
         return set;
     }
 
-private:
-    template <typename Value>
-    std::span<const Value> values(Output output) const {
-        return detail::values_in<Value>(bytes(output));
+    // The values of each output: distance(), triangle(), site(), closest(), gradient(), barycentric().
+#define CLSDF_VALUES(name, description, element, components)            \
+    std::span<const detail::element> name() const {                     \
+        return detail::values_in<detail::element>(bytes(Output::name)); \
     }
+    CLSDF_VALUES(distance, , float32, 1)
+    CLSDF_OUTPUTS(CLSDF_VALUES)
+#undef CLSDF_VALUES
 
+private:
     std::array<std::span<const std::byte>, detail::most_outputs> bytes_{};
 };
 
@@ -155,20 +158,6 @@ struct CLSDF_EXPORT Field : FieldDescription {
     /// Has room for these outputs of the grid's samples. The values are not initialised, see FieldArray. Throws
     /// Error(invalid_argument) for a grid that makes no sense, Error(out_of_memory).
     explicit Field(const FieldDescription& description, OutputSet outputs = Output::distance);
-
-    // Const spans of mutable values: an assignment to the span itself, which would change nothing, does not compile.
-    const std::span<float> distance() { return values<float>(Output::distance); }
-    const std::span<std::uint32_t> triangle() { return values<std::uint32_t>(Output::triangle); }
-    const std::span<std::uint8_t> site() { return values<std::uint8_t>(Output::site); }
-    const std::span<double> closest() { return values<double>(Output::closest); }
-    const std::span<float> gradient() { return values<float>(Output::gradient); }
-    const std::span<float> barycentric() { return values<float>(Output::barycentric); }
-    std::span<const float> distance() const { return slab().distance(); }
-    std::span<const std::uint32_t> triangle() const { return slab().triangle(); }
-    std::span<const std::uint8_t> site() const { return slab().site(); }
-    std::span<const double> closest() const { return slab().closest(); }
-    std::span<const float> gradient() const { return slab().gradient(); }
-    std::span<const float> barycentric() const { return slab().barycentric(); }
 
     std::span<std::byte> bytes(Output output) { return arrays_[detail::index_of(output)]; }
     std::span<const std::byte> bytes(Output output) const { return arrays_[detail::index_of(output)]; }
@@ -185,12 +174,20 @@ struct CLSDF_EXPORT Field : FieldDescription {
     /// The arrays of all outputs that it has, for DistanceTransform::compute().
     OutputTargets targets();
 
-private:
-    template <typename Value>
-    std::span<Value> values(Output output) {
-        return detail::values_in<Value>(bytes(output));
+    // The values of each output: distance(), triangle(), site(), closest(), gradient(), barycentric(). Const spans of
+    // mutable values: an assignment to the span itself, which would change nothing, does not compile.
+#define CLSDF_VALUES(name, description, element, components)            \
+    const std::span<detail::element> name() {                           \
+        return detail::values_in<detail::element>(bytes(Output::name)); \
+    }                                                                   \
+    std::span<const detail::element> name() const {                     \
+        return slab().name();                                           \
     }
+    CLSDF_VALUES(distance, , float32, 1)
+    CLSDF_OUTPUTS(CLSDF_VALUES)
+#undef CLSDF_VALUES
 
+private:
     std::array<FieldArray<std::byte>, detail::most_outputs> arrays_;
 };
 

@@ -94,7 +94,7 @@ private:
 /// The mesh in which vertices of equal coordinates are one vertex; triangles keep their order and number.
 CLSDF_EXPORT Mesh weld(const Mesh& mesh);
 
-/// The names that make_shape() accepts, each with a description of one line.
+/// The names that make_shape() accepts, each with a description of one line. Both functions are in clsdf::meshes.
 struct ShapeName {
     std::string name;
     std::string description;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clsdf/output_table.h>
 #include <clsdf/arrays.hpp>
 #include <clsdf/export.hpp>
 
@@ -14,18 +15,6 @@ namespace clsdf {
 /// The values of a triangle and of a site beyond the band.
 inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFU;
 inline constexpr std::uint8_t no_site = 255;
-
-/// What is computed at a sample or a point. All outputs belong to one nearest triangle and one of its sites;
-/// docs/library.md defines each. Beyond the band, the triangle is no_triangle, the site no_site, and vectors are NaN.
-/// The values of the enumerators never change.
-enum class Output : std::int32_t {
-    distance = 0,     ///< signed, in the mesh's units; always computed
-    triangle = 1,     ///< the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it
-    site = 2,         ///< its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
-    closest = 3,      ///< the closest point, in the mesh's units
-    gradient = 4,     ///< of the signed distance: a unit vector
-    barycentric = 5,  ///< of the closest point: the weights of the triangle's vertices 1 and 2
-};
 
 /// A row of the table of outputs.
 struct OutputInfo {

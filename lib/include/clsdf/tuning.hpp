@@ -15,11 +15,12 @@ namespace clsdf {
 
 namespace tuning {
 
-/// Makes this process obey three environment variables, which the library does not read otherwise. For programs of
+/// Makes this process obey four environment variables, which the library does not read otherwise. For programs of
 /// tests and tools: call it first in main(). It cannot be undone. Thread-safe; throws nothing.
 ///
 /// - CLSDF_MAX_ALLOCATION=BYTES: the most bytes of one allocation of a device; read when a device is listed or opened.
 /// - CLSDF_MAX_FLOAT_WIDTH=FLOATS: the most floats in a vector of a device; read at the same time.
+/// - CLSDF_DRIVER=FOLDER: where the bundled driver is, in place of its own folder; read when devices are listed first.
 /// - CLSDF_SELF_TEST=0: the programs of a device are not tested; read when a program is first used.
 CLSDF_EXPORT void read_environment() noexcept;
 
@@ -27,6 +28,16 @@ CLSDF_EXPORT void read_environment() noexcept;
 /// second process beside one that computes: PoCL compiles one program at a time in a process, and keeps programs on
 /// disk for all processes. Thread-safe. Throws Error(device_failure).
 CLSDF_EXPORT void compile_bricks(const Device& device, OutputSet outputs);
+
+/// Compiles every program that a call on a processor of this device's level of instructions may ask for, whatever its
+/// model. After Device::write_programs(), the folder is that of a level in a bundled driver. Programs of
+/// TransformOptions::body, clsdf::papers and clsdf::picture are not among them. Thread-safe. Throws
+/// Error(device_failure), Error(output_failure).
+CLSDF_EXPORT void compile_level(const Device& device);
+
+/// The programs of compile_level() that the bundled driver lacks, of every level that it has a folder for: the level,
+/// the kernel file and the options of each. `device` is its device. Thread-safe. Throws Error(device_failure).
+CLSDF_EXPORT std::vector<std::string> missing_programs(const Device& device);
 
 }  // namespace tuning
 

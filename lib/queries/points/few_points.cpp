@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 
 // Inlines all that a function calls, for CLSDF_SEVERAL_TARGETS.
@@ -85,7 +86,8 @@ CLSDF_SEVERAL_TARGETS CLSDF_FLATTEN void find_nearest(const PointMesh& mesh, std
     }
 }
 
-one_lane::Finishing finishing_of(const PointInputs& inputs, const scan::HostArrays& arrays) {
+/// From the caller's sources into packed arrays.
+one_lane::Finishing finishing_of(const FinishingSources& sources, const scan::HostArrays& arrays) {
     std::uint32_t wanted = 0, in_double = 0;
     for_each_output(
         [&](const OutputInfo& row, const scan::HostArray& array) {
@@ -95,10 +97,10 @@ one_lane::Finishing finishing_of(const PointInputs& inputs, const scan::HostArra
         arrays);
     const auto bytes_of = [&](Output output) { return reinterpret_cast<std::uint8_t*>(arrays[output].data); };
     one_lane::Finishing finishing{};
-    finishing.how = scan::Finishing(inputs.mesh->lattice, inputs.sites, inputs.is_inside_out).finish(wanted, in_double);
-    finishing.polyhedra = values_of<Polyhedron>(inputs.mesh->polyhedra);
-    finishing.sites = values_of<TriangleSites>(inputs.sites->names);
-    finishing.normals = values_of<float>(inputs.sites->normals);
+    finishing.how = sources.how.finish(wanted, in_double);
+    finishing.polyhedra = sources.polyhedra;
+    finishing.sites = sources.sites;
+    finishing.normals = sources.normals;
     finishing.of_distance = reinterpret_cast<double*>(arrays[Output::distance].data);
 #define SET_OUTPUT(name, content, element, components) finishing.of_##name = bytes_of(Output::name);
     CLSDF_OUTPUTS(SET_OUTPUT)
@@ -135,11 +137,24 @@ PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points
     find_signs(mesh, inputs.sign,
                {points, std::span(order).first(points.size()), std::span(squared).first(points.size())}, signs);
     const double sign_seconds = sign_watch.seconds();
-    const one_lane::Finishing finishing = finishing_of(inputs, arrays);
+    const one_lane::Finishing finishing = finishing_of(
+        {scan::Finishing(mesh.lattice, inputs.sites, inputs.is_inside_out), values_of<Polyhedron>(mesh.polyhedra),
+         values_of<TriangleSites>(inputs.sites->names), values_of<float>(inputs.sites->normals)},
+        arrays);
     auto* const distance = reinterpret_cast<float*>(arrays[Output::distance].data);
     for (std::size_t i = 0; i < points.size(); ++i)
         one_lane::finish_point(&finishing, distance, in_units[i], faces[i], signs[i], nullptr, half_width, i);
     return {watch.seconds() - sign_seconds, sign_seconds};
+}
+
+void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, bool is_inside,
+                    const scan::HostArrays& arrays) {
+    const DefaultFloatingPoint as_kernels;
+    const one_lane::Finishing finishing = finishing_of(sources, arrays);
+    one_lane::finish_point(&finishing, reinterpret_cast<float*>(arrays[Output::distance].data),
+                           {sample[0], sample[1], sample[2]}, polyhedron,
+                           is_inside ? CLSDF_POINT_INSIDE : CLSDF_POINT_OUTSIDE, nullptr,
+                           std::numeric_limits<double>::infinity(), 0);
 }
 
 }  // namespace clsdf::points

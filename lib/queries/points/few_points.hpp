@@ -3,6 +3,7 @@
 #include "points/point_query.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 /// Few points are looked up by the host, on the calling thread: the launches of a device take longer.
@@ -19,5 +20,18 @@ void bring_to_host(const PointInputs& inputs);
 /// bring_to_host(). Enqueues nothing. For any number of threads at once.
 PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points, double half_width,
                          const scan::HostArrays& arrays);
+
+/// The sources of finishing in the host's memory (kernels/outputs/finish.h).
+struct FinishingSources {
+    scan::Finishing how;
+    const Polyhedron* polyhedra = nullptr;
+    const TriangleSites* sites = nullptr;
+    const float* normals = nullptr;
+};
+
+/// The outputs of one sample or point whose nearest polyhedron is known, by the code of the kernels. sample: in samples
+/// of the lattice of `how`.
+void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, bool is_inside,
+                    const scan::HostArrays& arrays);
 
 }  // namespace clsdf::points

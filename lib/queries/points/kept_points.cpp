@@ -47,7 +47,7 @@ std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
     inputs.mesh = remembered_.mesh.lock();
     scan::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered};
     if (!inputs.mesh || (scan::names_sites(outputs) && !sites.names) ||
-        (outputs.contains(Output::gradient) && !sites.normals))
+        (scan::takes_normals(outputs) && !sites.normals))
         return std::nullopt;
     inputs.sites = std::make_shared<const scan::DeviceSites>(std::move(sites));
     inputs.sign = remembered_.sign;
@@ -61,7 +61,7 @@ void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     if (scan::names_sites(outputs)) remembered_.names = inputs.sites->names;
     remembered_.renumbered = inputs.sites->renumbered;
     remembered_.sign = inputs.sign;
-    if (!outputs.contains(Output::gradient)) return;
+    if (!scan::takes_normals(outputs)) return;
     remembered_.normals = inputs.sites->normals;
     remembered_.is_inside_out = inputs.is_inside_out;
 }

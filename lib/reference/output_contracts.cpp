@@ -1,3 +1,5 @@
+#include "output_contracts.hpp"
+
 #include "judge.hpp"
 
 #include <fmt/format.h>
@@ -7,7 +9,8 @@
 #include <cmath>
 #include <limits>
 
-// Compares the outputs beside the distance with the contracts of docs/accuracy.md.
+// Each output beside the distance: its plain value, PlainOutputs::NAME, and its contract in docs/accuracy.md,
+// OutputsOfSample::wrong_NAME. Both follow the table of outputs (clsdf/output_table.h).
 namespace clsdf::reference {
 
 namespace {
@@ -80,6 +83,85 @@ bool is_left(const Values& values, std::size_t sample, std::size_t sample_count)
     }
     return true;
 }
+
+/// The plain values of a sample of the band.
+struct PlainOutputs : OutputSources {
+    std::uint32_t triangle() const { return truth.triangle; }
+    std::uint8_t site() const { return static_cast<std::uint8_t>(truth.site); }
+    Vec3 closest() const { return truth.point; }
+    Vec3 gradient() const;
+    std::array<double, 2> barycentric() const;
+};
+
+/// On the surface it is the pseudonormal; NaN if all faces there have no area.
+Vec3 PlainOutputs::gradient() const {
+    Vec3 gradient{};
+    if (truth.distance > 0) {
+        const ExactPosition position = truths.position(index);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            gradient[axis] = (position.head[axis] - truth.point[axis]) + position.tail[axis];
+        const double length = std::hypot(gradient[0], gradient[1], gradient[2]);
+        for (double& component : gradient) component *= (truth.inside ? -1 : 1) / length;
+        return gradient;
+    }
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    gradient = sites.pseudonormal(truth.triangle, truth.site).value_or(Vec3{none, none, none});
+    if (truths.is_signed() && sites.is_inside_out())
+        for (double& component : gradient) component = -component;
+    return gradient;
+}
+
+/// By the areas that the closest point spans with two vertices.
+std::array<double, 2> PlainOutputs::barycentric() const {
+    const auto number = static_cast<std::size_t>(truth.site);
+    std::array<double, 3> weights{};
+    if (number < 3) {
+        weights[number] = 1;
+        return {weights[1], weights[2]};
+    }
+    using Wide = Eigen::Matrix<long double, 3, 1>;
+    std::array<Wide, 3> to_corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 corner = sites.corners(truth.triangle, Site::face).positions[k];
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            to_corners[k][axis] = static_cast<long double>(corner[a]) - static_cast<long double>(truth.point[a]);
+        }
+    }
+    if (number < 6) {
+        const std::size_t from = number - 3, to = (number - 2) % 3;
+        const Wide along = to_corners[to] - to_corners[from];
+        const long double way = along.squaredNorm() > 0 ? -to_corners[from].dot(along) / along.squaredNorm() : 0;
+        weights[to] = static_cast<double>(way);
+        weights[from] = static_cast<double>(1 - way);
+        return {weights[1], weights[2]};
+    }
+    const Wide normal = (to_corners[1] - to_corners[0]).cross(to_corners[2] - to_corners[0]);
+    for (std::size_t k = 0; k < 3; ++k)
+        weights[k] = static_cast<double>(to_corners[(k + 1) % 3].cross(to_corners[(k + 2) % 3]).dot(normal) /
+                                         normal.squaredNorm());
+    return {weights[1], weights[2]};
+}
+
+template <typename Value>
+void store(std::span<Value> values, std::size_t sample, Value value) {
+    values[sample] = value;
+}
+template <typename Value, std::size_t components>
+void store(std::span<Value> values, std::size_t sample, const std::array<double, components>& vector) {
+    for (std::size_t c = 0; c < components; ++c) values[components * sample + c] = static_cast<Value>(vector[c]);
+}
+
+}  // namespace
+
+void store_outputs(const OutputSources& sources, Field& field, std::size_t offset) {
+    const PlainOutputs plain{sources};
+#define CLSDF_STORE(name, description, element, components) store(field.name(), offset, plain.name());
+    CLSDF_OUTPUTS(CLSDF_STORE)
+#undef CLSDF_STORE
+}
+
+namespace {
 
 /// The outputs of a field at a sample. Each function returns the fault of an output, or nothing.
 struct OutputsOfSample {
@@ -251,11 +333,10 @@ void Judge::judge_outputs(const Case& sample) const {
         const std::string what = (outputs.*wrong)();
         if (!what.empty()) sample.report(count, what, false);
     };
-    judge(Output::triangle, field_.triangle(), &OutputsOfSample::wrong_triangle);
-    judge(Output::site, field_.site(), &OutputsOfSample::wrong_site);
-    judge(Output::closest, field_.closest(), &OutputsOfSample::wrong_closest);
-    judge(Output::gradient, field_.gradient(), &OutputsOfSample::wrong_gradient);
-    judge(Output::barycentric, field_.barycentric(), &OutputsOfSample::wrong_barycentric);
+#define CLSDF_JUDGE(name, description, element, components) \
+    judge(Output::name, field_.name(), &OutputsOfSample::wrong_##name);
+    CLSDF_OUTPUTS(CLSDF_JUDGE)
+#undef CLSDF_JUDGE
 }
 
 }  // namespace clsdf::reference

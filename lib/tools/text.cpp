@@ -1,6 +1,4 @@
-#include "core/text.hpp"
-
-#include <clsdf/version.hpp>
+#include "tools/text.hpp"
 
 #include <fmt/format.h>
 
@@ -29,11 +27,6 @@ std::size_t edit_distance(std::string_view from, std::string_view to) {
         }
     }
     return row.back();
-}
-
-std::string version() {
-    return std::to_string(CLSDF_VERSION_MAJOR) + '.' + std::to_string(CLSDF_VERSION_MINOR) + '.' +
-           std::to_string(CLSDF_VERSION_PATCH);
 }
 
 }  // namespace clsdf

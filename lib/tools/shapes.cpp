@@ -1,6 +1,6 @@
 #include "core/real_numbers.hpp"
-#include "core/text.hpp"
-#include "mesh/shape_builders.hpp"
+#include "tools/shape_builders.hpp"
+#include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/mesh.hpp>

@@ -1,134 +1,26 @@
-#include "coarse.h"
-#include "core/parallel.hpp"
-#include "launch/programs.hpp"
-#include "plan/stages.hpp"
-#include "polyhedra/awkward_meshes.hpp"
 #include "prepare/kernel_frusta.hpp"
+#include "launch/programs.hpp"
+#include "polyhedra/awkward_meshes.hpp"
 #include "prepare/layout_of.hpp"
 #include "support/device_memory.hpp"
 #include "support/random_meshes.hpp"
-#include "sweep.h"
-
-#include <clsdf/tuning.hpp>
 
 #include <boost/test/unit_test.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <numbers>
-#include <set>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-// Kernels make the records, and the vertices of the sign's sweep, that the host would write of the same frusta: the
-// same bytes. The frusta that they make are at no place smaller than those that the host makes by exact predicates.
+// Code of the host that uses exact predicates is the specification of the frusta (docs/architecture.md). The frusta
+// that kernels make are at no place smaller.
 
 using namespace clsdf;
 using namespace clsdf::test;
-
-namespace {
-
-/// A mesh as the kernels read it; the sweep's triangles contain their vertices.
-struct Made {
-    std::vector<Polyhedron> records;
-    std::vector<std::array<SweepVertex, 3>> triangles;
-    bool on_device = false;
-};
-
-Made made_by(transform::Stages& stages, const device::Context& context, const Grid& grid, const Band& band) {
-    const transform::Inputs inputs =
-        stages.inputs(grid, scan::layout_of(grid, band, SignRule::parity), SignRule::parity);
-    Made made;
-    made.records = read<Polyhedron>(context, *inputs.records->polyhedra, inputs.records->record_count);
-    const scan::SweepMesh& sweep = *inputs.sweep_mesh;
-    made.on_device = sweep.faces != nullptr;
-    const auto triangles = read<Triangle>(context, sweep.triangles(), sweep.triangle_count);
-    const auto vertices = read<SweepVertex>(context, *sweep.vertices, sweep.vertices.bytes() / sizeof(SweepVertex));
-    for (const auto& [a, b, c] : triangles) made.triangles.push_back({vertices[a], vertices[b], vertices[c]});
-    return made;
-}
-
-std::string bytes_of(const Polyhedron& record) {
-    return {reinterpret_cast<const char*>(&record), sizeof record};
-}
-
-/// Those of the whole mesh, by the host.
-std::vector<Polyhedron> host_records(transform::Stages& stages, const Grid& grid) {
-    const polyhedra::MeshTopology& topology = stages.topology();
-    const polyhedra::Frusta& frusta = stages.frusta();
-    const polyhedra::LatticeView lattice = scan::lattice_of(grid);
-    const std::size_t faces = topology.order.size(), first_site = scan::in_record_groups(faces);
-    std::vector<Polyhedron> records(first_site + frusta.sites.size());
-    const std::span<Polyhedron> all(records);
-    write_face_records(topology, frusta, lattice, all.first(faces));
-    std::fill(records.begin() + static_cast<std::ptrdiff_t>(faces),
-              records.begin() + static_cast<std::ptrdiff_t>(first_site), Polyhedron(records[faces - 1]));
-    write_site_records(topology, frusta, lattice, 0, all.subspan(first_site));
-    return records;
-}
-
-std::size_t count_different(const std::vector<Polyhedron>& a, const std::vector<Polyhedron>& b) {
-    BOOST_TEST_REQUIRE(a.size() == b.size());
-    std::size_t different = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) different += bytes_of(a[i]) == bytes_of(b[i]) ? 0U : 1U;
-    return different;
-}
-
-/// The device's triangles are in the order of the records, the host's in the caller's.
-void check_same_sweep(const Made& device, const Made& host) {
-    if (!device.on_device) return;
-    BOOST_TEST_REQUIRE(device.triangles.size() == host.triangles.size());
-    for (std::size_t i = 0; i < device.triangles.size(); ++i) {
-        const auto& own = device.triangles[i];
-        const auto& others = host.triangles[device.records[i].triangle];
-        BOOST_TEST_REQUIRE(std::memcmp(&own, &others, sizeof own) == 0);
-    }
-}
-
-}  // namespace
-
-BOOST_AUTO_TEST_CASE(kernels_make_the_records_that_the_host_writes) {
-    const Device device = Device::automatic();
-    device::Context& context = device::context_of(device);
-    const scan::Programs programs(context, KernelBody::automatic);
-    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    std::size_t on_device = 0, slivers = 0;
-    for (unsigned seed = 1; seed <= 60; ++seed) {
-        BOOST_TEST_CONTEXT("seed " << seed) {
-            Random random(seed);
-            const Mesh mesh = awkward_mesh(random);
-            const Band band = Band::symmetric(0.05 * mesh.box().longest_side());
-            Grid grid = Grid::around(mesh, 48, band);
-            if (seed % 3 == 0) grid.spacing[seed % 2] *= 0.7;
-            const bool is_far = seed % 7 == 0;  // the host writes the records that are near, if there are any
-            if (is_far) grid.origin[0] -= 1e9 * grid.spacing[0];
-            transform::Stages plain(context, pool, mesh),
-                stages(context, pool, mesh, {{}, {programs.mesh_records, programs.mesh_lanes()}});
-            const Made whole = made_by(stages, context, grid, band);
-            const std::vector<Polyhedron> expected = host_records(stages, grid);
-            if (!is_far) BOOST_TEST(count_different(whole.records, expected) == 0U);
-            check_same_sweep(whole, made_by(plain, context, grid, band));
-            BOOST_TEST(whole.on_device == !is_far);
-            on_device += whole.on_device ? 1U : 0U;
-
-            const auto& [nx, ny, nz] = grid.size;
-            const Grid part = grid.part({nx / 4, ny / 4, nz / 4}, {nx / 4 + 1, ny / 4 + 1, nz / 4 + 1});
-            std::set<std::string> all;
-            for (const Polyhedron& record : expected) all.insert(bytes_of(record));
-            for (const Grid& some : {grid, part})
-                for (const Polyhedron& record : made_by(stages, context, some, band).records)
-                    BOOST_TEST_REQUIRE(all.contains(bytes_of(record)));
-            slivers += stages.frusta().slivers.size();
-        }
-    }
-    BOOST_TEST(on_device > 0U);
-    BOOST_TEST(slivers > 0U);
-}
 
 namespace {
 
@@ -144,7 +36,7 @@ bool are_same(const UninitializedVector<Value>& a, const std::vector<Value>& b) 
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
 }
 
-BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
+BothFrusta both_frusta(const Mesh& mesh) {
     const Device device = Device::automatic();
     device::Context& context = device::context_of(device);
     const scan::Programs programs(context, KernelBody::automatic);
@@ -154,14 +46,10 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     const scan::DeviceSetUp job{context, pool, programs.mesh_records, programs.mesh_lanes()};
     const auto names = std::make_shared<const scan::DeviceFaces::Names>(device_names(job, both.topology));
     const auto sources = std::make_shared<const scan::FrustaSources>(job, *both.topology);
-    const polyhedra::LatticeView lattice = scan::lattice_of(grid);
-    // Without records, too: the same. The device has the slopes that the host has.
-    const scan::MadeFrusta again = frusta_by_kernels(job, names, sources, mesh, nullptr);
-    scan::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh, &lattice);
+    scan::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh);
+    // The device has the slopes that the host has.
     const auto slopes = read<polyhedra::FaceSlopes>(context, *made.faces.slopes, both.topology->order.size());
     BOOST_TEST(are_same(made.frusta.slopes, slopes));
-    BOOST_TEST(are_same(again.frusta.slopes, slopes));
-    BOOST_TEST(again.frusta.sites.size() == made.frusta.sites.size());
     both.kernels = std::move(made.frusta);
     return both;
 }
@@ -272,9 +160,7 @@ BOOST_AUTO_TEST_CASE(kernels_make_the_frusta_of_the_host) {
     meshes.push_back(together(tips, "tips"));
     for (const Mesh& mesh : meshes) {
         BOOST_TEST_CONTEXT(mesh.name() << ", " << mesh.triangles().size() << " triangles") {
-            Grid grid = Grid::around(mesh, 48, Band::symmetric(0.05 * mesh.box().longest_side()));
-            grid.spacing[1] *= 0.7;
-            const BothFrusta both = both_frusta(mesh, grid);
+            const BothFrusta both = both_frusta(mesh);
             sites += both.kernels.sites.size();
             check_slopes(both);
             check_sites(both);

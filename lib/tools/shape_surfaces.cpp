@@ -1,4 +1,4 @@
-#include "mesh/shape_builders.hpp"
+#include "tools/shape_builders.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,117 @@
+#include "device/bundled_driver.hpp"
+
+#include "core/tuning_variables.hpp"
+#include "device/opencl.hpp"
+#include "device/prepared_programs.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <dlfcn.h>
+#include <atomic>
+#include <system_error>
+
+#ifdef __GLIBC__
+#include <link.h>
+#endif
+
+namespace clsdf::device {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Set when the driver has been opened.
+std::atomic<cl_platform_id> opened = nullptr;
+
+/// The program or shared library that contains this function; empty if that is unknown.
+fs::path file_of_this_library() {
+#ifdef __GLIBC__
+    Dl_info info{};
+    void* map = nullptr;
+    if (::dladdr1(reinterpret_cast<void*>(&file_of_this_library), &info, &map, RTLD_DL_LINKMAP) == 0) return {};
+    const fs::path name = static_cast<const link_map*>(map)->l_name;
+    std::error_code error;
+    // The program itself has no name there.
+    const fs::path file = fs::canonical(name.empty() ? "/proc/self/exe" : name, error);
+    return error ? fs::path() : file;
+#else
+    return {};
+#endif
+}
+
+fs::path driver_folder() {
+    if (const char* folder = tuning_variable("CLSDF_DRIVER")) return folder;
+    const fs::path file = file_of_this_library();
+    return file.empty() ? file : file.parent_path().parent_path() / "clsdf" / "driver";
+}
+
+/// The platform of a driver's file. Throws Error(no_device) that says what is wrong with it.
+cl_platform_id open(const fs::path& file) {
+    using FunctionAddress = void*(CL_API_CALL*)(const char*);
+    using PlatformIds = cl_int(CL_API_CALL*)(cl_uint, cl_platform_id*, cl_uint*);
+    void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) throw Error(ErrorCode::no_device, fmt::format("it cannot be loaded: {}", ::dlerror()));
+    const auto address = reinterpret_cast<FunctionAddress>(::dlsym(library, "clGetExtensionFunctionAddress"));
+    const auto list = address == nullptr ? nullptr : reinterpret_cast<PlatformIds>(address("clIcdGetPlatformIDsKHR"));
+    if (list == nullptr) throw Error(ErrorCode::no_device, fmt::format("{} is no driver of OpenCL", file.string()));
+    cl_platform_id platform = nullptr;
+    if (const cl_int code = list(1, &platform, nullptr); code != CL_SUCCESS || platform == nullptr)
+        throw Error(ErrorCode::no_device, fmt::format("{} has no platform: {}", file.string(), code_name(code)));
+    return platform;
+}
+
+BundledDriver find() {
+    BundledDriver driver;
+    const fs::path folder = driver_folder(), file = folder / "libclsdf_pocl.so";
+    std::error_code none;
+    if (folder.empty() || !fs::exists(file, none)) return driver;
+    driver.folder = folder;
+    try {
+        driver.platform = cl::Platform(open(file));
+        opened = driver.platform();
+    } catch (const Error& error) {
+        driver.why_not = error.what();
+    }
+    return driver;
+}
+
+}  // namespace
+
+const BundledDriver& bundled_driver() {
+    // Never destroyed: its threads may run until the process ends.
+    static const BundledDriver& driver = *new BundledDriver(find());
+    return driver;
+}
+
+bool is_bundled(const cl::Device& device) {
+    const cl_platform_id bundled = opened;
+    return bundled != nullptr && device.getInfo<CL_DEVICE_PLATFORM>() == bundled;
+}
+
+fs::path bundled_programs(const cl::Device& device) {
+    const fs::path folder = bundled_driver().folder / "programs" / processor_level(device);
+    std::error_code none;
+    return fs::is_directory(folder, none) ? folder : fs::path();
+}
+
+std::vector<BundledLevel> bundled_levels(const cl::Device& device) {
+    // It ends with the device's own level.
+    std::string target = target_of(device);
+    target.resize(target.size() - processor_level(device).size());
+    std::vector<BundledLevel> levels;
+    std::error_code none;
+    for (const fs::directory_entry& entry : fs::directory_iterator(bundled_driver().folder / "programs", none)) {
+        const std::string name = entry.path().filename().string();
+        levels.push_back({name, entry.path(), target + name});
+    }
+    return levels;
+}
+
+std::string platform_name(const cl::Device& device) {
+    const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+    return platform.getInfo<CL_PLATFORM_NAME>() + (is_bundled(device) ? ", bundled with clsdf" : "");
+}
+
+}  // namespace clsdf::device

@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# The part of scripts/try-wheel inside a tree, as root, in a mount namespace of its own: try_wheel.bash FILES bare|pocl.
+# FILES has the wheel and all that it needs. Users' programs run as a user without rights.
+set -euo pipefail
+sources=$(cd "$(dirname "$0")/.." && pwd -P)
+files=$(cd "$1" && pwd -P)
+system=$2
+env=/opt/clsdf-env
+work=/opt/clsdf-try
+homes=/opt/clsdf-homes
+user=1234
+
+fail() {
+    echo "try-wheel: $*" >&2
+    exit 1
+}
+say() { echo " $*"; }
+# as_user HOME COMMAND ...: in a folder of its own, with these variables and no others.
+as_user() {
+    local home=$1
+    shift
+    (cd $work && setpriv --reuid $user --regid $user --clear-groups env -i HOME="$home" PATH=$env/bin:/usr/bin:/bin LANG=C.UTF-8 \
+        PYTHONDONTWRITEBYTECODE=1 "$@")
+}
+try() { as_user "$1" ${level:+POCL_AOT_LEVEL=$level} ${kernels:+POCL_KERNELLIB_NAME=$kernels} $env/bin/python "$sources/packaging/try_wheel.py" "$2" "$sources" "${@:3}"; }
+no_index() { $env/bin/pip --disable-pip-version-check -q --no-cache-dir "$@"; }
+
+rm -rf $env $work $homes
+mkdir -p $work $homes/usual $homes/read-only $homes/noexec
+chown $user:$user $work $homes/usual
+mount -t tmpfs -o ro none $homes/read-only
+mount -t tmpfs -o noexec,uid=$user,gid=$user none $homes/noexec
+if command -v cc gcc g++ c++ clang ld; then fail "the tree has a compiler"; fi
+if [ "$system" = bare ]; then
+    if ldconfig -p | grep OpenCL || [ -e /etc/OpenCL ]; then fail "the tree has OpenCL"; fi
+fi
+python3 -m venv $env
+no_index install --no-index --find-links "$files" numpy nanobind-backend
+find $env | sort >$work.before
+no_index install --no-index --find-links "$files" "$files"/clsdf-*.whl
+as_user $homes/usual clsdf shape sphere4 -o bunny.off --quiet
+
+if [ "$system" = bare ]; then
+    for home in usual read-only noexec; do
+        say "home: $home"
+        try $homes/$home page $home.bytes
+        cmp $work/usual.bytes $work/$home.bytes
+    done
+    say "home: there is none, /tmp is noexec"
+    mount -t tmpfs -o noexec,mode=1777 none /tmp
+    try /nonexistent page none.bytes
+    cmp $work/usual.bytes $work/none.bytes
+    umount /tmp
+    left=$(find $homes/usual -type f ! -path '*/.cache/clsdf/*.tested')
+    [ -z "$left" ] || fail "it wrote to the home: $left"
+
+    say "the command"
+    as_user $homes/usual clsdf devices >$work/devices
+    grep "bundled with clsdf" $work/devices
+    as_user $homes/usual clsdf compute bunny.off -o bunny.nrrd --resolution 64 --quiet
+    if as_user $homes/usual clsdf compute bunny.off -o by_slices.nrrd --resolution 64 --scan slices 2>$work/error; then
+        fail "--scan slices computes without its program"
+    fi
+    grep -q 'slices.*pocl-opencl-icd' $work/error || fail "--scan slices says: $(cat $work/error)"
+    as_user $homes/usual clsdf compile-ahead --device bundled --check
+
+    say "pyopencl"
+    no_index install --no-index --find-links "$files" pyopencl
+    try $homes/usual pyopencl
+    no_index uninstall -y pyopencl pytools siphash24 typing-extensions platformdirs 2>/dev/null
+
+    say "without the driver"
+    driver=$(echo $env/lib/python3*/site-packages/clsdf/driver)
+    mv "$driver" "$driver.away"
+    try $homes/usual nothing
+    mv "$driver.away" "$driver"
+else
+    say "beside Debian's PoCL"
+    try $homes/usual beside
+    # The levels below this processor's.
+    if [ -e /usr/share/pocl/kernel-x86_64-pc-linux-gnu-avx2.bc ]; then
+        level=x86-64-v3 kernels=avx2 try $homes/usual beside
+        level=x86-64-v2 kernels=sse41 try $homes/usual beside
+        say "likewise on the levels v3 and v2"
+    fi
+fi
+
+no_index uninstall -y clsdf
+find $env | sort | diff $work.before - || fail "uninstalling left these files, or took them"
+umount $homes/read-only $homes/noexec
+rm -rf $env $work $work.before $homes
