@@ -9,6 +9,7 @@
 #include <clsdf/tuning.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <fcntl.h>
 #include <spawn.h>

@@ -268,7 +268,7 @@ def main():
     headers, output, compiler, *skipped = sys.argv[1:]
     try:
         check_that_it_refuses()
-        paths = [path for path in sorted(pathlib.Path(headers).glob("*.hpp")) if path.name not in skipped]
+        paths = [path for path in sorted(pathlib.Path(headers).glob("*.h*")) if path.name not in skipped]
         interface, text = translated(path.read_text() for path in paths)
         missing = [name for name in EXPECTED if name not in interface.enums and not interface.structs.get(name)]
         if missing:

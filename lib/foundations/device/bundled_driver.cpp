@@ -12,7 +12,7 @@
 #include <atomic>
 #include <system_error>
 
-#ifdef __GLIBC__
+#if defined(CLSDF_BUNDLED_DRIVER) && defined(__GLIBC__)
 #include <link.h>
 #endif
 
@@ -25,26 +25,29 @@ namespace fs = std::filesystem;
 /// Set when the driver has been opened.
 std::atomic<cl_platform_id> opened = nullptr;
 
-/// The program or shared library that contains this function; empty if that is unknown.
-fs::path file_of_this_library() {
-#ifdef __GLIBC__
+#if defined(CLSDF_BUNDLED_DRIVER) && defined(__GLIBC__)
+/// clsdf/driver beside the folder of the program or shared library that contains this function; empty if that is
+/// unknown.
+fs::path folder_of_package() {
     Dl_info info{};
     void* map = nullptr;
-    if (::dladdr1(reinterpret_cast<void*>(&file_of_this_library), &info, &map, RTLD_DL_LINKMAP) == 0) return {};
+    if (::dladdr1(reinterpret_cast<void*>(&folder_of_package), &info, &map, RTLD_DL_LINKMAP) == 0) return {};
     const fs::path name = static_cast<const link_map*>(map)->l_name;
     std::error_code error;
     // The program itself has no name there.
     const fs::path file = fs::canonical(name.empty() ? "/proc/self/exe" : name, error);
-    return error ? fs::path() : file;
-#else
-    return {};
-#endif
+    return error ? fs::path() : file.parent_path().parent_path() / "clsdf" / "driver";
 }
+#else
+/// Nothing: anybody could have put a driver beside a program in a folder for all, such as /tmp.
+fs::path folder_of_package() {
+    return {};
+}
+#endif
 
 fs::path driver_folder() {
-    if (const char* folder = tuning_variable("CLSDF_DRIVER")) return folder;
-    const fs::path file = file_of_this_library();
-    return file.empty() ? file : file.parent_path().parent_path() / "clsdf" / "driver";
+    const char* const folder = tuning_variable("CLSDF_DRIVER");
+    return folder != nullptr ? folder : folder_of_package();
 }
 
 /// The platform of a driver's file. Throws Error(no_device) that says what is wrong with it.

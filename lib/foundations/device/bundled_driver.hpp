@@ -14,7 +14,8 @@ namespace clsdf::device {
 /// programs, compiled ahead for each level of processors, programs/<level>/*.program.
 ///
 /// Its folder is clsdf/driver beside the folder of the file that contains this library, a program or a shared library:
-/// PREFIX/clsdf/driver for PREFIX/clsdf/_core.abi3.so. tuning_variable("CLSDF_DRIVER") names another folder.
+/// PREFIX/clsdf/driver for PREFIX/clsdf/_core.abi3.so. Only builds with the option CLSDF_BUNDLED_DRIVER look there.
+/// tuning_variable("CLSDF_DRIVER") names another folder.
 ///
 /// A process has one, so a shared core exports these functions (see cmake/Libraries.cmake).
 struct BundledDriver {
