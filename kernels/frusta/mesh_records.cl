@@ -42,11 +42,11 @@ INLINE uintL names_of(__global const uint* names, __private const uint* faces) {
 }
 
 // Stores the slopes of faces[0, valid) (leaned; above, then below), signed slopes before the lean, and answers
-// (CLSDF_FACE_...), by edge of the face.
-INLINE void find_slopes(FaceLattice lattice, double least_length, __private const FaceFrames* f,
-                        __global const uint* opposite, __private const uint* faces, __private const uint* corners,
-                        uint valid, __global const double* positions, __global float* slopes, __global float* signs,
-                        __global uchar* answers) {
+// (CLSDF_FACE_...), by edge of the face. Returns the leaned slopes by edge of the polyhedron.
+INLINE LaneSlopes find_slopes(FaceLattice lattice, double least_length, __private const FaceFrames* f,
+                              __global const uint* opposite, __private const uint* faces, __private const uint* corners,
+                              uint valid, __global const double* positions, __global float* slopes,
+                              __global float* signs, __global uchar* answers) {
     uint vertices[3][LANES];
     load_corners(opposite, faces, vertices[0], vertices[1], vertices[2]);
     longL none[3];
@@ -96,23 +96,30 @@ INLINE void find_slopes(FaceLattice lattice, double least_length, __private cons
     store_by_lanes(BY_OWN_EDGES(s.above), faces, valid, slopes, 6);
     store_by_lanes(BY_OWN_EDGES(s.below), faces, valid, slopes + 3, 6);
 #undef BY_OWN_EDGES
+    return s;
 }
 
-// Slopes of the faces [begin, end). Work-items take `item_faces` faces each. A shorter side than least_length, in
-// units, is a sliver's.
-__kernel void face_slopes(FaceLattice lattice, double least_length, uint begin, uint end, uint item_faces,
-                          __global const uint* triangles, __global const uint* opposite,
-                          __global const double* positions, __global float* slopes, __global float* signs,
-                          __global uchar* answers) {
+// Slopes of the faces; and, unless `records` is null, their records, which the last face fills up to whole groups
+// (CLSDF_RECORD_GROUP). Work-items take `item_faces` faces each. A shorter side than least_length, in units, is a
+// sliver's.
+__kernel void face_slopes(FaceLattice lattice, double least_length, uint begin, uint end, uint face_count,
+                          uint item_faces, __global const uint* triangles, __global const uint* opposite,
+                          __global const double* positions, __global const uint* names, __global float* slopes,
+                          __global float* signs, __global uchar* answers, __global Polyhedron* records) {
     const uint first = begin + (uint)get_global_id(0) * item_faces, last = min(end, first + item_faces);
     for (uint n = first; n < last; n += LANES) {
         uint faces[LANES], a[LANES], b[LANES], c[LANES];
-        for (uint lane = 0; lane < LANES; ++lane) faces[lane] = min(n + lane, last - 1);
+        for (uint lane = 0; lane < LANES; ++lane) faces[lane] = min(n + lane, face_count - 1);
         load_corners(triangles, faces, a, b, c);
         const FaceFrames f = frames_of_faces(lattice, positions_of(positions, a), positions_of(positions, b),
                                              positions_of(positions, c));
-        find_slopes(lattice, least_length, &f, opposite, faces, a, min((uint)LANES, last - n), positions, slopes, signs,
-                    answers);
+        const uint valid = n < face_count ? min((uint)LANES, face_count - n) : 0;
+        const LaneSlopes s =
+            find_slopes(lattice, least_length, &f, opposite, faces, a, valid, positions, slopes, signs, answers);
+        if (records == 0) continue;
+        const Vectors origin = origins_of(lattice, f.foot), foot = feet_from_origins(lattice, f.foot, origin);
+        LaneRecords r = records_of(lattice, &f, &s, names_of(names, faces), origin, foot);
+        store_records(&r, records + n);
     }
 }
 

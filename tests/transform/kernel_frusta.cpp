@@ -36,7 +36,7 @@ bool are_same(const UninitializedVector<Value>& a, const std::vector<Value>& b) 
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
 }
 
-BothFrusta both_frusta(const Mesh& mesh) {
+BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     const Device device = Device::automatic();
     device::Context& context = device::context_of(device);
     const scan::Programs programs(context, KernelBody::automatic);
@@ -46,10 +46,14 @@ BothFrusta both_frusta(const Mesh& mesh) {
     const scan::DeviceSetUp job{context, pool, programs.mesh_records, programs.mesh_lanes()};
     const auto names = std::make_shared<const scan::DeviceFaces::Names>(device_names(job, both.topology));
     const auto sources = std::make_shared<const scan::FrustaSources>(job, *both.topology);
-    scan::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh);
-    // The device has the slopes that the host has.
+    const polyhedra::LatticeView lattice = scan::lattice_of(grid);
+    // Without records, too: the same. The device has the slopes that the host has.
+    const scan::MadeFrusta again = frusta_by_kernels(job, names, sources, mesh, nullptr);
+    scan::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh, &lattice);
     const auto slopes = read<polyhedra::FaceSlopes>(context, *made.faces.slopes, both.topology->order.size());
     BOOST_TEST(are_same(made.frusta.slopes, slopes));
+    BOOST_TEST(are_same(again.frusta.slopes, slopes));
+    BOOST_TEST(again.frusta.sites.size() == made.frusta.sites.size());
     both.kernels = std::move(made.frusta);
     return both;
 }
@@ -160,7 +164,9 @@ BOOST_AUTO_TEST_CASE(kernels_make_the_frusta_of_the_host) {
     meshes.push_back(together(tips, "tips"));
     for (const Mesh& mesh : meshes) {
         BOOST_TEST_CONTEXT(mesh.name() << ", " << mesh.triangles().size() << " triangles") {
-            const BothFrusta both = both_frusta(mesh);
+            Grid grid = Grid::around(mesh, 48, Band::symmetric(0.05 * mesh.box().longest_side()));
+            grid.spacing[1] *= 0.7;
+            const BothFrusta both = both_frusta(mesh, grid);
             sites += both.kernels.sites.size();
             check_slopes(both);
             check_sites(both);

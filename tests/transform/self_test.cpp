@@ -51,6 +51,10 @@ TestCase large(TestCase test_case) {
     test_case.is_large = true;
     return test_case;
 }
+TestCase later(TestCase test_case) {
+    test_case.is_later = true;
+    return test_case;
+}
 TestCase without_sign(TestCase test_case) {
     test_case.is_signed = false;
     return test_case;
@@ -231,6 +235,7 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
           slices(vector_body, true, false, false), slices(group_body, false, false, false),
           wide(bricks(vector_body, false, false)), wide(bricks(group_body, true, true)),
           large(bricks(vector_body, false, false)), large(bricks(group_body, true, true)),
+          later(bricks(vector_body, false, false)), later(large(bricks(group_body, true, true))),
           without_sign(bricks(vector_body, false, false))}) {
         const scan::Programs programs(device::context_of(test_device()), test_case.body);
         const auto difference = transform::run_self_test(test_device(), programs, test_case);
@@ -240,7 +245,8 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
 
 BOOST_AUTO_TEST_CASE(passes_with_every_query_of_points) {
     for (const KernelBody body : {vector_body, group_body})
-        for (const PointTestCase& test_case : {PointTestCase{}, PointTestCase{.are_scanned = true}}) {
+        for (const PointTestCase& test_case : {PointTestCase{}, PointTestCase{.are_scanned = true},
+                                               PointTestCase{.are_scanned = true, .is_later = true}}) {
             if (test_case.are_scanned && body == group_body) continue;  // which looks up all points one by one
             Changed nothing;
             BOOST_TEST(message_of_point_test(nothing.device(""), body, test_case) == "");
@@ -319,12 +325,22 @@ BOOST_AUTO_TEST_CASE(refuses_a_wrong_fill_inside_and_outside_of_either_body) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(refuses_wrong_records) {
+BOOST_AUTO_TEST_CASE(refuses_wrong_records_of_a_later_lattice) {
     const TemporaryFolder folder;
     for (const KernelBody body : {vector_body, group_body}) {
         Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
         check_refusal("records of other faces", changed, folder.file("cache"),
-                      [&](const Device& device) { return message_of_test(device, bricks(body, false, false)); });
+                      [&](const Device& device) { return message_of_test(device, later(bricks(body, false, false))); });
+    }
+}
+
+// Drivers compile a kernel at its first launch.
+BOOST_AUTO_TEST_CASE(runs_the_kernel_of_later_lattices_only_if_they_are_tested) {
+    const TemporaryFolder folder;
+    for (const KernelBody body : {vector_body, group_body}) {
+        Changed changed{"mesh_records.cl", "faces[lane] = min(face + lane, face_count - 1)", "faces[lane] = 0"};
+        BOOST_TEST(message_of_test(changed.device(folder.file("cache")), bricks(body, false, false)) == "");
+        BOOST_TEST(changed.is_found);
     }
 }
 
@@ -393,7 +409,7 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_points) {
         {"a gradient without the sign", vector_body, {}, gradient},
         {"a distance in double with the digits of a float", vector_body, {}, doubles},
         {"a triangle beside its place", vector_body, {.are_scanned = true}, frames},
-        {"records of other faces", vector_body, {.are_scanned = true}, groups},
+        {"records of other faces", vector_body, {.are_scanned = true, .is_later = true}, groups},
     };
     for (Mutation& mutation : mutations)
         check_refusal(mutation.what, mutation.changed, folder.file("cache"), [&](const Device& device) {
@@ -420,6 +436,38 @@ BOOST_AUTO_TEST_CASE(stops_a_computation_before_it_begins) {
     BOOST_TEST(message([&] { transform.compute(grid, band); }).find("computes wrong fields") != std::string::npos);
     BOOST_TEST(message([&] { transform.plan(grid, band); }).find("computes wrong fields") != std::string::npos);
     BOOST_TEST(message([&] { transform.compile(grid, band); }).find("computes wrong fields") != std::string::npos);
+}
+
+BOOST_AUTO_TEST_CASE(stops_a_computation_on_a_later_lattice) {
+    Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
+    const Device device = changed.device("");
+    const Mesh mesh = make_shape("sphere3");
+    const Band band = Band::symmetric(0.1);
+    DistanceTransform transform(device, mesh);
+    transform.compute(Grid::around(mesh, 16, band), band);
+    const auto is_refusal = [](const Error& error) {
+        return std::string_view(error.what()).find("computes wrong fields") != std::string_view::npos;
+    };
+    for (int i = 0; i < 2; ++i)
+        BOOST_CHECK_EXCEPTION(transform.compute(Grid::around(mesh, 20, band), band), Error, is_refusal);
+    transform.compute(Grid::around(mesh, 16, band), band);
+}
+
+BOOST_AUTO_TEST_CASE(stops_a_query_of_many_points_after_a_field) {
+    Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
+    const Device device = changed.device("");
+    const Mesh mesh = make_shape("sphere3");
+    const Band band = Band::symmetric(0.1);
+    DistanceTransform transform(device, mesh, {.body = vector_body});
+    const Grid grid = Grid::around(mesh, 32, band);
+    transform.compute(grid, band);
+    std::vector<Vec3> points;
+    for (std::int64_t i = 0; i < 16384; ++i) points.push_back(grid.position(i % 32, i / 32 % 32, i / 1024));
+    const auto is_refusal = [](const Error& error) {
+        return std::string_view(error.what()).find("computes wrong fields") != std::string_view::npos;
+    };
+    std::vector<float> distance(points.size());
+    for (int i = 0; i < 2; ++i) BOOST_CHECK_EXCEPTION(transform.query(points, 1, distance), Error, is_refusal);
 }
 
 BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {

@@ -126,8 +126,16 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += all.size();
-        point_inputs(outputs, all.size(), false);
+        const points::PointInputs inputs = point_inputs(outputs, all.size(), false);
         statistics.polyhedra_seconds = watch.seconds();
+        // Only the stages see whether records are made of kept frusta.
+        if (inputs.scanned && inputs.scanned->is_later) {
+            const Stopwatch test_watch;
+            if (transform::ensure_points_tested(device, programs, {.are_scanned = true, .is_later = true},
+                                                compiling.watch(transform::point_test_steps)))
+                compiling.first_use = true;
+            compiling.seconds += test_watch.seconds();
+        }
     }
     scan::OwnArrays own;
     std::size_t most = points::most_points;

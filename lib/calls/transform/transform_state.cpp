@@ -195,12 +195,14 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(const t
                                                                          transform::Compiling& compiling) {
     auto plan =
         std::make_unique<transform::GridPlan>(from, std::move(inputs), job, [&caller] { caller.throw_if_stopped(); });
-    // Known only now: large triangles have a kernel that must be tested.
-    if (plan->has_large_triangles) {
-        transform::TestCase large = test_case_of(job);
-        large.is_large = true;
+    // Known only now: large triangles, and records made from kept frusta. Each has a kernel that must be tested.
+    const bool is_later = plan->inputs.records->is_later;
+    if (plan->has_large_triangles || is_later) {
+        transform::TestCase found = test_case_of(job);
+        found.is_large = plan->has_large_triangles;
+        found.is_later = is_later;
         try {
-            test(large, compiling);
+            test(found, compiling);
         } catch (...) {
             context().drain();  // the set-up's commands use the plan's buffers
             throw;

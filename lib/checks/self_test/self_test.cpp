@@ -122,6 +122,7 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const KnownField unlimited({.wide = true}), limited = KnownField({.later = true}).within(limit);
     Stages stages(context, pool, unlimited.mesh(), {nullptr, {programs.mesh_records, programs.mesh_lanes()}});
+    if (test_case.is_later) stages.frusta();
     points::KeptPoints kept(stages);
     points::PointInputs inputs;
     inputs.mesh = kept.tree();
@@ -143,17 +144,22 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
 }  // namespace
 
 std::vector<TestCase> TestCase::contained() const {
-    if (!is_large) return {};
-    TestCase small = *this;
-    small.is_large = false;
-    return {small};
+    std::vector<TestCase> cases;
+    for (const bool large : {false, true})
+        for (const bool later : {false, true}) {
+            if ((large && !is_large) || (later && !is_later) || (large == is_large && later == is_later)) continue;
+            cases.push_back(*this);
+            cases.back().is_large = large;
+            cases.back().is_later = later;
+        }
+    return cases;
 }
 
 std::string TestCase::name() const {
-    return fmt::format("{} {}{}{}{} {} {}{}", device::name_of(body), method ? method->name() : "bricks",
+    return fmt::format("{} {}{}{}{} {} {}{}{}", device::name_of(body), method ? method->name() : "bricks",
                        variant.nearest ? " NEAREST" : "", variant.count ? " COUNT" : "",
                        variant.long_bricks ? " LONG_BRICKS" : "", is_signed ? "signed" : "unsigned",
-                       is_wide ? "wide" : "narrow", is_large ? " large" : "");
+                       is_wide ? "wide" : "narrow", is_large ? " large" : "", is_later ? " later" : "");
 }
 
 std::size_t step_count(const TestCase& test_case) {
@@ -173,19 +179,26 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
                         .large = test_case.is_large};
     device::Context& context = device::context_of(device);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    Stages stages(
-        context, pool, KnownField(kind).mesh(),
-        {.method = test_case.method, .set_up = {programs.mesh_records, programs.mesh_lanes()}, .is_whole = true});
-    const auto run = [&] { return run_field_test(device, programs, test_case, kind, stages, watch); };
-    std::optional<std::string> difference = run();
+    const auto make_stages = [&] {
+        return std::make_unique<Stages>(context, pool, KnownField(kind).mesh(),
+                                        Stages::Options{.method = test_case.method,
+                                                        .set_up = {programs.mesh_records, programs.mesh_lanes()},
+                                                        .is_whole = true});
+    };
+    std::unique_ptr<Stages> stages = make_stages();
+    std::optional<std::string> difference = run_field_test(device, programs, test_case, kind, *stages, watch);
     if (difference || test_case.method) return difference;
+    const auto run_on_another_lattice = [&] {
+        if (!test_case.is_later) stages = make_stages();
+        return run_field_test(device, programs, test_case, kind, *stages, watch);
+    };
     kind.later = true;
-    if ((difference = run()) || test_case.is_wide) return difference;
+    if ((difference = run_on_another_lattice()) || test_case.is_wide) return difference;
     // The group body computes all bricks of a coarse brick that a polyhedron overlaps; the fill is left with the
     // others.
     kind.later = false;
     kind.fine = true;
-    return run();
+    return run_on_another_lattice();
 }
 
 bool test_once(const Device& device, const TestSubject& subject,
@@ -249,9 +262,9 @@ bool ensure_points_tested(const Device& device, const Programs& programs, const 
         built.push_back(programs.mesh_records.get(watch));
         built.push_back(programs.point_scan(context, watch));
     });
-    const TestSubject subject{
-        fmt::format("{} {}points", device::name_of(programs.body), test_case.are_scanned ? "many " : ""),
-        [&] { return built; }};
+    const TestSubject subject{fmt::format("{} {}points{}", device::name_of(programs.body),
+                                          test_case.are_scanned ? "many " : "", test_case.is_later ? " later" : ""),
+                              [&] { return built; }};
     return test_once(device, subject, [&] { return run_point_test(device, programs, test_case); });
 }
 

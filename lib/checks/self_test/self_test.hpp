@@ -19,6 +19,7 @@ struct TestCase {
     bool is_signed = true;  ///< the sign is swept
     bool is_wide = false;   ///< coarse bricks have bounds of their own
     bool is_large = false;  ///< triangles with many rows of samples are swept by a kernel of their own
+    bool is_later = false;  ///< see PreparedMesh: a kernel of their own makes the records
 
     /// Other cases all of whose kernels this one runs, too.
     std::vector<TestCase> contained() const;
@@ -54,6 +55,7 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
 /// The properties of a query of points that decide which code it runs on the device.
 struct PointTestCase {
     bool are_scanned = false;  ///< many points
+    bool is_later = false;     ///< as TestCase's; for many points
 };
 
 /// Builds the programs of queries of points and, the first time on this device and driver version, computes a small

@@ -171,6 +171,11 @@ std::shared_ptr<const polyhedra::MeshTopology> Stages::shared_topology() {
     return topology_;
 }
 
+const polyhedra::Frusta& Stages::frusta() {
+    if (!frusta_) make_frusta(nullptr);
+    return *frusta_;
+}
+
 bool Stages::has_kernels() {
     return options_.set_up.program && suits_kernels(topology());
 }
@@ -181,17 +186,19 @@ const std::shared_ptr<const DeviceFaces::Names>& Stages::names() {
     return names_;
 }
 
-const polyhedra::Frusta& Stages::frusta() {
-    if (frusta_) return *frusta_;
-    if (!has_kernels()) return frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
+std::optional<PreparedMesh> Stages::make_frusta(const polyhedra::LatticeView* lattice) {
+    if (!has_kernels()) {
+        frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
+        return std::nullopt;
+    }
     const DeviceSetUp job = set_up();
     const ReaderMark mark(*this);
     if (!frusta_sources_) frusta_sources_ = std::make_shared<const FrustaSources>(job, topology());
-    MadeFrusta made = frusta_by_kernels(job, names(), frusta_sources_, mesh_);
+    MadeFrusta made = frusta_by_kernels(job, names(), frusta_sources_, mesh_, lattice);
     frusta_.emplace(std::move(made.frusta));
     faces_ = std::make_shared<const DeviceFaces>(std::move(made.faces));
     if (!has_moved_) frusta_sources_.reset();
-    return *frusta_;
+    return std::move(made.records);
 }
 
 const polyhedra::ClusterIndex& Stages::index() {
@@ -207,6 +214,8 @@ std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::Lattice
 }
 
 PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
+    if (!frusta_ && is_plain(mesh_, lattice))
+        if (std::optional<PreparedMesh> first = make_frusta(&lattice)) return std::move(*first);
     const polyhedra::RecordRange all{0, topology().order.size()}, sites{0, frusta().sites.size()};
     return records(lattice, {&all, 1}, {&sites, 1});
 }

@@ -195,6 +195,8 @@ private:
     /// Whether kernels make the frusta.
     bool has_kernels();
     const std::shared_ptr<const DeviceFaces::Names>& names();
+    /// Makes the frusta, and their records for a lattice if it is not null and kernels make them.
+    std::optional<PreparedMesh> make_frusta(const polyhedra::LatticeView* lattice);
     /// Null if the host makes the lattice's records, and the vertices of its sweep.
     std::shared_ptr<const DeviceFaces> device_faces(const polyhedra::LatticeView& lattice);
     PreparedMesh records(const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,

@@ -28,18 +28,6 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
         });
 }
 
-/// Records that the host writes into those on the device, or what they are made of.
-template <class Value>
-struct ByHost {
-    std::vector<Value> values;
-    std::vector<cl_uint> places;
-
-    void add(const Value& value, std::size_t place) {
-        values.push_back(value);
-        places.push_back(static_cast<cl_uint>(place));
-    }
-};
-
 }  // namespace
 
 DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology) {
@@ -66,6 +54,34 @@ void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Bu
            places, items);
 }
 
+void WrittenRecords::add_faces(const polyhedra::RecordRange& range, std::size_t record) {
+    const auto add = [&](std::uint32_t face, std::size_t place) {
+        written_faces_.push_back(face);
+        face_places_.push_back(static_cast<cl_uint>(record + place - range.begin));
+    };
+    const auto end = std::lower_bound(faces_.begin(), faces_.end(), range.end);
+    for (auto face = std::lower_bound(faces_.begin(), faces_.end(), range.begin); face != end; ++face)
+        add(*face, *face);
+    if (faces_.empty() || faces_.back() + 1 != range.end) return;
+    for (std::size_t place = range.end; place % polyhedra::record_group != 0; ++place) add(faces_.back(), place);
+}
+
+void WrittenRecords::add_sites(const polyhedra::RecordRange& range, std::size_t record) {
+    const std::size_t size = range.end - range.begin, first = sites_.size();
+    sites_.resize(first + size);
+    write_site_records(topology_, frusta_, lattice_, range.begin, std::span(sites_).subspan(first, size));
+    for (std::size_t i = 0; i < size; ++i) site_places_.push_back(static_cast<cl_uint>(record + i));
+}
+
+void WrittenRecords::place(const DeviceSetUp& job, const cl::Buffer& records) const {
+    std::vector<Polyhedron> faces(written_faces_.size());
+    for_each_index(faces.size(), [&](std::size_t i) {
+        write_face_record(topology_, frusta_, lattice_, written_faces_[i], faces[i]);
+    });
+    place_items(job, faces, face_places_, records);
+    place_items(job, sites_, site_places_, records);
+}
+
 bool is_plain(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
     double greatest_side = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -82,38 +98,25 @@ PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
                                const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
                                std::span<const polyhedra::RecordRange> of_sites) {
     constexpr std::size_t group = polyhedra::record_group;
+    WrittenRecords written(topology, frusta, lattice, frusta.slivers);
     std::vector<cl_uint> groups;
-    ByHost<std::uint32_t> slivers;
     for (const polyhedra::RecordRange& range : of_faces) {
-        const std::size_t first_record = groups.size() * group;
+        written.add_faces(range, groups.size() * group);
         for (std::size_t face = range.begin; face < range.end; face += group)
             groups.push_back(static_cast<cl_uint>(face / group));
-        auto sliver = std::ranges::lower_bound(frusta.slivers, range.begin);
-        for (; sliver != frusta.slivers.end() && *sliver < range.end; ++sliver) {
-            slivers.add(*sliver, first_record + *sliver - range.begin);
-            if (*sliver + 1 < topology.order.size()) continue;
-            for (std::size_t n = range.end; n % group != 0; ++n)  // the mesh's last face fills up its group
-                slivers.add(*sliver, first_record + n - range.begin);
-        }
     }
     PreparedMesh prepared;
+    prepared.is_later = true;
     prepared.record_count = groups.size() * group;
-    ByHost<Polyhedron> sites;
     for (const polyhedra::RecordRange& range : of_sites) {
-        std::vector<Polyhedron> records(range.end - range.begin);
-        write_site_records(topology, frusta, lattice, range.begin, records);
-        for (const Polyhedron& record : records) sites.add(record, prepared.record_count++);
+        written.add_sites(range, prepared.record_count);
+        prepared.record_count += range.end - range.begin;
     }
-    std::vector<Polyhedron> sliver_records(slivers.values.size());
-    for_each_index(sliver_records.size(), [&](std::size_t i) {
-        write_face_record(topology, frusta, lattice, slivers.values[i], sliver_records[i]);
-    });
     prepared.polyhedra = job.pool->lease(prepared.record_count * sizeof(Polyhedron), "polyhedra");
     set_counts(topology, frusta, prepared);
     device::guarded([&] {
         if (!groups.empty()) enqueue_faces(job, faces, lattice, groups, *prepared.polyhedra);
-        place_items(job, sliver_records, slivers.places, *prepared.polyhedra);
-        place_items(job, sites.values, sites.places, *prepared.polyhedra);
+        written.place(job, *prepared.polyhedra);
     });
     return prepared;
 }

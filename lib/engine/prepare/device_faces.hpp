@@ -109,6 +109,33 @@ void place_items(const DeviceSetUp& job, const std::vector<T>& written, const st
     place_words(job, *values, *numbers, places.size(), sizeof(T) / sizeof(cl_uint), items);
 }
 
+/// Records that the host writes into those on the device: of faces that are nearly degenerate, and of point sites.
+class WrittenRecords {
+public:
+    /// `faces`: those of the host, ascending.
+    WrittenRecords(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                   const polyhedra::LatticeView& lattice, std::span<const std::uint32_t> faces)
+        : topology_(topology), frusta_(frusta), lattice_(lattice), faces_(faces) {}
+
+    /// Adds a range of faces, whose records begin at `record`. The last face of the mesh fills up its
+    /// group.
+    void add_faces(const polyhedra::RecordRange& range, std::size_t record);
+    void add_sites(const polyhedra::RecordRange& range, std::size_t record);
+
+    /// Enqueues their way to their places.
+    void place(const DeviceSetUp& job, const cl::Buffer& records) const;
+
+private:
+    const polyhedra::MeshTopology& topology_;
+    const polyhedra::Frusta& frusta_;
+    const polyhedra::LatticeView& lattice_;
+    std::span<const std::uint32_t> faces_;
+    std::vector<std::uint32_t> written_faces_;
+    std::vector<cl_uint> face_places_;
+    std::vector<Polyhedron> sites_;
+    std::vector<cl_uint> site_places_;
+};
+
 /// The records of ranges of faces, each of which begins with a group (polyhedra::record_group), and of point sites.
 PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
                                const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,

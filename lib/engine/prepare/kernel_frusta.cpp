@@ -1,9 +1,8 @@
 #include "prepare/kernel_frusta.hpp"
 #include "launch/commands.hpp"
 
-#include "core/large_memory.hpp"
+#include "core/lifetime.hpp"
 #include "core/parallel.hpp"
-#include "device/in_flight.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 
@@ -19,112 +18,179 @@ namespace {
 // An upper estimate for one core; it limits the work of a launch.
 constexpr double seconds_per_fan_item = CLSDF_FAN_ITEM * 1e-6;
 
-/// What commands of the device use in the host's memory.
-struct InTheMaking {
-    MadeFrusta made;
-    std::shared_ptr<const FrustaSources> sources;
-    UninitializedVector<std::uint8_t> face_answers, vertex_answers;
+/// Room for the point sites of most meshes: one of 240 faces needs one on a noisy scan, one of 1600 on a smooth one.
+std::size_t spare_records(std::size_t faces) {
+    return 64 + faces / 128;
+}
+
+/// The shortest side that is not taken for a sliver's, in units; the same for all lattices, up to their unit.
+double least_length(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
+    return 1e-30 * mesh.box().longest_side() / lattice.unit;
+}
+
+/// A buffer's bytes as the host reads them, in its own memory or in a copy.
+class MappedBytes {
+public:
+    MappedBytes(const cl::CommandQueue& queue, const cl::Buffer& buffer, std::size_t count, bool waits)
+        : queue_(queue), buffer_(buffer), count_(count) {
+        if (count > 0) memory_ = queue.enqueueMapBuffer(buffer, waits ? CL_TRUE : CL_FALSE, CL_MAP_READ, 0, count);
+    }
+    MappedBytes(const MappedBytes&) = delete;
+    MappedBytes& operator=(const MappedBytes&) = delete;
+    ~MappedBytes() {
+        if (memory_ != nullptr) clEnqueueUnmapMemObject(queue_(), buffer_(), memory_, 0, nullptr, nullptr);
+    }
+
+    std::span<const std::uint8_t> bytes() const { return {static_cast<const std::uint8_t*>(memory_), count_}; }
+    void unmap() {
+        if (void* const memory = std::exchange(memory_, nullptr); memory != nullptr)
+            queue_.enqueueUnmapMemObject(buffer_, memory);
+    }
+
+private:
+    cl::CommandQueue queue_;
+    cl::Buffer buffer_;
+    std::size_t count_;
+    void* memory_ = nullptr;
 };
 
 class KernelFrusta {
 public:
     KernelFrusta(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
-                 const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh)
+                 std::shared_ptr<const FrustaSources> sources, const Mesh& mesh, const polyhedra::LatticeView* lattice)
         : job_(job),
+          sources_(std::move(sources)),
           topology_(*names->topology),
-          mesh_(mesh),
-          view_(polyhedra::view_of(mesh.box())),
+          box_(mesh.box()),
           count_(names->face_count()),
-          vertex_answer_count_(sources->of_kernels.fan_items.size() * CLSDF_FAN_ITEM),
-          signs_(job.pool->lease(3 * count_ * sizeof(float), "signs of the edges")),
-          face_answers_(job.pool->lease(count_, "answers about faces")),
-          vertex_answers_(job.pool->lease(vertex_answer_count_, "answers about vertices")),
-          host_(job.context, InTheMaking{{},
-                                         sources,
-                                         UninitializedVector<std::uint8_t>(count_),
-                                         UninitializedVector<std::uint8_t>(vertex_answer_count_)}) {
-        auto& [frusta, faces] = host_->made;
+          records_of_(lattice) {
+        polyhedra::Frusta& frusta = made_.frusta;
         frusta.positions = ordered_positions(topology_, mesh.vertices());
         frusta.slopes.resize(count_);
-        faces.names = names;
-        faces.positions = job.input(frusta.positions, "vertices");
-        faces.slopes = job.shares_memory() ? job.shared(frusta.slopes, CL_MEM_READ_WRITE)
-                                           : job.pool->lease(slope_bytes(), "slopes of the polyhedra");
+        view_ = lattice != nullptr ? *lattice : polyhedra::view_of(mesh.box());
+        least_length_ = least_length(mesh, view_);
+        made_.faces.names = names;
+        made_.faces.positions = job.input(frusta.positions, "vertices");
+        made_.faces.slopes = job.shares_memory() ? job.shared(frusta.slopes, CL_MEM_READ_WRITE)
+                                                 : lease(slope_bytes(), "slopes of the polyhedra");
+        signs_ = lease(3 * count_ * sizeof(float), "signs of the edges");
+        face_answers_ = lease(count_, "answers about faces");
+        vertex_answers_ = lease(vertex_answer_bytes(), "answers about vertices");
+        if (lattice != nullptr)
+            records_ = lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron), "polyhedra");
+    }
+
+    KernelFrusta(const KernelFrusta&) = delete;
+    KernelFrusta& operator=(const KernelFrusta&) = delete;
+    ~KernelFrusta() {
+        // After an error: what is under way uses these arrays.
+        if (!is_under_way_ || job_.context.drain()) return;
+        keep_for_good(sources_);
+        keep_for_good(made_);
     }
 
     MadeFrusta make() {
-        host_.begin();
+        is_under_way_ = true;
         enqueue_slopes();
-        enqueue_fans();
+        if (!sources_->of_kernels.fan_items.empty()) enqueue_fans();
         complete();
-        host_.end();
-        return std::move(host_->made);
+        if (records_of_ != nullptr) made_.records = finish_records();
+        is_under_way_ = false;
+        return std::move(made_);
     }
 
 private:
+    device::BufferPool::Lease lease(std::size_t bytes, const char* purpose) const {
+        return bytes > 0 ? job_.pool->lease(bytes, purpose) : device::BufferPool::Lease();
+    }
     std::size_t slope_bytes() const { return count_ * sizeof(polyhedra::FaceSlopes); }
+    std::size_t vertex_answer_bytes() const { return sources_->of_kernels.fan_items.size() * CLSDF_FAN_ITEM; }
 
     void enqueue_slopes() const {
-        const DeviceFaces& faces = host_->made.faces;
         cl::Kernel kernel(job_.program, "face_slopes");
-        // The shortest side that is not taken for a sliver's, in units.
-        const double least_length = 1e-30 * mesh_.box().longest_side() / view_.unit;
+        const std::size_t all = in_record_groups(count_);
         const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
         ShortLaunches(job_.context, {})
-            .over(chunk_count(count_, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
-                const std::size_t last = std::min(end * unit, count_);
+            .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
+                const std::size_t last = std::min(end * unit, all);
                 launch(job_.context.queue(), kernel, job_.items_of(last - begin * unit), polyhedra::face_lattice(view_),
-                       cl_double{least_length}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
-                       static_cast<cl_uint>(job_.item_faces()), *faces.names->triangles, *host_->sources->opposite,
-                       *faces.positions, *faces.slopes, *signs_, *face_answers_);
+                       cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
+                       static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()),
+                       *made_.faces.names->triangles, *sources_->opposite, *made_.faces.positions,
+                       *made_.faces.names->names, *made_.faces.slopes, *signs_, *face_answers_, *records_);
             });
     }
 
     void enqueue_fans() const {
-        const DeviceFaces& faces = host_->made.faces;
-        const FrustaSources& sources = *host_->sources;
         cl::Kernel kernel(job_.program, "vertex_fans");
         ShortLaunches(job_.context, {})
-            .over(sources.of_kernels.fan_items.size(), seconds_per_fan_item, [&](std::size_t begin, std::size_t end) {
+            .over(sources_->of_kernels.fan_items.size(), seconds_per_fan_item, [&](std::size_t begin, std::size_t end) {
                 launch(job_.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
                        static_cast<cl_uint>(begin), static_cast<cl_uint>(end), cl_double{1 / view_.unit},
-                       *sources.fan_items, *sources.fan_words, *faces.names->triangles, *faces.positions, *signs_,
-                       *vertex_answers_);
+                       *sources_->fan_items, *sources_->fan_words, *made_.faces.names->triangles,
+                       *made_.faces.positions, *signs_, *vertex_answers_);
             });
     }
 
     /// Waits for the kernels. Then the slopes are complete, here and on the device.
     void complete() {
         const cl::CommandQueue& queue = job_.context.queue();
-        auto& [frusta, faces] = host_->made;
+        polyhedra::Frusta& frusta = made_.frusta;
         void* in_place = nullptr;
         if (job_.shares_memory())
-            in_place = queue.enqueueMapBuffer(*faces.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes());
+            in_place =
+                queue.enqueueMapBuffer(*made_.faces.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes());
         else
-            queue.enqueueReadBuffer(*faces.slopes, CL_FALSE, 0, slope_bytes(), frusta.slopes.data());
-        if (vertex_answer_count_ > 0)
-            queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, vertex_answer_count_, host_->vertex_answers.data());
-        queue.enqueueReadBuffer(*face_answers_, CL_TRUE, 0, count_, host_->face_answers.data());
-        const polyhedra::LeftToHost left =
-            host_->sources->of_kernels.left_to_host(topology_, host_->face_answers, host_->vertex_answers);
-        complete_frusta(topology_, mesh_.box(), left, frusta);
+            queue.enqueueReadBuffer(*made_.faces.slopes, CL_FALSE, 0, slope_bytes(), frusta.slopes.data());
+        {
+            MappedBytes vertices(queue, *vertex_answers_, vertex_answer_bytes(), false);
+            MappedBytes faces(queue, *face_answers_, count_, true);
+            left_ = sources_->of_kernels.left_to_host(topology_, faces.bytes(), vertices.bytes());
+            vertices.unmap();
+            faces.unmap();
+        }
+        complete_frusta(topology_, box_, left_, frusta);
         if (in_place != nullptr) {
-            queue.enqueueUnmapMemObject(*faces.slopes, in_place);
+            queue.enqueueUnmapMemObject(*made_.faces.slopes, in_place);
             return;
         }
         std::vector<polyhedra::FaceSlopes> written;
-        for (const std::uint32_t face : left.faces) written.push_back(frusta.slopes[face]);
-        place_items(job_, written, left.faces, *faces.slopes);
+        for (const std::uint32_t face : left_.faces) written.push_back(frusta.slopes[face]);
+        place_items(job_, written, left_.faces, *made_.faces.slopes);
+    }
+
+    /// Completes the records: those of faces that the host has measured and of point sites are written after the
+    /// kernel's.
+    PreparedMesh finish_records() {
+        const polyhedra::Frusta& frusta = made_.frusta;
+        const polyhedra::RecordRange faces{0, count_}, sites{0, frusta.sites.size()};
+        const std::size_t first_site = in_record_groups(count_), end = first_site + sites.end;
+        const bool has_room = end * sizeof(Polyhedron) <= records_.bytes();
+        if (!has_room || left_.faces.size() > count_ / 64)  // else the kernel makes them again, of all slopes
+            return records_on_device(job_, made_.faces, topology_, frusta, *records_of_, {&faces, 1}, {&sites, 1});
+        WrittenRecords written(topology_, frusta, *records_of_, left_.faces);
+        written.add_faces(faces, 0);
+        written.add_sites(sites, first_site);
+        written.place(job_, *records_);
+        PreparedMesh prepared;
+        set_counts(topology_, frusta, prepared);
+        prepared.record_count = end;
+        prepared.polyhedra = std::move(records_);
+        return prepared;
     }
 
     const DeviceSetUp& job_;
+    std::shared_ptr<const FrustaSources> sources_;
     const polyhedra::MeshTopology& topology_;
-    const Mesh& mesh_;
-    polyhedra::LatticeView view_;
+    Box box_;
     std::size_t count_;
-    std::size_t vertex_answer_count_;
-    device::BufferPool::Lease signs_, face_answers_, vertex_answers_;
-    device::InFlight<InTheMaking> host_;
+    const polyhedra::LatticeView* records_of_;
+    polyhedra::LatticeView view_;
+    double least_length_ = 0;
+    MadeFrusta made_;
+    bool is_under_way_ = false;
+    polyhedra::LeftToHost left_;
+    device::BufferPool::Lease signs_, face_answers_, vertex_answers_, records_;
 };
 
 }  // namespace
@@ -141,8 +207,9 @@ bool suits_kernels(const polyhedra::MeshTopology& topology) {
 }
 
 MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
-                             const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh) {
-    return device::guarded([&] { return KernelFrusta(job, names, sources, mesh).make(); });
+                             const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
+                             const polyhedra::LatticeView* lattice) {
+    return device::guarded([&] { return KernelFrusta(job, names, sources, mesh, lattice).make(); });
 }
 
 }  // namespace clsdf::scan

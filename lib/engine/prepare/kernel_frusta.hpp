@@ -4,9 +4,11 @@
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/kernel_topology.hpp"
 #include "prepare/device_faces.hpp"
+#include "prepare/prepared_mesh.hpp"
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 namespace clsdf::scan {
 
@@ -27,10 +29,13 @@ bool suits_kernels(const polyhedra::MeshTopology& topology);
 struct MadeFrusta {
     polyhedra::Frusta frusta;  ///< whose arrays the faces share if device and host share their memory
     DeviceFaces faces;
+    std::optional<PreparedMesh> records{};  ///< for the lattice, if there is one
 };
 
 /// The frusta of a mesh with these faces: made by kernels, and completed by the host, exactly. One wait for the device.
+/// `lattice`: whose records are made, too; null for none.
 MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
-                             const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh);
+                             const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
+                             const polyhedra::LatticeView* lattice);
 
 }  // namespace clsdf::scan
