@@ -5,6 +5,7 @@
 
 #include "mesh/topology.hpp"
 #include "support/random_meshes.hpp"
+#include "support/same_topology.hpp"
 
 #include <tbb/task_arena.h>
 #include <boost/test/unit_test.hpp>
@@ -95,13 +96,6 @@ Topology describe_by_map(const Mesh& mesh) {
     return report;
 }
 
-bool are_same(const std::vector<Topology::Edge>& a, const std::vector<Topology::Edge>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const Topology::Edge& one, const Topology::Edge& other) {
-                          return one.from == other.from && one.to == other.to;
-                      });
-}
-
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(soups_are_described_as_maps_describe_them) {
@@ -118,14 +112,7 @@ BOOST_AUTO_TEST_CASE(soups_are_described_as_maps_describe_them) {
                 for (const int threads : {1, 2, 16}) {
                     tbb::task_arena arena(threads);
                     const Topology found = arena.execute([&] { return describe_topology(mesh); });
-                    BOOST_TEST(found.open_edges == expected.open_edges);
-                    BOOST_TEST(found.unbalanced_edges == expected.unbalanced_edges);
-                    BOOST_TEST(found.non_manifold_edges == expected.non_manifold_edges);
-                    BOOST_TEST(found.repeated_vertex_faces == expected.repeated_vertex_faces);
-                    BOOST_TEST(found.coincident_vertices == expected.coincident_vertices);
-                    BOOST_TEST(found.unused_vertices == expected.unused_vertices);
-                    BOOST_TEST(are_same(found.first_open_edges, expected.first_open_edges));
-                    BOOST_TEST(are_same(found.first_unbalanced_edges, expected.first_unbalanced_edges));
+                    test::check_same_counts(found, expected);
                 }
             }
         }
