@@ -283,7 +283,7 @@ static inline void store_slice(__private const Finishing* finishing, __private S
 // Finishes the rows of the next slice of `bricks` bricks, and stores those of the one before. Its samples [begin, end)
 // will be stored, with `at` and `row` as in Slice.
 OUT_OF_LINE void finish_slice(__private const Finishing* finishing, __private Slice* slice, int bricks, int3 begin,
-                                int3 end, size_t at, size_t row) {
+                              int3 end, size_t at, size_t row) {
     for (int y = 0; y < CLSDF_BRICK; y += ROWS_PER_VECTOR) {
         const bool is_part = y + ROWS_PER_VECTOR > begin.y && y < end.y;
         for (int r = 0; r < ROWS_PER_VECTOR; ++r) {

@@ -10,9 +10,10 @@
 namespace clsdf::test {
 
 inline bool are_same(const std::vector<Topology::Edge>& a, const std::vector<Topology::Edge>& b) {
-    return std::equal(
-        a.begin(), a.end(), b.begin(), b.end(),
-        [](const Topology::Edge& one, const Topology::Edge& other) { return one.from == other.from && one.to == other.to; });
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const Topology::Edge& one, const Topology::Edge& other) {
+                          return one.from == other.from && one.to == other.to;
+                      });
 }
 
 /// Compares the counts and the first edges; not what follows from them.
