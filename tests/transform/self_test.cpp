@@ -273,9 +273,6 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
          bricks(vector_body, false, false),
          {vector_file, "used |= (ulong)has_distances(minima + b) << b",
           "used |= (ulong)(b && has_distances(minima + b)) << b"}},
-        {"the lane beside it",
-         bricks(vector_body, false, false),
-         {vector_file, "sample_i = samples & 31u", "sample_i = (samples + 1u) & 31u"}},
         {"the polyhedron of the lane beside it",
          bricks(vector_body, true, false, true),
          {vector_file, "polyhedra + queue->numbers[n];", "polyhedra + queue->numbers[n == 5 ? 4 : n];"}},
@@ -307,6 +304,18 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
     for (Mutation& mutation : mutations)
         check_refusal(mutation.what, mutation.changed, folder.file("cache"),
                       [&](const Device& device) { return message_of_test(device, mutation.test_case); });
+}
+
+// A test with large triangles counts as a test of small ones, too.
+BOOST_AUTO_TEST_CASE(refuses_wrong_distances_of_slender_and_of_other_polyhedra_in_every_known_field) {
+    const TemporaryFolder folder;
+    const std::string file = "bricks_by_vector.cl";
+    const TestCase plain = bricks(vector_body, false, false);
+    for (const TestCase& test_case : {plain, large(plain), wide(plain), wide(large(plain))})
+        for (Changed changed : {Changed{file, "sample_i = samples & 31u", "sample_i = (samples + 1u) & 31u"},
+                                Changed{file, "displacements->x + lane", "displacements->x + (lane ^ 1u)"}})
+            check_refusal(test_case.name().c_str(), changed, folder.file("cache"),
+                          [&](const Device& device) { return message_of_test(device, test_case); });
 }
 
 // The group body leaves to the fill only coarse bricks that no polyhedron overlaps.

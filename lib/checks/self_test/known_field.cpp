@@ -34,27 +34,30 @@ struct Surface {
     std::vector<Triangle> triangles;
 };
 
-/// A cube of 48 triangles, slightly sheared, that holds a whole brick deeper than the band.
+/// A cube, slightly sheared, that holds a whole brick deeper than the band. On the sides across x triangles are large,
+/// in a field of large triangles; on the other sides they are so small that their polyhedra are slender in every field
+/// but a fine one.
 Surface make_cube() {
+    constexpr std::array<int, 3> cells{4, 2, 2};
     Surface cube;
-    std::array<std::uint32_t, 27> numbers{};
+    std::array<std::uint32_t, 45> numbers{};
     const auto place = [](const std::array<int, 3>& p) {
-        return static_cast<std::size_t>(p[0] + 3 * (p[1] + 3 * p[2]));
+        return static_cast<std::size_t>(p[0] + 5 * (p[1] + 3 * p[2]));
     };
-    for (int z = 0; z < 3; ++z)
-        for (int y = 0; y < 3; ++y)
-            for (int x = 0; x < 3; ++x) {
-                if (x == 1 && y == 1 && z == 1) continue;
-                const double u = x - 1, v = y - 1, w = z - 1;
+    for (int z = 0; z <= cells[2]; ++z)
+        for (int y = 0; y <= cells[1]; ++y)
+            for (int x = 0; x <= cells[0]; ++x) {
+                if (x % cells[0] != 0 && y % cells[1] != 0 && z % cells[2] != 0) continue;
+                const double u = x / 2.0 - 1, v = y - 1, w = z - 1;
                 numbers[place({x, y, z})] = static_cast<std::uint32_t>(cube.vertices.size());
                 cube.vertices.push_back({cube_centre[0] + 5.7 * (u + 0.05 * v - 0.03 * w),
                                          cube_centre[1] + 5.7 * (v - 0.04 * u + 0.05 * w),
                                          cube_centre[2] + 5.7 * (w + 0.03 * u - 0.05 * v)});
             }
     for (std::size_t axis = 0; axis < 3; ++axis)
-        for (const int side : {0, 2})
-            for (int i = 0; i < 2; ++i)
-                for (int j = 0; j < 2; ++j) {
+        for (const int side : {0, cells[axis]})
+            for (int i = 0; i < cells[(axis + 1) % 3]; ++i)
+                for (int j = 0; j < cells[(axis + 2) % 3]; ++j) {
                     const auto number = [&](int a, int b) {
                         std::array<int, 3> p{};
                         p[axis] = side;
