@@ -237,13 +237,9 @@ static inline bool is_nearer(float squared, uint polyhedron, float least, uint n
 #endif
 
 // The distances from the work-item's samples to a batch's polyhedra, in the sub-blocks that they overlap.
-static inline void evaluate(Brick brick, __local const uint* chosen, __local const Work* work,
-                            __global const Polyhedron* polyhedra, __private ItemMinimum* minimum
-#ifdef COUNT
-                            ,
-                            float half_width, float slack, __private uint* counters
-#endif
-) {
+static inline void evaluate(Layout layout, Brick brick, __local const uint* chosen, __local const Work* work,
+                            __global const Polyhedron* polyhedra, __private ItemMinimum* minimum,
+                            __private uint* counters) {
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         const uint number = s * GROUP + get_local_id(0), b = number / SMALL_SUBBLOCK_SAMPLES;
         const float3 from_centre = convert_float3(sample_of(b, number % SMALL_SUBBLOCK_SAMPLES)) - BRICK_CENTRE;
@@ -276,9 +272,10 @@ static inline void evaluate(Brick brick, __local const uint* chosen, __local con
                 least = LESSER(squared, least);
 #endif
 #ifdef COUNT
+                const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
                 ++counters[CLSDF_COUNT_LANES];
                 counters[CLSDF_COUNT_COVERED] +=
-                    covered_samples(p, o, from_centre.x, from_centre.y, from_centre.z, half_width, slack) & 1u;
+                    covered_samples(p, o, from_centre.x, from_centre.y, from_centre.z, layout.half_width, slack) & 1u;
 #endif
             }
         minimum->squared[s] = least;
@@ -307,12 +304,7 @@ static inline void lower_bounds_by_minima(__private const ItemMinimum* minimum, 
 
 // Takes all chosen polyhedra into the minima.
 static inline void evaluate_chosen(Layout layout, Brick brick, uint count, __global const Polyhedron* polyhedra,
-                                   __local Work* work, __private ItemMinimum* minimum
-#ifdef COUNT
-                                   ,
-                                   __private uint* counters
-#endif
-) {
+                                   __local Work* work, __private ItemMinimum* minimum, __private uint* counters) {
     lower_bounds_by_feet(layout, brick, count, polyhedra, work);
     for (uint begin = 0; begin < count; begin += BATCH) {
         if (begin > 0) lower_bounds_by_minima(minimum, work);
@@ -320,12 +312,7 @@ static inline void evaluate_chosen(Layout layout, Brick brick, uint count, __glo
         load_batch(brick, work->chosen + begin, length, polyhedra, work);
         const uint pairs = list_octants(brick, work->chosen + begin, length, polyhedra, work);
         find_subblocks(brick, work->chosen + begin, pairs, polyhedra, work);
-        evaluate(brick, work->chosen + begin, work, polyhedra, minimum
-#ifdef COUNT
-                 ,
-                 layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
-#endif
-        );
+        evaluate(layout, brick, work->chosen + begin, work, polyhedra, minimum, counters);
     }
 }
 
@@ -342,16 +329,11 @@ static inline void keep_minima(__private const ItemMinimum* minimum, __local Bri
 
 // Writes the work-item's samples. relative_brick: the brick's position in the part.
 static inline void write_samples(Layout layout, Brick brick, int3 relative_brick, __global const uint* sign_bits,
-                                 __private const ItemMinimum* minimum, __global float* distance
+                                 __private const ItemMinimum* minimum, __global float* distance,
 #ifdef NEAREST
-                                 ,
-                                 __local const BrickMinima* minima, __private const Finishing* finishing
+                                 __local const BrickMinima* minima, __private const Finishing* finishing,
 #endif
-#ifdef COUNT
-                                 ,
-                                 __private uint* counters
-#endif
-) {
+                                 __private uint* counters) {
     const int3 part_first = vload3(0, layout.first), size = vload3(0, layout.size);
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         const uint sample = s * GROUP + get_local_id(0);
@@ -423,8 +405,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
         minimum.polyhedron[s] = CLSDF_NO_POLYHEDRON;
 #endif
     }
-#ifdef COUNT
     uint counters[CLSDF_COUNTERS] = {0, 0, 0, 0};
+#ifdef COUNT
     __local uint group_counters[CLSDF_COUNTERS];
     if (item < CLSDF_COUNTERS) group_counters[item] = 0;
 #endif
@@ -434,10 +416,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
         if (count == 0 || (count + WINDOW <= ROOM && e + WINDOW < list_end)) continue;
 #ifdef COUNT
         counters[CLSDF_COUNT_BRICK_PAIRS] += item == 0 ? count : 0;
-        evaluate_chosen(layout, brick, count, polyhedra, &work, &minimum, counters);
-#else
-        evaluate_chosen(layout, brick, count, polyhedra, &work, &minimum);
 #endif
+        evaluate_chosen(layout, brick, count, polyhedra, &work, &minimum, counters);
         count = 0;
     }
 
@@ -445,16 +425,11 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     SET_FINISHING(finishing)
     keep_minima(&minimum, &work.room.minima);
 #endif
-    write_samples(layout, brick, relative_brick, sign_bits, &minimum, distance
+    write_samples(layout, brick, relative_brick, sign_bits, &minimum, distance,
 #ifdef NEAREST
-                  ,
-                  &work.room.minima, &finishing
+                  &work.room.minima, &finishing,
 #endif
-#ifdef COUNT
-                  ,
-                  counters
-#endif
-    );
+                  counters);
     if (item == 0) computed[((size_t)relative_brick.z * bricks.y + relative_brick.y) * bricks.x + relative_brick.x] = 1;
 #ifdef COUNT
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) atomic_add(group_counters + c, counters[c]);
