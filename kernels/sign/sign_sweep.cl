@@ -190,36 +190,18 @@ __kernel void sign_scatter(uint begin, uint end, __global const SweepRecord* rec
     keys[starts[records[n].row] + records[n].index] = records[n].key;
 }
 
-// Sorts keys[0, count). Most rows have few crossings; many are sorted in n log n operations.
+// Sorts keys[0, count) by insertion at falling strides (D. L. Shell; strides of R. Sedgewick, 1986: at most about
+// count^(4/3) steps). Most rows have few crossings.
+__constant uint strides[] = {1, 8, 23, 77, 281, 1073, 4193, 16577, 65921, 262913, 1050113};
 static inline void sort_keys(__global uint* keys, uint count) {
-    if (count <= 16) {
-        for (uint i = 1; i < count; ++i) {
+    for (int n = count <= 16 ? 0 : 10; n >= 0; --n) {
+        const uint stride = strides[n];
+        for (uint i = stride; i < count; ++i) {
             const uint key = keys[i];
             uint j = i;
-            for (; j > 0 && keys[j - 1] > key; --j) keys[j] = keys[j - 1];
+            for (; j >= stride && keys[j - stride] > key; j -= stride) keys[j] = keys[j - stride];
             keys[j] = key;
         }
-        return;
-    }
-    // Heap sort.
-    for (uint heap = count, root = count / 2; heap > 1;) {
-        if (root > 0) {
-            --root;
-        } else {
-            --heap;
-            const uint top = keys[0];
-            keys[0] = keys[heap];
-            keys[heap] = top;
-        }
-        const uint key = keys[root];
-        uint parent = root;
-        for (uint child = 2 * parent + 1; child < heap; child = 2 * parent + 1) {
-            if (child + 1 < heap && keys[child + 1] > keys[child]) ++child;
-            if (keys[child] <= key) break;
-            keys[parent] = keys[child];
-            parent = child;
-        }
-        keys[parent] = key;
     }
 }
 
