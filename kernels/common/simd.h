@@ -39,42 +39,35 @@
 // Vectors of LANES numbers.
 
 #if LANES == 16
-typedef float16 floatL;
-typedef double16 doubleL;
-typedef long16 longL;
-typedef int16 intL;
-typedef uint16 uintL;
-typedef ulong16 ulongL;
 #define LANE_BITS 0xFFFFu
 #define LANE_NUMBERS (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
-#define load_lanes vload16
-#define convert_floatL convert_float16
-#define convert_intL convert_int16
-#define convert_doubleL convert_double16
-#define convert_longL convert_long16
-#define as_uintL as_uint16
 #define as_ulong_halfL as_ulong8
-#define as_intL as_int16
-#define as_floatL as_float16
 #elif LANES == 8
-typedef float8 floatL;
-typedef double8 doubleL;
-typedef long8 longL;
-typedef int8 intL;
-typedef uint8 uintL;
-typedef ulong8 ulongL;
 #define LANE_BITS 0xFFu
 #define LANE_NUMBERS (uint8)(0, 1, 2, 3, 4, 5, 6, 7)
-#define load_lanes vload8
-#define convert_floatL convert_float8
-#define convert_intL convert_int8
-#define convert_doubleL convert_double8
-#define convert_longL convert_long8
-#define as_uintL as_uint8
 #define as_ulong_halfL as_ulong4
-#define as_intL as_int8
-#define as_floatL as_float8
-#elif LANES == 1
+#endif
+
+#if LANES != 1
+#define JOINED(name, number) name##number
+#define WITH_NUMBER(name, number) JOINED(name, number)
+#define OF_LANES(name) WITH_NUMBER(name, LANES)
+typedef OF_LANES(float) floatL;
+typedef OF_LANES(double) doubleL;
+typedef OF_LANES(long) longL;
+typedef OF_LANES(int) intL;
+typedef OF_LANES(uint) uintL;
+typedef OF_LANES(ulong) ulongL;
+#define load_lanes OF_LANES(vload)
+#define store_doubles(value, p) OF_LANES(vstore)(value, 0, p)
+#define convert_floatL OF_LANES(convert_float)
+#define convert_intL OF_LANES(convert_int)
+#define convert_doubleL OF_LANES(convert_double)
+#define convert_longL OF_LANES(convert_long)
+#define as_uintL OF_LANES(as_uint)
+#define as_intL OF_LANES(as_int)
+#define as_floatL OF_LANES(as_float)
+#else
 typedef float floatL;
 typedef double doubleL;
 typedef int longL;
@@ -108,22 +101,11 @@ DEFINE_STORE(store_eight_floats, float8, float, 8, global)
 DEFINE_STORE(store_eight_doubles, double8, double, 8, private)
 DEFINE_STORE(store_eight_doubles, double8, double, 8, global)
 #undef DEFINE_STORE
-#elif LANES == 16
-#define store_lanes vstore16
-#define store_eight vstore8
-#define store_eight_floats vstore8
-#define store_eight_doubles vstore8
 #else
-#define store_lanes vstore8
+#define store_lanes OF_LANES(vstore)
 #define store_eight vstore8
 #define store_eight_floats vstore8
 #define store_eight_doubles vstore8
-#endif
-
-#if LANES == 16
-#define store_doubles(value, p) vstore16(value, 0, p)
-#elif LANES == 8
-#define store_doubles(value, p) vstore8(value, 0, p)
 #endif
 
 // Between types of lanes.
