@@ -37,9 +37,11 @@ INLINE Steps steps_of(__global const Polyhedron* p) {
     return s;
 }
 
-// Squared distance from the samples displaced by (dx, dy, dz) along X, Y, Z from the point of the offsets, in squared
-// units. dz contains what the offset of z lacks. Only the normals of `s` are read.
-INLINE floatL squared_distance_displaced(Steps s, Offsets o, floatL dx, floatL dy, floatL dz) {
+// Squared distance from the samples (i, j, k) away from the point of the offsets, in squared units.
+INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k) {
+    const floatL dx = i * s.x[0] + (j * s.y[0] + k * s.z[0]);
+    const floatL dy = i * s.x[1] + (j * s.y[1] + k * s.z[1]);
+    const floatL dz = i * s.x[2] + (j * s.y[2] + (k * s.z[2] + o.z_low));
     const floatL y = o.y + dy;
     const floatL z = o.z + dz;  // the one rounding at z's own size: a chain of fma from o.z would round thrice
     const intL left = dx < -o.x, below = y < 0.0f;
@@ -52,13 +54,6 @@ INLINE floatL squared_distance_displaced(Steps s, Offsets o, floatL dx, floatL d
     const floatL before = (left ? (floatL)o.before_left : (floatL)o.before_right) - dt;
     const floatL past = (left ? (floatL)o.past_left : (floatL)o.past_right) + dt;
     return squared_from_edge(below ? -y : outward, below ? beyond : before, below ? beyond : past, z);
-}
-
-// The same from the samples (i, j, k) away from the point of the offsets.
-INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k) {
-    return squared_distance_displaced(s, o, i * s.x[0] + (j * s.y[0] + k * s.z[0]),
-                                      i * s.x[1] + (j * s.y[1] + k * s.z[1]),
-                                      i * s.x[2] + (j * s.y[2] + (k * s.z[2] + o.z_low)));
 }
 
 #if LANES == 1

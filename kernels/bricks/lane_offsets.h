@@ -57,7 +57,7 @@ INLINE EdgeTable table_at(__private const EdgeTables* all, uint lane) {
     return table;
 }
 
-// As squared_distance_displaced in distance.h, of samples at (x, y) along X and Y, displaced by (dx, dy) from the point
+// As squared_distance in distance.h, of samples at (x, y) along X and Y, displaced by (dx, dy) from the point
 // of the table's offsets, and at z along Z.
 INLINE floatL squared_distance_in_region(EdgeTable table, floatL x, floatL y, floatL dx, floatL dy, floatL z) {
 #ifdef SHUFFLED

@@ -92,10 +92,7 @@ static inline void clear_minimum(__global Minimum* minimum) {
 }
 
 #ifdef NEAREST
-// The words of a vector of numbers, and numbers of words.
-INLINE uintL low_words(ulongL least) {
-    return (uintL)(as_uintL(least.lo).even, as_uintL(least.hi).even);
-}
+// The high words of a vector of numbers, and numbers of words.
 INLINE uintL high_words(ulongL least) {
     return (uintL)(as_uintL(least.lo).odd, as_uintL(least.hi).odd);
 }

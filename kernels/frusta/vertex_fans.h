@@ -104,17 +104,11 @@ INLINE doubleL best_of_thirds(__private const Vectors* v, uint faces, Vectors mi
 INLINE doubleL best_of_all(__private const Vectors* v, uint faces, Vectors middle, double sign) {
     doubleL best = 0.0;
     for (uint k = 2; k < faces; ++k)
-        for (uint j = 1; j < k; ++j) {
-            const Vectors cross = cross_product(v[j], v[k]);
-            const doubleL first = dot_in_order(middle, cross);
+        for (uint j = 1; j < k; ++j)
             for (uint i = 0; i < j; ++i) {
-                const doubleL second = dot_in_order(middle, cross_product(v[k], v[i])),
-                              third = dot_in_order(middle, cross_product(v[i], v[j]));
-                const doubleL determinant = sign * dot_in_order(v[i], cross);
-                const doubleL least = LESSER(LESSER(first, second), LESSER(third, determinant));
+                const doubleL least = least_factor(middle, sign, v[i], v[j], v[k]);
                 best = GREATER(best, least);
             }
-        }
     return best;
 }
 
