@@ -4,6 +4,8 @@
 #include "core/parallel.hpp"
 #include "polyhedra/face_order.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -45,24 +47,18 @@ std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
 /// The box of the points, cut off at another one.
 Box box_within(std::span<const Vec3> points, const Box& most) {
     const std::size_t ranges = chunk_count(points.size(), together);
-    std::vector<Box> boxes(ranges);
+    std::vector<Eigen::AlignedBox3d> boxes(ranges);
     for_each_chunk(points.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
-        Box box{points[begin], points[begin]};
-        for (std::size_t i = begin; i < end; ++i)
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                box.lower[axis] = std::min(box.lower[axis], points[i][axis]);
-                box.upper[axis] = std::max(box.upper[axis], points[i][axis]);
-            }
+        Eigen::AlignedBox3d box;
+        for (std::size_t i = begin; i < end; ++i) box.extend(polyhedra::to_vector(points[i]));
         boxes[range] = box;
     });
-    Box all = boxes[0];
+    for (const Eigen::AlignedBox3d& box : boxes) boxes[0].extend(box);
+    Box all;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        for (const Box& box : boxes) {
-            all.lower[axis] = std::min(all.lower[axis], box.lower[axis]);
-            all.upper[axis] = std::max(all.upper[axis], box.upper[axis]);
-        }
-        all.lower[axis] = std::clamp(all.lower[axis], most.lower[axis], most.upper[axis]);
-        all.upper[axis] = std::clamp(all.upper[axis], most.lower[axis], most.upper[axis]);
+        const auto at = static_cast<Eigen::Index>(axis);
+        all.lower[axis] = std::clamp(boxes[0].min()[at], most.lower[axis], most.upper[axis]);
+        all.upper[axis] = std::clamp(boxes[0].max()[at], most.lower[axis], most.upper[axis]);
     }
     return all;
 }

@@ -5,10 +5,11 @@
 #include "launch/commands.hpp"
 #include "launch/short_launches.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -26,35 +27,20 @@ constexpr std::size_t marked_together = 4096, bound_stride = 16;
 // First estimates for a core; later launches use the measured time.
 constexpr double seconds_per_mark = 5e-8, seconds_per_scanned_point = 1e-6;
 
-/// A box that grows.
-struct Extent {
-    Vec3 lower{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
-               std::numeric_limits<double>::infinity()};
-    Vec3 upper{-lower[0], -lower[1], -lower[2]};
-
-    void add(const Vec3& low, const Vec3& high) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            lower[axis] = std::min(lower[axis], low[axis]);
-            upper[axis] = std::max(upper[axis], high[axis]);
-        }
-    }
-    void add(const Extent& other) { add(other.lower, other.upper); }
-};
+using Extent = Eigen::AlignedBox3d;
 
 /// The boxes of children as kernels read them. A box is widened by the rounding of floats there.
 PointGroup group_of(std::span<const Extent> children) {
     Extent all;
-    for (const Extent& child : children) all.add(child);
+    for (const Extent& child : children) all.extend(child);
     PointGroup group{};
     group.children = static_cast<clsdf_uint32>(children.size());
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double origin =
-            std::round(std::clamp((all.lower[axis] + all.upper[axis]) / 2, -farthest_origin, farthest_origin));
+    for (int axis = 0; axis < 3; ++axis) {
+        const double origin = std::round(std::clamp(all.center()[axis], -farthest_origin, farthest_origin));
         group.origin[axis] = static_cast<clsdf_int32>(origin);
         for (std::size_t i = 0; i < children.size(); ++i) {
-            group.centre[axis][i] =
-                static_cast<float>((children[i].lower[axis] + children[i].upper[axis]) / 2 - origin);
-            group.half_side[axis][i] = static_cast<float>((children[i].upper[axis] - children[i].lower[axis]) / 2);
+            group.centre[axis][i] = static_cast<float>(children[i].center()[axis] - origin);
+            group.half_side[axis][i] = static_cast<float>(children[i].sizes()[axis] / 2);
         }
     }
     return group;
@@ -77,7 +63,7 @@ Level level_of(std::size_t children, const ExtentOf& extent_of) {
             const std::size_t size = std::min(width, children - i * width);
             for (std::size_t k = 0; k < size; ++k) {
                 of_children[k] = extent_of(i * width + k);
-                level.extents[i].add(of_children[k]);
+                level.extents[i].extend(of_children[k]);
             }
             level.groups[i] = group_of(std::span(of_children).first(size));
         }
@@ -167,7 +153,7 @@ PointGroups group_points(std::span<const Vec3> points) {
     Level bricks = level_of(chunk_count(points.size(), width), [&](std::size_t vector) {
         Extent extent;
         for (std::size_t i = vector * width; i < std::min(points.size(), (vector + 1) * width); ++i)
-            extent.add(points[i], points[i]);
+            extent.extend(polyhedra::to_vector(points[i]));
         return extent;
     });
     const auto above = [](const Level& level) {
