@@ -92,7 +92,6 @@ public:
     Preparation(Report& report, const clsdf::Device& device, const std::stop_token& stop)
         : report_(report), device_(device), stop_(stop), mesh_(clsdf::make_shape("cube")) {}
 
-    /// Kernels that sweep large triangles are among these: the faces of a cube.
     Step compile(const Call& call) {
         clsdf::CallOptions watched;
         watched.should_stop = [this] { return stop_.stop_requested(); };

@@ -128,15 +128,21 @@ INLINE void find_crossings(Layout layout, SweepVertex a, SweepVertex b, SweepVer
     }
 }
 
-// The crossings of triangle t, unless its box holds many rows: then its number goes to `large`.
-INLINE void sweep_triangle(Layout layout, uint t, __global const uint* triangles, __global const SweepVertex* vertices,
-                           int bits_y, int bits_z, __global uint* large, __private Writer* writer) {
+// The crossings of triangle t in one of `strips` ranges of its slices. If strips is 0, all crossings, unless its box
+// holds many rows: then its number goes to `large`.
+INLINE void sweep_triangle(Layout layout, uint t, uint strip, uint strips, __global const uint* triangles,
+                           __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* large,
+                           __private Writer* writer) {
     const SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]],
                       c = vertices[triangles[3 * t + 2]];
-    const RowRange rows = rows_within(layout, a, b, c, bits_y, bits_z);
+    RowRange rows = rows_within(layout, a, b, c, bits_y, bits_z);
     const ulong number = row_count(rows);
     if (number == 0) return;
-    if (number > CLSDF_LARGE_ROWS) {
+    if (strips > 0) {
+        const long begin_z = rows.begin_z, slices = rows.end_z - begin_z + 1;
+        rows.begin_z = begin_z + slices * strip / strips;
+        rows.end_z = begin_z + slices * (strip + 1) / strips - 1;
+    } else if (number > CLSDF_LARGE_ROWS) {
         __global SweepTotals* const totals = writer->totals;
         large[atomic_inc(&totals->large)] = t;
         atomic_add(&totals->large_blocks, (uint)(number / CLSDF_LARGE_ROWS));
@@ -146,39 +152,22 @@ INLINE void sweep_triangle(Layout layout, uint t, __global const uint* triangles
     find_crossings(layout, a, b, c, rows, bits_y, bits_z, writer);
 }
 
-// Each work-item takes a range of the triangles [begin, end), or, if has_chosen, of those that `chosen` names there:
-// it handles those with few rows, and appends the numbers of the others to `large`. Keys: 2 k + (1 if the surface
-// faces -x), k the first sample at or after the crossing, counted from the first brick's first sample and clamped to
-// [0, row_length].
+// Each work-item takes a range of the triangles [begin, end), or, if has_chosen, of those that `chosen` names there. If
+// strips is 0, it handles those with few rows, and appends the numbers of the others to `large`. Otherwise it takes a
+// range of the strips of all triangles. Keys: 2 k + (1 if the surface faces -x), k the first sample at or after the
+// crossing, counted from the first brick's first sample and clamped to [0, row_length].
 __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
                              __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* row_counts,
                              uint capacity, __global SweepRecord* records, __global SweepTotals* totals,
-                             __global uint* large, int has_chosen, __global const uint* chosen) {
-    const uint part = get_global_id(0), parts = get_global_size(0), count = end - begin;
-    const uint own_end = begin + share_of(count, part + 1, parts);
+                             __global uint* large, int has_chosen, __global const uint* chosen, uint strips) {
+    const uint part = get_global_id(0), parts = get_global_size(0), count = (end - begin) * max(strips, 1u);
+    const uint own_end = share_of(count, part + 1, parts);
     Writer writer = {row_counts, records, capacity, totals, 0, 0};
-    for (uint n = begin + share_of(count, part, parts); n < own_end; ++n)
-        sweep_triangle(layout, has_chosen ? chosen[n] : n, triangles, vertices, bits_y, bits_z, large, &writer);
-    leave_records(writer);
-}
-
-// One work-item a triangle of large[begin, end) and a strip of its slices.
-__kernel void sign_crossings_of_large(Layout layout, uint begin, uint end, __global const uint* triangles,
-                                      __global const SweepVertex* vertices, int bits_y, int bits_z,
-                                      __global uint* row_counts, uint capacity, __global SweepRecord* records,
-                                      __global SweepTotals* totals, __global const uint* large) {
-    const uint i = begin + get_global_id(0);
-    const uint strip = get_global_id(1), strips = get_global_size(1);
-    if (i >= end) return;
-    const uint t = large[i];
-    const SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]],
-                      c = vertices[triangles[3 * t + 2]];
-    RowRange rows = rows_within(layout, a, b, c, bits_y, bits_z);
-    const long begin_z = rows.begin_z, slices = rows.end_z - begin_z + 1;
-    rows.begin_z = begin_z + slices * strip / strips;
-    rows.end_z = begin_z + slices * (strip + 1) / strips - 1;
-    Writer writer = {row_counts, records, capacity, totals, 0, 0};
-    find_crossings(layout, a, b, c, rows, bits_y, bits_z, &writer);
+    for (uint i = share_of(count, part, parts); i < own_end; ++i) {
+        const uint n = begin + (strips > 0 ? i / strips : i), strip = strips > 0 ? i % strips : 0;
+        sweep_triangle(layout, has_chosen ? chosen[n] : n, strip, strips, triangles, vertices, bits_y, bits_z, large,
+                       &writer);
+    }
     leave_records(writer);
 }
 

@@ -34,9 +34,9 @@ struct Surface {
     std::vector<Triangle> triangles;
 };
 
-/// A cube, slightly sheared, that holds a whole brick deeper than the band. On the sides across x triangles are large,
-/// in a field of large triangles; on the other sides they are so small that their polyhedra are slender in every field
-/// but a fine one.
+/// A cube, slightly sheared, that holds a whole brick deeper than the band. On the sides across x, triangles have so
+/// many rows of samples that the sweep divides them; on the other sides they are so small that their polyhedra are
+/// slender, except on a fine grid.
 Surface make_cube() {
     constexpr std::array<int, 3> cells{4, 2, 2};
     Surface cube;
@@ -122,13 +122,12 @@ Grid make_grid(const KnownFieldKind& kind) {
     Grid grid;
     if (kind.later) {
         grid.origin = {saddle[0] + 2e-9, saddle[1] + 5e-9, saddle[2] - 3e-9};
-        grid.spacing = Vec3{fan_scale, fan_scale, fan_scale};
-        if (kind.large) grid.spacing = Vec3{fan_scale / 2, fan_scale / 2, fan_scale / 2};
+        grid.spacing = Vec3{fan_scale / 2, fan_scale / 2, fan_scale / 2};
         grid.first = {-15, -15, -13};
         grid.size = {18, 18, 18};
     } else {
         grid.origin = {0.13, -0.21, 0.37};
-        grid.spacing = kind.large ? Vec3{0.55, 0.55, 0.55} : Vec3{1, 1, 1};
+        grid.spacing = Vec3{0.55, 0.55, 0.55};
         grid.first = {-11, -10, -9};
         grid.size = {23, 21, 20};
     }

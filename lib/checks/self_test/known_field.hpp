@@ -18,7 +18,6 @@ struct KnownFieldKind {
     bool wide = false;         ///< no band; else one of a few voxels, with other limits inside than outside
     bool is_signed = true;     ///< negative inside
     bool long_bricks = false;  ///< samples farther apart along z
-    bool large = false;        ///< triangles with many rows of samples; else with few
     bool later = false;        ///< a grid of another lattice, with samples on vertices and faces
     bool fine = false;         ///< a fine grid: no polyhedron overlaps one coarse brick inside and one outside
 };

@@ -43,7 +43,6 @@ struct Crossings {
     device::BufferPool::Lease starts;   ///< of the rows' crossings, were they listed row by row; and `count`
     device::BufferPool::Lease records;  ///< SweepRecord, in no order
     std::size_t record_count = 0;       ///< those that are left over included
-    bool has_large_triangles = false;   ///< see SignBits
 };
 
 /// The launches that find the crossings.
@@ -59,8 +58,7 @@ public:
           row_counts_(inputs.pool->lease(row_count_ * sizeof(cl_uint), "counts of the sign's crossings")),
           totals_(inputs.pool->lease(sizeof(SweepTotals), "totals of the sign's sweep")),
           large_(inputs.pool->lease(triangle_count_ * sizeof(cl_uint), "large triangles of the sign's sweep")),
-          small_kernel_(inputs.programs.sign_sweep, "sign_crossings"),
-          large_kernel_(inputs.programs.sign_sweep, "sign_crossings_of_large") {
+          kernel_(inputs.programs.sign_sweep, "sign_crossings") {
         seen_.brick_first[0] -= inputs.mesh->first_x / CLSDF_BRICK;
         crossings_.starts = inputs.pool->lease((row_count_ + 1) * sizeof(cl_uint), "starts of the sign's crossings");
         const std::size_t left_over = std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK;
@@ -81,9 +79,8 @@ public:
         queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
         inputs_.launches.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
-            launch(small_kernel_, cl::NDRange(parts_), cl::NDRange(inputs_.programs.part_group()), begin, end,
-                   cl_int{has_selection() ? 1 : 0},
-                   has_selection() ? inputs_.selection.triangles : inputs_.mesh->triangles());
+            enqueue(parts_, begin, end, has_selection(),
+                    has_selection() ? inputs_.selection.triangles : inputs_.mesh->triangles(), 0);
         });
         add_up();
     }
@@ -109,7 +106,6 @@ private:
     /// Waits, and sets the crossings' numbers: of the records those that it took, also if there was room for fewer.
     void end() {
         SweepTotals totals = wait_for_totals();
-        crossings_.has_large_triangles = totals.large > 0;
         if (totals.large > 0) {
             find_large(totals);
             add_up();
@@ -124,20 +120,18 @@ private:
         const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
         const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
         inputs_.launches.over(totals.large, seconds, [&](std::size_t begin, std::size_t end) {
-            launch(large_kernel_, cl::NDRange(in_whole_groups(end - begin), strips), cl::NDRange(common_group, 1),
-                   begin, end);
+            enqueue((end - begin) * strips, begin, end, true, *large_, strips);
         });
     }
 
-    /// With the arguments that both kernels have, and those that only one has.
-    template <class... Arguments>
-    void launch(cl::Kernel& kernel, const cl::NDRange& items, const cl::NDRange& group, std::size_t begin,
-                std::size_t end, const Arguments&... others) const {
+    /// Triangles [begin, end), or of those that are chosen; in strips unless their number is 0.
+    void enqueue(std::size_t items, std::size_t begin, std::size_t end, bool has_chosen, const cl::Buffer& chosen,
+                 std::size_t strips) {
         const SweepMesh& mesh = *inputs_.mesh;
-        set_arguments(kernel, 0, seen_, static_cast<cl_uint>(begin), static_cast<cl_uint>(end), mesh.triangles(),
-                      *mesh.vertices, cl_int{mesh.bits_y}, cl_int{mesh.bits_z}, *row_counts_,
-                      static_cast<cl_uint>(capacity_), *crossings_.records, *totals_, *large_, others...);
-        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group);
+        launch(queue_, kernel_, {items, inputs_.programs.part_group()}, seen_, static_cast<cl_uint>(begin),
+               static_cast<cl_uint>(end), mesh.triangles(), *mesh.vertices, cl_int{mesh.bits_y}, cl_int{mesh.bits_z},
+               *row_counts_, static_cast<cl_uint>(capacity_), *crossings_.records, *totals_, *large_,
+               cl_int{has_chosen ? 1 : 0}, chosen, static_cast<cl_uint>(strips));
     }
 
     /// Sums the crossings so far. The sums do not wait until it is known whether large triangles are left: waking the
@@ -167,8 +161,7 @@ private:
     device::BufferPool::Lease row_counts_;
     device::BufferPool::Lease totals_;
     device::BufferPool::Lease large_;
-    cl::Kernel small_kernel_;
-    cl::Kernel large_kernel_;
+    cl::Kernel kernel_;
     cl::Event totals_read_;
     std::optional<PrefixSums> sums_;
     Crossings crossings_;
@@ -194,11 +187,11 @@ SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
     device::guarded([&] {
         const std::size_t bytes =
             sign_row_count(inputs.layout) * static_cast<std::size_t>(inputs.layout.sign_words) * sizeof(cl_uint);
-        result_.bits = inputs.pool->lease(bytes, "sign bits");
+        bits_ = inputs.pool->lease(bytes, "sign bits");
         const bool is_empty = inputs.mesh == nullptr || inputs.mesh->triangle_count == 0 ||
                               (inputs.selection.triangles() != nullptr && inputs.selection.count == 0);
         if (is_empty) {
-            inputs.context.queue().enqueueFillBuffer(*result_.bits, cl_uint{0}, 0, bytes);
+            inputs.context.queue().enqueueFillBuffer(*bits_, cl_uint{0}, 0, bytes);
         } else {
             search_ = std::make_unique<CrossingSearch>(inputs_);
             search_->begin();
@@ -208,14 +201,10 @@ SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
 
 SignSweep::~SignSweep() = default;
 
-SignBits SignSweep::finish() {
+device::BufferPool::Lease SignSweep::finish() {
     return device::guarded([&] {
-        if (search_) {
-            const Crossings crossings = search_->finish();
-            result_.has_large_triangles = crossings.has_large_triangles;
-            sweep_rows(crossings);
-        }
-        return std::move(result_);
+        if (search_) sweep_rows(search_->finish());
+        return std::move(bits_);
     });
 }
 
@@ -231,7 +220,7 @@ void SignSweep::sweep_rows(const Crossings& crossings) {
         const std::size_t items = chunk_count(end - begin, item_rows);
         launch(inputs_.context.queue(), sweep, {items, inputs_.programs.part_group()}, layout,
                static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
-               cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *crossings.starts, *keys, *result_.bits);
+               cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *crossings.starts, *keys, *bits_);
     });
 }
 

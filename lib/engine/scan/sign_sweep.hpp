@@ -15,13 +15,6 @@ class CrossingSearch;
 struct Crossings;
 struct Programs;
 
-/// One bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words (docs/method.md, 'Sign by
-/// crossings').
-struct SignBits {
-    device::BufferPool::Lease bits;
-    bool has_large_triangles = false;  ///< a triangle of the sweep has more than CLSDF_LARGE_ROWS rows
-};
-
 /// The inputs of a sweep; all of them must outlive it.
 struct SweepInputs {
     device::Context& context;
@@ -43,19 +36,20 @@ public:
     SignSweep& operator=(const SignSweep&) = delete;
     ~SignSweep();
 
-    /// The buffer for the bits.
-    const cl::Buffer& bits() const { return *result_.bits; }
+    /// One bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words (docs/method.md, 'Sign by
+    /// crossings').
+    const cl::Buffer& bits() const { return *bits_; }
 
     /// Waits for the numbers of crossings, unless the host has waited for later commands of the queue, and enqueues the
     /// rest. Throws Error(out_of_memory) if there are 2^32 crossings or more.
-    SignBits finish();
+    device::BufferPool::Lease finish();
 
 private:
     /// Enqueues the launches that make bits of the crossings.
     void sweep_rows(const Crossings& crossings);
 
     SweepInputs inputs_;
-    SignBits result_;
+    device::BufferPool::Lease bits_;
     std::unique_ptr<CrossingSearch> search_;
 };
 
