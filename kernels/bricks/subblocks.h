@@ -74,11 +74,7 @@ typedef struct Minimum {
 } Minimum;
 
 // The host allocates as many bytes for each.
-#ifdef NEAREST
-typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(1) ? 1 : -1];
-#else
-typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(0) ? 1 : -1];
-#endif
+typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(sizeof(Least) == sizeof(ulong)) ? 1 : -1];
 
 // The index of a sample of a coarse brick among its bricks' minima: bricks with x running fastest,
 // then y, then z; there by sub-blocks. Each coordinate, from 0 to 31, adds its own. (Macros, for numbers and vectors.)

@@ -28,29 +28,24 @@ typedef struct Extent {
     float right_end, left_end, apex;  // along the bounds of the corners (overlapped_within)
 } Extent;
 
-// The extent of blocks that extend half_x, half_y and half_z samples from their centre.
-INLINE Extent extent_of(__global const Polyhedron* p, float half_x, float half_y, float half_z) {
+// The extent of cubes that extend half_side samples from their centre.
+INLINE Extent extent_of_cube(__global const Polyhedron* p, float half_side) {
     const float widen = 1.0f + 1.0e-6f;
     const float3 gx = vload3(0, p->gradient_x), gy = vload3(0, p->gradient_y), gz = vload3(0, p->gradient_z);
     const float4 normal = vload4(0, p->normal_along);  // along right, left, across right, left
     const float3 x = (float3)(gx.x, gy.x, gz.x), y = (float3)(gx.y, gy.y, gz.y);
     const float3 right = fabs(normal.x * x + normal.z * y), left = fabs(normal.w * y - normal.y * x);
-    const float3 frame = fabs(gx) * half_x + (fabs(gy) * half_y + fabs(gz) * half_z);
+    const float3 frame = fabs(gx) * half_side + (fabs(gy) * half_side + fabs(gz) * half_side);
     Extent extent;
     extent.x = widen * frame.x;
     extent.y = widen * frame.y;
     extent.z = widen * frame.z;
-    extent.right = widen * (right.x * half_x + (right.y * half_y + right.z * half_z));
-    extent.left = widen * (left.x * half_x + (left.y * half_y + left.z * half_z));
+    extent.right = widen * (right.x * half_side + (right.y * half_side + right.z * half_side));
+    extent.left = widen * (left.x * half_side + (left.y * half_side + left.z * half_side));
     extent.right_end = normal.x * extent.x;
     extent.left_end = normal.y * extent.x;
     extent.apex = (normal.y * normal.z + normal.x * normal.w) * extent.y;
     return extent;
-}
-
-// The same for cubes.
-INLINE Extent extent_of_cube(__global const Polyhedron* p, float half_side) {
-    return extent_of(p, half_side, half_side, half_side);
 }
 
 // The same, enlarged by the slack of a test.

@@ -182,6 +182,15 @@ std::string text_of(const Vec3& p) {
 
 }  // namespace
 
+std::vector<Vec3> positions_of(const Grid& grid) {
+    std::vector<Vec3> positions;
+    positions.reserve(grid.sample_count());
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid.size[0]; ++i) positions.push_back(grid.position(i, j, k));
+    return positions;
+}
+
 KnownField::KnownField(const KnownFieldKind& kind)
     : kind_(kind),
       mesh_(make_mesh()),
@@ -223,15 +232,13 @@ std::vector<double> KnownField::values() const {
         corners.push_back(
             {to_vector(mesh_.vertices()[t[0]]), to_vector(mesh_.vertices()[t[1]]), to_vector(mesh_.vertices()[t[2]])});
     std::vector<double> values(signs.size());
-    for (std::int64_t k = 0; k < grid_.size[2]; ++k)
-        for (std::int64_t j = 0; j < grid_.size[1]; ++j)
-            for (std::int64_t i = 0; i < grid_.size[0]; ++i) {
-                const Vector p = to_vector(grid_.position(i, j, k));
-                double least = std::numeric_limits<double>::infinity();
-                for (const auto& [a, b, c] : corners) least = std::min(least, squared_distance(p, a, b, c));
-                const std::size_t at = grid_.offset(i, j, k);
-                values[at] = signs[at] * std::sqrt(least);
-            }
+    const std::vector<Vec3> positions = positions_of(grid_);
+    for (std::size_t at = 0; at < values.size(); ++at) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const auto& [a, b, c] : corners)
+            least = std::min(least, squared_distance(to_vector(positions[at]), a, b, c));
+        values[at] = signs[at] * std::sqrt(least);
+    }
     return values;
 }
 

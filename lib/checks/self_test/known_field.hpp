@@ -22,6 +22,9 @@ struct KnownFieldKind {
     bool fine = false;         ///< a fine grid: no polyhedron overlaps one coarse brick inside and one outside
 };
 
+/// In the order of packed samples.
+std::vector<Vec3> positions_of(const Grid& grid);
+
 /// A small field whose values are known: of a cube, a closed fan whose saddle vertex has a gap between its triangles'
 /// polyhedra, and a sliver, on a grid across the corner of eight coarse bricks, or a fine one through a face. The
 /// values come from plain arithmetic in double precision: the least distance to all triangles, and the winding number

@@ -104,15 +104,6 @@ std::optional<std::string> run_field_test(const Device& device, const Programs& 
     });
 }
 
-std::vector<Vec3> positions_of(const Grid& grid) {
-    std::vector<Vec3> positions;
-    positions.reserve(grid.sample_count());
-    for (std::int64_t k = 0; k < grid.size[2]; ++k)
-        for (std::int64_t j = 0; j < grid.size[1]; ++j)
-            for (std::int64_t i = 0; i < grid.size[0]; ++i) positions.push_back(grid.position(i, j, k));
-    return positions;
-}
-
 /// Looks up the samples of known fields as points: those of the first lattice without a limit, with signs by crossings;
 /// those of the later one within a limit, with signs by the sides of faces.
 std::optional<std::string> run_point_test(const Device& device, const Programs& programs,

@@ -120,12 +120,6 @@ Vec3 centre_of(const Box& box) {
     return centre;
 }
 
-double least_side(const Box& box) {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t axis = 0; axis < 3; ++axis) least = std::min(least, box.upper[axis] - box.lower[axis]);
-    return least;
-}
-
 }  // namespace
 
 void check_box(const Box& box, const std::string& name) {
@@ -180,7 +174,7 @@ void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxe
         const std::uint32_t number = order[i];
         // The box holds a ball around its centre, and the surface is as far from the box as its bound says.
         const double distance =
-            std::sqrt(bounds[open[number]]) + least_side(boxes[open[number]]) / 2 / mesh.lattice.unit;
+            std::sqrt(bounds[open[number]]) + std::ranges::min(boxes[open[number]].extent()) / 2 / mesh.lattice.unit;
         squared[i] = distance * distance;
     });
     find_signs(mesh, rule, {centres, order, squared}, signs);

@@ -111,15 +111,12 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
     for (std::size_t face = 0; face < faces; ++face) {
         const auto corners = point_mesh.corners(face);
         for (std::size_t k = 0; k < 3; ++k) {
-            double side = 0;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double difference = (corners[(k + 1) % 3][axis] - corners[k][axis]) / point_mesh.lattice.unit;
-                side += difference * difference;
-            }
-            squared = std::max(squared, side);
+            const polyhedra::Vector side =
+                polyhedra::to_vector(corners[(k + 1) % 3]) - polyhedra::to_vector(corners[k]);
+            squared = std::max(squared, side.squaredNorm());
         }
     }
-    mesh.counts.longest = static_cast<float>(std::sqrt(squared) * (1 + 1e-6));
+    mesh.counts.longest = static_cast<float>(std::sqrt(squared) / point_mesh.lattice.unit * (1 + 1e-6));
     mesh.records = pool->lease(records * sizeof(ScanRecord), "records of the scan of points");
     device::guarded([&] {
         cl::Kernel pack(program, "pack_records");
