@@ -68,23 +68,4 @@ std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std:
     return requests;
 }
 
-void check_blocks(const BlockSet& blocks, std::size_t begin, std::size_t end, const device::Context& context,
-                  const std::function<void(const Request&)>& check, std::vector<scan::WrittenArray>& written) {
-    const std::vector<Request> requests = requests_of(blocks, begin, end);
-    const bool on_device = scan::are_on_device(blocks.targets);
-    for (std::size_t n = begin; n < end; ++n)
-        for_request(n, blocks.first.size(), [&] {
-            const Request& request = requests[n - begin];
-            request.grid.validate();
-            request.band.validate();
-            check(request);
-            device::guarded([&] {
-                if (on_device)
-                    scan::DeviceTargets(request.targets, request.grid, context).add_written(n, written);
-                else
-                    scan::HostTargets(request.targets, request.grid).add_written(n, written);
-            });
-        });
-}
-
 }  // namespace clsdf::transform

@@ -95,53 +95,12 @@ private:
 /// The properties that the requests of a batch share.
 auto kind_of(const Request& request, const HostArrays& arrays) {
     std::uint32_t in_double = 0;
-    for_each_extra(
-        [&](const OutputInfo& row, const HostArray& array) { in_double |= array.in_double ? bit_of(row) : 0; }, arrays);
+    for (const OutputInfo& row : extra_outputs()) in_double |= arrays[row.output].in_double ? bit_of(row) : 0;
     return std::tuple(request.grid.origin, request.grid.spacing, request.band.inside, request.band.outside,
                       outputs_of(arrays).bits(), in_double);
 }
 
-/// make(request) for each of them; see for_request(). Throws if their arrays overlap.
-template <class Made, class Make>
-std::vector<Made> made_of(std::span<const Request> requests, const std::function<void(const Request&)>& check,
-                          const Make& make) {
-    std::vector<Made> all;
-    all.reserve(requests.size());
-    for (std::size_t n = 0; n < requests.size(); ++n)
-        for_request(n, requests.size(), [&] {
-            requests[n].grid.validate();
-            requests[n].band.validate();
-            if (check) check(requests[n]);
-            all.push_back(make(requests[n]));
-        });
-    std::vector<WrittenArray> written;
-    device::guarded([&] {
-        for (std::size_t n = 0; n < all.size(); ++n) all[n].add_written(n, written);
-    });
-    refuse_overlap(written);
-    return all;
-}
-
 }  // namespace
-
-std::vector<HostTargets> targets_of(std::span<const Request> requests,
-                                    const std::function<void(const Request&)>& check) {
-    return made_of<HostTargets>(requests, check,
-                                [](const Request& request) { return HostTargets(request.targets, request.grid); });
-}
-
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context,
-                                             const std::function<void(const Request&)>& check) {
-    return made_of<DeviceTargets>(requests, check, [&](const Request& request) {
-        return device::guarded([&] { return DeviceTargets(request.targets, request.grid, context); });
-    });
-}
-
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, OutputSet outputs,
-                                             const std::function<void(const Request&)>& check) {
-    return made_of<DeviceTargets>(requests, check,
-                                  [&](const Request& request) { return DeviceTargets(outputs, request.grid); });
-}
 
 std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box,
                               bool counts) {

@@ -148,15 +148,14 @@ void BrickScan::enqueue_end(CommandChain& chain) {
     enqueue_slices(chain, fill_kernel_,
                    set_arguments(fill_kernel_, fill_outputs_, outputs_[Output::distance], words, inside, outside),
                    in_groups(slices_per_fill_ / static_cast<std::size_t>(words)));
-    for_each_extra(
-        [&](const OutputInfo& row, const cl::Buffer& buffer) {
-            if (buffer() == nullptr) return;
-            const std::size_t bytes = sample_bytes(row, (outputs_.in_double & bit_of(row)) != 0);
-            enqueue_slices(chain, leave_kernel_,
-                           set_arguments(leave_kernel_, leave_outputs_, buffer, static_cast<cl_int>(bytes)),
-                           in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
-        },
-        outputs_);
+    for (const OutputInfo& row : extra_outputs()) {
+        const cl::Buffer& buffer = outputs_[row.output];
+        if (buffer() == nullptr) continue;
+        const std::size_t bytes = sample_bytes(row, (outputs_.in_double & bit_of(row)) != 0);
+        enqueue_slices(chain, leave_kernel_,
+                       set_arguments(leave_kernel_, leave_outputs_, buffer, static_cast<cl_int>(bytes)),
+                       in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
+    }
     outputs_ = {};
 }
 
