@@ -341,16 +341,9 @@ Device Device::of_rank(std::size_t rank, std::size_t ranks) {
 }
 
 const char* name_of(DeviceKind kind) noexcept {
-    switch (kind) {
-        case DeviceKind::gpu:
-            return "gpu";
-        case DeviceKind::processor:
-            return "processor";
-        case DeviceKind::accelerator:
-            return "accelerator";
-        default:
-            return "other";
-    }
+    constexpr std::array names{"gpu", "processor", "accelerator", "other"};
+    const auto number = static_cast<std::size_t>(kind);
+    return number < names.size() ? names[number] : names.back();
 }
 
 std::vector<DeviceInfo> Device::all() {
