@@ -80,17 +80,10 @@ FieldArray<Value>::FieldArray(FieldArray&& other) noexcept
       capacity_(std::exchange(other.capacity_, 0)) {}
 
 template <typename Value>
-FieldArray<Value>& FieldArray<Value>::operator=(const FieldArray& other) {
-    if (this != &other) *this = FieldArray(other);
-    return *this;
-}
-
-template <typename Value>
-FieldArray<Value>& FieldArray<Value>::operator=(FieldArray&& other) noexcept {
+FieldArray<Value>& FieldArray<Value>::operator=(FieldArray other) noexcept {
     std::swap(data_, other.data_);
     std::swap(size_, other.size_);
     std::swap(capacity_, other.capacity_);
-    if (this != &other) other.clear();
     return *this;
 }
 
