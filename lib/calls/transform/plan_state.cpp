@@ -172,12 +172,10 @@ void PlanState::enqueue_stores(Part& part, CommandChain& chain, std::span<const 
 }
 
 void PlanState::read_counters() {
-    std::size_t CallStatistics::*const counters[] = {&CallStatistics::brick_pairs, &CallStatistics::lanes_evaluated,
-                                                     &CallStatistics::samples_covered, &CallStatistics::band_samples};
-    for (const auto counter : counters) statistics.*counter = 0;
+    for (const auto count : device_counts) statistics.*count = 0;
     for (const Part& part : parts_) {
         part.plan->read_back(device::context_of(device).queue());
-        for (const auto counter : counters) statistics.*counter += part.plan->statistics.*counter;
+        for (const auto count : device_counts) statistics.*count += part.plan->statistics.*count;
     }
 }
 
