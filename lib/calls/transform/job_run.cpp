@@ -70,10 +70,9 @@ public:
             transform::with_remedies(&caller_, {{divide, true}, {[] { return true; }}}, [&] {
                 const std::scoped_lock lock(state_.mutex);
                 if (!inputs_.records && !plan_) make_inputs();
-                if (in_place)
-                    pipeline_.place(*slot, slabs.back(), scan::arrays_from(done_, arrays));
-                else
-                    pipeline_.place_own(*slot, slabs.back(), arrays);
+                pipeline_.place(*slot, slabs.back(),
+                                in_place ? scan::arrays_from(done_, arrays)
+                                         : slot->own.for_samples(arrays, slabs.back().sample_count()));
                 compute(slabs.back(), slot->memories);
             });
             pipeline_.deliver(*slot, slabs.back());

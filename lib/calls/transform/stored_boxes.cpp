@@ -153,20 +153,19 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
     return to == expected;
 }
 
-std::optional<std::string> run_store_test(const device::Context& context, const cl::Program& program) {
-    if (!stores_right<std::uint8_t>(context, program) || !stores_right<std::uint32_t>(context, program) ||
-        !stores_right<std::uint64_t>(context, program))
-        return "elements are stored in wrong places";
-    return std::nullopt;
-}
-
 }  // namespace
 
 bool ensure_store_tested(const Device& device, const Programs& programs, const device::BuildWatch& watch) {
     return device::guarded([&] {
-        const cl::Program program = programs.store(device::context_of(device), watch);
-        return test_once(device, {"stored boxes", [&] { return std::vector{program}; }},
-                         [&] { return run_store_test(device::context_of(device), program); });
+        device::Context& context = device::context_of(device);
+        const cl::Program program = programs.store(context, watch);
+        const auto test = [&]() -> std::optional<std::string> {
+            if (stores_right<std::uint8_t>(context, program) && stores_right<std::uint32_t>(context, program) &&
+                stores_right<std::uint64_t>(context, program))
+                return std::nullopt;
+            return "elements are stored in wrong places";
+        };
+        return test_once(device, {"stored boxes", [&] { return std::vector{program}; }}, test);
     });
 }
 

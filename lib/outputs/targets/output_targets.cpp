@@ -86,18 +86,24 @@ void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& t
     }
 }
 
-/// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, unless these are unknown, or not
-/// where its numbers can.
-ByteRange range_of(const OutputInfo& row, const Grid& grid, const OutputArray& target, std::size_t bytes) {
-    if (grid.sample_count() == 0) return {};
-    const std::ptrdiff_t width = width_of(target.type);
-    // In double, which no sum of such products overflows.
-    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
+/// The first byte of a target's samples from its memory's begin on, and the byte after the last one. In double, which
+/// no sum of such products overflows.
+std::pair<double, double> extent_of(const OutputInfo& row, const Grid& grid, const OutputArray& target) {
+    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width_of(target.type));
     const auto extend = [&](std::ptrdiff_t stride, double steps) {
         (stride < 0 ? lowest : highest) += static_cast<double>(stride) * steps;
     };
     for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
     extend(target.component_stride, static_cast<double>(row.components - 1));
+    return {lowest, highest};
+}
+
+/// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, unless these are unknown, or not
+/// where its numbers can.
+ByteRange range_of(const OutputInfo& row, const Grid& grid, const OutputArray& target, std::size_t bytes) {
+    if (grid.sample_count() == 0) return {};
+    const std::ptrdiff_t width = width_of(target.type);
+    const auto [lowest, highest] = extent_of(row, grid, target);
     if (bytes != ArrayLayout::unknown_size && (lowest < 0 || highest > static_cast<double>(bytes)))
         throw misuse(
             fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
@@ -281,16 +287,10 @@ bool HostTargets::overlap(std::span<const std::byte> bytes) const {
     for_each_output(
         [&](const OutputInfo& row, const OutputArray& target) {
             if (!target.is_given()) return;
-            const auto* first = static_cast<const std::byte*>(target.host) + target.offset;
-            std::ptrdiff_t lowest = 0, highest = width_of(target.type);
-            const auto extend = [&](std::ptrdiff_t stride, std::size_t count) {
-                (stride < 0 ? lowest : highest) += stride * (static_cast<std::ptrdiff_t>(count) - 1);
-            };
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                extend(target.strides[axis], static_cast<std::size_t>(grid.size[axis]));
-            extend(target.component_stride, row.components);
-            result = result || (is_before(first + lowest, bytes.data() + bytes.size()) &&
-                                is_before(bytes.data(), first + highest));
+            const auto* const memory = static_cast<const std::byte*>(target.host);
+            const auto [lowest, highest] = extent_of(row, grid, target);
+            result = result || (is_before(memory + static_cast<std::ptrdiff_t>(lowest), bytes.data() + bytes.size()) &&
+                                is_before(bytes.data(), memory + static_cast<std::ptrdiff_t>(highest)));
         },
         targets);
     return result;

@@ -152,12 +152,8 @@ SlabPipeline::Slot& SlabPipeline::next() {
     return slot;
 }
 
-void SlabPipeline::place(Slot& slot, const Grid& slab, const HostArrays& callers) {
-    device::guarded([&] { slot.memories.place(context_, *pool_, callers, slab.sample_count()); });
-}
-
-void SlabPipeline::place_own(Slot& slot, const Grid& slab, const HostArrays& wanted) {
-    place(slot, slab, slot.own.for_samples(wanted, slab.sample_count()));
+void SlabPipeline::place(Slot& slot, const Grid& slab, const HostArrays& arrays) {
+    device::guarded([&] { slot.memories.place(context_, *pool_, arrays, slab.sample_count()); });
 }
 
 void SlabPipeline::take_back(Slot& slot) {

@@ -91,10 +91,8 @@ public:
 
     /// Waits until the slot's former slab has been handed on; throws what the sink threw.
     Slot& next();
-    /// Memory of the device, for the caller's arrays.
-    void place(Slot& slot, const Grid& slab, const HostArrays& callers);
-    /// The same for arrays of the slot, of the wanted outputs.
-    void place_own(Slot& slot, const Grid& slab, const HostArrays& wanted);
+    /// Memory of the device, for the caller's arrays or for the slot's own.
+    void place(Slot& slot, const Grid& slab, const HostArrays& arrays);
     /// The slot's slab has not been computed; next() gives the slot again.
     void take_back(Slot& slot);
     /// The slab has been computed.
