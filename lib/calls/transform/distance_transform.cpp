@@ -9,7 +9,6 @@
 #include "prepare/layout_of.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/output_targets.hpp"
-#include "transform/blocks.hpp"
 #include "transform/transform_access.hpp"
 #include "transform/transform_state.hpp"
 

@@ -4,7 +4,6 @@
 #include "plan/slabs.hpp"
 #include "prepare/layout_of.hpp"
 #include "targets/mapped_memory.hpp"
-#include "transform/blocks.hpp"
 #include "transform/stored_boxes.hpp"
 #include "transform/transform_state.hpp"
 
@@ -132,7 +131,6 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
                                           std::span<const transform::PlanState::Block> blocks,
                                           std::span<const scan::DeviceTargets> targets, transform::Caller& caller,
                                           transform::Compiling& compiling) {
-    double polyhedra_seconds = 0;
     transform::Inputs batch_inputs;
     const transform::Batch* batch = nullptr;
     for (const transform::PlanState::Block& block : blocks) {
@@ -141,7 +139,7 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
             compile(batch->job, compiling);
             const Stopwatch watch;
             batch_inputs = inputs(batch->job, true);
-            polyhedra_seconds += watch.seconds();
+            made.statistics.polyhedra_seconds += watch.seconds();
         }
         transform::Inputs block_inputs = batch_inputs;
         if (!(block.grid == batch->job.grid))
@@ -151,7 +149,6 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
         add_slab(made.statistics, block_plan->statistics);
         made.add(block, std::move(block_plan), targets, programs);
     }
-    made.statistics.polyhedra_seconds = polyhedra_seconds;
     keep_within_budget();
     made.statistics.device_bytes = made.own_bytes(*stages);
 }

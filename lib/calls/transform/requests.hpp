@@ -24,6 +24,9 @@ struct Batch {
     double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
 };
 
+/// The requests of blocks [begin, end). Throws Error(invalid_argument) for arrays that cannot hold all blocks.
+std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std::size_t end);
+
 /// Returns what `of_request` does for request number n of `count`. If there are several, the number stands in the
 /// message of the Error that it throws.
 template <class Function>
