@@ -6,7 +6,6 @@
 #include "core/statistics.hpp"
 #include "device/context.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <functional>
@@ -50,13 +49,13 @@ struct Remedy {
 /// Returns what attempt() returns. When memory is short, applies the first remedy that changes anything, and tries
 /// again; when none is left, the error is thrown. caller: whose functions are called; null: none.
 template <typename Attempt>
-auto with_remedies(const Caller* caller, std::vector<Remedy> remedies, const Attempt& attempt) {
-    std::reverse(remedies.begin(), remedies.end());
+auto with_remedies(const Caller* caller, const std::vector<Remedy>& remedies, const Attempt& attempt) {
+    auto next = remedies.begin();
     const auto apply_next = [&] {
         bool has_changed = false;
-        while (!has_changed && !remedies.empty()) {
-            has_changed = remedies.back().apply();
-            if (!has_changed || !remedies.back().repeats) remedies.pop_back();
+        while (!has_changed && next != remedies.end()) {
+            has_changed = next->apply();
+            if (!has_changed || !next->repeats) ++next;
         }
         return has_changed;
     };

@@ -84,6 +84,7 @@ BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
       launches_(launches_of(lists_, most)),
       computed_(inputs.pool->lease(brick_count(inputs.layout), "marks of the computed bricks")),
       layout_(inputs.layout),
+      bricks_(brick_count(layout_)),
       // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
       fill_group_pieces_(is_by_group(inputs) ? pieces_of_a_group(layout_) : 1),
       fill_group_slices_(is_by_group(inputs) ? common_group / fill_group_pieces_ : slices_of_a_group),
@@ -129,10 +130,10 @@ void BrickScan::set_outputs(cl::Kernel& kernel, cl_uint first, const OutputBuffe
 
 void BrickScan::enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) {
     if (first_marks_() == nullptr)
-        chain.then_fill(*computed_, brick_count(layout_));
+        chain.then_fill(*computed_, bricks_);
     else
         chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueCopyBuffer(first_marks_, *computed_, 0, 0, brick_count(layout_), wait, event);
+            queue.enqueueCopyBuffer(first_marks_, *computed_, 0, 0, bricks_, wait, event);
         });
     chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
     enqueue_reset(chain, outputs);

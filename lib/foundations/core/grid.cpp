@@ -234,12 +234,6 @@ void check_box(const Box& box) {
     }
 }
 
-void check_margin(const Length& margin) {
-    if (!(margin.value >= 0) || margin.is_infinite())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("grid: the margin is {}; it must be 0 or more, and finite", margin.value));
-}
-
 Vec3 resolved_spacing(const Box& box, const GridOptions& options) {
     if (options.spacing) {
         for (const double step : *options.spacing)
@@ -293,7 +287,9 @@ std::int64_t covering_samples(double steps) {
 
 Grid Grid::around(const Box& box, const GridOptions& options) {
     check_box(box);
-    check_margin(options.margin);
+    if (!(options.margin.value >= 0) || options.margin.is_infinite())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("grid: the margin is {}; it must be 0 or more, and finite", options.margin.value));
 
     Grid grid;
     grid.spacing = resolved_spacing(box, options);

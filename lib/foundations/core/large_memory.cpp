@@ -96,7 +96,7 @@ template <typename Value>
 void FieldArray<Value>::reserve(std::size_t size) {
     if (size <= capacity_) return;
     auto* data = static_cast<Value*>(allocate_array(size, sizeof(Value)));
-    std::copy(begin(), end(), data);
+    std::copy_n(data_, size_, data);
     if (data_ != nullptr) free_array(data_, capacity_, sizeof(Value));
     data_ = data;
     capacity_ = size;

@@ -17,6 +17,7 @@
 #include <compare>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -211,15 +212,10 @@ Strength strength_of(const DeviceInfo& info) {
 }
 
 /// Usable devices, the strongest first. Throws cl::Error.
-std::vector<DeviceInfo> candidates(const std::vector<DeviceInfo>& infos) {
-    std::vector<std::pair<Strength, DeviceInfo>> usable;
-    for (const DeviceInfo& info : infos)
-        if (info.usable()) usable.emplace_back(strength_of(info), info);
-    std::stable_sort(usable.begin(), usable.end(),
-                     [](const auto& one, const auto& other) { return one.first > other.first; });
-    std::vector<DeviceInfo> sorted;
-    for (auto& [strength, info] : usable) sorted.push_back(std::move(info));
-    return sorted;
+std::vector<DeviceInfo> candidates(std::vector<DeviceInfo> infos) {
+    std::erase_if(infos, [](const DeviceInfo& info) { return !info.usable(); });
+    std::ranges::stable_sort(infos, std::greater<>(), strength_of);
+    return infos;
 }
 
 /// Changes ASCII letters only, in every locale.
