@@ -247,15 +247,12 @@ void DistanceTransform::State::keep_within_budget() {
     const std::size_t budget = stages->budget();
     const std::size_t lattices = stages->device_bytes();
     std::size_t bytes = lattices;
-    for (auto kept = plans.begin(); kept != plans.end();) {
-        const std::size_t more = bytes_of(**kept);
-        if (bytes + more > budget) {
-            kept = plans.erase(kept);
-        } else {
-            bytes += more;
-            ++kept;
-        }
-    }
+    std::erase_if(plans, [&](const auto& plan) {
+        const std::size_t more = bytes_of(*plan);
+        if (bytes + more > budget) return true;
+        bytes += more;
+        return false;
+    });
     if (lattices > budget) stages->keep_within(budget);
 }
 

@@ -189,12 +189,10 @@ OutputSet outputs_of(const OutputTargets& targets) {
 
 OutputSet outputs_of(const HostArrays& arrays) {
     OutputSet outputs;
-    for_each_output(
-        [&](const OutputInfo& info, const HostArray& array) {
-            const bool is_finished = info.output == Output::distance ? array.in_double : array.is_wanted;
-            if (is_finished) outputs.insert(info.output);
-        },
-        arrays);
+    for (const OutputInfo& info : output_table()) {
+        const HostArray& array = arrays[info.output];
+        if (info.output == Output::distance ? array.in_double : array.is_wanted) outputs.insert(info.output);
+    }
     return outputs;
 }
 
@@ -282,18 +280,17 @@ void HostTargets::add_written(std::size_t request, std::vector<WrittenArray>& wr
 
 bool HostTargets::overlap(std::span<const std::byte> bytes) const {
     if (bytes.empty()) return false;
-    bool result = false;
     const std::less<const std::byte*> is_before;
-    for_each_output(
-        [&](const OutputInfo& row, const OutputArray& target) {
-            if (!target.is_given()) return;
-            const auto* const memory = static_cast<const std::byte*>(target.host);
-            const auto [lowest, highest] = extent_of(row, grid, target);
-            result = result || (is_before(memory + static_cast<std::ptrdiff_t>(lowest), bytes.data() + bytes.size()) &&
-                                is_before(bytes.data(), memory + static_cast<std::ptrdiff_t>(highest)));
-        },
-        targets);
-    return result;
+    for (const OutputInfo& row : output_table()) {
+        const OutputArray& target = targets[row.output];
+        if (!target.is_given()) continue;
+        const auto* const memory = static_cast<const std::byte*>(target.host);
+        const auto [lowest, highest] = extent_of(row, grid, target);
+        if (is_before(memory + static_cast<std::ptrdiff_t>(lowest), bytes.data() + bytes.size()) &&
+            is_before(bytes.data(), memory + static_cast<std::ptrdiff_t>(highest)))
+            return true;
+    }
+    return false;
 }
 
 void HostTargets::store(const Grid& slab, const HostArrays& values) const {

@@ -7,17 +7,6 @@
 
 namespace clsdf::scan {
 
-namespace {
-
-/// For exactly so many bytes if it must grow; what it holds is of no use any more.
-void make_room(UninitializedVector<MemoryLine>& array, std::size_t bytes) {
-    const std::size_t lines = chunk_count(bytes, sizeof(MemoryLine));
-    if (array.capacity() < lines) array = {};
-    array.resize(lines);
-}
-
-}  // namespace
-
 HostArrays arrays_for(OutputSet outputs) {
     HostArrays arrays;
     for (const OutputInfo& info : infos_of(outputs))
@@ -37,22 +26,17 @@ HostArrays arrays_from(std::size_t sample, const HostArrays& arrays) {
 
 std::size_t widest_of(const HostArrays& arrays) {
     std::size_t widest = 0;
-    for_each_output(
-        [&](const OutputInfo& row, const HostArray& array) {
-            if (array.is_wanted) widest = std::max(widest, sample_bytes(row, array.in_double));
-        },
-        arrays);
+    for (const OutputInfo& row : output_table())
+        if (const HostArray& array = arrays[row.output]; array.is_wanted)
+            widest = std::max(widest, sample_bytes(row, array.in_double));
     return widest;
 }
 
 FieldSlab slab_of(const HostArrays& arrays, std::size_t samples) {
     FieldSlab slab;
-    for_each_output(
-        [&](const OutputInfo& row, const HostArray& array) {
-            if (array.is_wanted)
-                slab.set(row.output, std::span<const std::byte>(array.data, samples * row.sample_bytes()));
-        },
-        arrays);
+    for (const OutputInfo& row : output_table())
+        if (const HostArray& array = arrays[row.output]; array.is_wanted)
+            slab.set(row.output, std::span<const std::byte>(array.data, samples * row.sample_bytes()));
     return slab;
 }
 
@@ -107,7 +91,10 @@ HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples)
     try {
         for_each_output(
             [&](const OutputInfo& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
-                make_room(own, array.is_wanted ? samples * sample_bytes(row, array.in_double) : 0);
+                const std::size_t bytes = array.is_wanted ? samples * sample_bytes(row, array.in_double) : 0;
+                const std::size_t lines = chunk_count(bytes, sizeof(MemoryLine));
+                if (own.capacity() < lines) own = {};  // so as to get exactly so many
+                own.resize(lines);
                 if (array.is_wanted) array.data = own.data()->bytes;
             },
             result, arrays_);
