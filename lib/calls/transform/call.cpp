@@ -1,6 +1,9 @@
 #include "transform/call.hpp"
 
+#include "core/stopwatch.hpp"
+
 #include <algorithm>
+#include <cmath>
 
 namespace clsdf::transform {
 
@@ -9,26 +12,37 @@ auto Caller::pass_on(const Function& function, const Arguments&... arguments) {
     try {
         return function(arguments...);
     } catch (...) {
-        has_thrown_ = true;
+        has_thrown = true;
         throw;
     }
 }
 
 void Caller::throw_if_stopped() {
-    if (options_.should_stop && pass_on(options_.should_stop))
+    if (options.should_stop && pass_on(options.should_stop))
         throw Error(ErrorCode::cancelled, "the computation was cancelled");
 }
 
-void Caller::progress(double fraction) {
-    report({.fraction = fraction});
-}
-
 void Caller::report(const Progress& progress) {
-    if (options_.progress) pass_on(options_.progress, progress);
+    if (options.progress) pass_on(options.progress, progress);
 }
 
-void Caller::warn(const std::string& message) {
-    if (options_.log) pass_on(options_.log, message);
+std::function<void(double)> Caller::between(double begin, double end) {
+    if (!options.progress && !options.should_stop) return {};
+    return [this, begin, end](double fraction) {
+        throw_if_stopped();
+        report({.fraction = begin + (end - begin) * fraction});
+    };
+}
+
+CallOptions part_of(const CallOptions& call, double begin, double end) {
+    CallOptions part = call;
+    if (call.progress)
+        part.progress = [&call, begin, end](Progress progress) {
+            if (progress.stage == Progress::Stage::computing)
+                progress.fraction = std::lerp(begin, end, progress.fraction);
+            call.progress(progress);
+        };
+    return part;
 }
 
 void CallMutex::check_thread() const {
@@ -49,7 +63,8 @@ void CallMutex::unlock() {
     mutex_.unlock();
 }
 
-device::BuildWatch Compiling::watch(std::size_t expected) {
+void Compiling::run(std::size_t expected, const std::function<bool(const device::BuildWatch&)>& ensure) {
+    const Stopwatch watch;
     const auto report_as = [this, expected](Progress::Stage stage) {
         return [this, expected, stage] {
             ++step_;
@@ -58,7 +73,13 @@ device::BuildWatch Compiling::watch(std::size_t expected) {
             caller_.report({stage, static_cast<double>(step_ - 1) / static_cast<double>(steps), step_, steps});
         };
     };
-    return {report_as(Progress::Stage::compiling), report_as(Progress::Stage::testing)};
+    first_use_ |= ensure({report_as(Progress::Stage::compiling), report_as(Progress::Stage::testing)});
+    seconds_ += watch.seconds();
+}
+
+void Compiling::describe(CallStatistics& statistics) const {
+    statistics.compile_seconds = seconds_;
+    statistics.first_use = first_use_;
 }
 
 }  // namespace clsdf::transform

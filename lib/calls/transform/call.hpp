@@ -3,14 +3,13 @@
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/error.hpp>
 
+#include "core/statistics.hpp"
 #include "device/context.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <functional>
 #include <mutex>
-#include <string>
 #include <thread>
 #include <vector>
 
@@ -18,33 +17,28 @@ namespace clsdf::transform {
 
 /// The functions of a call's options. If one of them throws, the call ends: it does not try again with less memory,
 /// even if the error is out_of_memory.
-class Caller {
-public:
-    explicit Caller(const CallOptions& options) : options_(options) {}
-
-    const CallOptions& options() const { return options_; }
-    /// Whether there is something to call between launches.
-    bool is_watching() const { return options_.progress || options_.should_stop; }
-
+struct Caller {
     /// Throws Error(cancelled) if the caller wants the call to stop.
     void throw_if_stopped();
-    /// Of the samples or points.
-    void progress(double fraction);
     void report(const Progress& progress);
-    void warn(const std::string& message);
+    /// Both, to be called between launches with the fraction done of samples or points, which are [begin, end) of the
+    /// call's; empty if there is nothing to call.
+    std::function<void(double)> between(double begin, double end);
 
     /// Whether the error means that the call needs more memory than there is.
     bool is_short_of_memory(const Error& error) const {
-        return error.code() == ErrorCode::out_of_memory && !has_thrown_;
+        return error.code() == ErrorCode::out_of_memory && !has_thrown;
     }
 
-private:
     template <typename Function, typename... Arguments>
     auto pass_on(const Function& function, const Arguments&... arguments);
 
-    const CallOptions& options_;
-    bool has_thrown_ = false;
+    const CallOptions& options;
+    bool has_thrown = false;  ///< one of its functions
 };
+
+/// The options of a part of a call, whose samples are [begin, end) of the call's. `call` must outlive them.
+CallOptions part_of(const CallOptions& call, double begin, double end);
 
 /// A way to need less memory.
 struct Remedy {
@@ -55,13 +49,13 @@ struct Remedy {
 /// Returns what attempt() returns. When memory is short, applies the first remedy that changes anything, and tries
 /// again; when none is left, the error is thrown. caller: whose functions are called; null: none.
 template <typename Attempt>
-auto with_remedies(const Caller* caller, std::vector<Remedy> remedies, const Attempt& attempt) {
-    std::reverse(remedies.begin(), remedies.end());
+auto with_remedies(const Caller* caller, const std::vector<Remedy>& remedies, const Attempt& attempt) {
+    auto next = remedies.begin();
     const auto apply_next = [&] {
         bool has_changed = false;
-        while (!has_changed && !remedies.empty()) {
-            has_changed = remedies.back().apply();
-            if (!has_changed || !remedies.back().repeats) remedies.pop_back();
+        while (!has_changed && next != remedies.end()) {
+            has_changed = next->apply();
+            if (!has_changed || !next->repeats) ++next;
         }
         return has_changed;
     };
@@ -95,15 +89,17 @@ class Compiling {
 public:
     explicit Compiling(Caller& caller) : caller_(caller) {}
 
-    /// expected: about how many steps there are.
-    device::BuildWatch watch(std::size_t expected);
+    /// ensure(watch) builds programs and returns whether it tested them. expected: about how many steps there are.
+    void run(std::size_t expected, const std::function<bool(const device::BuildWatch&)>& ensure);
 
-    double seconds = 0;
-    bool first_use = false;
+    /// Sets what it took.
+    void describe(CallStatistics& statistics) const;
 
 private:
     Caller& caller_;
     std::size_t step_ = 0;
+    double seconds_ = 0;
+    bool first_use_ = false;
 };
 
 }  // namespace clsdf::transform

@@ -9,7 +9,6 @@
 #include "prepare/layout_of.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/output_targets.hpp"
-#include "transform/blocks.hpp"
 #include "transform/transform_access.hpp"
 #include "transform/transform_state.hpp"
 
@@ -68,7 +67,7 @@ Device DistanceTransform::device() const {
 Box DistanceTransform::box() const {
     State& state = this->state();
     const std::scoped_lock lock(state.mutex);
-    return state.mesh().box();
+    return state.stages->mesh().box();
 }
 DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions) const {
     return with_host_memory("to restrict the transform", [&] {
@@ -108,7 +107,7 @@ TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& ban
                                                const CallOptions& call) const {
     return with_host_memory("to compile", [&] {
         State& state = this->state();
-        transform::Caller caller(call);
+        transform::Caller caller{call};
         caller.throw_if_stopped();
         const std::scoped_lock lock(state.mutex);
         const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
@@ -116,8 +115,7 @@ TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& ban
         transform::Compiling compiling(caller);
         state.compile(job, compiling);
         CallStatistics statistics;
-        statistics.compile_seconds = compiling.seconds;
-        statistics.first_use = compiling.first_use;
+        compiling.describe(statistics);
         return statistics.published();
     });
 }
@@ -140,30 +138,26 @@ TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const Cal
         State& state = this->state();
         const std::size_t count = blocks.first.size();
         if (count > most) {  // else the only part is checked as a whole
+            const bool on_device = scan::are_on_device(blocks.targets);
+            const auto on_host = [&](const Request& request) { return state.host_targets(request); };
+            const auto in_buffers = [&](const Request& request) { return state.device_targets(request); };
             std::vector<scan::WrittenArray> written;
-            for (std::size_t begin = 0; begin < count; begin += most)
-                transform::check_blocks(
-                    blocks, begin, std::min(begin + most, count), device::context_of(state.device),
-                    [&](const Request& request) {
-                        state.check(transform::job_of(request, scan::outputs_of(request.targets)));
-                    },
-                    written);
+            for (std::size_t n = 0; n < count; ++n) {
+                const Request request = transform::requests_of(blocks, n, n + 1).front();
+                if (on_device)
+                    transform::targets_of(request, n, count, in_buffers, written);
+                else
+                    transform::targets_of(request, n, count, on_host, written);
+            }
             scan::refuse_overlap(written);
         }
         CallStatistics total;
+        const auto share = [&](std::size_t part) { return static_cast<double>(part) / static_cast<double>(count); };
         for (std::size_t begin = 0; begin < count; begin += most) {
             const std::size_t end = std::min(begin + most, count);
-            CallOptions part_call = call;
-            if (call.progress)
-                part_call.progress = [&](Progress progress) {
-                    if (progress.stage == Progress::Stage::computing)
-                        progress.fraction =
-                            (static_cast<double>(begin) + static_cast<double>(end - begin) * progress.fraction) /
-                            static_cast<double>(count);
-                    call.progress(progress);
-                };
             try {
-                add_call(total, state.compute(transform::requests_of(blocks, begin, end), part_call));
+                add_call(total, state.compute(transform::requests_of(blocks, begin, end),
+                                              transform::part_of(call, share(begin), share(end))));
             } catch (const Error& error) {
                 if (count <= most || error.code() != ErrorCode::invalid_argument) throw;
                 throw Error(error.code(), fmt::format("of the blocks {} to {}: {}", begin, end - 1, error.what()),
@@ -177,7 +171,15 @@ TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const Cal
 CallStatistics DistanceTransform::State::compute(std::span<const Request> requests, const CallOptions& call) {
     if (!requests.empty() && scan::are_on_device(requests.front().targets)) return compute_on_device(requests, call);
     device::wait_for(context(), call.wait_list);
-    return requests.size() == 1 ? compute_one(requests.front(), call) : compute_many(requests, call);
+    if (requests.size() != 1) return compute_many(requests, call);
+    const Request& request = requests.front();
+    request.grid.validate();
+    request.band.validate();
+    const scan::HostTargets targets(request.targets, request.grid);
+    std::vector<scan::WrittenArray> written;
+    targets.add_written(0, written);
+    scan::refuse_overlap(written);
+    return compute_one(request, targets, call);
 }
 
 CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {
@@ -191,7 +193,7 @@ CallStatistics DistanceTransform::State::compute_on_device(std::span<const Reque
         if (call.count_work) plan->read_counters();
         plan->statistics.field_seconds = watch.seconds();
     });
-    transform::Caller(call).progress(1.0);
+    transform::Caller{call}.report({.fraction = 1});
     return plan->statistics;
 }
 
@@ -206,12 +208,7 @@ TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& ban
         state.check(job);
         if (!sink) throw Error(ErrorCode::invalid_argument, "a field in slabs needs a sink, and it is empty");
         device::wait_for(state.context(), call.wait_list);
-        const auto hand_on = [&](const Grid& part, const scan::HostArrays& values) {
-            sink(part, scan::slab_of(values, part.sample_count()));
-        };
-        scan::SlabPipeline pipeline(state.context(), state.pool, hand_on, options.sink_has_own_thread);
-        const scan::HostArrays arrays = scan::arrays_for(job.outputs);
-        return state.run(job, state.slabs(job, arrays, false), arrays, false, pipeline, call).published();
+        return state.compute_slabs(job, sink, options, call).published();
     });
 }
 
@@ -226,12 +223,14 @@ std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
 
 Field DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call,
                                  TransformStatistics* statistics) const {
-    Field field({grid, band, sign(), state().mesh().name()}, scan::extras_of(outputs) | Output::distance);
+    const State& state = this->state();
+    Field field({grid, band, state.sign, state.stages->mesh().name()}, scan::extras_of(outputs) | Output::distance);
     try {
-        const TransformStatistics made = compute(grid, band, field.targets(), call);
+        const Request request{grid, band, field.targets()};
+        const TransformStatistics made = compute({&request, 1}, call);
         if (statistics != nullptr) *statistics = made;
     } catch (const Error&) {
-        if (device::context_of(state_->device).is_lost()) keep_for_good(field);
+        if (state.context().is_lost()) keep_for_good(field);
         throw;
     }
     return field;

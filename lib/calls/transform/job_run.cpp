@@ -17,17 +17,11 @@ void run(transform::GridPlan& plan, const scan::OutputMemories& memories, transf
          double end) {
     const Stopwatch watch;
     const device::Context& context = device::context_of(plan.device);
-    std::function<void(double)> between;
-    if (caller.is_watching())
-        between = [&](double fraction) {
-            caller.throw_if_stopped();
-            caller.progress(begin + (end - begin) * fraction);
-        };
     device::guarded([&] {
         try {
             caller.throw_if_stopped();
             scan::CommandChain chain(context.queue(), {});
-            plan.enqueue(chain, memories.buffers(), between);
+            plan.enqueue(chain, memories.buffers, caller.between(begin, end));
             memories.enqueue_handover(context.queue());
             context.queue().finish();
             plan.read_back(context.queue());
@@ -40,13 +34,12 @@ void run(transform::GridPlan& plan, const scan::OutputMemories& memories, transf
     plan.statistics.field_seconds = watch.seconds();
 }
 
-/// The caller's arrays from a sample on.
-scan::HostArrays arrays_from(std::size_t sample, const scan::HostArrays& arrays) {
-    scan::HostArrays part;
-    for_each_output([&](const OutputInfo& row, const auto& array,
-                        auto& part_array) { part_array = array.from_sample(row, sample); },
-                    arrays, part);
-    return part;
+/// in_place: the samples are computed in the arrays.
+std::vector<Grid> slabs_for(const Job& job, const device::Context& context, const scan::HostArrays& arrays,
+                            bool in_place) {
+    const device::Context::Capabilities& capabilities = context.capabilities();
+    return scan::slabs_of(job.grid, in_place ? scan::limits_of(capabilities) : scan::stream_limits_of(capabilities),
+                          scan::widest_of(arrays));
 }
 
 }  // namespace
@@ -57,7 +50,7 @@ class DistanceTransform::State::JobRun {
 public:
     /// All arguments that are references must outlive this.
     JobRun(State& state, const Job& job, scan::SlabPipeline& pipeline, const CallOptions& call)
-        : keeps_budget_{state}, state_(state), job_(job), pipeline_(pipeline), caller_(call), compiling_(caller_) {}
+        : keeps_budget_{state}, state_(state), job_(job), pipeline_(pipeline), caller_{call}, compiling_(caller_) {}
 
     CallStatistics run(std::vector<Grid> slabs, const scan::HostArrays& arrays, bool in_place) {
         prepare(slabs.size() == 1);
@@ -77,11 +70,10 @@ public:
             transform::with_remedies(&caller_, {{divide, true}, {[] { return true; }}}, [&] {
                 const std::scoped_lock lock(state_.mutex);
                 if (!inputs_.records && !plan_) make_inputs();
-                if (in_place)
-                    pipeline_.place(*slot, slabs.back(), arrays_from(done_, arrays));
-                else
-                    pipeline_.place_own(*slot, slabs.back(), arrays);
-                compute(slabs.back(), slot->memories());
+                pipeline_.place(*slot, slabs.back(),
+                                in_place ? scan::arrays_from(done_, arrays)
+                                         : slot->own.for_samples(arrays, slabs.back().sample_count()));
+                compute(slabs.back(), slot->memories);
             });
             pipeline_.deliver(*slot, slabs.back());
             done_ += slabs.back().sample_count();
@@ -139,14 +131,13 @@ private:
         pipeline_.finish();
         {
             const std::scoped_lock lock(state_.mutex);
-            statistics_.compile_seconds = compiling_.seconds;
-            statistics_.first_use = compiling_.first_use;
+            compiling_.describe(statistics_);
             statistics_.device_bytes = state_.pool->peak();
             statistics_.host_bytes = pipeline_.host_bytes();
             inputs_ = {};
             if (plan_) state_.keep(std::move(plan_));
         }
-        caller_.progress(1.0);
+        caller_.report({.fraction = 1});
     }
 
     KeepsBudget keeps_budget_;  // destroyed last, when the other members have released their memory
@@ -163,7 +154,7 @@ private:
 
 std::optional<CallStatistics> DistanceTransform::State::run_kept(const Job& job, const scan::HostArrays& arrays,
                                                                  const CallOptions& call) {
-    transform::Caller caller(call);
+    transform::Caller caller{call};
     CallStatistics statistics;
     {
         const std::scoped_lock lock(mutex);
@@ -181,47 +172,45 @@ std::optional<CallStatistics> DistanceTransform::State::run_kept(const Job& job,
         }
         clsdf::run(*plan, memories, caller, 0, 1);
         device::guarded([&] { memories.read(context(), context().queue()); });
-        add_slab(statistics, plan->statistics);
+        statistics = plan->statistics;
+        statistics.slabs = 1;
         statistics.device_bytes = pool->peak();
         keep(std::move(plan));
     }
-    caller.progress(1.0);
+    caller.report({.fraction = 1});
     return statistics;
 }
 
-std::vector<Grid> DistanceTransform::State::slabs(const Job& job, const scan::HostArrays& arrays, bool in_place) const {
-    const device::Context::Capabilities& capabilities = context().capabilities();
-    return scan::slabs_of(job.grid, in_place ? scan::limits_of(capabilities) : scan::stream_limits_of(capabilities),
-                          scan::widest_of(arrays));
+CallStatistics DistanceTransform::State::compute_slabs(const Job& job, const SlabSink& sink, const SlabOptions& options,
+                                                       const CallOptions& call) {
+    const auto hand_on = [&](const Grid& part, const scan::HostArrays& values) {
+        sink(part, scan::slab_of(values, part.sample_count()));
+    };
+    scan::SlabPipeline pipeline(context(), pool, hand_on, options.sink_has_own_thread);
+    const scan::HostArrays arrays = scan::arrays_for(job.outputs);
+    return JobRun(*this, job, pipeline, call).run(slabs_for(job, context(), arrays, false), arrays, false);
 }
 
-CallStatistics DistanceTransform::State::run(const Job& job, std::vector<Grid> slabs, const scan::HostArrays& arrays,
-                                             bool in_place, scan::SlabPipeline& pipeline, const CallOptions& call) {
-    return JobRun(*this, job, pipeline, call).run(std::move(slabs), arrays, in_place);
-}
-
-CallStatistics DistanceTransform::State::compute_one(const Request& request, const CallOptions& call) {
-    const scan::HostTargets targets = std::move(transform::targets_of({&request, 1}).front());
-    const Job job{request.grid, request.band, scan::outputs_of(targets.arrays()), {}, call.count_work};
-    const bool in_place = targets.are_packed();
+CallStatistics DistanceTransform::State::compute_one(const Request& request, const scan::HostTargets& targets,
+                                                     const CallOptions& call) {
+    const Job job{request.grid, request.band, scan::outputs_of(targets.arrays), {}, call.count_work};
+    const bool in_place = targets.are_packed;
     if (in_place)
-        if (const auto kept = run_kept(job, targets.arrays(), call)) return *kept;
+        if (const auto kept = run_kept(job, targets.arrays, call)) return *kept;
     check(job);
-    std::vector<Grid> slabs = this->slabs(job, targets.arrays(), in_place);
+    std::vector<Grid> slabs = slabs_for(job, context(), targets.arrays, in_place);
     scan::ArraySink store;
     if (!in_place) store = [&](const Grid& part, const scan::HostArrays& values) { targets.store(part, values); };
     scan::SlabPipeline pipeline(context(), pool, store, slabs.size() > 1);
-    return run(job, std::move(slabs), targets.arrays(), in_place, pipeline, call);
+    return JobRun(*this, job, pipeline, call).run(std::move(slabs), targets.arrays, in_place);
 }
 
 CallStatistics DistanceTransform::State::compute_many(std::span<const Request> requests, const CallOptions& call) {
-    const std::vector<scan::HostTargets> targets = transform::targets_of(requests, [&](const Request& request) {
-        check(transform::job_of(request, scan::outputs_of(request.targets)));
-    });
+    const auto targets = transform::targets_of(requests, [&](const Request& request) { return host_targets(request); });
     std::vector<scan::HostArrays> arrays;
-    for (const scan::HostTargets& target : targets) arrays.push_back(target.arrays());
+    for (const scan::HostTargets& target : targets) arrays.push_back(target.arrays);
     const std::vector<transform::Batch> batches =
-        transform::batches_of(requests, arrays, mesh().box(), call.count_work);
+        transform::batches_of(requests, arrays, stages->mesh().box(), call.count_work);
     double cost = 0, done = 0;
     for (const transform::Batch& batch : batches) cost += batch.cost;
     const transform::Batch* computed = nullptr;
@@ -236,17 +225,13 @@ CallStatistics DistanceTransform::State::compute_many(std::span<const Request> r
     CallStatistics total;
     for (const transform::Batch& batch : batches) {
         computed = &batch;
-        CallOptions batch_call = call;
-        if (call.progress)
-            batch_call.progress = [&](Progress progress) {
-                if (progress.stage == Progress::Stage::computing)
-                    progress.fraction = (done + batch.cost * progress.fraction) / cost;
-                call.progress(progress);
-            };
+        const CallOptions batch_call = transform::part_of(call, done / cost, (done + batch.cost) / cost);
         const std::size_t first = batch.requests.front();
-        add_call(total, batch.requests.size() == 1 ? compute_one(requests[first], batch_call)
-                                                   : run(batch.job, slabs(batch.job, arrays[first], false),
-                                                         arrays[first], false, pipeline, batch_call));
+        if (batch.requests.size() == 1)
+            add_call(total, compute_one(requests[first], targets[first], batch_call));
+        else
+            add_call(total, JobRun(*this, batch.job, pipeline, batch_call)
+                                .run(slabs_for(batch.job, context(), arrays[first], false), arrays[first], false));
         done += batch.cost;
     }
     return total;

@@ -30,7 +30,7 @@ void PlanState::make_room(std::span<const Block> blocks, std::span<const DeviceT
                 if (!array.is_wanted) return;
                 bytes = std::max(bytes, block.grid.sample_count() * sample_bytes(row, array.in_double));
             },
-            targets[block.batch->requests.front()].arrays(), most);
+            targets[block.batch->requests.front()].arrays, most);
     }
     for_each_output(
         [&](const OutputInfo&, std::size_t bytes, device::BufferPool::Lease& lease) {
@@ -42,9 +42,9 @@ void PlanState::make_room(std::span<const Block> blocks, std::span<const DeviceT
 void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
                     const Programs& programs) {
     const DeviceTargets& any = targets[block.batch->requests.front()];
-    Part part{std::move(plan), block.batch->requests, block.in_place, any.arrays(), any.targets()};
+    Part part{std::move(plan), block.batch->requests, block.in_place, any.arrays, any.targets};
     if (block.in_place) {
-        part.buffers = *any.in_place();
+        part.buffers = *any.in_place;
         parts_.push_back(std::move(part));
         return;
     }
@@ -73,7 +73,7 @@ PerOutput<std::vector<Place>> PlanState::places_of(const Part& part, std::span<c
                 if (const auto box = stored_box(part.plan->job.grid, requests[n].grid, target))
                     places.push_back({target.device, *box});
             },
-            targets[n].targets(), part.arrays, all_places);
+            targets[n].targets, part.arrays, all_places);
     // A launch stores what goes to one buffer: the buffers in the order of the requests.
     for_each_output(
         [](const OutputInfo&, std::vector<Place>& places) {
@@ -106,13 +106,13 @@ void PlanState::check(const Part& part, const DeviceTargets& target) const {
                                         "make the plan of a request with such a target",
                                         row.name, name_of(other.type)));
         },
-        part.arrays, target.arrays(), part.like, target.targets());
-    if (part.in_place && !target.in_place())
+        part.arrays, target.arrays, part.like, target.targets);
+    if (part.in_place && !target.in_place)
         throw Error(
             ErrorCode::unsupported,
             fmt::format("the target of the output {}, but this plan writes to its targets directly and cannot copy; "
                         "make it of a request with such a target",
-                        target.why_not_in_place()));
+                        target.why_not_in_place));
 }
 
 std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> given) const {
@@ -123,7 +123,9 @@ std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> 
                                 requests.size(), given.size()));
     std::vector<Request> others = requests;
     for (std::size_t n = 0; n < given.size(); ++n) others[n].targets = given[n];
-    std::vector<DeviceTargets> targets = device_targets_of(others, device::context_of(device));
+    auto targets = transform::targets_of(others, [&](const Request& request) {
+        return DeviceTargets(request.targets, request.grid, device::context_of(device));
+    });
     for (const Part& part : parts_)
         for (const std::size_t n : part.requests) for_request(n, requests.size(), [&] { check(part, targets[n]); });
     return targets;
@@ -170,12 +172,10 @@ void PlanState::enqueue_stores(Part& part, CommandChain& chain, std::span<const 
 }
 
 void PlanState::read_counters() {
-    std::size_t CallStatistics::*const counters[] = {&CallStatistics::brick_pairs, &CallStatistics::lanes_evaluated,
-                                                     &CallStatistics::samples_covered, &CallStatistics::band_samples};
-    for (const auto counter : counters) statistics.*counter = 0;
+    for (const auto count : device_counts) statistics.*count = 0;
     for (const Part& part : parts_) {
         part.plan->read_back(device::context_of(device).queue());
-        for (const auto counter : counters) statistics.*counter += part.plan->statistics.*counter;
+        for (const auto count : device_counts) statistics.*count += part.plan->statistics.*count;
     }
 }
 
@@ -188,7 +188,7 @@ cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Even
             chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
         for (Part& part : parts_) {
             const bool has_other = part.in_place && !targets.empty();
-            part.plan->enqueue(chain, has_other ? *targets[part.requests.front()].in_place() : part.buffers, {});
+            part.plan->enqueue(chain, has_other ? *targets[part.requests.front()].in_place : part.buffers, {});
             enqueue_stores(part, chain, targets);
         }
     } catch (...) {

@@ -4,7 +4,6 @@
 #include "plan/slabs.hpp"
 #include "prepare/layout_of.hpp"
 #include "targets/mapped_memory.hpp"
-#include "transform/blocks.hpp"
 #include "transform/stored_boxes.hpp"
 #include "transform/transform_state.hpp"
 
@@ -44,10 +43,10 @@ std::vector<PlanState::Block> blocks_of(std::span<const Batch> batches, std::spa
     std::vector<PlanState::Block> blocks;
     for (const Batch& batch : batches) {
         const scan::DeviceTargets& any = targets[batch.requests.front()];
-        const bool in_place = batch.requests.size() == 1 && any.in_place().has_value();
+        const bool in_place = batch.requests.size() == 1 && any.in_place.has_value();
         const auto limits =
             in_place ? scan::SlabLimits{largest, largest, largest} : scan::stream_limits_of(context.capabilities());
-        const std::vector<Grid> slabs = scan::slabs_of(batch.job.grid, limits, scan::widest_of(any.arrays()));
+        const std::vector<Grid> slabs = scan::slabs_of(batch.job.grid, limits, scan::widest_of(any.arrays));
         for (const Grid& slab : slabs) blocks.push_back({&batch, slab, in_place && slabs.size() == 1});
     }
     return blocks;
@@ -72,12 +71,8 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Requ
     if (&device::context_of(made.device) != &context)
         throw Error(ErrorCode::invalid_argument,
                     "the transform has another device than the plan; update the plan with a transform of its Device");
-    const auto check_request = [&](const Request& request) {
-        check(transform::job_of(request, outputs_without_targets.value_or(scan::outputs_of(request.targets))));
-    };
-    const std::vector<scan::DeviceTargets> targets =
-        outputs_without_targets ? transform::device_targets_of(requests, *outputs_without_targets, check_request)
-                                : transform::device_targets_of(requests, context, check_request);
+    const auto targets = transform::targets_of(
+        requests, [&](const Request& request) { return device_targets(request, outputs_without_targets); });
     mutex.check_thread();
     made.clear();  // waits for its runs before the mutex is locked: other threads may use the transform
     std::swap(made.requests, requests);
@@ -97,21 +92,20 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
                                     const CallOptions& call) {
     const device::Context& context = device::context_of(device);
     std::vector<scan::HostArrays> arrays;
-    for (const scan::DeviceTargets& target : targets) arrays.push_back(target.arrays());
+    for (const scan::DeviceTargets& target : targets) arrays.push_back(target.arrays);
     const std::vector<transform::Batch> batches =
-        transform::batches_of(made.requests, arrays, mesh().box(), made.counts);
+        transform::batches_of(made.requests, arrays, stages->mesh().box(), made.counts);
     const std::vector<transform::PlanState::Block> blocks = transform::blocks_of(batches, targets, context);
 
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    transform::Caller caller(call);
+    transform::Caller caller{call};
     caller.throw_if_stopped();
     transform::Compiling compiling(caller);
-    if (!std::all_of(blocks.begin(), blocks.end(), [](const auto& block) { return block.in_place; })) {
-        const Stopwatch compile_watch;
-        compiling.first_use = transform::ensure_store_tested(device, programs, compiling.watch(1));
-        compiling.seconds = compile_watch.seconds();
-    }
+    if (!std::ranges::all_of(blocks, &transform::PlanState::Block::in_place))
+        compiling.run(1, [&](const device::BuildWatch& watch) {
+            return transform::ensure_store_tested(device, programs, watch);
+        });
     made.sign = sign;
     bool is_retry = false;
     const auto make = [&] {
@@ -129,8 +123,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
     if (made.has_own_pool) made.pool->release();
     made.is_whole = true;
-    made.statistics.compile_seconds = compiling.seconds;
-    made.statistics.first_use = compiling.first_use;
+    compiling.describe(made.statistics);
     made.published = made.statistics.published();
 }
 
@@ -138,7 +131,6 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
                                           std::span<const transform::PlanState::Block> blocks,
                                           std::span<const scan::DeviceTargets> targets, transform::Caller& caller,
                                           transform::Compiling& compiling) {
-    double polyhedra_seconds = 0;
     transform::Inputs batch_inputs;
     const transform::Batch* batch = nullptr;
     for (const transform::PlanState::Block& block : blocks) {
@@ -147,7 +139,7 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
             compile(batch->job, compiling);
             const Stopwatch watch;
             batch_inputs = inputs(batch->job, true);
-            polyhedra_seconds += watch.seconds();
+            made.statistics.polyhedra_seconds += watch.seconds();
         }
         transform::Inputs block_inputs = batch_inputs;
         if (!(block.grid == batch->job.grid))
@@ -157,7 +149,6 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
         add_slab(made.statistics, block_plan->statistics);
         made.add(block, std::move(block_plan), targets, programs);
     }
-    made.statistics.polyhedra_seconds = polyhedra_seconds;
     keep_within_budget();
     made.statistics.device_bytes = made.own_bytes(*stages);
 }

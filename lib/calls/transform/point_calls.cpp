@@ -19,22 +19,17 @@
 
 namespace clsdf {
 
-std::shared_ptr<const points::PointMesh> DistanceTransform::State::points() {
-    const KeepsBudget keeps_budget(*this);
-    const std::scoped_lock lock(mutex);
-    return transform::with_remedies(nullptr, {forgetting()}, [&] { return kept_points->tree(); });
-}
-
 points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, std::size_t count, bool on_host) {
     return transform::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
         points::PointInputs inputs;
         inputs.mesh = kept_points->tree();
         const bool has_room = !on_host && !points_are_short_of_memory;
-        const bool are_many = has_room && points::is_scan_worthwhile(programs, count, mesh().triangles().size());
+        const bool are_many =
+            has_room && points::is_scan_worthwhile(programs, count, stages->mesh().triangles().size());
         if (are_many) inputs.scanned = kept_points->scanned_mesh(programs.point_scan(device::context_of(device)));
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
-                sign, has_room && points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
+                sign, has_room && points::are_sides_worthwhile(points_asked, stages->mesh().triangles().size()));
         const bool has_normals = transform::takes_normals(outputs);
         inputs.sites = stages->sites(transform::names_sites(outputs), has_normals || inputs.sides != nullptr);
         inputs.sign = sign;
@@ -67,7 +62,7 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
     }
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    check(mesh().box());  // before anything is made
+    check(stages->mesh().box());  // before anything is made
     pool->restart_peak();
     const Stopwatch watch;
     points::PointInputs inputs = point_inputs(outputs, all.size(), true);
@@ -81,61 +76,49 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
 CallStatistics DistanceTransform::State::query_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
                                                    const scan::HostTargets& targets, const CallOptions& call) {
     CallStatistics statistics;
-    transform::Caller caller(call);
+    transform::Caller caller{call};
     const points::PointInputs inputs = inputs_of_few(all, half_width, outputs, caller, statistics);
     statistics.triangles = inputs.mesh->face_count();
     statistics.device_bytes = std::max(statistics.device_bytes, inputs.mesh->device_bytes());
     scan::OwnArrays own;
-    const bool in_place = targets.are_packed();
-    const scan::HostArrays arrays = in_place ? targets.arrays() : own.for_samples(targets.arrays(), all.size());
+    const bool in_place = targets.are_packed;
+    const scan::HostArrays arrays = in_place ? targets.arrays : own.for_samples(targets.arrays, all.size());
     const points::PointTimes times = points::answer_points(inputs, all, half_width, arrays);
-    if (!in_place) targets.store_row(0, all.size(), arrays);
+    if (!in_place) targets.store(scan::row_of(all.size()), arrays);
     statistics.field_seconds = times.nearest;
     statistics.sign_seconds = times.sign;
-    caller.progress(1.0);
+    caller.report({.fraction = 1});
     return statistics;
-}
-
-points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, std::size_t asked, double half_width,
-                                                   OutputSet outputs, const scan::HostArrays& arrays,
-                                                   const std::function<void(double)>& between) {
-    const points::PointInputs inputs = point_inputs(outputs, asked, false);
-    return points::query_points(device::context_of(device), programs, pool, inputs, part, half_width, arrays, between);
 }
 
 CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, double half_width, OutputSet outputs,
                                                     const scan::HostTargets& targets, const CallOptions& call) {
     const KeepsBudget keeps_budget(*this);
     CallStatistics statistics;
-    statistics.triangles = mesh().triangles().size();
-    transform::Caller caller(call);
+    statistics.triangles = stages->mesh().triangles().size();
+    transform::Caller caller{call};
     transform::Compiling compiling(caller);
     {
         const std::scoped_lock lock(mutex);
         device::context_of(device).require_usable();
         caller.throw_if_stopped();
-        points::check_points(mesh().box(), all);  // before anything is made
+        points::check_points(stages->mesh().box(), all);  // before anything is made
         if (stages->restriction() != nullptr) stages->restriction()->check(all, half_width);
-        const Stopwatch compile_watch;
-        const device::BuildWatch builds = compiling.watch(transform::point_test_steps);
-        compiling.first_use = transform::ensure_points_tested(device, programs, {}, builds);
-        if (points::is_scan_worthwhile(programs, all.size(), mesh().triangles().size()) &&
-            transform::ensure_points_tested(device, programs, {.are_scanned = true}, builds))
-            compiling.first_use = true;
-        compiling.seconds = compile_watch.seconds();
+        const auto ensure_tested = [&](const transform::PointTestCase& test) {
+            compiling.run(transform::point_test_steps, [&](const device::BuildWatch& builds) {
+                return transform::ensure_points_tested(device, programs, test, builds);
+            });
+        };
+        ensure_tested({});
+        if (points::is_scan_worthwhile(programs, all.size(), stages->mesh().triangles().size()))
+            ensure_tested({.are_scanned = true});
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += all.size();
         const points::PointInputs inputs = point_inputs(outputs, all.size(), false);
         statistics.polyhedra_seconds = watch.seconds();
         // Only the stages see whether records are made of kept frusta.
-        if (inputs.scanned && inputs.scanned->is_later) {
-            const Stopwatch test_watch;
-            if (transform::ensure_points_tested(device, programs, {.are_scanned = true, .is_later = true},
-                                                compiling.watch(transform::point_test_steps)))
-                compiling.first_use = true;
-            compiling.seconds += test_watch.seconds();
-        }
+        if (inputs.scanned && inputs.scanned->is_later) ensure_tested({.are_scanned = true, .is_later = true});
     }
     scan::OwnArrays own;
     std::size_t most = points::most_points;
@@ -147,37 +130,33 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
                                  },
                                  true};
     };
+    const auto share = [&](std::size_t points) {
+        return static_cast<double>(points) / static_cast<double>(all.size());
+    };
     for (std::size_t begin = 0, count = 0; begin < all.size(); begin += count) {
         scan::HostArrays arrays;
         const auto times = transform::with_remedies(
             &caller, {forgetting(), fewer_than(std::size_t{1} << 15), without_tables(), fewer_than(256)}, [&] {
                 count = most = std::min(most, all.size() - begin);
                 const std::span<const Vec3> part = all.subspan(begin, count);
-                if (targets.are_packed())
-                    for_each_output([&](const OutputInfo& row, const scan::HostArray& array,
-                                        scan::HostArray& part_array) { part_array = array.from_sample(row, begin); },
-                                    targets.arrays(), arrays);
-                else
-                    arrays = own.for_samples(targets.arrays(), count);
+                arrays = targets.are_packed ? scan::arrays_from(begin, targets.arrays)
+                                            : own.for_samples(targets.arrays, count);
                 const std::scoped_lock lock(mutex);
-                return query(part, all.size(), half_width, outputs, arrays, [&](double fraction) {
-                    caller.throw_if_stopped();
-                    const double done = static_cast<double>(begin) + fraction * static_cast<double>(count);
-                    caller.progress(done / static_cast<double>(all.size()));
-                });
+                return points::query_points(device::context_of(device), programs, pool,
+                                            point_inputs(outputs, all.size(), false), part, half_width, arrays,
+                                            caller.between(share(begin), share(begin + count)));
             });
         statistics.sign_seconds += times.sign;
         statistics.field_seconds += times.nearest;
-        if (!targets.are_packed()) targets.store_row(begin, count, arrays);
+        if (!targets.are_packed) targets.store(scan::row_of(count, begin), arrays);
     }
     {
         const std::scoped_lock lock(mutex);
         pool->trim();
-        statistics.compile_seconds = compiling.seconds;
-        statistics.first_use = compiling.first_use;
+        compiling.describe(statistics);
         statistics.device_bytes = pool->peak();
     }
-    caller.progress(1.0);
+    caller.report({.fraction = 1});
     return statistics;
 }
 
@@ -197,7 +176,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
                                     half_width));
         check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
         if (points.count == 0) {  // vectors without elements have no memory
-            transform::Caller(call).progress(1.0);
+            transform::Caller{call}.report({.fraction = 1});
             return CallStatistics().published();
         }
         for (const auto& [output, array] : targets.all())
@@ -211,8 +190,8 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
         scan::add_targets(targets, points.count, memory);
         memory.map(call.wait_list);
         const PositionArray positions(memory.on_host(points));
-        const scan::HostTargets on_host =
-            scan::HostTargets::of_points(scan::on_host(targets, points.count, memory), points.count);
+        const scan::HostTargets on_host(scan::on_host(targets, points.count, memory), scan::row_of(points.count),
+                                        "there are {} points");
         std::vector<scan::WrittenArray> written;
         on_host.add_written(0, written);
         scan::refuse_overlap(written);
@@ -241,7 +220,12 @@ void DistanceTransform::classify(std::span<const Box> boxes, double half_width, 
                 fmt::format("{} boxes have {} places for their answers; give as many", boxes.size(), places.size()));
         points::check_boxes(boxes);
         if (const auto* restriction = state.stages->restriction()) restriction->check(boxes, half_width);
-        points::find_places(*state.points(), state.sign, boxes, half_width, places);
+        const auto tree = [&] {
+            const State::KeepsBudget keeps_budget(state);
+            const std::scoped_lock lock(state.mutex);
+            return transform::with_remedies(nullptr, {state.forgetting()}, [&] { return state.kept_points->tree(); });
+        }();
+        points::find_places(*tree, state.sign, boxes, half_width, places);
     });
 }
 

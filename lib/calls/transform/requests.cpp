@@ -92,55 +92,72 @@ private:
     double area_ = 0;
 };
 
+std::size_t element_bytes(const OutputInfo& info, const OutputArray& array) {
+    return bytes_of(array.type == ElementType::automatic ? info.type : array.type);
+}
+
+/// Bytes from a block's first value to that of the next block.
+std::ptrdiff_t block_stride(const OutputInfo& info, const OutputArray& array, std::size_t samples, std::size_t blocks) {
+    const bool is_packed = array.strides == ArrayLayout().strides && array.component_stride == 0;
+    if (array.block_stride == 0 && !is_packed && blocks > 1)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the array of the output {} has strides and no block stride; set it, too", info.name));
+    const std::size_t packed = samples * info.components * element_bytes(info, array);
+    if (array.block_stride == 0 && is_packed && array.host != nullptr && array.bytes != ArrayLayout::unknown_size &&
+        array.bytes != array.offset + blocks * packed)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{} blocks of {} samples take {} bytes of the output {}, and its array holds {}",
+                                blocks, samples, blocks * packed, info.name, array.bytes - array.offset));
+    return array.block_stride != 0 ? array.block_stride : static_cast<std::ptrdiff_t>(packed);
+}
+
 /// The properties that the requests of a batch share.
 auto kind_of(const Request& request, const HostArrays& arrays) {
     std::uint32_t in_double = 0;
-    for_each_extra(
-        [&](const OutputInfo& row, const HostArray& array) { in_double |= array.in_double ? bit_of(row) : 0; }, arrays);
+    for (const OutputInfo& row : extra_outputs()) in_double |= arrays[row.output].in_double ? bit_of(row) : 0;
     return std::tuple(request.grid.origin, request.grid.spacing, request.band.inside, request.band.outside,
                       outputs_of(arrays).bits(), in_double);
 }
 
-/// make(request) for each of them; see for_request(). Throws if their arrays overlap.
-template <class Made, class Make>
-std::vector<Made> made_of(std::span<const Request> requests, const std::function<void(const Request&)>& check,
-                          const Make& make) {
-    std::vector<Made> all;
-    all.reserve(requests.size());
-    for (std::size_t n = 0; n < requests.size(); ++n)
-        for_request(n, requests.size(), [&] {
-            requests[n].grid.validate();
-            requests[n].band.validate();
-            if (check) check(requests[n]);
-            all.push_back(make(requests[n]));
-        });
-    std::vector<WrittenArray> written;
-    device::guarded([&] {
-        for (std::size_t n = 0; n < all.size(); ++n) all[n].add_written(n, written);
-    });
-    refuse_overlap(written);
-    return all;
-}
-
 }  // namespace
 
-std::vector<HostTargets> targets_of(std::span<const Request> requests,
-                                    const std::function<void(const Request&)>& check) {
-    return made_of<HostTargets>(requests, check,
-                                [](const Request& request) { return HostTargets(request.targets, request.grid); });
-}
-
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context,
-                                             const std::function<void(const Request&)>& check) {
-    return made_of<DeviceTargets>(requests, check, [&](const Request& request) {
-        return device::guarded([&] { return DeviceTargets(request.targets, request.grid, context); });
-    });
-}
-
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, OutputSet outputs,
-                                             const std::function<void(const Request&)>& check) {
-    return made_of<DeviceTargets>(requests, check,
-                                  [&](const Request& request) { return DeviceTargets(outputs, request.grid); });
+std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std::size_t end) {
+    Grid block = blocks.lattice;
+    block.first = {};
+    block.size = blocks.size;
+    block.validate();
+    const std::size_t samples = block.sample_count(), count = blocks.first.size();
+    std::vector<std::ptrdiff_t> strides;
+    for (const OutputTarget& target : blocks.targets.all()) {
+        const OutputInfo& info = info_of(target.output);
+        strides.push_back(block_stride(info, target.array, samples, count));
+        if (count > 0 && strides.back() < 0 &&
+            static_cast<double>(target.array.offset) <
+                -static_cast<double>(strides.back()) * static_cast<double>(count - 1))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the block stride of the output {} is {}, which leads before its memory; let the "
+                                    "offset name the first block",
+                                    info.name, strides.back()));
+    }
+    std::vector<Request> requests;
+    requests.reserve(end - begin);
+    for (std::size_t n = begin; n < end; ++n) {
+        Request& request = requests.emplace_back(Request{block, blocks.band, {}});
+        request.grid.first = blocks.first[n];
+        std::size_t number = 0;
+        for (const OutputTarget& target : blocks.targets.all()) {
+            OutputArray& array = request.targets[target.output];
+            array = target.array;
+            array.block_stride = 0;
+            array.offset += static_cast<std::size_t>(strides[number++] * static_cast<std::ptrdiff_t>(n));
+            // An array with an offset may be larger than what is written to it.
+            if (array.offset == 0 && array.strides == ArrayLayout().strides && array.component_stride == 0 &&
+                array.bytes != ArrayLayout::unknown_size)
+                array.component_stride =
+                    static_cast<std::ptrdiff_t>(element_bytes(info_of(target.output), target.array));
+        }
+    }
+    return requests;
 }
 
 std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box,

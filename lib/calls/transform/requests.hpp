@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include <cstddef>
-#include <functional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace clsdf::transform {
@@ -24,6 +24,9 @@ struct Batch {
     double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
 };
 
+/// The requests of blocks [begin, end). Throws Error(invalid_argument) for arrays that cannot hold all blocks.
+std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std::size_t end);
+
 /// Returns what `of_request` does for request number n of `count`. If there are several, the number stands in the
 /// message of the Error that it throws.
 template <class Function>
@@ -36,15 +39,33 @@ auto for_request(std::size_t n, std::size_t count, const Function& of_request) {
     }
 }
 
-/// The targets of each request. Throws what a call for the request alone would throw, or what `check` throws; if there
-/// are several, with its index in the message.
-std::vector<HostTargets> targets_of(std::span<const Request> requests,
-                                    const std::function<void(const Request&)>& check = {});
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context,
-                                             const std::function<void(const Request&)>& check = {});
-/// The same without memory yet.
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, OutputSet outputs,
-                                             const std::function<void(const Request&)>& check);
+/// make(request), HostTargets or DeviceTargets, for request number n of `count`, whose grid and band are valid. Adds
+/// its arrays to `written`. Throws what a call for the request alone would throw; see for_request().
+template <class Make>
+auto targets_of(const Request& request, std::size_t n, std::size_t count, const Make& make,
+                std::vector<WrittenArray>& written) {
+    return for_request(n, count, [&] {
+        request.grid.validate();
+        request.band.validate();
+        return device::guarded([&] {
+            auto targets = make(request);
+            targets.add_written(n, written);
+            return targets;
+        });
+    });
+}
+
+/// The same for each of them. Throws if their arrays overlap.
+template <class Make>
+auto targets_of(std::span<const Request> requests, const Make& make) {
+    std::vector<std::invoke_result_t<Make, const Request&>> all;
+    std::vector<WrittenArray> written;
+    all.reserve(requests.size());
+    for (std::size_t n = 0; n < requests.size(); ++n)
+        all.push_back(targets_of(requests[n], n, requests.size(), make, written));
+    refuse_overlap(written);
+    return all;
+}
 
 /// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request
 /// asks for, and a call for each request has a cost of its own: requests of a lattice are divided if that is

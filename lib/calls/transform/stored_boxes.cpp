@@ -40,23 +40,10 @@ std::optional<StoredBox> stored_box(const Grid& block, const Grid& request, cons
     return box;
 }
 
-namespace {
-
-bool is_same(const StoredBox& a, const StoredBox& b) {
-    return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
-std::vector<StoredBox> boxes_of(std::span<const Place> places) {
-    std::vector<StoredBox> boxes;
-    for (const Place& place : places) boxes.push_back(place.box);
-    return boxes;
-}
-
-}  // namespace
-
 BoxStore::BoxStore(const device::Context& context, const cl::Program& program, const Grid& block,
                    const StoredElements& elements, const cl::Buffer& samples, std::vector<Place> places)
-    : kernel_(program, "store_boxes"), planned_(std::move(places)), written_(boxes_of(planned_)) {
+    : kernel_(program, "store_boxes"), planned_(std::move(places)) {
+    for (const Place& place : planned_) written_.push_back(place.box);
     boxes_ = device::copied(context, written_);
     const device::Context::Capabilities& device = context.capabilities();
     pieces_ = device.is_processor ? 1 : pieces_of_gpu;
@@ -74,7 +61,7 @@ void BoxStore::write(CommandChain& chain, std::span<const Place> places) {
     const bool is_known =
         last_write_() == nullptr || last_write_.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() >= CL_COMPLETE;
     for (std::size_t n = 0; n < places.size(); ++n) {
-        if (is_known && is_same(places[n].box, written_[n])) continue;
+        if (is_known && std::memcmp(&places[n].box, &written_[n], sizeof(StoredBox)) == 0) continue;
         chain.then([&](auto& queue, auto* wait, auto* event) {
             // A fill copies its pattern at once.
             queue.enqueueFillBuffer(boxes_, places[n].box, n * sizeof(StoredBox), sizeof(StoredBox), wait, event);
@@ -153,20 +140,19 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
     return to == expected;
 }
 
-std::optional<std::string> run_store_test(const device::Context& context, const cl::Program& program) {
-    if (!stores_right<std::uint8_t>(context, program) || !stores_right<std::uint32_t>(context, program) ||
-        !stores_right<std::uint64_t>(context, program))
-        return "elements are stored in wrong places";
-    return std::nullopt;
-}
-
 }  // namespace
 
 bool ensure_store_tested(const Device& device, const Programs& programs, const device::BuildWatch& watch) {
     return device::guarded([&] {
-        const cl::Program program = programs.store(device::context_of(device), watch);
-        return test_once(device, {"stored boxes", [&] { return std::vector{program}; }},
-                         [&] { return run_store_test(device::context_of(device), program); });
+        device::Context& context = device::context_of(device);
+        const cl::Program program = programs.store(context, watch);
+        const auto test = [&]() -> std::optional<std::string> {
+            if (stores_right<std::uint8_t>(context, program) && stores_right<std::uint32_t>(context, program) &&
+                stores_right<std::uint64_t>(context, program))
+                return std::nullopt;
+            return "elements are stored in wrong places";
+        };
+        return test_once(device, {"stored boxes", [&] { return std::vector{program}; }}, test);
     });
 }
 

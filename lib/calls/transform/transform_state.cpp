@@ -1,7 +1,6 @@
 #include "transform/transform_state.hpp"
 
 #include "core/lifetime.hpp"
-#include "core/stopwatch.hpp"
 #include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
@@ -24,7 +23,7 @@ constexpr std::size_t most_plans = 4;
 
 transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, KernelBody body,
                                 const CallOptions& call) {
-    transform::Caller(call).throw_if_stopped();
+    transform::Caller{call}.throw_if_stopped();
     scan::Programs programs = device::guarded([&] { return scan::Programs(device::context_of(device), body); });
     auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     return {std::move(device), std::move(pool), std::move(programs), std::move(method)};
@@ -96,14 +95,14 @@ DistanceTransform::State::~State() {
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    move_vertices(vertices.moved(mesh(), positions));
+    move_vertices(vertices.moved(stages->mesh(), positions));
 }
 
 void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    move_vertices(transform::Vertices::moved(first_positions.empty() ? mesh().vertices() : first_positions, rotation,
-                                             translation));
+    move_vertices(transform::Vertices::moved(first_positions.empty() ? stages->mesh().vertices() : first_positions,
+                                             rotation, translation));
 }
 
 void DistanceTransform::State::require_whole() const {
@@ -116,7 +115,7 @@ void DistanceTransform::State::require_whole() const {
 
 void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     std::vector<Vec3> before;
-    if (first_positions.empty()) before = mesh().vertices();
+    if (first_positions.empty()) before = stages->mesh().vertices();
     stages->move(std::move(positions));
     points_asked = 0;
     points_are_short_of_memory = false;
@@ -139,10 +138,9 @@ transform::TestCase DistanceTransform::State::test_case_of(const transform::Job&
 
 void DistanceTransform::State::test(const transform::TestCase& test_case, transform::Compiling& compiling) const {
     if (context().is_tested(test_case.name())) return;
-    const Stopwatch watch;
-    compiling.first_use |=
-        transform::ensure_tested(device, programs, test_case, compiling.watch(transform::step_count(test_case)));
-    compiling.seconds += watch.seconds();
+    compiling.run(transform::step_count(test_case), [&](const device::BuildWatch& watch) {
+        return transform::ensure_tested(device, programs, test_case, watch);
+    });
 }
 
 void DistanceTransform::State::check(const transform::Job& job) const {
@@ -164,6 +162,18 @@ void DistanceTransform::State::check(const transform::Job& job) const {
                         "distance an array of floats");
     }
     stages->check(job.grid, job.band, sign);
+}
+
+scan::HostTargets DistanceTransform::State::host_targets(const Request& request) const {
+    check({request.grid, request.band, scan::outputs_of(request.targets)});
+    return {request.targets, request.grid};
+}
+
+scan::DeviceTargets DistanceTransform::State::device_targets(
+    const Request& request, const std::optional<OutputSet>& outputs_without_targets) const {
+    check({request.grid, request.band, outputs_without_targets.value_or(scan::outputs_of(request.targets))});
+    if (outputs_without_targets) return {*outputs_without_targets, request.grid};
+    return {request.targets, request.grid, context()};
 }
 
 void DistanceTransform::State::compile(const transform::Job& job, transform::Compiling& compiling) const {
@@ -230,15 +240,12 @@ void DistanceTransform::State::keep_within_budget() {
     const std::size_t budget = stages->budget();
     const std::size_t lattices = stages->device_bytes();
     std::size_t bytes = lattices;
-    for (auto kept = plans.begin(); kept != plans.end();) {
-        const std::size_t more = bytes_of(**kept);
-        if (bytes + more > budget) {
-            kept = plans.erase(kept);
-        } else {
-            bytes += more;
-            ++kept;
-        }
-    }
+    std::erase_if(plans, [&](const auto& plan) {
+        const std::size_t more = bytes_of(*plan);
+        if (bytes + more > budget) return true;
+        bytes += more;
+        return false;
+    });
     if (lattices > budget) stages->keep_within(budget);
 }
 

@@ -39,13 +39,17 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
     /// See DistanceTransform::restrict_to().
     std::unique_ptr<State> restricted(std::vector<Region> regions);
 
-    const Mesh& mesh() const { return stages->mesh(); }
-
     void set_positions(std::span<const Vec3> positions);
     void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
     /// Throws if such a job is refused, whatever the device does.
     void check(const transform::Job& job) const;
+
+    /// The targets of a request after check().
+    scan::HostTargets host_targets(const Request& request) const;
+    /// outputs_without_targets: see PlanState.
+    scan::DeviceTargets device_targets(const Request& request,
+                                       const std::optional<OutputSet>& outputs_without_targets = {}) const;
 
     /// Builds and tests, the first time, what such a job runs on the device.
     void compile(const transform::Job& job, transform::Compiling& compiling) const;
@@ -92,13 +96,11 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
     /// By the plan of an earlier call with the same job; nothing if none is kept, or if memory is short.
     std::optional<CallStatistics> run_kept(const transform::Job& job, const scan::HostArrays& arrays,
                                            const CallOptions& call);
-    /// Slab by slab, into the arrays or, if not in place, to the pipeline's sink.
-    CallStatistics run(const transform::Job& job, std::vector<Grid> slabs, const scan::HostArrays& arrays,
-                       bool in_place, scan::SlabPipeline& pipeline, const CallOptions& call);
-    std::vector<Grid> slabs(const transform::Job& job, const scan::HostArrays& arrays, bool in_place) const;
+    CallStatistics compute_slabs(const transform::Job& job, const SlabSink& sink, const SlabOptions& options,
+                                 const CallOptions& call);
     /// Into memory of the host or of the device, which is that of the first request.
     CallStatistics compute(std::span<const Request> requests, const CallOptions& call);
-    CallStatistics compute_one(const Request& request, const CallOptions& call);
+    CallStatistics compute_one(const Request& request, const scan::HostTargets& targets, const CallOptions& call);
     CallStatistics compute_many(std::span<const Request> requests, const CallOptions& call);
     /// Into memory of the device, by way of a plan.
     CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
@@ -119,7 +121,6 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
                     transform::Compiling& compiling);
 
     // point_calls.cpp
-    std::shared_ptr<const points::PointMesh> points();
     /// By the host, at most points::most_few_points.
     CallStatistics query_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
                              const scan::HostTargets& targets, const CallOptions& call);
@@ -156,9 +157,6 @@ private:
     /// The same for the host, after the checks of the call. Waits for other calls only if something is to be made.
     points::PointInputs inputs_of_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
                                       transform::Caller& caller, CallStatistics& statistics);
-    /// A part of the points of a query, which asks for `asked` of them, into packed arrays.
-    points::PointTimes query(std::span<const Vec3> part, std::size_t asked, double half_width, OutputSet outputs,
-                             const scan::HostArrays& arrays, const std::function<void(double)>& between);
 };
 
 }  // namespace clsdf

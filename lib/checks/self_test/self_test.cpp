@@ -93,7 +93,7 @@ std::optional<std::string> run_field_test(const Device& device, const Programs& 
             if (watch.tests) watch.tests();
         };
         CommandChain chain(context.queue(), {});
-        plan.enqueue(chain, memories.buffers(), between);
+        plan.enqueue(chain, memories.buffers, between);
         memories.enqueue_handover(context.queue());
         context.queue().finish();
         memories.read(context, context.queue());

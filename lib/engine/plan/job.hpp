@@ -36,10 +36,6 @@ struct Job {
     }
 };
 
-inline Job job_of(const Request& request, OutputSet outputs) {
-    return {request.grid, request.band, outputs};
-}
-
 /// What the jobs of a transform share.
 struct Workshop {
     Device device;

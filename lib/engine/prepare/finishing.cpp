@@ -71,12 +71,11 @@ cl_uint Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const Output
     const auto given = [&](const auto& lease) -> const cl::Buffer& { return lease ? **lease : unused; };
     std::uint32_t wanted = 0;
     cl_uint argument = first + 3;
-    for_each_extra(
-        [&](const OutputInfo& row, const cl::Buffer& buffer) {
-            if (buffer() != nullptr) wanted |= bit_of(row);
-            kernel.setArg(argument++, buffer() != nullptr ? buffer : unused);
-        },
-        outputs);
+    for (const OutputInfo& row : extra_outputs()) {
+        const cl::Buffer& buffer = outputs[row.output];
+        if (buffer() != nullptr) wanted |= bit_of(row);
+        kernel.setArg(argument++, buffer() != nullptr ? buffer : unused);
+    }
     kernel.setArg(first, finish(wanted, outputs.in_double));
     kernel.setArg(first + 1, given(sites_->names));
     kernel.setArg(first + 2, given(sites_->normals));

@@ -84,6 +84,7 @@ BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
       launches_(launches_of(lists_, most)),
       computed_(inputs.pool->lease(brick_count(inputs.layout), "marks of the computed bricks")),
       layout_(inputs.layout),
+      bricks_(brick_count(layout_)),
       // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
       fill_group_pieces_(is_by_group(inputs) ? pieces_of_a_group(layout_) : 1),
       fill_group_slices_(is_by_group(inputs) ? common_group / fill_group_pieces_ : slices_of_a_group),
@@ -129,10 +130,10 @@ void BrickScan::set_outputs(cl::Kernel& kernel, cl_uint first, const OutputBuffe
 
 void BrickScan::enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) {
     if (first_marks_() == nullptr)
-        chain.then_fill(*computed_, brick_count(layout_));
+        chain.then_fill(*computed_, bricks_);
     else
         chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueCopyBuffer(first_marks_, *computed_, 0, 0, brick_count(layout_), wait, event);
+            queue.enqueueCopyBuffer(first_marks_, *computed_, 0, 0, bricks_, wait, event);
         });
     chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
     enqueue_reset(chain, outputs);
@@ -148,15 +149,14 @@ void BrickScan::enqueue_end(CommandChain& chain) {
     enqueue_slices(chain, fill_kernel_,
                    set_arguments(fill_kernel_, fill_outputs_, outputs_[Output::distance], words, inside, outside),
                    in_groups(slices_per_fill_ / static_cast<std::size_t>(words)));
-    for_each_extra(
-        [&](const OutputInfo& row, const cl::Buffer& buffer) {
-            if (buffer() == nullptr) return;
-            const std::size_t bytes = sample_bytes(row, (outputs_.in_double & bit_of(row)) != 0);
-            enqueue_slices(chain, leave_kernel_,
-                           set_arguments(leave_kernel_, leave_outputs_, buffer, static_cast<cl_int>(bytes)),
-                           in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
-        },
-        outputs_);
+    for (const OutputInfo& row : extra_outputs()) {
+        const cl::Buffer& buffer = outputs_[row.output];
+        if (buffer() == nullptr) continue;
+        const std::size_t bytes = sample_bytes(row, (outputs_.in_double & bit_of(row)) != 0);
+        enqueue_slices(chain, leave_kernel_,
+                       set_arguments(leave_kernel_, leave_outputs_, buffer, static_cast<cl_int>(bytes)),
+                       in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
+    }
     outputs_ = {};
 }
 

@@ -59,6 +59,7 @@ private:
     std::size_t in_groups(std::size_t slices) const;
 
     Layout layout_;
+    std::size_t bricks_;
     std::size_t fill_group_pieces_;
     std::size_t fill_group_slices_;
     std::size_t fill_pieces_;  ///< of a row of bricks, a work-item each

@@ -40,16 +40,8 @@ bool Length::is_infinite() const {
 }
 
 double Length::resolve(double voxel, double extent) const {
-    if (is_infinite()) return value;
-    switch (unit) {
-        case Unit::voxels:
-            return value * voxel;
-        case Unit::extent:
-            return value * extent;
-        case Unit::mesh:
-            break;
-    }
-    return value;
+    if (is_infinite() || unit == Unit::mesh) return value;
+    return value * (unit == Unit::voxels ? voxel : extent);
 }
 
 Band Band::full() {
@@ -133,36 +125,23 @@ Grid Grid::grown(std::int64_t samples) const {
     return result;
 }
 
-namespace {
-
-void check_ratio(const Grid& grid, std::int64_t ratio) {
-    if (ratio < 1)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("grid: it cannot be refined by a ratio of {}; give 1 or more", ratio));
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        for (const std::int64_t number : {grid.first[axis], grid.size[axis]})
-            if (std::abs(static_cast<double>(number) * static_cast<double>(ratio)) > static_cast<double>(largest_index))
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("grid: refined by a ratio of {}, it would have indices beyond 2^53", ratio));
-}
-
-}  // namespace
-
 Grid Grid::refined(std::int64_t ratio) const {
-    check_ratio(*this, ratio);
-    Grid result = *this;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        result.spacing[axis] /= static_cast<double>(ratio);
-        result.first[axis] *= ratio;
-        result.size[axis] = (size[axis] - 1) * ratio + 1;
-    }
+    Grid result = refined_cells(ratio);
+    result.origin = origin;
+    for (std::size_t axis = 0; axis < 3; ++axis) result.size[axis] = (size[axis] - 1) * ratio + 1;
     return result;
 }
 
 Grid Grid::refined_cells(std::int64_t ratio) const {
-    check_ratio(*this, ratio);
+    if (ratio < 1)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("grid: it cannot be refined by a ratio of {}; give 1 or more", ratio));
     Grid result = *this;
     for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (const std::int64_t number : {first[axis], size[axis]})
+            if (std::abs(static_cast<double>(number) * static_cast<double>(ratio)) > static_cast<double>(largest_index))
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("grid: refined by a ratio of {}, it would have indices beyond 2^53", ratio));
         result.spacing[axis] /= static_cast<double>(ratio);
         // From the centre of the lattice's cell 0 to that of its first part.
         result.origin[axis] = std::fma(-0.5, spacing[axis], std::fma(0.5, result.spacing[axis], origin[axis]));
@@ -255,12 +234,6 @@ void check_box(const Box& box) {
     }
 }
 
-void check_margin(const Length& margin) {
-    if (!(margin.value >= 0) || margin.is_infinite())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("grid: the margin is {}; it must be 0 or more, and finite", margin.value));
-}
-
 Vec3 resolved_spacing(const Box& box, const GridOptions& options) {
     if (options.spacing) {
         for (const double step : *options.spacing)
@@ -314,7 +287,9 @@ std::int64_t covering_samples(double steps) {
 
 Grid Grid::around(const Box& box, const GridOptions& options) {
     check_box(box);
-    check_margin(options.margin);
+    if (!(options.margin.value >= 0) || options.margin.is_infinite())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("grid: the margin is {}; it must be 0 or more, and finite", options.margin.value));
 
     Grid grid;
     grid.spacing = resolved_spacing(box, options);

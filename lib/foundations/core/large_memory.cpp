@@ -80,17 +80,10 @@ FieldArray<Value>::FieldArray(FieldArray&& other) noexcept
       capacity_(std::exchange(other.capacity_, 0)) {}
 
 template <typename Value>
-FieldArray<Value>& FieldArray<Value>::operator=(const FieldArray& other) {
-    if (this != &other) *this = FieldArray(other);
-    return *this;
-}
-
-template <typename Value>
-FieldArray<Value>& FieldArray<Value>::operator=(FieldArray&& other) noexcept {
+FieldArray<Value>& FieldArray<Value>::operator=(FieldArray other) noexcept {
     std::swap(data_, other.data_);
     std::swap(size_, other.size_);
     std::swap(capacity_, other.capacity_);
-    if (this != &other) other.clear();
     return *this;
 }
 
@@ -103,7 +96,7 @@ template <typename Value>
 void FieldArray<Value>::reserve(std::size_t size) {
     if (size <= capacity_) return;
     auto* data = static_cast<Value*>(allocate_array(size, sizeof(Value)));
-    std::copy(begin(), end(), data);
+    std::copy_n(data_, size_, data);
     if (data_ != nullptr) free_array(data_, capacity_, sizeof(Value));
     data_ = data;
     capacity_ = size;

@@ -24,33 +24,15 @@ private:
     std::array<Value, CLSDF_OUTPUT_COUNT> values_{};
 };
 
-namespace detail {
-/// An output's part of a set of outputs, or of values by output.
-inline bool part(const OutputSet& set, Output output) {
-    return set.contains(output);
-}
-template <typename Values>
-decltype(auto) part(Values&& values, Output output) {
-    return std::forward<Values>(values)[output];
-}
-}  // namespace detail
-
 /// The outputs beside the distance.
 inline std::span<const OutputInfo> extra_outputs() {
     return output_table().subspan(1);
 }
 
-/// Calls visit(info, a[output], b[output], ...) for each output, the distance first. For an OutputSet, a[output] is
-/// whether it contains the output.
-template <typename Visit, typename... Sets>
-void for_each_output(const Visit& visit, Sets&&... sets) {
-    for (const OutputInfo& info : output_table()) visit(info, detail::part(sets, info.output)...);
-}
-
-/// The same without the distance.
-template <typename Visit, typename... Sets>
-void for_each_extra(const Visit& visit, Sets&&... sets) {
-    for (const OutputInfo& info : extra_outputs()) visit(info, detail::part(sets, info.output)...);
+/// Calls visit(info, a[output], b[output], ...) for each output, the distance first.
+template <typename Visit, typename... Values>
+void for_each_output(const Visit& visit, Values&&... values) {
+    for (const OutputInfo& info : output_table()) visit(info, values[info.output]...);
 }
 
 /// The output's bit in a set of outputs, also in kernels.

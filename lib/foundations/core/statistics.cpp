@@ -18,10 +18,7 @@ void add_slab(CallStatistics& total, const CallStatistics& slab) {
     total.coarse_pairs += slab.coarse_pairs;
     total.coarse_bricks += slab.coarse_bricks;
     ++total.slabs;
-    total.brick_pairs += slab.brick_pairs;
-    total.lanes_evaluated += slab.lanes_evaluated;
-    total.samples_covered += slab.samples_covered;
-    total.band_samples += slab.band_samples;
+    for (const auto count : device_counts) total.*count += slab.*count;
     total.lists_seconds += slab.lists_seconds;
     total.sign_seconds += slab.sign_seconds;
     total.field_seconds += slab.field_seconds;

@@ -3,6 +3,7 @@
 #include <clsdf/calls.hpp>
 #include <clsdf/tuning.hpp>
 
+#include <array>
 #include <memory>
 
 namespace clsdf {
@@ -16,6 +17,10 @@ struct CallStatistics : TransformStatistics, WorkCounts {
         return statistics;
     }
 };
+
+/// What the device counts.
+inline constexpr std::array device_counts{&WorkCounts::brick_pairs, &WorkCounts::lanes_evaluated,
+                                          &WorkCounts::samples_covered, &WorkCounts::band_samples};
 
 /// The count of this name, which is added if there is none.
 MethodCount& count_named(std::vector<MethodCount>& counts, const std::string& name);

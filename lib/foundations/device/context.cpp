@@ -239,22 +239,16 @@ void Context::forget_records() {
 }
 
 cl::Program Context::program(const ProgramSource& source, const BuildWatch& watch) {
-    std::shared_ptr<Slot> slot;
-    const auto built = [&] {
-        const std::scoped_lock lock(programs_mutex_);
-        if (!slot) {
-            std::shared_ptr<Slot>& found = programs_[fmt::format("{} {}", source.kernel_file, source.options)];
-            if (!found) found = std::make_shared<Slot>();
-            slot = found;
-        }
-        return slot->built ? slot->built->program : cl::Program();
-    };
-    if (const cl::Program program = built(); program() != nullptr) return program;
-    const std::scoped_lock building(slot->building);
-    if (const cl::Program program = built(); program() != nullptr) return program;
-    Built made = build(source, watch);
-    const std::scoped_lock lock(programs_mutex_);
-    return slot->built.emplace(std::move(made)).program;
+    std::unique_lock lock(programs_mutex_);
+    Slot& slot = programs_[fmt::format("{} {}", source.kernel_file, source.options)];
+    lock.unlock();
+    const std::scoped_lock building(slot.building);
+    if (!slot.built) {
+        Built made = build(source, watch);
+        lock.lock();
+        slot.built = std::move(made);
+    }
+    return slot.built->program;
 }
 
 Context::Built Context::build(const ProgramSource& source, const BuildWatch& watch) const {
@@ -281,7 +275,7 @@ Context::Built Context::build(const ProgramSource& source, const BuildWatch& wat
 std::string Context::key_of(const cl::Program& program) const {
     const std::scoped_lock lock(programs_mutex_);
     for (const auto& [name, slot] : programs_)
-        if (slot->built && slot->built->program() == program()) return slot->built->key;
+        if (slot.built && slot.built->program() == program()) return slot.built->key;
     return {};
 }
 

@@ -137,7 +137,7 @@ private:
     /// of the caller run meanwhile.
     struct Slot {
         std::mutex building;
-        std::optional<Built> built;  // guarded by programs_mutex_
+        std::optional<Built> built;  // is set by the holder of both mutexes, and read by the holder of one
     };
 
     Built build(const ProgramSource& source, const BuildWatch& watch) const;
@@ -150,7 +150,7 @@ private:
     Capabilities capabilities_;
     mutable PinnedReads pinned_;
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
-    std::map<std::string, std::shared_ptr<Slot>> programs_;
+    std::map<std::string, Slot> programs_;
     std::set<cl_program> used_programs_;  // of those above, which stay
     PreparedPrograms prepared_;
     Records records_{{}, {}};

@@ -17,6 +17,7 @@
 #include <compare>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -211,15 +212,10 @@ Strength strength_of(const DeviceInfo& info) {
 }
 
 /// Usable devices, the strongest first. Throws cl::Error.
-std::vector<DeviceInfo> candidates(const std::vector<DeviceInfo>& infos) {
-    std::vector<std::pair<Strength, DeviceInfo>> usable;
-    for (const DeviceInfo& info : infos)
-        if (info.usable()) usable.emplace_back(strength_of(info), info);
-    std::stable_sort(usable.begin(), usable.end(),
-                     [](const auto& one, const auto& other) { return one.first > other.first; });
-    std::vector<DeviceInfo> sorted;
-    for (auto& [strength, info] : usable) sorted.push_back(std::move(info));
-    return sorted;
+std::vector<DeviceInfo> candidates(std::vector<DeviceInfo> infos) {
+    std::erase_if(infos, [](const DeviceInfo& info) { return !info.usable(); });
+    std::ranges::stable_sort(infos, std::greater<>(), strength_of);
+    return infos;
 }
 
 /// Changes ASCII letters only, in every locale.
@@ -341,16 +337,9 @@ Device Device::of_rank(std::size_t rank, std::size_t ranks) {
 }
 
 const char* name_of(DeviceKind kind) noexcept {
-    switch (kind) {
-        case DeviceKind::gpu:
-            return "gpu";
-        case DeviceKind::processor:
-            return "processor";
-        case DeviceKind::accelerator:
-            return "accelerator";
-        default:
-            return "other";
-    }
+    constexpr std::array names{"gpu", "processor", "accelerator", "other"};
+    const auto number = static_cast<std::size_t>(kind);
+    return number < names.size() ? names[number] : names.back();
 }
 
 std::vector<DeviceInfo> Device::all() {

@@ -13,15 +13,8 @@ namespace clsdf::device {
 
 namespace {
 
-struct NamedCode {
-    cl_int code;
-    const char* name;
-};
-
-#define CLSDF_NAMED(code) \
-    NamedCode {           \
-        code, #code       \
-    }
+using NamedCode = std::pair<cl_int, const char*>;
+#define CLSDF_NAMED(code) NamedCode(code, #code)
 
 constexpr std::array named_codes{
     CLSDF_NAMED(CL_DEVICE_NOT_FOUND),
@@ -83,22 +76,18 @@ constexpr std::array named_codes{
     CLSDF_NAMED(CL_INVALID_LINKER_OPTIONS),
     CLSDF_NAMED(CL_INVALID_DEVICE_PARTITION_COUNT),
     // Codes of OpenCL 2, which the headers of 1.2 do not name, of the loader, and of NVIDIA's driver.
-    NamedCode{-69, "CL_INVALID_PIPE_SIZE"},
-    NamedCode{-70, "CL_INVALID_DEVICE_QUEUE"},
-    NamedCode{-71, "CL_INVALID_SPEC_ID"},
-    NamedCode{-72, "CL_MAX_SIZE_RESTRICTION_EXCEEDED"},
-    NamedCode{-1001, "CL_PLATFORM_NOT_FOUND_KHR"},
-    NamedCode{-9999, "OpenCL error -9999 (NVIDIA: illegal read or write to a buffer)"},
+    NamedCode(-69, "CL_INVALID_PIPE_SIZE"),
+    NamedCode(-70, "CL_INVALID_DEVICE_QUEUE"),
+    NamedCode(-71, "CL_INVALID_SPEC_ID"),
+    NamedCode(-72, "CL_MAX_SIZE_RESTRICTION_EXCEEDED"),
+    NamedCode(-1001, "CL_PLATFORM_NOT_FOUND_KHR"),
+    NamedCode(-9999, "OpenCL error -9999 (NVIDIA: illegal read or write to a buffer)"),
 };
 
 #undef CLSDF_NAMED
 
-struct CorrectedName {
-    std::string_view binding;
-    std::string_view call;
-};
-
-constexpr std::array<CorrectedName, 4> corrected_names{{
+/// The binding's names of calls, and the right ones.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> corrected_names{{
     {"clEnqueueUnMapMemObject", "clEnqueueUnmapMemObject"},
     {"clGetEventProfileInfo", "clGetEventProfilingInfo"},
     {"Retain Object", "clRetain... (of an object that OpenCL made)"},
@@ -108,16 +97,15 @@ constexpr std::array<CorrectedName, 4> corrected_names{{
 }  // namespace
 
 std::string code_name(cl_int code) {
-    for (const NamedCode& named : named_codes)
-        if (named.code == code) return named.name;
+    for (const auto& [number, name] : named_codes)
+        if (number == code) return name;
     return fmt::format("OpenCL error {}", code);
 }
 
 std::string call_name(const cl::Error& error) {
-    const std::string_view name = error.what();
-    for (const CorrectedName& corrected : corrected_names)
-        if (name == corrected.binding) return std::string(corrected.call);
-    return std::string(name);
+    for (const auto& [misspelt, call] : corrected_names)
+        if (misspelt == error.what()) return std::string(call);
+    return error.what();
 }
 
 void throw_device_error(const cl::Error& error) {

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <string_view>
-#include <system_error>
+#include <cstdio>
+#include <utility>
 
 namespace clsdf::device {
 
@@ -24,15 +23,9 @@ bool has_double_precision(const cl::Device& device) {
 std::string too_old(const cl::Device& device) {
     // "OpenCL <major>.<minor> <the driver's own text>"
     const std::string version = device.getInfo<CL_DEVICE_VERSION>();
-    constexpr std::string_view prefix = "OpenCL ";
-    if (!version.starts_with(prefix)) return {};
-    const char* const end = version.data() + version.size();
     int major = 0, minor = 0;
-    const auto [point, error] = std::from_chars(version.data() + prefix.size(), end, major);
-    if (error != std::errc() || point == end || *point != '.' ||
-        std::from_chars(point + 1, end, minor).ec != std::errc())
+    if (std::sscanf(version.c_str(), "OpenCL %d.%d", &major, &minor) != 2 || std::pair(major, minor) >= std::pair(1, 2))
         return {};
-    if (major > 1 || (major == 1 && minor >= 2)) return {};
     return fmt::format("it has OpenCL {}.{}, and 1.2 is needed", major, minor);
 }
 

@@ -38,8 +38,7 @@ public:
     FieldArray(std::initializer_list<Value> values);
     FieldArray(const FieldArray& other);
     FieldArray(FieldArray&& other) noexcept;
-    FieldArray& operator=(const FieldArray& other);
-    FieldArray& operator=(FieldArray&& other) noexcept;
+    FieldArray& operator=(FieldArray other) noexcept;
     ~FieldArray();
 
     /// The first elements stay. Pointers to them hold if the size does not grow.
@@ -105,13 +104,9 @@ constexpr std::size_t index_of(Output output) {
     return static_cast<std::size_t>(output);
 }
 
-template <typename Value>
-std::span<Value> values_in(std::span<std::byte> bytes) {
+template <typename Value, typename Byte>
+std::span<Value> values_in(std::span<Byte> bytes) {
     return {reinterpret_cast<Value*>(bytes.data()), bytes.size() / sizeof(Value)};
-}
-template <typename Value>
-std::span<const Value> values_in(std::span<const std::byte> bytes) {
-    return {reinterpret_cast<const Value*>(bytes.data()), bytes.size() / sizeof(Value)};
 }
 }  // namespace detail
 
@@ -139,9 +134,9 @@ public:
     }
 
     // The values of each output: distance(), triangle(), site(), closest(), gradient(), barycentric().
-#define CLSDF_VALUES(name, description, element, components)            \
-    std::span<const detail::element> name() const {                     \
-        return detail::values_in<detail::element>(bytes(Output::name)); \
+#define CLSDF_VALUES(name, description, element, components)                  \
+    std::span<const detail::element> name() const {                           \
+        return detail::values_in<const detail::element>(bytes(Output::name)); \
     }
     CLSDF_VALUES(distance, , float32, 1)
     CLSDF_OUTPUTS(CLSDF_VALUES)

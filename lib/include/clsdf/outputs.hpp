@@ -109,20 +109,13 @@ public:
     /// The distance alone.
     // NOLINTNEXTLINE(google-explicit-constructor): an array is the distance's
     OutputTargets(const OutputArray& distance) : targets_{{Output::distance, distance}} {}
-    // NOLINTNEXTLINE(google-explicit-constructor): a buffer is the distance's
-    OutputTargets(cl_mem distance) : OutputTargets(OutputArray(distance)) {}
-    /// Packed distances from an address on; their number is not checked.
-    template <typename Value>
-    requires(detail::element_type<Value>().has_value() && !std::is_const_v<Value>)
-        // NOLINTNEXTLINE(google-explicit-constructor): memory is the distance's
-        OutputTargets(Value* distance)
-        : OutputTargets(OutputArray(distance)) {}
-    template <typename Array>
-    requires(detail::NumberArray<Array>&& std::is_constructible_v<OutputArray, Array>)
-        // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): an array is the
-        // distance's
-        OutputTargets(Array&& array)
-        : OutputTargets(OutputArray(std::forward<Array>(array))) {}
+    /// The same of an array, of a buffer of the device, or of packed distances from an address on, whose number is not
+    /// checked.
+    template <typename Memory>
+    requires(!std::is_same_v<std::remove_cvref_t<Memory>, OutputArray> && std::is_constructible_v<OutputArray, Memory>)
+        // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): memory is the distance's
+        OutputTargets(Memory&& memory)
+        : OutputTargets(OutputArray(std::forward<Memory>(memory))) {}
 
     /// The output's array; one that is not given yet is added.
     OutputArray& operator[](Output output) {

@@ -43,11 +43,6 @@ bool is_in_double(const OutputArray& target) {
     return target.type == ElementType::float64;
 }
 
-/// Bytes of the samples, which lie side by side.
-std::size_t packed_bytes(const OutputInfo& row, const OutputArray& target, const Grid& grid) {
-    return grid.sample_count() * sample_bytes(row, is_in_double(target));
-}
-
 std::array<std::ptrdiff_t, 3> packed_strides(std::ptrdiff_t sample_bytes, const Grid& grid) {
     return {sample_bytes, sample_bytes * grid.size[0], sample_bytes * grid.size[0] * grid.size[1]};
 }
@@ -91,18 +86,24 @@ void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& t
     }
 }
 
-/// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, unless these are unknown, or not
-/// where its numbers can.
-ByteRange range_of(const OutputInfo& row, const Grid& grid, const OutputArray& target, std::size_t bytes) {
-    if (grid.sample_count() == 0) return {};
-    const std::ptrdiff_t width = width_of(target.type);
-    // In double, which no sum of such products overflows.
-    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
+/// The first byte of a target's samples from its memory's begin on, and the byte after the last one. In double, which
+/// no sum of such products overflows.
+std::pair<double, double> extent_of(const OutputInfo& row, const Grid& grid, const OutputArray& target) {
+    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width_of(target.type));
     const auto extend = [&](std::ptrdiff_t stride, double steps) {
         (stride < 0 ? lowest : highest) += static_cast<double>(stride) * steps;
     };
     for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
     extend(target.component_stride, static_cast<double>(row.components - 1));
+    return {lowest, highest};
+}
+
+/// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, unless these are unknown, or not
+/// where its numbers can.
+ByteRange range_of(const OutputInfo& row, const Grid& grid, const OutputArray& target, std::size_t bytes) {
+    if (grid.sample_count() == 0) return {};
+    const std::ptrdiff_t width = width_of(target.type);
+    const auto [lowest, highest] = extent_of(row, grid, target);
     if (bytes != ArrayLayout::unknown_size && (lowest < 0 || highest > static_cast<double>(bytes)))
         throw misuse(
             fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
@@ -133,7 +134,7 @@ void check_host_memory(const OutputInfo& row, const Grid& grid, const char* owne
                                 row.name));
     const std::ptrdiff_t width = width_of(target.type);
     if (is_plain && target.bytes != ArrayLayout::unknown_size) {
-        if (target.bytes == packed_bytes(row, target, grid)) return;
+        if (target.bytes == grid.sample_count() * sample_bytes(row, is_in_double(target))) return;
         throw misuse(
             fmt::format("{0}, and the array given for the output {1} has room for {2} values; {3} are needed: give the "
                         "array exactly {3} values, or set the strides",
@@ -162,10 +163,6 @@ TargetArrays target_arrays(const OutputTargets& targets) {
     return arrays;
 }
 
-}  // namespace
-
-namespace {
-
 /// begin: of the memory, see WrittenArray::first.
 WrittenArray written_array(const OutputInfo& info, const OutputArray& target, const Index3& size, std::size_t request,
                            const void* memory, std::uint64_t begin) {
@@ -192,12 +189,10 @@ OutputSet outputs_of(const OutputTargets& targets) {
 
 OutputSet outputs_of(const HostArrays& arrays) {
     OutputSet outputs;
-    for_each_output(
-        [&](const OutputInfo& info, const HostArray& array) {
-            const bool is_finished = info.output == Output::distance ? array.in_double : array.is_wanted;
-            if (is_finished) outputs.insert(info.output);
-        },
-        arrays);
+    for (const OutputInfo& info : output_table()) {
+        const HostArray& array = arrays[info.output];
+        if (info.output == Output::distance ? array.in_double : array.is_wanted) outputs.insert(info.output);
+    }
     return outputs;
 }
 
@@ -206,11 +201,8 @@ bool are_on_device(const OutputTargets& targets) {
     return distance != nullptr && distance->device != nullptr;
 }
 
-HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid)
-    : HostTargets(targets, grid, "the grid has {} samples") {}
-
-HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const char* owner)
-    : targets_(target_arrays(targets)), grid_(grid) {
+HostTargets::HostTargets(const OutputTargets& given, const Grid& samples, const char* owner)
+    : targets(target_arrays(given)), grid(samples) {
     for_each_output(
         [&](const OutputInfo& row, OutputArray& target, HostArray& array) {
             if (!target.is_given()) return;
@@ -219,19 +211,20 @@ HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const c
                 target.offset == 0 && target.component_stride == 0 && target.strides == OutputArray().strides;
             const bool is_packed = resolve_strides(row, grid, target);
             check_host_memory(row, grid, owner, target, is_plain);
-            are_packed_ = are_packed_ && is_packed;
+            are_packed = are_packed && is_packed;
             array = {true, is_in_double(target), static_cast<std::byte*>(target.host) + target.offset};
         },
-        targets_, arrays_);
+        targets, arrays);
 }
 
-namespace {
-
-Grid row_of(std::size_t count) {
+Grid row_of(std::size_t count, std::size_t first) {
     Grid row;
+    row.first = {static_cast<std::int64_t>(first), 0, 0};
     row.size = {static_cast<std::int64_t>(count), 1, 1};
     return row;
 }
+
+namespace {
 
 /// visit(row, target, range, is_packed) for targets in memory of the device, whose types and strides are set.
 template <typename Visit>
@@ -253,10 +246,6 @@ OutputTargets visit_device_targets(const OutputTargets& targets, std::size_t poi
 }
 
 }  // namespace
-
-HostTargets HostTargets::of_points(const OutputTargets& targets, std::size_t count) {
-    return {targets, row_of(count), "there are {} points"};
-}
 
 void add_targets(const OutputTargets& targets, std::size_t points, device::MappedMemory& memory) {
     using Use = device::MappedMemory::Use;
@@ -283,40 +272,33 @@ void HostTargets::add_written(std::size_t request, std::vector<WrittenArray>& wr
     for_each_output(
         [&](const OutputInfo& info, const OutputArray& target) {
             if (target.is_given())
-                written.push_back(written_array(info, target, grid_.size, request, nullptr,
+                written.push_back(written_array(info, target, grid.size, request, nullptr,
                                                 reinterpret_cast<std::uintptr_t>(target.host)));
         },
-        targets_);
+        targets);
 }
 
 bool HostTargets::overlap(std::span<const std::byte> bytes) const {
     if (bytes.empty()) return false;
-    bool result = false;
     const std::less<const std::byte*> is_before;
-    for_each_output(
-        [&](const OutputInfo& row, const OutputArray& target) {
-            if (!target.is_given()) return;
-            const auto* first = static_cast<const std::byte*>(target.host) + target.offset;
-            std::ptrdiff_t lowest = 0, highest = width_of(target.type);
-            const auto extend = [&](std::ptrdiff_t stride, std::size_t count) {
-                (stride < 0 ? lowest : highest) += stride * (static_cast<std::ptrdiff_t>(count) - 1);
-            };
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                extend(target.strides[axis], static_cast<std::size_t>(grid_.size[axis]));
-            extend(target.component_stride, row.components);
-            result = result || (is_before(first + lowest, bytes.data() + bytes.size()) &&
-                                is_before(bytes.data(), first + highest));
-        },
-        targets_);
-    return result;
+    for (const OutputInfo& row : output_table()) {
+        const OutputArray& target = targets[row.output];
+        if (!target.is_given()) continue;
+        const auto* const memory = static_cast<const std::byte*>(target.host);
+        const auto [lowest, highest] = extent_of(row, grid, target);
+        if (is_before(memory + static_cast<std::ptrdiff_t>(lowest), bytes.data() + bytes.size()) &&
+            is_before(bytes.data(), memory + static_cast<std::ptrdiff_t>(highest)))
+            return true;
+    }
+    return false;
 }
 
 void HostTargets::store(const Grid& slab, const HostArrays& values) const {
     // The samples that both have, by their numbers on the lattice.
     Index3 begin{}, count{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        begin[axis] = std::max(slab.first[axis], grid_.first[axis]);
-        count[axis] = std::min(slab.first[axis] + slab.size[axis], grid_.first[axis] + grid_.size[axis]) - begin[axis];
+        begin[axis] = std::max(slab.first[axis], grid.first[axis]);
+        count[axis] = std::min(slab.first[axis] + slab.size[axis], grid.first[axis] + grid.size[axis]) - begin[axis];
         if (count[axis] <= 0) return;
     }
     const auto width = static_cast<std::size_t>(count[0]), rows_of_slice = static_cast<std::size_t>(count[1]);
@@ -334,7 +316,7 @@ void HostTargets::store(const Grid& slab, const HostArrays& values) const {
                                                                           at[2] - slab.first[2]);
                 std::byte* to = first;
                 for (std::size_t axis = 0; axis < 3; ++axis)
-                    to += static_cast<std::ptrdiff_t>(at[axis] - grid_.first[axis]) * target.strides[axis];
+                    to += static_cast<std::ptrdiff_t>(at[axis] - grid.first[axis]) * target.strides[axis];
                 if (is_row_packed) {
                     std::memcpy(to, from, width * sample);
                     return;
@@ -344,14 +326,7 @@ void HostTargets::store(const Grid& slab, const HostArrays& values) const {
                         std::memcpy(to + static_cast<std::ptrdiff_t>(c) * target.component_stride, from, element);
             });
         },
-        targets_, values);
-}
-
-void HostTargets::store_row(std::size_t first, std::size_t count, const HostArrays& values) const {
-    Grid row;
-    row.first = {static_cast<std::int64_t>(first), 0, 0};
-    row.size = {static_cast<std::int64_t>(count), 1, 1};
-    store(row, values);
+        targets, values);
 }
 
 namespace {
@@ -380,8 +355,8 @@ void check_memory(const OutputInfo& row, const cl::Memory& memory, const device:
 
 }  // namespace
 
-DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, const device::Context& context)
-    : targets_(target_arrays(targets)), size_(grid.size) {
+DeviceTargets::DeviceTargets(const OutputTargets& given, const Grid& grid, const device::Context& context)
+    : targets(target_arrays(given)), size(grid.size) {
     OutputBuffers buffers;
     const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
     for_each_output(
@@ -403,17 +378,18 @@ DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, con
             range_of(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
             array = {true, is_in_double(target), nullptr};
             if (array.in_double) buffers.in_double |= bit_of(row);
-            if (!why_not_in_place_.empty()) return;
+            if (!why_not_in_place.empty()) return;
             if (!is_packed)
-                why_not_in_place_ = fmt::format("{} has strides", row.name);
+                why_not_in_place = fmt::format("{} has strides", row.name);
             else if (target.offset % alignment != 0)
-                why_not_in_place_ = fmt::format("{} begins at byte {} of its buffer, which is no multiple of {}",
-                                                row.name, target.offset, alignment);
+                why_not_in_place = fmt::format("{} begins at byte {} of its buffer, which is no multiple of {}",
+                                               row.name, target.offset, alignment);
             else
-                buffer = buffer_from(memory, target.offset, packed_bytes(row, target, grid));
+                buffer =
+                    buffer_from(memory, target.offset, grid.sample_count() * sample_bytes(row, is_in_double(target)));
         },
-        targets_, arrays_, buffers);
-    if (why_not_in_place_.empty()) in_place_ = buffers;
+        targets, arrays, buffers);
+    if (why_not_in_place.empty()) in_place = buffers;
 }
 
 void DeviceTargets::add_written(std::size_t request, std::vector<WrittenArray>& written) const {
@@ -423,21 +399,21 @@ void DeviceTargets::add_written(std::size_t request, std::vector<WrittenArray>& 
             const cl::Buffer memory(target.device, true);
             const auto whole = memory.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>();
             const bool is_part = whole() != nullptr;
-            written.push_back(written_array(info, target, size_, request, is_part ? whole() : target.device,
+            written.push_back(written_array(info, target, size, request, is_part ? whole() : target.device,
                                             is_part ? memory.getInfo<CL_MEM_OFFSET>() : 0));
         },
-        targets_);
+        targets);
 }
 
 DeviceTargets::DeviceTargets(OutputSet outputs, const Grid& grid)
-    : arrays_(arrays_for(outputs)), in_place_(OutputBuffers()) {
+    : arrays(arrays_for(outputs)), in_place(OutputBuffers()) {
     for_each_output(
         [&](const OutputInfo& row, OutputArray& target, const HostArray& array) {
             if (!array.is_wanted) return;
             resolve_type(row, target);
             resolve_strides(row, grid, target);
         },
-        targets_, arrays_);
+        targets, arrays);
 }
 
 }  // namespace clsdf::scan

@@ -31,18 +31,9 @@ bool are_on_device(const OutputTargets& targets);
 
 /// The caller's host memory for a grid. Throws Error(invalid_argument) if the distance has none, or if memory is too
 /// small, and Error(unsupported) for what cannot be written to yet.
-class HostTargets {
-public:
-    HostTargets(const OutputTargets& targets, const Grid& grid);
-
-    /// The same for points, which are stored as the samples of a grid of one row.
-    static HostTargets of_points(const OutputTargets& targets, std::size_t count);
-
-    /// Whether the samples of every output are packed, so that they can be computed in place.
-    bool are_packed() const { return are_packed_; }
-    /// The packed arrays. If a target is not packed, only the elements that are computed and whether it is asked for
-    /// are set.
-    const HostArrays& arrays() const { return arrays_; }
+struct HostTargets {
+    /// owner: what has the samples and how many, for messages, with a place for the number.
+    HostTargets(const OutputTargets& given, const Grid& samples, const char* owner = "the grid has {} samples");
 
     /// Adds the arrays of all targets, for refuse_overlap().
     void add_written(std::size_t request, std::vector<WrittenArray>& written) const;
@@ -52,48 +43,36 @@ public:
     /// Copies those of a slab's packed samples that belong to the grid to where they belong, on all cores if they are
     /// many. The slab is of the same lattice.
     void store(const Grid& slab, const HostArrays& values) const;
-    /// The same for some points, from number `first` on.
-    void store_row(std::size_t first, std::size_t count, const HostArrays& values) const;
 
-private:
-    /// owner: what has the samples and how many, for messages, with a place for the number.
-    HostTargets(const OutputTargets& targets, const Grid& grid, const char* owner);
-
-    TargetArrays targets_;  ///< with all types and strides set
-    Grid grid_;
-    HostArrays arrays_;
-    bool are_packed_ = true;
+    TargetArrays targets;  ///< with all types and strides set
+    Grid grid;
+    /// The packed arrays. If a target is not packed, only the elements that are computed and whether it is asked for
+    /// are set.
+    HostArrays arrays;
+    bool are_packed = true;  ///< the samples of every output, so that they can be computed in place
 };
 
+/// Points are stored as the samples of a grid of one row, from number `first` on.
+Grid row_of(std::size_t count, std::size_t first = 0);
 /// Adds what the targets of points take of device memory to what is mapped. Throws as HostTargets does.
 void add_targets(const OutputTargets& targets, std::size_t points, device::MappedMemory& memory);
 /// The same targets when that is mapped, all in memory of the host.
 OutputTargets on_host(const OutputTargets& targets, std::size_t points, const device::MappedMemory& memory);
 
 /// The caller's device memory for a grid, with any offset and strides. Throws as HostTargets does.
-class DeviceTargets {
-public:
-    DeviceTargets(const OutputTargets& targets, const Grid& grid, const device::Context& context);
+struct DeviceTargets {
+    DeviceTargets(const OutputTargets& given, const Grid& grid, const device::Context& context);
     /// Without memory yet: packed, with the types of output_table(), in place.
     DeviceTargets(OutputSet outputs, const Grid& grid);
 
-    /// With all types and strides set; empty for outputs that are not asked for.
-    const TargetArrays& targets() const { return targets_; }
-    /// Which outputs are asked for, and the elements that are computed, without memory.
-    const HostArrays& arrays() const { return arrays_; }
     /// Adds the arrays of all targets, for refuse_overlap(). Throws cl::Error.
     void add_written(std::size_t request, std::vector<WrittenArray>& written) const;
-    /// The targets, if the device can write a packed field there in place.
-    const std::optional<OutputBuffers>& in_place() const { return in_place_; }
-    /// The name of the output that needs a copy, and why; empty if none does.
-    const std::string& why_not_in_place() const { return why_not_in_place_; }
 
-private:
-    TargetArrays targets_;
-    HostArrays arrays_;
-    Index3 size_{};
-    std::optional<OutputBuffers> in_place_;
-    std::string why_not_in_place_;
+    TargetArrays targets;  ///< with all types and strides set; empty for outputs that are not asked for
+    HostArrays arrays;     ///< which outputs are asked for, and the elements that are computed, without memory
+    Index3 size{};
+    std::optional<OutputBuffers> in_place;  ///< if the device can write a packed field there
+    std::string why_not_in_place;           ///< the name of the output that needs a copy, and why; empty if none does
 };
 
 }  // namespace clsdf::scan

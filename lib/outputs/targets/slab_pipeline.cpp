@@ -7,17 +7,6 @@
 
 namespace clsdf::scan {
 
-namespace {
-
-/// For exactly so many bytes if it must grow; what it holds is of no use any more.
-void make_room(UninitializedVector<MemoryLine>& array, std::size_t bytes) {
-    const std::size_t lines = chunk_count(bytes, sizeof(MemoryLine));
-    if (array.capacity() < lines) array = {};
-    array.resize(lines);
-}
-
-}  // namespace
-
 HostArrays arrays_for(OutputSet outputs) {
     HostArrays arrays;
     for (const OutputInfo& info : infos_of(outputs))
@@ -25,84 +14,76 @@ HostArrays arrays_for(OutputSet outputs) {
     return arrays;
 }
 
+HostArrays arrays_from(std::size_t sample, const HostArrays& arrays) {
+    HostArrays part = arrays;
+    for_each_output(
+        [&](const OutputInfo& row, HostArray& array) {
+            if (array.data != nullptr) array.data += sample * sample_bytes(row, array.in_double);
+        },
+        part);
+    return part;
+}
+
 std::size_t widest_of(const HostArrays& arrays) {
     std::size_t widest = 0;
-    for_each_output(
-        [&](const OutputInfo& row, const HostArray& array) {
-            if (array.is_wanted) widest = std::max(widest, sample_bytes(row, array.in_double));
-        },
-        arrays);
+    for (const OutputInfo& row : output_table())
+        if (const HostArray& array = arrays[row.output]; array.is_wanted)
+            widest = std::max(widest, sample_bytes(row, array.in_double));
     return widest;
 }
 
 FieldSlab slab_of(const HostArrays& arrays, std::size_t samples) {
     FieldSlab slab;
-    for_each_output(
-        [&](const OutputInfo& row, const HostArray& array) {
-            if (array.is_wanted)
-                slab.set(row.output, std::span<const std::byte>(array.data, samples * row.sample_bytes()));
-        },
-        arrays);
+    for (const OutputInfo& row : output_table())
+        if (const HostArray& array = arrays[row.output]; array.is_wanted)
+            slab.set(row.output, std::span<const std::byte>(array.data, samples * row.sample_bytes()));
     return slab;
 }
 
-void OutputMemory::place(const device::Context& context, device::BufferPool& pool, std::byte* host, std::size_t bytes) {
-    host_ = host;
-    bytes_ = bytes;
-    if (context.capabilities().is_processor) {
-        in_place_ = cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, host);
-    } else if (lease_.bytes() < bytes) {
-        lease_ = {};
-        lease_ = pool.lease(bytes, "samples of the field");
-    }
-}
-
-void OutputMemory::enqueue_handover(const cl::CommandQueue& queue) const {
-    if (in_place_() == nullptr) return;
-    void* mapped = queue.enqueueMapBuffer(in_place_, CL_FALSE, CL_MAP_READ, 0, bytes_);
-    queue.enqueueUnmapMemObject(in_place_, mapped);
-}
-
-void OutputMemory::read(const device::Context& context, const cl::CommandQueue& transfers) const {
-    if (in_place_() == nullptr) context.read(transfers, *lease_, bytes_, host_);
-}
-
-void OutputMemories::place(const device::Context& context, device::BufferPool& pool, const HostArrays& arrays,
-                           std::size_t samples) {
-    arrays_ = arrays;
+void OutputMemories::place(const device::Context& context, device::BufferPool& pool, const HostArrays& wanted,
+                           std::size_t count) {
+    arrays = wanted;
+    samples = count;
+    buffers = {};
+    in_place = context.capabilities().is_processor;
     for_each_output(
-        [&](const OutputInfo& row, const HostArray& array, OutputMemory& memory) {
-            if (array.is_wanted) memory.place(context, pool, array.data, samples * sample_bytes(row, array.in_double));
-        },
-        arrays_, memory_);
-}
-
-OutputBuffers OutputMemories::buffers() const {
-    OutputBuffers buffers;
-    for_each_output(
-        [&](const OutputInfo& row, const HostArray& array, const OutputMemory& memory, cl::Buffer& buffer) {
+        [&](const OutputInfo& row, const HostArray& array, device::BufferPool::Lease& lease, cl::Buffer& buffer) {
             if (!array.is_wanted) return;
-            buffer = memory.buffer();
             if (array.in_double) buffers.in_double |= bit_of(row);
+            const std::size_t bytes = samples * sample_bytes(row, array.in_double);
+            if (in_place) {
+                buffer = cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, array.data);
+                return;
+            }
+            if (lease.bytes() < bytes) {
+                lease = {};
+                lease = pool.lease(bytes, "samples of the field");
+            }
+            buffer = *lease;
         },
-        arrays_, memory_, buffers);
-    return buffers;
+        arrays, leases, buffers);
 }
 
 void OutputMemories::enqueue_handover(const cl::CommandQueue& queue) const {
+    if (!in_place) return;
     for_each_output(
-        [&](const OutputInfo&, const HostArray& array, const OutputMemory& memory) {
-            if (array.is_wanted) memory.enqueue_handover(queue);
+        [&](const OutputInfo& row, const HostArray& array, const cl::Buffer& buffer) {
+            if (!array.is_wanted) return;
+            void* mapped =
+                queue.enqueueMapBuffer(buffer, CL_FALSE, CL_MAP_READ, 0, samples * sample_bytes(row, array.in_double));
+            queue.enqueueUnmapMemObject(buffer, mapped);
         },
-        arrays_, memory_);
+        arrays, buffers);
 }
 
 void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers) const {
+    if (in_place) return;
     for_each_output(
-        [&](const OutputInfo&, const HostArray& array, const OutputMemory& memory) {
-            if (array.is_wanted) memory.read(context, transfers);
+        [&](const OutputInfo& row, const HostArray& array, const cl::Buffer& buffer) {
+            if (array.is_wanted)
+                context.read(transfers, buffer, samples * sample_bytes(row, array.in_double), array.data);
         },
-        arrays_, memory_);
+        arrays, buffers);
 }
 
 HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples) {
@@ -110,7 +91,10 @@ HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples)
     try {
         for_each_output(
             [&](const OutputInfo& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
-                make_room(own, array.is_wanted ? samples * sample_bytes(row, array.in_double) : 0);
+                const std::size_t bytes = array.is_wanted ? samples * sample_bytes(row, array.in_double) : 0;
+                const std::size_t lines = chunk_count(bytes, sizeof(MemoryLine));
+                if (own.capacity() < lines) own = {};  // so as to get exactly so many
+                own.resize(lines);
                 if (array.is_wanted) array.data = own.data()->bytes;
             },
             result, arrays_);
@@ -151,16 +135,12 @@ SlabPipeline::Slot& SlabPipeline::next() {
     // A sink that is not called meanwhile leaves the slot free.
     const bool alternates = !sink_ || policy_ != std::launch::deferred;
     Slot& slot = slots_[alternates ? next_slot_++ % slots_.size() : 0];
-    if (slot.delivered_.valid()) slot.delivered_.get();
+    if (slot.delivered.valid()) slot.delivered.get();
     return slot;
 }
 
-void SlabPipeline::place(Slot& slot, const Grid& slab, const HostArrays& callers) {
-    device::guarded([&] { slot.memories_.place(context_, *pool_, callers, slab.sample_count()); });
-}
-
-void SlabPipeline::place_own(Slot& slot, const Grid& slab, const HostArrays& wanted) {
-    place(slot, slab, slot.own_.for_samples(wanted, slab.sample_count()));
+void SlabPipeline::place(Slot& slot, const Grid& slab, const HostArrays& arrays) {
+    device::guarded([&] { slot.memories.place(context_, *pool_, arrays, slab.sample_count()); });
 }
 
 void SlabPipeline::take_back(Slot& slot) {
@@ -170,13 +150,13 @@ void SlabPipeline::take_back(Slot& slot) {
 
 void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
     is_finished_ = false;
-    slot.delivered_ = std::async(policy_, [this, previous = latest_, &slot, slab]() mutable {
-        if (!abandoned_) device::guarded([&] { slot.memories_.read(context_, transfers_); });
+    slot.delivered = std::async(policy_, [this, previous = latest_, &slot, slab]() mutable {
+        if (!abandoned_) device::guarded([&] { slot.memories.read(context_, transfers_); });
         if (previous.valid()) previous.get();
         previous = {};  // or the chain of all slabs would stay
-        if (sink_ && !abandoned_) sink_(slab, slot.memories_.arrays());
+        if (sink_ && !abandoned_) sink_(slab, slot.memories.arrays);
     });
-    latest_ = slot.delivered_;
+    latest_ = slot.delivered;
     if (sink_ && policy_ == std::launch::deferred) latest_.get();
 }
 
@@ -187,7 +167,7 @@ void SlabPipeline::finish() {
 
 std::size_t SlabPipeline::host_bytes() const {
     std::size_t bytes = 0;
-    for (const Slot& slot : slots_) bytes += slot.own_.bytes();
+    for (const Slot& slot : slots_) bytes += slot.own.bytes();
     return bytes;
 }
 

@@ -19,55 +19,34 @@ struct HostArray {
     bool is_wanted = false;  ///< the output is asked for
     bool in_double = false;
     std::byte* data = nullptr;
-
-    HostArray from_sample(const OutputInfo& row, std::size_t sample) const {
-        return {is_wanted, in_double, data == nullptr ? nullptr : data + sample * sample_bytes(row, in_double)};
-    }
 };
 
 using HostArrays = PerOutput<HostArray>;
 
 /// Without memory yet, with the types of output_table().
 HostArrays arrays_for(OutputSet outputs);
+/// The arrays from a sample on.
+HostArrays arrays_from(std::size_t sample, const HostArrays& arrays);
 /// Bytes that one sample has in the largest of the wanted arrays.
 std::size_t widest_of(const HostArrays& arrays);
 FieldSlab slab_of(const HostArrays& arrays, std::size_t samples);
 
-/// Device memory for a host array: the array itself on a processor, whose memory it is.
-class OutputMemory {
-public:
-    void place(const device::Context& context, device::BufferPool& pool, std::byte* host, std::size_t bytes);
+/// Device memory for the wanted arrays of a slab or of points: the arrays themselves on a processor, whose memory they
+/// are.
+struct OutputMemories {
+    void place(const device::Context& context, device::BufferPool& pool, const HostArrays& wanted, std::size_t count);
 
-    const cl::Buffer& buffer() const { return in_place_() != nullptr ? in_place_ : *lease_; }
-
-    /// To be called after the commands that compute the result. If the array is the device's memory, it holds the
+    /// To be called after the commands that compute the result. If the arrays are the device's memory, they hold the
     /// result when the queue, which is in order, has finished.
     void enqueue_handover(const cl::CommandQueue& queue) const;
-    /// On other devices: reads the finished result into the array.
+    /// On other devices: reads the finished result into the arrays.
     void read(const device::Context& context, const cl::CommandQueue& transfers) const;
 
-private:
-    std::byte* host_ = nullptr;
-    std::size_t bytes_ = 0;
-    cl::Buffer in_place_;
-    device::BufferPool::Lease lease_;
-};
-
-/// Device memory for the wanted arrays of a slab or of points.
-class OutputMemories {
-public:
-    void place(const device::Context& context, device::BufferPool& pool, const HostArrays& arrays, std::size_t samples);
-
-    const HostArrays& arrays() const { return arrays_; }
-    /// The buffers to which the device writes the samples.
-    OutputBuffers buffers() const;
-    /// As OutputMemory's, for all wanted arrays.
-    void enqueue_handover(const cl::CommandQueue& queue) const;
-    void read(const device::Context& context, const cl::CommandQueue& transfers) const;
-
-private:
-    HostArrays arrays_;
-    PerOutput<OutputMemory> memory_;
+    HostArrays arrays;
+    std::size_t samples = 0;
+    OutputBuffers buffers;  ///< to which the device writes the samples
+    PerOutput<device::BufferPool::Lease> leases;
+    bool in_place = false;
 };
 
 /// Called with the slabs of a field, as SlabSink is.
@@ -95,16 +74,10 @@ private:
 /// in their order.
 class SlabPipeline {
 public:
-    class Slot {
-    public:
-        /// The memory to which the device writes the slab.
-        const OutputMemories& memories() const { return memories_; }
-
-    private:
-        friend SlabPipeline;
-        OutputMemories memories_;
-        OwnArrays own_;
-        std::shared_future<void> delivered_;
+    struct Slot {
+        OutputMemories memories;  ///< to which the device writes the slab
+        OwnArrays own;
+        std::shared_future<void> delivered;
     };
 
     /// Without a sink, slabs stay in the caller's memory. Without overlap, the thread of deliver() calls the sink, and
@@ -118,10 +91,8 @@ public:
 
     /// Waits until the slot's former slab has been handed on; throws what the sink threw.
     Slot& next();
-    /// Memory of the device, for the caller's arrays.
-    void place(Slot& slot, const Grid& slab, const HostArrays& callers);
-    /// The same for arrays of the slot, of the wanted outputs.
-    void place_own(Slot& slot, const Grid& slab, const HostArrays& wanted);
+    /// Memory of the device, for the caller's arrays or for the slot's own.
+    void place(Slot& slot, const Grid& slab, const HostArrays& arrays);
     /// The slot's slab has not been computed; next() gives the slot again.
     void take_back(Slot& slot);
     /// The slab has been computed.

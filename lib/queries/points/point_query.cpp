@@ -99,7 +99,7 @@ public:
         places.write(queue_, order_);
         scan::OutputMemories memories;
         memories.place(context_, pool_, arrays, count());
-        const scan::OutputBuffers outputs = memories.buffers();
+        const scan::OutputBuffers& outputs = memories.buffers;
         const scan::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
         cl::Kernel kernel(program_, "finish_points");
         const auto launch = [&](cl_uint by_sides) {
