@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -61,6 +62,21 @@ std::string note_on_the_mesh(const std::string& mesh, const clsdf::Field& field)
     return fmt::format("the field says it was made from '{}', and was held against {}", printable, mesh);
 }
 
+// Samples beyond a band that the file does not state have its limits, which are the field's extreme values.
+std::string note_on_the_band(const CheckReport& report, const clsdf::Field& field) {
+    if (field.band != clsdf::Band::full() || report.findings.empty()) return {};
+    const auto [lowest, highest] = std::ranges::minmax(field.distance());
+    for (const CheckReport::Finding& finding : report.findings) {
+        const double limit = finding.expected < 0 ? lowest : highest;
+        const bool is_at_limit = finding.found == limit;
+        if (!finding.of_distance || !is_at_limit || std::abs(finding.found) > std::abs(finding.expected)) return {};
+    }
+    return fmt::format(
+        "the wrong samples have the field's smallest or largest value, {} or {}; if these are the limits of a band, "
+        "choose a format that states it, or compute the field with --band full",
+        lowest, highest);
+}
+
 void print_human(const CheckReport& report, const clsdf::Field& field, double seconds) {
     print_text("grid      {}\nband      {}\nsign      {}\n", human(field.grid), human(field.band, field.grid.voxel()),
                name_of(field.sign));
@@ -104,7 +120,8 @@ ExitStatus run(const Options& options, Report& report) {
     const CheckReport found = clsdf::reference::check(mesh, field, check_options);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
-    const std::string note = found.passed() ? std::string() : note_on_the_mesh(options.mesh, field);
+    std::string note = found.passed() ? std::string() : note_on_the_mesh(options.mesh, field);
+    if (note.empty()) note = note_on_the_band(found, field);
     if (!report.quiet || !found.passed()) print_human(found, field, seconds.count());
     if (!note.empty()) print_text("note: {}\n", note);
     report.result = {{"mesh", options.mesh},

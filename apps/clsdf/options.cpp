@@ -257,11 +257,16 @@ std::vector<std::string> known_words(const Parser& parser) {
     return words;
 }
 
-std::string explain(const CLI::ParseError& error) {
-    // "--resolution: 1 required N missing"
+std::string explain(const CLI::ParseError& error, const CLI::App& parser) {
     const std::string text = error.what();
+    // "--resolution: 1 required N missing"
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && text.ends_with(" missing"))
         return text.substr(0, text.find(':')) + ": the value is missing";
+    // "--output is required"
+    if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
+        for (const CLI::Option* const option : parser.get_options())
+            if (text == option->get_name() + " is required")
+                return fmt::format("{} ({})", text, option->get_description());
     return text;
 }
 
@@ -286,7 +291,7 @@ std::optional<std::string> Parser::parse(int argument_count, const char* const* 
     } catch (const CLI::ParseError& error) {
         // The first word that no option and no subcommand took.
         const std::vector<std::string> unknown = chosen().parser_->remaining();
-        if (unknown.empty()) throw usage_error(explain(error));
+        if (unknown.empty()) throw usage_error(explain(error, *chosen().parser_));
         const std::string word = unknown.front().substr(0, unknown.front().find('='));
         const char* const kind = word.starts_with('-')                ? "option"
                                  : parser_->get_subcommands().empty() ? "subcommand"

@@ -157,9 +157,9 @@ std::vector<Vec3> read_csv_points(const FileContent& file) {
         const auto found = std::find_if(fields.begin(), fields.end(), has_name);
         if (found == fields.end())
             rows.fail(
-                fmt::format("there is no column '{}' in the first row, {}; it names the columns, with commas "
-                            "between them",
-                            names[axis], quoted(first_row, 80)));
+                fmt::format("the first row, {}, has no column '{}'; write the names of the columns there, with "
+                            "commas between them, as in x,y,z",
+                            quoted(first_row, 80), names[axis]));
         if (const auto second = std::find_if(found + 1, fields.end(), has_name); second != fields.end())
             rows.fail(fmt::format("columns {} and {} both have the coordinate '{}' ({} and {}); leave one of them",
                                   found - fields.begin() + 1, second - fields.begin() + 1, names[axis], quoted(*found),

@@ -95,7 +95,8 @@ BOOST_AUTO_TEST_CASE(answers_a_mistyped_word_with_the_nearest_one) {
 
 BOOST_AUTO_TEST_CASE(needs_a_subcommand_and_its_arguments) {
     check_refused(run_command({}), 2, {"subcommand", "--help"});
-    check_refused(run_command({"compute"}), 2, {"MESH"});
+    check_refused(run_command({"compute"}), 2, {"MESH is required (the mesh: .off"});
+    check_refused(run_command({"slice", "a.nrrd"}), 2, {"--output is required (the picture: .png"});
     check_refused(run_command({"check", "a.off"}), 2, {"FIELD"});
     check_refused(run_command({"shape"}), 2, {"name", "--list"});
 }

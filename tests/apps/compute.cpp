@@ -331,4 +331,23 @@ BOOST_AUTO_TEST_CASE(notes_that_a_field_which_fails_names_another_mesh_and_is_qu
     BOOST_TEST(failed.error.find("made from 'mesh.off'") != std::string::npos);
 }
 
+BOOST_AUTO_TEST_CASE(notes_that_wrong_values_look_like_the_limits_of_a_band_that_is_not_stated) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::string path = folder.file("field.sdf");
+    BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "16"}).status == 0);
+    const Outcome failed = run_command({"check", mesh, path, "--complete"});
+    BOOST_TEST(failed.status == 1);
+    BOOST_TEST(
+        failed.error.find("note: the wrong samples have the field's smallest or largest value") != std::string::npos,
+        failed.error);
+    BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "16", "--band", "full"}).status == 0);
+    clsdf::Field field = clsdf::read_field(path);
+    field.distance()[field.grid.offset(8, 8, 8)] += 0.01F;
+    write_field(field, path);
+    const Outcome other = run_command({"check", mesh, path, "--complete"});
+    BOOST_TEST(other.status == 1);
+    BOOST_TEST(other.error.find("note") == std::string::npos, other.error);
+}
+
 BOOST_AUTO_TEST_SUITE_END()

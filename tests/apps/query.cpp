@@ -210,6 +210,8 @@ BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
     };
     check_refused(query(inputs.folder.file("a.csv", "x,y\n1,2\n")), 3, {"a.csv: line 1: ", "'z'"});
     check_refused(query(inputs.folder.file("b.csv", "x,y,z\n1,2,3\n4,five,6\n")), 3, {"b.csv", "3", "five"});
+    check_refused(query(inputs.folder.file("n.csv", "1,2,3\n")), 3,
+                  {"n.csv: line 1: ", "'1,2,3', has no column 'x'", "as in x,y,z"});
     check_refused(query(inputs.folder.file("c.csv", "x,y,z\n1,2\n")), 3, {"c.csv: line 2: ", "2 fields", "3 columns"});
     check_refused(query(inputs.folder.file("d.csv", "x,y,z\n1,2,3\n1,nan,3\n")), 3, {"d.csv", "point 1", "not finite"});
     check_refused(query(inputs.folder.file("e.npy", npy("<f4", "2, 2", std::string(16, '\0')))), 3,

@@ -349,12 +349,14 @@ elseif(WAY STREQUAL "fortran")
   run(${CMAKE_COMMAND} --build ${build})
   run(${build}/files)
 
-  # The lines of the page, as a reader would paste them.
+  # The lines of the page, as a reader would paste them. The program finds the library by itself.
+  unset(ENV{LD_LIBRARY_PATH})
   file(REMOVE ${build}/first)
+  file(STRINGS ${CLSDF}/docs/fortran.md path REGEX "^path=" LIMIT_COUNT 1)
   file(STRINGS ${CLSDF}/docs/fortran.md lines REGEX "^(gfortran|fc) .*pkg-config" LIMIT_COUNT 2)
   foreach(line IN LISTS lines)
     string(REGEX REPLACE "^fc " "gfortran -J . " line "${line}")
-    run(sh -c "eval \"${line}\"")
+    run(sh -c "${path}; eval \"${line}\"")
     run(${build}/first)
     file(REMOVE ${build}/first)
   endforeach()

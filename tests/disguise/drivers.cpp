@@ -108,12 +108,14 @@ BOOST_AUTO_TEST_CASE(a_device_without_double_precision_is_refused_with_the_reaso
 }
 
 BOOST_AUTO_TEST_CASE(a_platform_without_devices_is_named_with_a_remedy) {
-    for (const char* platform : {"rusticl", "AMD Accelerated Parallel Processing"}) {
+    for (const std::string platform :
+         {"rusticl", "Portable Computing Language", "AMD Accelerated Parallel Processing"}) {
         const Drivers drivers({.platform = {{{CL_PLATFORM_NAME, platform}}}, .without_devices = true});
         BOOST_TEST(Device::all().empty());
         std::vector<std::string> fragments{
             "no OpenCL device was found", platform, "has no devices", "/dev/dri", "render", "pocl-opencl-icd"};
-        if (platform == std::string("rusticl")) fragments.emplace_back("RUSTICL_ENABLE=radeonsi");
+        if (platform == "rusticl") fragments.emplace_back("RUSTICL_ENABLE=radeonsi");
+        if (platform == "Portable Computing Language") fragments.emplace_back("POCL_CACHE_DIR");
         check_throws(ErrorCode::no_device, fragments, [] { Device::strongest(); });
         check_throws(ErrorCode::no_device, fragments, [] { Device::select("0"); });
     }

@@ -28,11 +28,12 @@ def type_of(output: str) -> tuple[np.dtype[Any], int]:
 
 @lru_cache(maxsize=64)
 def _split(text: str) -> tuple[str, ...]:
-    return wanted(text.split())
+    return wanted(text.replace(",", " ").split())
 
 
 def wanted(outputs: Outputs) -> tuple[str, ...]:
-    """The names in "distance gradient" or ["distance", "gradient"], with the distance, in the order of `names`."""
+    """The names in "distance gradient", "distance,gradient" or ["distance", "gradient"], with the distance, in the order
+    of `names`."""
     if isinstance(outputs, str):
         return _split(outputs)
     asked = {"distance", *outputs}

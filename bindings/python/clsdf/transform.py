@@ -67,6 +67,13 @@ def _steps(spacing: float | Sequence[float] | None) -> tuple[float, float, float
     return x, y, z
 
 
+def _vectors(name: str, values: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
+    array = np.asarray(values, np.float64)
+    if array.shape != shape:
+        raise Error(f"{name} has the shape {array.shape}; expected {shape}")
+    return array
+
+
 class Transform:
     """The exact distance to a triangle mesh, negative inside.
 
@@ -137,6 +144,7 @@ class Transform:
     def set_motion(self, rotation: Any, translation: Any) -> None:
         """Puts the vertices at rotation @ x + translation. x are the positions of the mesh that the transform was made
         from, so errors do not add up. Raises clsdf.Error if the 3 x 3 matrix is no rotation to 1e-12."""
+        rotation, translation = _vectors("rotation", rotation, (3, 3)), _vectors("translation", translation, (3,))
         self._body.set_motion(rotation, translation)
 
     # Grids.
@@ -348,10 +356,10 @@ class Transform:
         invalid_argument that names the row of a point that is not finite, and for arrays as of field().
         """
         points = _meshes.as_array(points, np.float64)
-        is_one = len(points.shape) == 1
+        is_one = len(points.shape) < 2
         if is_one:
-            if len(points) != 3:
-                raise Error(f"points has the shape {points.shape}; expected (n, 3), or (3,) of one point")
+            if tuple(points.shape) != (3,):
+                raise Error(f"points has the shape {tuple(points.shape)}; expected (n, 3), or (3,) of one point")
             points = points[None]
         count = len(points)
         if isinstance(within, str):

@@ -48,7 +48,8 @@ std::string type_text(nb::handle array) {
 }
 
 [[noreturn]] void refuse_type(nb::handle array, const std::string& what) {
-    refuse(what + " has elements of type " + type_text(array) + "; use float32, float64, int32 or int64");
+    refuse(what + " has elements of type " + type_text(array) +
+           "; use float32 or float64 for numbers, int32, int64, uint32 or uint64 for indices");
 }
 
 // pyopencl.array.Array: its memory is a buffer and an offset into it.

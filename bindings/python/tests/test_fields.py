@@ -78,6 +78,9 @@ WRONG = {
     "size of blocks": (lambda body: body.blocks(body.grid(8), [[0, 0, 0]], 2), "size: 2 is not three"),
     "boxes": (lambda body: body.classify(np.zeros((4, 6)), 0.1), r"shape \(4, 6\); expected \(n, 2, 3\)"),
     "one point": (lambda body: body.query((1, 2)), r"shape \(2,\); expected .*\(3,\) of one point"),
+    "a number as points": (lambda body: body.query(np.float64(3)), r"shape \(\); expected .*\(3,\) of one point"),
+    "rotation": (lambda body: body.set_motion(np.eye(4), (0, 0, 0)), r"rotation has the shape \(4, 4\); expected \(3, 3\)"),
+    "translation": (lambda body: body.set_motion(np.eye(3), 0), r"translation has the shape \(\); expected \(3,\)"),
     "within": (lambda body: body.query((1, 2, 3), within="3v"), "within: '3v' is a text"),
 }
 
@@ -101,6 +104,11 @@ def test_equal_grids_and_bands_have_equal_hashes(body):
     grids = {body.grid(8), body.grid(8), body.grid(9), body.grid(8).part((1, 0, 0), (2, 2, 2))}
     assert len(grids) == 3
     assert len({clsdf.Band(0, 1), clsdf.Band(-0.0, 1), clsdf.Band(1, 0)}) == 2
+
+
+def test_names_of_outputs_are_a_text_or_a_list(body):
+    for outputs in ("triangle gradient", "gradient,triangle", "gradient, triangle", ["triangle", "gradient"]):
+        assert body.query((1, 2, 3), outputs).outputs == ("distance", "triangle", "gradient")
 
 
 def test_a_field_as_out_keeps_its_grid_and_band(body):

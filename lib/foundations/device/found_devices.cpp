@@ -168,6 +168,10 @@ std::string empty_platforms() {
                 text +=
                     ": it shows GPUs if RUSTICL_ENABLE=radeonsi (AMD), iris (Intel) or nouveau (NVIDIA) is in the "
                     "environment";
+            if (name == "Portable Computing Language")
+                text +=
+                    ": PoCL shows none if it cannot write its cache; name a folder that it can write to in "
+                    "POCL_CACHE_DIR, or in HOME";
         }
     } catch (const cl::Error&) {
         // Further platforms are not named.

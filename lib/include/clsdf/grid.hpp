@@ -76,10 +76,9 @@ struct GridOptions {
 /// A regular grid: sample (i, j, k) of the lattice lies at origin + (i hx, j hy, k hz), a real number formed from the
 /// stored doubles. A Grid is the block of samples first <= (i, j, k) < first + size of that lattice; x runs fastest in
 /// memory, so NumPy's shape is (nz, ny, nx). Every result depends on the lattice's sample (0, 0, 0), never on `first`:
-/// a part of a grid has the same bytes as the whole. A field is as accurate far from sample (0, 0, 0) as near it. A
-/// block may reach 2^30
-/// - 128 samples from sample (0, 0, 0) on every axis, a mesh 1e14 times the smallest spacing (2^40 times it in y and z,
-/// for a field with a sign).
+/// a part of a grid has the same bytes as the whole. A field is as accurate far from sample (0, 0, 0) as near it. On
+/// every axis a block may reach 2^30 - 128 samples from sample (0, 0, 0), and a mesh 1e14 times the smallest spacing
+/// (2^40 times in y and z, for a field with a sign).
 struct CLSDF_EXPORT Grid {
     Vec3 origin{};
     Vec3 spacing{1, 1, 1};
