@@ -121,7 +121,7 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
     device::Context& context = device::context_of(device);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const KnownField unlimited({.wide = true}), limited = KnownField({.later = true}).within(limit);
-    Stages stages(context, pool, unlimited.mesh(), {nullptr, {programs.mesh_records, programs.mesh_lanes()}});
+    Stages stages(context, pool, unlimited.mesh(), {programs});
     if (test_case.is_later) stages.frusta();
     points::KeptPoints kept(stages);
     points::PointInputs inputs;
@@ -180,10 +180,9 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     device::Context& context = device::context_of(device);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const auto make_stages = [&] {
-        return std::make_unique<Stages>(context, pool, KnownField(kind).mesh(),
-                                        Stages::Options{.method = test_case.method,
-                                                        .set_up = {programs.mesh_records, programs.mesh_lanes()},
-                                                        .is_whole = true});
+        return std::make_unique<Stages>(
+            context, pool, KnownField(kind).mesh(),
+            Stages::Options{.programs = programs, .method = test_case.method, .is_whole = true});
     };
     std::unique_ptr<Stages> stages = make_stages();
     std::optional<std::string> difference = run_field_test(device, programs, test_case, kind, *stages, watch);

@@ -107,7 +107,7 @@ private:
     std::size_t vertex_answer_bytes() const { return sources_->of_kernels.fan_items.size() * CLSDF_FAN_ITEM; }
 
     void enqueue_slopes() const {
-        cl::Kernel kernel(job_.program, "face_slopes");
+        cl::Kernel kernel(job_.programs.mesh_records, "face_slopes");
         const std::size_t all = in_record_groups(count_);
         const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
         ShortLaunches(job_.context, {})
@@ -122,7 +122,7 @@ private:
     }
 
     void enqueue_fans() const {
-        cl::Kernel kernel(job_.program, "vertex_fans");
+        cl::Kernel kernel(job_.programs.mesh_records, "vertex_fans");
         ShortLaunches(job_.context, {})
             .over(sources_->of_kernels.fan_items.size(), seconds_per_fan_item, [&](std::size_t begin, std::size_t end) {
                 launch(job_.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
