@@ -1,6 +1,7 @@
 #include "polyhedra/frusta.hpp"
 
 #include "core/parallel.hpp"
+#include "mesh/box_index.hpp"
 #include "polyhedra/frames.hpp"
 #include "polyhedra/gaps.hpp"
 #include "polyhedra/slopes.hpp"
@@ -146,12 +147,8 @@ Numbers faces_around(std::span<const std::uint32_t> vertices, const OneRings& ri
 }
 
 Box box_of(std::span<const Vec3> positions) {
-    Box box{positions.front(), positions.front()};
-    for (const Vec3& position : positions)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            box.lower[axis] = std::min(box.lower[axis], position[axis]);
-            box.upper[axis] = std::max(box.upper[axis], position[axis]);
-        }
+    Box box = empty_box;
+    for (const Vec3& position : positions) add(box, {position, position});
     return box;
 }
 
