@@ -91,18 +91,22 @@ void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& t
     }
 }
 
+/// Where a target's samples begin and end, in bytes of its memory.
+std::pair<double, double> extent_of(const OutputInfo& row, const Grid& grid, const OutputArray& target) {
+    const auto& [nx, ny, nz] = grid.size;
+    const auto components = static_cast<std::int64_t>(row.components);
+    return clsdf::extent_of(target, {{target.strides[0], nx},
+                                     {target.strides[1], ny},
+                                     {target.strides[2], nz},
+                                     {target.component_stride, components}});
+}
+
 /// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, unless these are unknown, or not
 /// where its numbers can.
 ByteRange range_of(const OutputInfo& row, const Grid& grid, const OutputArray& target, std::size_t bytes) {
     if (grid.sample_count() == 0) return {};
     const std::ptrdiff_t width = width_of(target.type);
-    // In double, which no sum of such products overflows.
-    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
-    const auto extend = [&](std::ptrdiff_t stride, double steps) {
-        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * steps;
-    };
-    for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
-    extend(target.component_stride, static_cast<double>(row.components - 1));
+    const auto [lowest, highest] = extent_of(row, grid, target);
     if (bytes != ArrayLayout::unknown_size && (lowest < 0 || highest > static_cast<double>(bytes)))
         throw misuse(
             fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
@@ -296,16 +300,10 @@ bool HostTargets::overlap(std::span<const std::byte> bytes) const {
     for_each_output(
         [&](const OutputInfo& row, const OutputArray& target) {
             if (!target.is_given()) return;
-            const auto* first = static_cast<const std::byte*>(target.host) + target.offset;
-            std::ptrdiff_t lowest = 0, highest = width_of(target.type);
-            const auto extend = [&](std::ptrdiff_t stride, std::size_t count) {
-                (stride < 0 ? lowest : highest) += stride * (static_cast<std::ptrdiff_t>(count) - 1);
-            };
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                extend(target.strides[axis], static_cast<std::size_t>(grid_.size[axis]));
-            extend(target.component_stride, row.components);
-            result = result || (is_before(first + lowest, bytes.data() + bytes.size()) &&
-                                is_before(bytes.data(), first + highest));
+            const auto [lowest, highest] = extent_of(row, grid_, target);
+            const auto* memory = static_cast<const std::byte*>(target.host);
+            result = result || (is_before(memory + static_cast<std::ptrdiff_t>(lowest), bytes.data() + bytes.size()) &&
+                                is_before(bytes.data(), memory + static_cast<std::ptrdiff_t>(highest)));
         },
         targets_);
     return result;
@@ -348,9 +346,8 @@ void HostTargets::store(const Grid& slab, const HostArrays& values) const {
 }
 
 void HostTargets::store_row(std::size_t first, std::size_t count, const HostArrays& values) const {
-    Grid row;
-    row.first = {static_cast<std::int64_t>(first), 0, 0};
-    row.size = {static_cast<std::int64_t>(count), 1, 1};
+    Grid row = row_of(count);
+    row.first[0] = static_cast<std::int64_t>(first);
     store(row, values);
 }
 
@@ -359,13 +356,9 @@ namespace {
 /// The buffer from `offset` on, which is aligned.
 cl::Buffer buffer_from(const cl::Buffer& buffer, std::size_t offset, std::size_t bytes) {
     if (offset == 0) return buffer;
-    cl::Buffer parent = buffer;
-    if (const auto whole = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>(); whole() != nullptr) {
-        offset += buffer.getInfo<CL_MEM_OFFSET>();
-        parent = cl::Buffer(whole(), true);
-    }
-    const cl_buffer_region region{offset, bytes};
-    return parent.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
+    device::BufferPlace place = device::place_of(buffer(), offset);
+    const cl_buffer_region region{place.byte, bytes};
+    return place.memory.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
 }
 
 /// Memory that kernels cannot or may not write would fail later and less clearly.
@@ -420,11 +413,8 @@ void DeviceTargets::add_written(std::size_t request, std::vector<WrittenArray>& 
     for_each_output(
         [&](const OutputInfo& info, const OutputArray& target) {
             if (target.device == nullptr) return;
-            const cl::Buffer memory(target.device, true);
-            const auto whole = memory.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>();
-            const bool is_part = whole() != nullptr;
-            written.push_back(written_array(info, target, size_, request, is_part ? whole() : target.device,
-                                            is_part ? memory.getInfo<CL_MEM_OFFSET>() : 0));
+            const device::BufferPlace begin = device::place_of(target.device, 0);
+            written.push_back(written_array(info, target, size_, request, begin.memory(), begin.byte));
         },
         targets_);
 }

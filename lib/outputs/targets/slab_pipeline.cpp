@@ -46,33 +46,20 @@ FieldSlab slab_of(const HostArrays& arrays, std::size_t samples) {
     return slab;
 }
 
-void OutputMemory::place(const device::Context& context, device::BufferPool& pool, std::byte* host, std::size_t bytes) {
-    host_ = host;
-    bytes_ = bytes;
-    if (context.capabilities().is_processor) {
-        in_place_ = cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, host);
-    } else if (lease_.bytes() < bytes) {
-        lease_ = {};
-        lease_ = pool.lease(bytes, "samples of the field");
-    }
-}
-
-void OutputMemory::enqueue_handover(const cl::CommandQueue& queue) const {
-    if (in_place_() == nullptr) return;
-    void* mapped = queue.enqueueMapBuffer(in_place_, CL_FALSE, CL_MAP_READ, 0, bytes_);
-    queue.enqueueUnmapMemObject(in_place_, mapped);
-}
-
-void OutputMemory::read(const device::Context& context, const cl::CommandQueue& transfers) const {
-    if (in_place_() == nullptr) context.read(transfers, *lease_, bytes_, host_);
-}
-
 void OutputMemories::place(const device::Context& context, device::BufferPool& pool, const HostArrays& arrays,
                            std::size_t samples) {
     arrays_ = arrays;
     for_each_output(
-        [&](const OutputInfo& row, const HostArray& array, OutputMemory& memory) {
-            if (array.is_wanted) memory.place(context, pool, array.data, samples * sample_bytes(row, array.in_double));
+        [&](const OutputInfo& row, const HostArray& array, Memory& memory) {
+            if (!array.is_wanted) return;
+            memory.bytes = samples * sample_bytes(row, array.in_double);
+            if (context.capabilities().is_processor) {
+                memory.in_place =
+                    cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, memory.bytes, array.data);
+            } else if (memory.lease.bytes() < memory.bytes) {
+                memory.lease = {};
+                memory.lease = pool.lease(memory.bytes, "samples of the field");
+            }
         },
         arrays_, memory_);
 }
@@ -80,9 +67,9 @@ void OutputMemories::place(const device::Context& context, device::BufferPool& p
 OutputBuffers OutputMemories::buffers() const {
     OutputBuffers buffers;
     for_each_output(
-        [&](const OutputInfo& row, const HostArray& array, const OutputMemory& memory, cl::Buffer& buffer) {
+        [&](const OutputInfo& row, const HostArray& array, const Memory& memory, cl::Buffer& buffer) {
             if (!array.is_wanted) return;
-            buffer = memory.buffer();
+            buffer = memory.in_place() != nullptr ? memory.in_place : *memory.lease;
             if (array.in_double) buffers.in_double |= bit_of(row);
         },
         arrays_, memory_, buffers);
@@ -91,16 +78,19 @@ OutputBuffers OutputMemories::buffers() const {
 
 void OutputMemories::enqueue_handover(const cl::CommandQueue& queue) const {
     for_each_output(
-        [&](const OutputInfo&, const HostArray& array, const OutputMemory& memory) {
-            if (array.is_wanted) memory.enqueue_handover(queue);
+        [&](const OutputInfo&, const HostArray& array, const Memory& memory) {
+            if (!array.is_wanted || memory.in_place() == nullptr) return;
+            void* mapped = queue.enqueueMapBuffer(memory.in_place, CL_FALSE, CL_MAP_READ, 0, memory.bytes);
+            queue.enqueueUnmapMemObject(memory.in_place, mapped);
         },
         arrays_, memory_);
 }
 
 void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers) const {
     for_each_output(
-        [&](const OutputInfo&, const HostArray& array, const OutputMemory& memory) {
-            if (array.is_wanted) memory.read(context, transfers);
+        [&](const OutputInfo&, const HostArray& array, const Memory& memory) {
+            if (array.is_wanted && memory.in_place() == nullptr)
+                context.read(transfers, *memory.lease, memory.bytes, array.data);
         },
         arrays_, memory_);
 }

@@ -33,27 +33,8 @@ HostArrays arrays_for(OutputSet outputs);
 std::size_t widest_of(const HostArrays& arrays);
 FieldSlab slab_of(const HostArrays& arrays, std::size_t samples);
 
-/// Device memory for a host array: the array itself on a processor, whose memory it is.
-class OutputMemory {
-public:
-    void place(const device::Context& context, device::BufferPool& pool, std::byte* host, std::size_t bytes);
-
-    const cl::Buffer& buffer() const { return in_place_() != nullptr ? in_place_ : *lease_; }
-
-    /// To be called after the commands that compute the result. If the array is the device's memory, it holds the
-    /// result when the queue, which is in order, has finished.
-    void enqueue_handover(const cl::CommandQueue& queue) const;
-    /// On other devices: reads the finished result into the array.
-    void read(const device::Context& context, const cl::CommandQueue& transfers) const;
-
-private:
-    std::byte* host_ = nullptr;
-    std::size_t bytes_ = 0;
-    cl::Buffer in_place_;
-    device::BufferPool::Lease lease_;
-};
-
-/// Device memory for the wanted arrays of a slab or of points.
+/// Device memory for the wanted arrays of a slab or of points: the arrays themselves on a processor, whose memory it
+/// is.
 class OutputMemories {
 public:
     void place(const device::Context& context, device::BufferPool& pool, const HostArrays& arrays, std::size_t samples);
@@ -61,13 +42,21 @@ public:
     const HostArrays& arrays() const { return arrays_; }
     /// The buffers to which the device writes the samples.
     OutputBuffers buffers() const;
-    /// As OutputMemory's, for all wanted arrays.
+    /// To be called after the commands that compute the samples. Arrays that are the device's memory hold them when
+    /// the queue, which is in order, has finished.
     void enqueue_handover(const cl::CommandQueue& queue) const;
+    /// On other devices: reads the finished samples into the arrays.
     void read(const device::Context& context, const cl::CommandQueue& transfers) const;
 
 private:
+    struct Memory {
+        std::size_t bytes = 0;
+        cl::Buffer in_place{};
+        device::BufferPool::Lease lease{};
+    };
+
     HostArrays arrays_;
-    PerOutput<OutputMemory> memory_;
+    PerOutput<Memory> memory_;
 };
 
 /// Called with the slabs of a field, as SlabSink is.
