@@ -28,32 +28,6 @@ double least_length(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
     return 1e-30 * mesh.box().longest_side() / lattice.unit;
 }
 
-/// A buffer's bytes as the host reads them, in its own memory or in a copy.
-class MappedBytes {
-public:
-    MappedBytes(const cl::CommandQueue& queue, const cl::Buffer& buffer, std::size_t count, bool waits)
-        : queue_(queue), buffer_(buffer), count_(count) {
-        if (count > 0) memory_ = queue.enqueueMapBuffer(buffer, waits ? CL_TRUE : CL_FALSE, CL_MAP_READ, 0, count);
-    }
-    MappedBytes(const MappedBytes&) = delete;
-    MappedBytes& operator=(const MappedBytes&) = delete;
-    ~MappedBytes() {
-        if (memory_ != nullptr) clEnqueueUnmapMemObject(queue_(), buffer_(), memory_, 0, nullptr, nullptr);
-    }
-
-    std::span<const std::uint8_t> bytes() const { return {static_cast<const std::uint8_t*>(memory_), count_}; }
-    void unmap() {
-        if (void* const memory = std::exchange(memory_, nullptr); memory != nullptr)
-            queue_.enqueueUnmapMemObject(buffer_, memory);
-    }
-
-private:
-    cl::CommandQueue queue_;
-    cl::Buffer buffer_;
-    std::size_t count_;
-    void* memory_ = nullptr;
-};
-
 class KernelFrusta {
 public:
     KernelFrusta(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
@@ -142,13 +116,11 @@ private:
                 queue.enqueueMapBuffer(*made_.faces.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes());
         else
             queue.enqueueReadBuffer(*made_.faces.slopes, CL_FALSE, 0, slope_bytes(), frusta.slopes.data());
-        {
-            MappedBytes vertices(queue, *vertex_answers_, vertex_answer_bytes(), false);
-            MappedBytes faces(queue, *face_answers_, count_, true);
-            left_ = sources_->of_kernels.left_to_host(topology_, faces.bytes(), vertices.bytes());
-            vertices.unmap();
-            faces.unmap();
-        }
+        const auto answers = [](const device::BufferPool::Lease& lease, std::size_t count) {
+            return std::span(static_cast<const std::uint8_t*>(lease.on_host()), count);
+        };
+        left_ = sources_->of_kernels.left_to_host(topology_, answers(face_answers_, count_),
+                                                  answers(vertex_answers_, vertex_answer_bytes()));
         complete_frusta(topology_, box_, left_, frusta);
         if (in_place != nullptr) {
             queue.enqueueUnmapMemObject(*made_.faces.slopes, in_place);
