@@ -12,7 +12,6 @@
 namespace clsdf::scan {
 
 class CrossingSearch;
-struct Crossings;
 struct Programs;
 
 /// One bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words (docs/method.md, 'Sign by
@@ -51,9 +50,6 @@ public:
     SignBits finish();
 
 private:
-    /// Enqueues the launches that make bits of the crossings.
-    void sweep_rows(const Crossings& crossings);
-
     SweepInputs inputs_;
     SignBits result_;
     std::unique_ptr<CrossingSearch> search_;
