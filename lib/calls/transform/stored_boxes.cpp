@@ -164,7 +164,7 @@ std::optional<std::string> run_store_test(const device::Context& context, const 
 
 bool ensure_store_tested(const Device& device, const Programs& programs, const device::BuildWatch& watch) {
     return device::guarded([&] {
-        const cl::Program program = programs.store(device::context_of(device), watch);
+        const cl::Program program = programs.store.get(watch);
         return test_once(device, {"stored boxes", [&] { return std::vector{program}; }},
                          [&] { return run_store_test(device::context_of(device), program); });
     });

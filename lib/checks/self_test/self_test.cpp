@@ -127,7 +127,7 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
     points::PointInputs inputs;
     inputs.mesh = kept.tree();
     inputs.sign = SignRule::nonzero;
-    if (test_case.are_scanned) inputs.scanned = kept.scanned_mesh(programs.point_scan(context));
+    if (test_case.are_scanned) inputs.scanned = kept.scanned_mesh(programs.point_scan);
     inputs.sites = stages.sites(true, true);
     const auto difference = [&](const KnownField& known, bool is_later) {
         const std::vector<Vec3> positions = positions_of(known.grid());
@@ -253,13 +253,12 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
 
 bool ensure_points_tested(const Device& device, const Programs& programs, const PointTestCase& test_case,
                           const device::BuildWatch& watch) {
-    device::Context& context = device::context_of(device);
     std::vector<cl::Program> built;
     device::guarded([&] {
-        built.push_back(programs.points(context, watch));
+        built.push_back(programs.points.get(watch));
         if (!test_case.are_scanned) return;
         built.push_back(programs.mesh_records.get(watch));
-        built.push_back(programs.point_scan(context, watch));
+        built.push_back(programs.point_scan.get(watch));
     });
     const TestSubject subject{fmt::format("{} {}points{}", device::name_of(programs.body),
                                           test_case.are_scanned ? "many " : "", test_case.is_later ? " later" : ""),
