@@ -6,7 +6,6 @@
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
 #include "prepare/layout_of.hpp"
-#include "prepare/sweep_mesh.hpp"
 #include "scan/coarse_lists.hpp"
 
 #include <fmt/format.h>
@@ -167,11 +166,7 @@ void DistanceTransform::State::check(const transform::Job& job) const {
 
 void DistanceTransform::State::compile(const transform::Job& job, transform::Compiling& compiling) const {
     context().require_usable();
-    transform::TestCase test_case = test_case_of(job), large = test_case;
-    large.is_large = true;
-    // It runs all that the other one runs.
-    if (context().is_tested(large.name())) return;
-    test(test_case.is_signed && scan::expects_large_triangles(job.grid, mesh()) ? large : test_case, compiling);
+    test(test_case_of(job), compiling);
 }
 
 transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bool lone) {
@@ -193,12 +188,10 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(const t
                                                                          transform::Compiling& compiling) {
     auto plan =
         std::make_unique<transform::GridPlan>(from, std::move(inputs), job, [&caller] { caller.throw_if_stopped(); });
-    // Known only now: large triangles, and records made from kept frusta. Each has a kernel that must be tested.
-    const bool is_later = plan->inputs.records->is_later;
-    if (plan->has_large_triangles || is_later) {
+    // Known only now: records made from kept frusta, by a kernel that must be tested.
+    if (plan->inputs.records->is_later) {
         transform::TestCase found = test_case_of(job);
-        found.is_large = plan->has_large_triangles;
-        found.is_later = is_later;
+        found.is_later = true;
         try {
             test(found, compiling);
         } catch (...) {

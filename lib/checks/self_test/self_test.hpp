@@ -18,7 +18,6 @@ struct TestCase {
     BrickVariant variant{};
     bool is_signed = true;  ///< the sign is swept
     bool is_wide = false;   ///< coarse bricks have bounds of their own
-    bool is_large = false;  ///< triangles with many rows of samples are swept by a kernel of their own
     bool is_later = false;  ///< see PreparedMesh: a kernel of their own makes the records
 
     /// Other cases all of whose kernels this one runs, too.

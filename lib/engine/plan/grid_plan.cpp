@@ -41,9 +41,7 @@ GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in
         scan_ = workshop.method ? workshop.method->make_scan(scan_inputs) : make_brick_scan(scan_inputs);
         // To wait takes as long as a small kernel: the host waits for the sign and the lists together.
         sign_watch = Stopwatch();
-        SignBits signs = sweep.finish();
-        sign_bits_ = std::move(signs.bits);
-        has_large_triangles = signs.has_large_triangles;
+        sign_bits_ = sweep.finish();
         statistics.sign_seconds += sign_watch.seconds();
         context.queue().flush();
     });

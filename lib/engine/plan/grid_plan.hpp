@@ -34,7 +34,6 @@ struct GridPlan {
     Inputs inputs;
     Job job;
     CallStatistics statistics;
-    bool has_large_triangles = false;  ///< see SignBits
 
     /// Device memory of this plan alone, without the records, which are shared.
     std::size_t own_bytes() const { return statistics.device_bytes - inputs.records->device_bytes(); }

@@ -121,26 +121,6 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
 
 }  // namespace
 
-bool expects_large_triangles(const Grid& grid, const Mesh& mesh) {
-    constexpr std::size_t looked_at = 128;
-    const std::size_t count = mesh.triangles().size(), step = count / looked_at + 1;
-    for (std::size_t t = 0; t < count; t += step) {
-        double rows = 1;
-        for (const std::size_t axis : {std::size_t{1}, std::size_t{2}}) {
-            const auto sample = [&](std::size_t corner) {
-                const double position = mesh.vertices()[mesh.triangles()[t][corner]][axis];
-                const auto first = static_cast<double>(grid.first[axis]);
-                return std::clamp((position - grid.origin[axis]) / grid.spacing[axis], first,
-                                  first + static_cast<double>(grid.size[axis]));
-            };
-            const auto [least, greatest] = std::minmax({sample(0), sample(1), sample(2)});
-            rows *= greatest - least;
-        }
-        if (rows > CLSDF_LARGE_ROWS) return true;
-    }
-    return false;
-}
-
 SweepSelection select_triangles(const device::Context& context, const polyhedra::NearRecords& near) {
     std::vector<cl_uint> numbers;
     numbers.reserve(near.face_count + 1);

@@ -40,9 +40,6 @@ struct SweepSelection {
 /// Selects from a mesh that make_sweep_mesh() made.
 SweepSelection select_triangles(const device::Context& context, const polyhedra::NearRecords& near);
 
-/// Whether some of the mesh's triangles are large on the grid, guessed from a sample of them.
-bool expects_large_triangles(const Grid& grid, const Mesh& mesh);
-
 /// Throws Error(unsupported) if the mesh reaches farther from the grid's origin than the sweep's integers.
 /// `faces`: null if the host makes the vertices.
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& mesh,

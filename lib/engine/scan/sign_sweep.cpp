@@ -80,8 +80,8 @@ public:
     }
 
     /// Waits for what was found, unless the host has waited for later commands of the queue. Searches again if there
-    /// was too little room, and enqueues the launches that make the bits. Returns whether there are large triangles.
-    bool finish(const cl::Buffer& bits) {
+    /// was too little room, and enqueues the launches that make the bits.
+    void finish(const cl::Buffer& bits) {
         for (;;) {
             end();
             // The counter of records has 32 bits and wraps; the scan's total shows it.
@@ -93,7 +93,6 @@ public:
             begin();
         }
         sweep_rows(bits);
-        return has_large_triangles_;
     }
 
 private:
@@ -102,7 +101,6 @@ private:
     /// Waits, and sets the crossings' numbers: of the records those that it took, also if there was room for fewer.
     void end() {
         SweepTotals totals = wait_for_totals();
-        has_large_triangles_ = totals.large > 0;
         if (totals.large > 0) {
             find_large(totals);
             add_up();
@@ -193,7 +191,6 @@ private:
     device::BufferPool::Lease records_;  ///< SweepRecord, in no order
     std::size_t record_count_ = 0;       ///< those that are left over included
     std::size_t capacity_ = 0;           ///< records that there is room for
-    bool has_large_triangles_ = false;   ///< see SignBits
     device::InFlight<std::unique_ptr<SweepTotals>> totals_found_{inputs_.context, std::make_unique<SweepTotals>()};
 };
 
@@ -201,11 +198,11 @@ SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
     device::guarded([&] {
         const std::size_t bytes =
             sign_row_count(inputs.layout) * static_cast<std::size_t>(inputs.layout.sign_words) * sizeof(cl_uint);
-        result_.bits = inputs.pool->lease(bytes, "sign bits");
+        bits_ = inputs.pool->lease(bytes, "sign bits");
         const bool is_empty = inputs.mesh == nullptr || inputs.mesh->triangle_count == 0 ||
                               (inputs.selection.triangles() != nullptr && inputs.selection.count == 0);
         if (is_empty) {
-            inputs.context.queue().enqueueFillBuffer(*result_.bits, cl_uint{0}, 0, bytes);
+            inputs.context.queue().enqueueFillBuffer(*bits_, cl_uint{0}, 0, bytes);
         } else {
             search_ = std::make_unique<CrossingSearch>(inputs_);
             search_->begin();
@@ -215,11 +212,11 @@ SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
 
 SignSweep::~SignSweep() = default;
 
-SignBits SignSweep::finish() {
+device::BufferPool::Lease SignSweep::finish() {
     return device::guarded([&] {
-        if (search_) result_.has_large_triangles = search_->finish(*result_.bits);
+        if (search_) search_->finish(*bits_);
         search_.reset();
-        return std::move(result_);
+        return std::move(bits_);
     });
 }
 

@@ -14,13 +14,6 @@ namespace clsdf::scan {
 class CrossingSearch;
 struct Programs;
 
-/// One bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words (docs/method.md, 'Sign by
-/// crossings').
-struct SignBits {
-    device::BufferPool::Lease bits;
-    bool has_large_triangles = false;  ///< a triangle of the sweep has more than CLSDF_LARGE_ROWS rows
-};
-
 /// The inputs of a sweep; all of them must outlive it.
 struct SweepInputs {
     device::Context& context;
@@ -33,7 +26,9 @@ struct SweepInputs {
     const ShortLaunches& launches;
 };
 
-/// The sweep. It has two steps: between them the host may enqueue other work, and one wait covers both.
+/// The sweep that makes one bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words
+/// (docs/method.md, 'Sign by crossings'). It has two steps: between them the host may enqueue other work, and one wait
+/// covers both.
 class SignSweep {
 public:
     /// Enqueues the search for the crossings, and does not wait for it.
@@ -43,15 +38,15 @@ public:
     ~SignSweep();
 
     /// The buffer for the bits.
-    const cl::Buffer& bits() const { return *result_.bits; }
+    const cl::Buffer& bits() const { return *bits_; }
 
     /// Waits for the numbers of crossings, unless the host has waited for later commands of the queue, and enqueues the
     /// rest. Throws Error(out_of_memory) if there are 2^32 crossings or more.
-    SignBits finish();
+    device::BufferPool::Lease finish();
 
 private:
     SweepInputs inputs_;
-    SignBits result_;
+    device::BufferPool::Lease bits_;
     std::unique_ptr<CrossingSearch> search_;
 };
 
