@@ -297,11 +297,12 @@ std::optional<polyhedra::NearRecords> Stages::near_bricks(const Grid& grid, cons
 }
 
 std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const Layout& layout) {
-    if (!frusta_ || !is_within_sweep(mesh_, grid)) return std::nullopt;
+    if (!frusta_) return std::nullopt;
     // Rows run along x: what they cross on the way to the samples.
     Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
     box.lower[0] = -std::numeric_limits<double>::infinity();
-    return near_box(widened(box, grid.voxel()), topology().order.size());
+    auto near = near_box(widened(box, grid.voxel()), topology().order.size());
+    return near && is_within_sweep(mesh_, grid) ? std::move(near) : std::nullopt;
 }
 
 void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {

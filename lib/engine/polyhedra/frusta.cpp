@@ -152,8 +152,10 @@ Box box_of(std::span<const Vec3> positions) {
     return box;
 }
 
-void complete(const MeshTopology& topology, const Box& box, const LeftToHost& left, const FrustaOptions& options,
-              Frusta& frusta) {
+}  // namespace
+
+void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta,
+                     const FrustaOptions& options) {
     const std::size_t all = topology.order.size();
     const LatticeView lattice = view_of(box);
     const MeshFaces faces{frusta.positions, topology.faces.triangles, lattice};
@@ -192,18 +194,12 @@ void complete(const MeshTopology& topology, const Box& box, const LeftToHost& le
     });
 }
 
-}  // namespace
-
-void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta) {
-    complete(topology, box, left, {}, frusta);
-}
-
 Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FrustaOptions& options) {
     Frusta frusta;
     frusta.positions = ordered_positions(topology, positions);
     frusta.slopes.resize(topology.order.size());
     const LeftToHost all{all_numbers(topology.order.size()), all_numbers(frusta.positions.size()), 0};
-    complete(topology, box_of(frusta.positions), all, options, frusta);
+    complete_frusta(topology, box_of(frusta.positions), all, frusta, options);
     return frusta;
 }
 

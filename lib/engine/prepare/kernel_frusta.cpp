@@ -46,12 +46,13 @@ public:
         made_.faces.names = names;
         made_.faces.positions = job.input(frusta.positions, "vertices");
         made_.faces.slopes = job.shares_memory() ? job.shared(frusta.slopes, CL_MEM_READ_WRITE)
-                                                 : lease(slope_bytes(), "slopes of the polyhedra");
-        signs_ = lease(3 * count_ * sizeof(float), "signs of the edges");
-        face_answers_ = lease(count_, "answers about faces");
-        vertex_answers_ = lease(vertex_answer_bytes(), "answers about vertices");
+                                                 : job.pool->lease(slope_bytes(), "slopes of the polyhedra");
+        signs_ = job.pool->lease(3 * count_ * sizeof(float), "signs of the edges");
+        face_answers_ = job.pool->lease(count_, "answers about faces");
+        vertex_answers_ = job.pool->lease(vertex_answer_bytes(), "answers about vertices");
         if (lattice != nullptr)
-            records_ = lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron), "polyhedra");
+            records_ =
+                job.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron), "polyhedra");
     }
 
     KernelFrusta(const KernelFrusta&) = delete;
@@ -74,9 +75,6 @@ public:
     }
 
 private:
-    device::BufferPool::Lease lease(std::size_t bytes, const char* purpose) const {
-        return bytes > 0 ? job_.pool->lease(bytes, purpose) : device::BufferPool::Lease();
-    }
     std::size_t slope_bytes() const { return count_ * sizeof(polyhedra::FaceSlopes); }
     std::size_t vertex_answer_bytes() const { return sources_->of_kernels.fan_items.size() * CLSDF_FAN_ITEM; }
 

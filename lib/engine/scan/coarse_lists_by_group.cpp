@@ -53,7 +53,7 @@ public:
             pairs_ = std::move(*guess);
         else
             pairs_ = inputs_.pool->lease(capacity = 0, pairs_purpose);
-        for (lists.passes = 1;; ++lists.passes) {
+        for (;;) {
             find_pairs(lists, capacity);
             if (found_->back() <= capacity) break;
             capacity = found_->back();
