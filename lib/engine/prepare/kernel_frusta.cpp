@@ -3,11 +3,11 @@
 
 #include "core/lifetime.hpp"
 #include "core/parallel.hpp"
+#include "device/in_flight.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 
 #include <algorithm>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -114,11 +114,17 @@ private:
                 queue.enqueueMapBuffer(*made_.faces.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes());
         else
             queue.enqueueReadBuffer(*made_.faces.slopes, CL_FALSE, 0, slope_bytes(), frusta.slopes.data());
-        const auto answers = [](const device::BufferPool::Lease& lease, std::size_t count) {
-            return std::span(static_cast<const std::uint8_t*>(lease.on_host()), count);
+        struct Answers {
+            std::vector<std::uint8_t> faces, vertices;
         };
-        left_ = sources_->of_kernels.left_to_host(topology_, answers(face_answers_, count_),
-                                                  answers(vertex_answers_, vertex_answer_bytes()));
+        device::InFlight<Answers> answers(
+            job_.context, {std::vector<std::uint8_t>(count_), std::vector<std::uint8_t>(vertex_answer_bytes())});
+        answers.begin();
+        if (!answers->vertices.empty())
+            queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, answers->vertices.size(), answers->vertices.data());
+        queue.enqueueReadBuffer(*face_answers_, CL_TRUE, 0, count_, answers->faces.data());
+        answers.end();
+        left_ = sources_->of_kernels.left_to_host(topology_, answers->faces, answers->vertices);
         complete_frusta(topology_, box_, left_, frusta);
         if (in_place != nullptr) {
             queue.enqueueUnmapMemObject(*made_.faces.slopes, in_place);
