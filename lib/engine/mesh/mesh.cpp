@@ -20,10 +20,6 @@ namespace clsdf {
 
 namespace {
 
-bool is_finite(const Vec3& point) {
-    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-}
-
 /// Throws if one of the triangle's indices is out of range, or its vertex not finite.
 void throw_if_bad(std::size_t t, const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
                   const std::string& name) {
