@@ -125,15 +125,10 @@ private:
             PrefixSums sums(inputs_.context, inputs_.programs, inputs_.pool, *counts, starts, counters_,
                             "pairs of a triangle and a coarse brick");
             std::vector<cl::Event> read(2);
-            {
-                CommandGate gate(inputs_.context);
-                sums.enqueue();
-                inputs_.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
-                                                  host_->pairs_found.data(), nullptr, &read[0]);
-                inputs_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, host_->starts.size() * sizeof(cl_uint),
-                                                  host_->starts.data(), nullptr, &read[1]);
-                gate.open();
-            }
+            inputs_.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
+                                              host_->pairs_found.data(), nullptr, &read[0]);
+            inputs_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, host_->starts.size() * sizeof(cl_uint),
+                                              host_->starts.data(), nullptr, &read[1]);
             cl::Event::waitForEvents(read);
             sums.total();  // throws if the starts do not hold it
             if (std::equal(host_->pairs_found.begin(), host_->pairs_found.end(), room.begin(), std::less_equal<>()))

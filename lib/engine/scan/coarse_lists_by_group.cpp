@@ -90,7 +90,6 @@ private:
                           static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
         });
         PrefixSums sums(inputs_.context, inputs_.programs, inputs_.pool, *counts_, *lists.starts, counters, listed);
-        sums.enqueue();
         cl::Kernel gather(inputs_.programs.coarse_lists, "coarse_list_starts");
         launch(queue, gather, {bricks_ + 1}, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_),
                *lists.starts, *device_starts_);

@@ -135,11 +135,8 @@ private:
     /// host takes as long.
     void add_up() {
         sums_.emplace(inputs_.context, inputs_.programs, inputs_.pool, *row_counts_, *starts_, row_count_, listed);
-        CommandGate gate(inputs_.context);
-        sums_->enqueue();
         queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_->get(), nullptr,
                                  &totals_read_);
-        gate.open();
     }
 
     SweepTotals wait_for_totals() {
