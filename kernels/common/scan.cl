@@ -1,6 +1,5 @@
 // Exclusive prefix sums of 32-bit counts in three launches: each of `parts` work-items sums its range; one sums the
-// sums; each writes its range. (GPUs have scan_by_group.cl, with a tree in local memory.) Few
-// values are summed in one launch, by one work-item.
+// sums; each writes its range. (GPUs have scan_by_group.cl, with a tree in local memory.)
 
 #include "shares.h"
 
@@ -33,15 +32,4 @@ __kernel void scan_write(uint count, __global const uint* values, __global const
         sum += value;
     }
     if (part + 1 == parts) starts[count] = sum;
-}
-
-__kernel void scan_few(uint count, __global const uint* values, __global ulong* total, __global uint* starts) {
-    ulong sum = 0;
-    for (uint i = 0; i < count; ++i) {
-        const uint value = values[i];
-        starts[i] = (uint)sum;
-        sum += value;
-    }
-    starts[count] = (uint)sum;
-    *total = sum;
 }

@@ -29,7 +29,6 @@ namespace clsdf {
 typedef struct FaceLattice {
     double origin[3];   // in the mesh's units
     double spacing[3];  // in units
-    double sample[3];   // spacing in the mesh's units
     double per_unit;    // 1 / unit
 } FaceLattice;
 
@@ -43,7 +42,7 @@ typedef struct FanItem {
 } FanItem;
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(FaceLattice) == 80);
+static_assert(sizeof(FaceLattice) == 56);
 }  // namespace clsdf
 #endif
 

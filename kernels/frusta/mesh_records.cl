@@ -236,7 +236,8 @@ __kernel void sweep_vertices(FaceLattice lattice, double scale_y, double scale_z
                              __global const double* positions, __global SweepVertex* vertices) {
     const uint n = begin + get_global_id(0);
     if (n >= end) return;
-    const double3 samples = (vload3(n, positions) - vload3(0, lattice.origin)) / vload3(0, lattice.sample);
+    const double3 spacing = vload3(0, lattice.spacing) / lattice.per_unit;  // exact: a unit is a power of two
+    const double3 samples = (vload3(n, positions) - vload3(0, lattice.origin)) / spacing;
     const SweepVertex vertex = {(long)rint(samples.y * scale_y), (long)rint(samples.z * scale_z), samples.x};
     vertices[n] = vertex;
 }

@@ -174,7 +174,6 @@ private:
         }
         scan::PrefixSums sums(context, programs, pool, *cursors_, *starts_, cursor_count(),
                               "intersections of a piece and a slice");
-        sums.enqueue();
         sums.total();  // throws if the starts do not hold it
     }
 

@@ -43,7 +43,7 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     BothFrusta both{std::make_shared<const polyhedra::MeshTopology>(mesh), {}, {}};
     both.host = polyhedra::make_frusta(*both.topology, mesh.vertices());
-    const scan::DeviceSetUp job{context, pool, programs.mesh_records, programs.mesh_lanes()};
+    const scan::DeviceSetUp job{context, pool, programs};
     const auto names = std::make_shared<const scan::DeviceFaces::Names>(device_names(job, both.topology));
     const auto sources = std::make_shared<const scan::FrustaSources>(job, *both.topology);
     const polyhedra::LatticeView lattice = scan::lattice_of(grid);

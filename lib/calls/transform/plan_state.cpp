@@ -49,7 +49,7 @@ void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::spa
         return;
     }
     device::Context& context = device::context_of(device);
-    const cl::Program program = programs.store(context);
+    const cl::Program program = programs.store.get();
     PerOutput<std::vector<Place>> all_places = places_of(part, targets);
     for_each_output(
         [&](const OutputInfo& row, const HostArray& array, const device::BufferPool::Lease& lease,

@@ -26,7 +26,7 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         const bool has_room = !on_host && !points_are_short_of_memory;
         const bool are_many =
             has_room && points::is_scan_worthwhile(programs, count, stages->mesh().triangles().size());
-        if (are_many) inputs.scanned = kept_points->scanned_mesh(programs.point_scan(device::context_of(device)));
+        if (are_many) inputs.scanned = kept_points->scanned_mesh(programs.point_scan);
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, stages->mesh().triangles().size()));

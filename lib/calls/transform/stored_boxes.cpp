@@ -145,7 +145,7 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
 bool ensure_store_tested(const Device& device, const Programs& programs, const device::BuildWatch& watch) {
     return device::guarded([&] {
         device::Context& context = device::context_of(device);
-        const cl::Program program = programs.store(context, watch);
+        const cl::Program program = programs.store.get(watch);
         const auto test = [&]() -> std::optional<std::string> {
             if (stores_right<std::uint8_t>(context, program) && stores_right<std::uint32_t>(context, program) &&
                 stores_right<std::uint64_t>(context, program))

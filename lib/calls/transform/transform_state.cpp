@@ -36,10 +36,8 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
     : Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)),
       topology(describe_vertices(mesh)),
       vertices(mesh, topology.coincident_vertices > 0) {
-    stages = std::make_unique<transform::Stages>(
-        context(), pool, std::move(mesh),
-        transform::Stages::Options{method, transform::SetUpBy{programs.mesh_records, programs.mesh_lanes()},
-                                   programs.body == KernelBody::by_vector, options.kept_bytes});
+    stages = std::make_unique<transform::Stages>(context(), pool, std::move(mesh),
+                                                 transform::Stages::Options{programs, method, options.kept_bytes});
     kept_points = std::make_unique<points::KeptPoints>(*stages);
     describe_edges(stages->mesh(), stages->topology().edges.are_paired, topology);
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
@@ -200,7 +198,7 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(const t
                                                                          transform::Compiling& compiling) {
     auto plan =
         std::make_unique<transform::GridPlan>(from, std::move(inputs), job, [&caller] { caller.throw_if_stopped(); });
-    // Known only now: records made from kept frusta. A kernel of their own makes them, which must be tested.
+    // Known only now: records made from kept frusta, by a kernel that must be tested.
     if (plan->inputs.records->is_later) {
         transform::TestCase found = test_case_of(job);
         found.is_later = true;

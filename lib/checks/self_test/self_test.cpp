@@ -112,13 +112,13 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
     device::Context& context = device::context_of(device);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const KnownField unlimited({.wide = true}), limited = KnownField({.later = true}).within(limit);
-    Stages stages(context, pool, unlimited.mesh(), {nullptr, {programs.mesh_records, programs.mesh_lanes()}});
+    Stages stages(context, pool, unlimited.mesh(), {programs});
     if (test_case.is_later) stages.frusta();
     points::KeptPoints kept(stages);
     points::PointInputs inputs;
     inputs.mesh = kept.tree();
     inputs.sign = SignRule::nonzero;
-    if (test_case.are_scanned) inputs.scanned = kept.scanned_mesh(programs.point_scan(context));
+    if (test_case.are_scanned) inputs.scanned = kept.scanned_mesh(programs.point_scan);
     inputs.sites = stages.sites(true, true);
     const auto difference = [&](const KnownField& known, bool is_later) {
         const std::vector<Vec3> positions = positions_of(known.grid());
@@ -157,10 +157,9 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     device::Context& context = device::context_of(device);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const auto make_stages = [&] {
-        return std::make_unique<Stages>(context, pool, KnownField(kind).mesh(),
-                                        Stages::Options{.method = test_case.method,
-                                                        .set_up = {programs.mesh_records, programs.mesh_lanes()},
-                                                        .is_whole = true});
+        return std::make_unique<Stages>(
+            context, pool, KnownField(kind).mesh(),
+            Stages::Options{.programs = programs, .method = test_case.method, .is_whole = true});
     };
     std::unique_ptr<Stages> stages = make_stages();
     std::optional<std::string> difference = run_field_test(device, programs, test_case, kind, *stages, watch);
@@ -232,13 +231,12 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
 
 bool ensure_points_tested(const Device& device, const Programs& programs, const PointTestCase& test_case,
                           const device::BuildWatch& watch) {
-    device::Context& context = device::context_of(device);
     std::vector<cl::Program> built;
     device::guarded([&] {
-        built.push_back(programs.points(context, watch));
+        built.push_back(programs.points.get(watch));
         if (!test_case.are_scanned) return;
         built.push_back(programs.mesh_records.get(watch));
-        built.push_back(programs.point_scan(context, watch));
+        built.push_back(programs.point_scan.get(watch));
     });
     const TestSubject subject{fmt::format("{} {}points{}", device::name_of(programs.body),
                                           test_case.are_scanned ? "many " : "", test_case.is_later ? " later" : ""),

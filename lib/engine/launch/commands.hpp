@@ -3,7 +3,6 @@
 #include "device/context.hpp"
 
 #include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -90,43 +89,6 @@ private:
     std::vector<cl::Event> awaited_;
     std::vector<cl::Event> previous_;
     std::vector<cl::Event> events_;
-};
-
-/// On a processor, holds back commands until open() starts them together. PoCL's threads would start with the first
-/// command and take the core that enqueues the others. Until open() the caller may only enqueue: a wait for the queue
-/// would last for ever.
-class CommandGate {
-public:
-    explicit CommandGate(const device::Context& context) : context_(context) {
-        if (!context.capabilities().is_processor) return;
-        gate_.emplace(context.context());
-        const std::vector<cl::Event> gate{*gate_};
-        context.queue().enqueueBarrierWithWaitList(&gate);
-    }
-    CommandGate(const CommandGate&) = delete;
-    CommandGate& operator=(const CommandGate&) = delete;
-    ~CommandGate() {
-        try {
-            open();
-        } catch (const cl::Error&) {
-            // On the way out after another error.
-        }
-    }
-
-    /// The commands start. Throws cl::Error.
-    void open() {
-        if (!gate_) return;
-        const cl::UserEvent gate = *std::exchange(gate_, std::nullopt);
-        const cl_int code = clSetUserEventStatus(gate(), CL_COMPLETE);
-        if (code == CL_SUCCESS) return;
-        // Again, or all that waits for the queue would wait for ever.
-        if (clSetUserEventStatus(gate(), CL_COMPLETE) != CL_SUCCESS) context_.give_up();
-        throw cl::Error(code, "clSetUserEventStatus");
-    }
-
-private:
-    const device::Context& context_;
-    std::optional<cl::UserEvent> gate_;
 };
 
 }  // namespace clsdf::scan

@@ -104,23 +104,20 @@ std::vector<ProgramSource> sources_of_level(device::Context::Capabilities capabi
     return sources;
 }
 
-LazyProgram::LazyProgram(device::Context& context, ProgramSource source)
-    : state_(new State{context, std::move(source)}) {}
-
 cl::Program LazyProgram::get(const device::BuildWatch& watch) const {
-    const std::scoped_lock lock(state_->mutex);
-    if (!state_->program)
-        state_->program = device::guarded([&] { return state_->context.program(state_->source, watch); });
-    return *state_->program;
+    return device::guarded([&] { return context->program(source, watch); });
 }
 
 Programs::Programs(device::Context& context, KernelBody asked)
     : ProgramSources(usable_sources(context, asked)),
-      scan(context, scan_source()),
-      coarse_lists(context, around_faults(context, coarse_lists_source(), lanes)),
-      sign_sweep(context, sign_sweep_source()),
-      fill(context, fill_source()),
-      mesh_records(context, around_faults(context, mesh_records_source(), mesh_lanes())) {}
+      scan{&context, scan_source()},
+      coarse_lists{&context, around_faults(context, coarse_lists_source(), lanes)},
+      sign_sweep{&context, sign_sweep_source()},
+      fill{&context, fill_source()},
+      mesh_records{&context, around_faults(context, mesh_records_source(), mesh_lanes())},
+      store{&context, store_source()},
+      points{&context, points_source()},
+      point_scan{&context, point_scan_source()} {}
 
 std::vector<cl::Program> Programs::of_fields(const device::BuildWatch& watch) const {
     std::vector<cl::Program> built;
@@ -132,18 +129,6 @@ std::vector<cl::Program> Programs::of_fields(const device::BuildWatch& watch) co
 cl::Program Programs::bricks(device::Context& context, const BrickVariant& variant,
                              const device::BuildWatch& watch) const {
     return context.program(bricks_source(variant), watch);
-}
-
-cl::Program Programs::store(device::Context& context, const device::BuildWatch& watch) const {
-    return context.program(store_source(), watch);
-}
-
-cl::Program Programs::points(device::Context& context, const device::BuildWatch& watch) const {
-    return context.program(points_source(), watch);
-}
-
-cl::Program Programs::point_scan(device::Context& context, const device::BuildWatch& watch) const {
-    return context.program(point_scan_source(), watch);
 }
 
 std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {

@@ -7,9 +7,6 @@
 #include "device/context.hpp"
 #include "launch/short_launches.hpp"
 
-#include <memory>
-#include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -74,23 +71,14 @@ private:
 /// names (TransformOptions::body) are left out.
 std::vector<ProgramSource> sources_of_level(device::Context::Capabilities capabilities);
 
-/// A program that is built when it is used first. Copies share it.
-class LazyProgram {
-public:
-    LazyProgram(device::Context& context, ProgramSource source);
+/// A program that is built when it is used first.
+struct LazyProgram {
+    device::Context* context;
+    ProgramSource source;
 
     /// Throws Error(device_failure) with the build log.
     cl::Program get(const device::BuildWatch& watch = {}) const;
     operator cl::Program() const { return get(); }
-
-private:
-    struct State {
-        device::Context& context;
-        ProgramSource source;
-        std::mutex mutex{};
-        std::optional<cl::Program> program{};
-    };
-    std::shared_ptr<State> state_;
 };
 
 /// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
@@ -101,6 +89,9 @@ struct Programs : ProgramSources {
     LazyProgram sign_sweep;
     LazyProgram fill;
     LazyProgram mesh_records;
+    LazyProgram store;       ///< copies boxes to targets with strides
+    LazyProgram points;      ///< looks up points anywhere
+    LazyProgram point_scan;  ///< the scan of many points, by vectors
 
     /// Programs that every field needs.
     static constexpr std::size_t field_programs = 5;
@@ -113,14 +104,6 @@ struct Programs : ProgramSources {
 
     cl::Program bricks(device::Context& context, const BrickVariant& variant,
                        const device::BuildWatch& watch = {}) const;
-
-    /// Copies boxes to targets with strides.
-    cl::Program store(device::Context& context, const device::BuildWatch& watch = {}) const;
-
-    /// Looks up points anywhere.
-    cl::Program points(device::Context& context, const device::BuildWatch& watch = {}) const;
-    /// The scan of many points, by vectors.
-    cl::Program point_scan(device::Context& context, const device::BuildWatch& watch = {}) const;
 
     /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
     std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;

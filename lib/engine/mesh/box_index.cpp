@@ -1,6 +1,5 @@
 #include "mesh/box_index.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -32,13 +31,11 @@ BoxIndex::BoxIndex(std::span<const Box> boxes) : boxes_(boxes.begin(), boxes.end
 void BoxIndex::divide(std::uint32_t number, std::size_t begin, std::size_t end) {
     Box all = boxes_[order_[begin]];
     Vec3 least = all.upper;
-    for (std::size_t i = begin; i < end; ++i)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const Box& box = boxes_[order_[i]];
-            all.lower[axis] = std::min(all.lower[axis], box.lower[axis]);
-            all.upper[axis] = std::max(all.upper[axis], box.upper[axis]);
-            least[axis] = std::min(least[axis], box.upper[axis]);
-        }
+    for (std::size_t i = begin; i < end; ++i) {
+        const Box& box = boxes_[order_[i]];
+        add(all, box);
+        for (std::size_t axis = 0; axis < 3; ++axis) least[axis] = std::min(least[axis], box.upper[axis]);
+    }
     constexpr std::size_t leaf = 8;
     if (end - begin <= leaf) {
         nodes_[number] = {all, begin, end, 0};

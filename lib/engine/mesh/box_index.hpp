@@ -2,12 +2,27 @@
 
 #include <clsdf/mesh.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace clsdf {
+
+/// Around nothing, so that add() makes it the box of what is added.
+inline constexpr double infinite_length = std::numeric_limits<double>::infinity();
+inline constexpr Box empty_box{{infinite_length, infinite_length, infinite_length},
+                               {-infinite_length, -infinite_length, -infinite_length}};
+
+/// Widens a box to hold another one; limits of the other one that are not a number do not count.
+inline void add(Box& box, const Box& other) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = std::min(box.lower[axis], other.lower[axis]);
+        box.upper[axis] = std::max(box.upper[axis], other.upper[axis]);
+    }
+}
 
 /// Whether the boxes have a point in common; their limits belong to them.
 bool overlap(const Box& a, const Box& b);

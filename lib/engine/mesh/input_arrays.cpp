@@ -66,17 +66,19 @@ void check_array(const InputArray& triples, ArrayKind kind, const char* what, Er
     range_of(triples, triples.bytes, what, code);
 }
 
+std::pair<double, double> extent_of(const ArrayLayout& array, std::initializer_list<ArrayAxis> axes) {
+    double lowest = static_cast<double>(array.offset);
+    double highest = lowest + static_cast<double>(bytes_of(array.type));
+    for (const auto& [stride, count] : axes)
+        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * static_cast<double>(count - 1);
+    return {lowest, highest};
+}
+
 ByteRange range_of(const InputArray& triples, std::size_t bytes, const char* what, ErrorCode code) {
     if (triples.count == 0) return {};
     const Steps steps = steps_of(triples);
-    // In double, which no sum of such products overflows.
-    double lowest = static_cast<double>(triples.offset);
-    double highest = lowest + static_cast<double>(bytes_of(triples.type));
-    const auto extend = [&](std::ptrdiff_t stride, double count) {
-        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * count;
-    };
-    extend(steps.triple, static_cast<double>(triples.count - 1));
-    extend(steps.number, 2);
+    const auto [lowest, highest] =
+        extent_of(triples, {{steps.triple, static_cast<std::int64_t>(triples.count)}, {steps.number, 3}});
     if (lowest < 0 || highest > static_cast<double>(bytes))
         throw Error(code, fmt::format("the {} {} reach from byte {:.0f} to {:.0f} with their offset and strides, and "
                                       "their memory holds {}",

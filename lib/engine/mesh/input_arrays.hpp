@@ -4,8 +4,11 @@
 #include <clsdf/mesh.hpp>
 
 #include <cstddef>
+#include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace clsdf {
@@ -23,6 +26,15 @@ struct ByteRange {
 /// Throws Error(code) if numbers have another type than the kind, strides are no multiples of a number's bytes, or host
 /// memory is missing or too small. what: the name in messages, a plural.
 void check_array(const InputArray& triples, ArrayKind kind, const char* what, ErrorCode code);
+
+/// Values on an axis of an array.
+struct ArrayAxis {
+    std::ptrdiff_t stride;
+    std::int64_t count;
+};
+/// Where the values of an array begin and end, in bytes of its memory. In double, which no sum of such products
+/// overflows.
+std::pair<double, double> extent_of(const ArrayLayout& array, std::initializer_list<ArrayAxis> axes);
 
 /// The bytes that triples take of `bytes` bytes of memory. Throws as check_array() does.
 ByteRange range_of(const InputArray& triples, std::size_t bytes, const char* what, ErrorCode code);

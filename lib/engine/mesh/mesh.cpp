@@ -1,4 +1,5 @@
 #include "core/parallel.hpp"
+#include "mesh/box_index.hpp"
 #include "mesh/input_arrays.hpp"
 #include "mesh/mesh_arrays.hpp"
 #include "mesh/topology.hpp"
@@ -18,10 +19,6 @@
 namespace clsdf {
 
 namespace {
-
-bool is_finite(const Vec3& point) {
-    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-}
 
 /// Throws if one of the triangle's indices is out of range, or its vertex not finite.
 void throw_if_bad(std::size_t t, const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
@@ -47,15 +44,12 @@ void throw_if_bad(std::size_t t, const std::vector<Vec3>& vertices, const std::v
 
 /// The properties of a sub-range of the triangles.
 struct Examined {
-    Box box;
+    Box box = empty_box;
     std::size_t first_bad = std::numeric_limits<std::size_t>::max();  ///< triangle that throw_if_bad() throws for
 
     void take(const Examined& other) {
         first_bad = std::min(first_bad, other.first_bad);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            box.lower[axis] = std::min(box.lower[axis], other.box.lower[axis]);
-            box.upper[axis] = std::max(box.upper[axis], other.box.upper[axis]);
-        }
+        add(box, other.box);
     }
 };
 
@@ -95,11 +89,9 @@ Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triang
                                                         "can number",
                                                         name, vertices.size(), triangles.size()));
     if (vertices.empty()) throw_if_bad(0, vertices, triangles, name);
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    const Examined nothing{{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}}};
     constexpr std::size_t grain = 4096;
     const Examined all = reduce_ranges(
-        triangles.size(), grain, nothing,
+        triangles.size(), grain, Examined(),
         [&](std::size_t begin, std::size_t end, Examined examined) {
             examine(vertices, triangles, begin, end, examined);
             return examined;

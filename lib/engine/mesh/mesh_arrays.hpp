@@ -2,6 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,6 +21,10 @@ struct MeshArrays {
         for (std::size_t k = 2; k < corners.size(); ++k) triangles.push_back({corners[0], corners[k - 1], corners[k]});
     }
 };
+
+inline bool is_finite(const Vec3& point) {
+    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
 
 /// Which of the zeros of both signs a box has depends on the order of vertices.
 inline Box without_negative_zeros(Box box) {

@@ -4,6 +4,7 @@
 #include <clsdf/topology.hpp>
 
 #include "core/parallel.hpp"
+#include "mesh/mesh_arrays.hpp"
 
 #include <fmt/format.h>
 
@@ -53,9 +54,6 @@ std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positi
                     fmt::format("{} has {} vertices, and {} positions are given; give one for each", mesh.name(),
                                 count_, positions.size()));
     if (welded_.empty()) return {positions.begin(), positions.end()};
-    const auto is_finite = [](const Vec3& x) {
-        return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
-    };
     std::vector<Vec3> result(mesh.vertices());
     std::vector<std::uint32_t> first(result.size(), no_vertex);
     for (std::uint32_t vertex = 0; vertex < count_; ++vertex) {

@@ -176,10 +176,6 @@ const polyhedra::Frusta& Stages::frusta() {
     return *frusta_;
 }
 
-bool Stages::has_kernels() {
-    return options_.set_up.program && suits_kernels(topology());
-}
-
 const std::shared_ptr<const DeviceFaces::Names>& Stages::names() {
     topology();
     if (!names_) names_ = std::make_shared<const DeviceFaces::Names>(device_names(set_up(), topology_));
@@ -187,7 +183,7 @@ const std::shared_ptr<const DeviceFaces::Names>& Stages::names() {
 }
 
 std::optional<PreparedMesh> Stages::make_frusta(const polyhedra::LatticeView* lattice) {
-    if (!has_kernels()) {
+    if (!suits_kernels(topology())) {
         frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
         return std::nullopt;
     }
@@ -207,7 +203,7 @@ const polyhedra::ClusterIndex& Stages::index() {
 }
 
 std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::LatticeView& lattice) {
-    if (options_.method || !has_kernels() || !is_plain(mesh_, lattice)) return nullptr;
+    if (options_.method || !suits_kernels(topology()) || !is_plain(mesh_, lattice)) return nullptr;
     frusta();
     if (!faces_) faces_ = std::make_shared<const DeviceFaces>(scan::device_faces(set_up(), names(), *frusta_));
     return faces_;
@@ -282,7 +278,7 @@ Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, boo
 }
 
 bool Stages::is_shared(bool is_kept, std::size_t packed, double most) {
-    if (!options_.has_selections) return false;
+    if (!has_selections()) return false;
     return is_kept || (static_cast<double>(packed) > most && device_bytes() + record_bytes() <= budget());
 }
 
@@ -301,11 +297,12 @@ std::optional<polyhedra::NearRecords> Stages::near_bricks(const Grid& grid, cons
 }
 
 std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const Layout& layout) {
-    if (!frusta_ || !is_within_sweep(mesh_, grid)) return std::nullopt;
+    if (!frusta_) return std::nullopt;
     // Rows run along x: what they cross on the way to the samples.
     Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
     box.lower[0] = -std::numeric_limits<double>::infinity();
-    return near_box(widened(box, grid.voxel()), topology().order.size());
+    auto near = near_box(widened(box, grid.voxel()), topology().order.size());
+    return near && is_within_sweep(mesh_, grid) ? std::move(near) : std::nullopt;
 }
 
 void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
@@ -346,23 +343,22 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
     if (!kept.sweep_mesh) {
         const auto faces = device_faces(lattice_of(grid));
         const ReaderMark mark(*this);
-        kept.sweep_mesh = std::make_shared<const SweepMesh>(
-            make_sweep_mesh(faces ? set_up() : DeviceSetUp{context_, pool_, cl::Program(), 1}, grid, mesh_, faces));
+        kept.sweep_mesh =
+            std::make_shared<const SweepMesh>(make_sweep_mesh(set_up(), grid, mesh_, names(), faces.get()));
     }
     inputs.sweep_mesh = kept.sweep_mesh;
-    if (near) inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);
+    if (near) inputs.sweep_selection = select_triangles(context_, *near);
 }
 
 void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
-    if (!options_.has_selections || options_.method) return;
+    if (!has_selections() || options_.method) return;
     prepare([&] {
         const Lattice& kept = lattice(part);
         if (inputs.records == kept.records)
             if (const auto near = near_bricks(part, layout))
                 inputs.selection = select_records(context_, kept_records(part), *near);
         if (inputs.sweep_mesh && inputs.sweep_mesh == kept.sweep_mesh)
-            if (const auto near = near_rows(part, layout))
-                inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);
+            if (const auto near = near_rows(part, layout)) inputs.sweep_selection = select_triangles(context_, *near);
     });
 }
 

@@ -46,12 +46,6 @@ struct Inputs {
     bool is_inside_out = false;                   ///< the faces look inwards
 };
 
-/// The kernels that make a mesh's polyhedra. The host makes them without a program.
-struct SetUpBy {
-    std::optional<scan::LazyProgram> program{};  ///< of kernels/frusta/mesh_records.cl
-    std::size_t lanes = 1;                       ///< that it is compiled for
-};
-
 /// The values that a transform keeps of its mesh. Each is made from those above it when it is needed first, and again
 /// only if one of them has changed.
 ///
@@ -70,16 +64,13 @@ struct SetUpBy {
 class Stages {
 public:
     struct Options {
+        scan::Programs programs;
         std::shared_ptr<const FieldMethod> method{};  ///< null for leaned polyhedra scanned by bricks
-        SetUpBy set_up{};
-        bool has_selections = false;              ///< the kernels can make lists of a part of the records
-        std::optional<std::size_t> kept_bytes{};  ///< see TransformOptions
-        bool is_whole = false;                    ///< small grids, too, get records of the whole mesh
+        std::optional<std::size_t> kept_bytes{};      ///< see TransformOptions
+        bool is_whole = false;                        ///< small grids, too, get records of the whole mesh
     };
 
     Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options);
-    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh)
-        : Stages(context, std::move(pool), std::move(mesh), Options()) {}
 
     Stages(const Stages&) = delete;
     Stages& operator=(const Stages&) = delete;
@@ -191,9 +182,9 @@ private:
     class ReaderMark;
     /// Waits until no kernel reads the frusta any more: on a processor kernels use the host's memory.
     void wait_for_readers();
-    DeviceSetUp set_up() const { return {context_, pool_, *options_.set_up.program, options_.set_up.lanes}; }
-    /// Whether kernels make the frusta.
-    bool has_kernels();
+    DeviceSetUp set_up() const { return {context_, pool_, options_.programs}; }
+    /// Whether the kernels can make lists of a part of the records.
+    bool has_selections() const { return options_.programs.body == KernelBody::by_vector; }
     const std::shared_ptr<const DeviceFaces::Names>& names();
     /// Makes the frusta, and their records for a lattice if it is not null and kernels make them.
     std::optional<PreparedMesh> make_frusta(const polyhedra::LatticeView* lattice);

@@ -23,16 +23,6 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr Box nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-
-void add(Box& box, const Box& other) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.lower[axis] = std::min(box.lower[axis], other.lower[axis]);
-        box.upper[axis] = std::max(box.upper[axis], other.upper[axis]);
-    }
-}
-
 /// Around the foot of the altitude on the longest edge: the ball that the kernels put around a face.
 Box box_of(const std::array<Vec3, 3>& corners) {
     std::array<Vector, 3> at{to_vector(corners[0]), to_vector(corners[1]), to_vector(corners[2])};
@@ -54,17 +44,14 @@ Box box_of(const std::array<Vec3, 3>& corners) {
     const double extent =
         has_square ? std::sqrt(squared) * std::max({along, 1 - along, 0.8661}) * (1 + 1e-6) : 2 * length;
     const Vector foot = at[base] + along * edge;
-    Box box = nothing;
+    Box box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double x = foot[static_cast<int>(axis)];
         const double rounding = 1e-15 * std::abs(x);
         box.lower[axis] = x - extent - rounding;
         box.upper[axis] = x + extent + rounding;
-        for (const Vec3& corner : corners) {
-            box.lower[axis] = std::min(box.lower[axis], corner[axis]);
-            box.upper[axis] = std::max(box.upper[axis], corner[axis]);
-        }
     }
+    for (const Vec3& corner : corners) add(box, {corner, corner});
     return box;
 }
 
@@ -90,9 +77,9 @@ void append(std::vector<RecordRange>& ranges, std::size_t begin, std::size_t end
 ClusterIndex::ClusterIndex(const MeshTopology& topology, const Frusta& frusta)
     : face_count_(topology.order.size()),
       site_count_(frusta.sites.size()),
-      clusters_(chunk_count(face_count_, cluster), nothing),
-      blocks_(chunk_count(clusters_.size(), block), nothing),
-      sites_(chunk_count(site_count_, record_group), nothing) {
+      clusters_(chunk_count(face_count_, cluster), empty_box),
+      blocks_(chunk_count(clusters_.size(), block), empty_box),
+      sites_(chunk_count(site_count_, record_group), empty_box) {
     const auto position = [&](std::uint32_t vertex) { return frusta.positions[vertex]; };
     for_each_chunk(face_count_, cluster, [&](std::size_t number, std::size_t begin, std::size_t end) {
         for (std::size_t face = begin; face < end; ++face) {
@@ -230,26 +217,8 @@ namespace {
 
 /// The box of some positions, and whether they are finite.
 struct Extent {
-    static constexpr double infinite = std::numeric_limits<double>::infinity();
-
-    Box box{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+    Box box = empty_box;
     double spoilt = 0;  ///< NaN if a coordinate is not finite
-
-    void take(const Vec3& lower, const Vec3& upper) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            box.lower[axis] = lower[axis] < box.lower[axis] ? lower[axis] : box.lower[axis];
-            box.upper[axis] = upper[axis] > box.upper[axis] ? upper[axis] : box.upper[axis];
-        }
-    }
-    void take(const Vec3& position) {
-        take(position, position);
-        spoilt += (position[0] - position[0]) + (position[1] - position[1]) + (position[2] - position[2]);
-    }
-    static Extent both(Extent a, const Extent& b) {
-        a.take(b.box.lower, b.box.upper);
-        a.spoilt += b.spoilt;
-        return a;
-    }
 };
 
 }  // namespace
@@ -262,10 +231,18 @@ void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions)
         all = reduce_ranges(
             used.size(), grain, all,
             [&](std::size_t begin, std::size_t end, Extent extent) {
-                for (std::size_t i = begin; i != end; ++i) extent.take(positions[used[i]]);
+                for (std::size_t i = begin; i != end; ++i) {
+                    const Vec3& position = positions[used[i]];
+                    add(extent.box, {position, position});
+                    extent.spoilt +=
+                        (position[0] - position[0]) + (position[1] - position[1]) + (position[2] - position[2]);
+                }
                 return extent;
             },
-            Extent::both);
+            [](Extent a, const Extent& b) {
+                add(a.box, b.box);
+                return Extent{a.box, a.spoilt + b.spoilt};
+            });
     } else {
         all.spoilt = std::numeric_limits<double>::quiet_NaN();
     }

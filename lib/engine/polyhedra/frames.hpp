@@ -66,7 +66,6 @@ inline FaceLattice face_lattice(const LatticeView& lattice) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         result.origin[axis] = lattice.origin[axis];
         result.spacing[axis] = lattice.spacing_in_units[axis];
-        result.sample[axis] = lattice.spacing_in_units[axis] * lattice.unit;  // exact: a unit is a power of two
     }
     result.per_unit = 1 / lattice.unit;
     return result;

@@ -1,6 +1,7 @@
 #include "polyhedra/frusta.hpp"
 
 #include "core/parallel.hpp"
+#include "mesh/box_index.hpp"
 #include "polyhedra/frames.hpp"
 #include "polyhedra/gaps.hpp"
 #include "polyhedra/slopes.hpp"
@@ -146,17 +147,15 @@ Numbers faces_around(std::span<const std::uint32_t> vertices, const OneRings& ri
 }
 
 Box box_of(std::span<const Vec3> positions) {
-    Box box{positions.front(), positions.front()};
-    for (const Vec3& position : positions)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            box.lower[axis] = std::min(box.lower[axis], position[axis]);
-            box.upper[axis] = std::max(box.upper[axis], position[axis]);
-        }
+    Box box = empty_box;
+    for (const Vec3& position : positions) add(box, {position, position});
     return box;
 }
 
-void complete(const MeshTopology& topology, const Box& box, const LeftToHost& left, const FrustaOptions& options,
-              Frusta& frusta) {
+}  // namespace
+
+void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta,
+                     const FrustaOptions& options) {
     const std::size_t all = topology.order.size();
     const LatticeView lattice = view_of(box);
     const MeshFaces faces{frusta.positions, topology.faces.triangles, lattice};
@@ -195,18 +194,12 @@ void complete(const MeshTopology& topology, const Box& box, const LeftToHost& le
     });
 }
 
-}  // namespace
-
-void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta) {
-    complete(topology, box, left, {}, frusta);
-}
-
 Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FrustaOptions& options) {
     Frusta frusta;
     frusta.positions = ordered_positions(topology, positions);
     frusta.slopes.resize(topology.order.size());
     const LeftToHost all{all_numbers(topology.order.size()), all_numbers(frusta.positions.size()), 0};
-    complete(topology, box_of(frusta.positions), all, options, frusta);
+    complete_frusta(topology, box_of(frusta.positions), all, frusta, options);
     return frusta;
 }
 

@@ -60,7 +60,8 @@ Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions
 
 /// Completes frusta that have their positions, and slopes of the other faces, by the same means. `box`: of the
 /// positions.
-void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta);
+void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta,
+                     const FrustaOptions& options = {});
 
 /// The frustum of a vertex by itself: it holds the vertex' whole normal cone. `order`, `vertices`: the caller's indices
 /// of the faces and of the vertices.

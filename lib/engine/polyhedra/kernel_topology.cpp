@@ -1,9 +1,9 @@
 #include "polyhedra/kernel_topology.hpp"
 
+#include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <utility>
 
@@ -45,44 +45,41 @@ Numbers answered_faces(std::span<const std::uint8_t> answers) {
 class FanFiling {
 public:
     explicit FanFiling(const MeshTopology& topology)
-        : topology_(topology),
-          faces_(topology.rings.vertex_count()),
-          fans_(3 * topology.order.size()),
-          parts_(chunk_count(faces_.size(), chunk)) {}
+        : topology_(topology), kinds_(topology.rings.vertex_count()), fans_(3 * topology.order.size()) {}
 
     void run(KernelTopology& result) {
-        for_each_chunk(faces_.size(), chunk,
-                       [&](std::size_t part, std::size_t begin, std::size_t end) { look_at(part, begin, end); });
-        set_items(result);
-        for_each_chunk(faces_.size(), chunk, [&](std::size_t part, std::size_t begin, std::size_t end) {
-            write(parts_[part], begin, end, result);
-        });
-        for (const Part& part : parts_)
-            result.awkward_vertices.insert(result.awkward_vertices.end(), part.awkward.begin(), part.awkward.end());
+        for_each_index(kinds_.size(), [&](std::size_t vertex) { kinds_[vertex] = kind_of(vertex); });
+        UninitializedVector<std::uint32_t> sorted(kinds_.size());
+        const std::vector<std::uint32_t> first = bucket_sort(
+            kinds_.size(), CLSDF_FAN_FACES + 1, [&](std::size_t vertex) { return kinds_[vertex]; },
+            [&](std::size_t vertex, std::size_t place) { sorted[place] = static_cast<std::uint32_t>(vertex); });
+        result.awkward_vertices.assign(sorted.begin() + first[awkward], sorted.begin() + first[awkward + 1]);
+        std::vector<std::uint32_t> firsts;  // of each item, in `sorted`
+        std::size_t words = 0;
+        for (std::uint32_t faces = 3; faces <= CLSDF_FAN_FACES; ++faces)
+            for (std::uint32_t begin = first[faces]; begin < first[faces + 1]; begin += CLSDF_FAN_ITEM) {
+                const std::uint32_t size = std::min<std::uint32_t>(CLSDF_FAN_ITEM, first[faces + 1] - begin);
+                result.fan_items.push_back({static_cast<std::uint32_t>(words), size, faces});
+                firsts.push_back(begin);
+                words += chunk_count(size, CLSDF_FAN_STRIDE) * CLSDF_FAN_STRIDE * faces;
+            }
+        // Kernels number words by 32 bits; a fan has as many as corners, and a mesh has at most
+        // 3 * 2^30 corners.
+        result.fan_words.resize(words);
+        constexpr std::size_t grain = 8;
+        for_each_index(
+            firsts.size(),
+            [&](std::size_t item) { write(result.fan_items[item], &sorted[firsts[item]], result.fan_words); }, grain);
     }
 
 private:
-    static constexpr std::size_t chunk = 4096;
-    using ByFaces = std::array<std::uint32_t, CLSDF_FAN_FACES + 1>;
+    /// The kinds of vertices beside those of fans, whose kind is the number of their faces.
+    enum : std::uint8_t { ordinary_border, awkward };
 
-    struct Part {
-        ByFaces counts{};  ///< of vertices; then the number of the first one among those with as many faces
-        std::vector<std::uint32_t> awkward;
-    };
-
-    /// Walks around the vertices.
-    void look_at(std::size_t number, std::size_t begin, std::size_t end) {
-        Part& part = parts_[number];
-        for (std::size_t vertex = begin; vertex < end; ++vertex) {
-            const std::size_t count = topology_.rings.size(vertex);
-            faces_[vertex] = 0;
-            if (count >= 3 && count <= CLSDF_FAN_FACES && walk(vertex, count)) {
-                faces_[vertex] = static_cast<std::uint8_t>(count);
-                ++part.counts[count];
-                continue;
-            }
-            if (!is_ordinary_border(vertex, count)) part.awkward.push_back(static_cast<std::uint32_t>(vertex));
-        }
+    std::uint8_t kind_of(std::size_t vertex) {
+        const std::size_t count = topology_.rings.size(vertex);
+        if (count >= 3 && count <= CLSDF_FAN_FACES && walk(vertex, count)) return static_cast<std::uint8_t>(count);
+        return is_ordinary_border(vertex, count) ? ordinary_border : awkward;
     }
 
     /// Whether a vertex is at an open edge, hence without a gap, and has not the two edges of a saddle vertex.
@@ -116,44 +113,18 @@ private:
         return false;
     }
 
-    void set_items(KernelTopology& result) {
-        std::size_t words = 0;
-        for (std::uint32_t faces = 3; faces <= CLSDF_FAN_FACES; ++faces) {
-            std::uint32_t count = 0;
-            for (Part& part : parts_) count += std::exchange(part.counts[faces], count);
-            first_items_[faces] = static_cast<std::uint32_t>(result.fan_items.size());
-            for (std::uint32_t first = 0; first < count; first += CLSDF_FAN_ITEM) {
-                const std::uint32_t size = std::min<std::uint32_t>(CLSDF_FAN_ITEM, count - first);
-                result.fan_items.push_back({static_cast<std::uint32_t>(words), size, faces});
-                words += chunk_count(size, CLSDF_FAN_STRIDE) * block_words(faces);
-            }
-        }
-        // Kernels number words by 32 bits; a fan has as many as corners, and a mesh has at most
-        // 3 * 2^30 corners.
-        result.fan_words.resize(words);
-    }
-
-    static std::size_t block_words(std::size_t faces) { return CLSDF_FAN_STRIDE * faces; }
-
-    void write(Part& part, std::size_t begin, std::size_t end, KernelTopology& result) const {
-        for (std::size_t vertex = begin; vertex < end; ++vertex) {
-            const std::uint32_t count = faces_[vertex];
-            if (count == 0) continue;
-            const std::uint32_t number = part.counts[count]++, in_item = number % CLSDF_FAN_ITEM;
-            const FanItem& item = result.fan_items[first_items_[count] + number / CLSDF_FAN_ITEM];
-            std::uint32_t* const words =
-                &result.fan_words[item.offset + in_item / CLSDF_FAN_STRIDE * block_words(count)];
-            std::uint32_t* const own = words + in_item % CLSDF_FAN_STRIDE;
-            const std::uint32_t* const fan = &fans_[topology_.rings.start(vertex)];
-            for (std::size_t i = 0; i < count; ++i) own[CLSDF_FAN_STRIDE * i] = fan[i];
+    void write(const FanItem& item, const std::uint32_t* vertices, std::span<std::uint32_t> words) const {
+        for (std::uint32_t i = 0; i < item.count; ++i) {
+            const std::uint32_t in_block = i % CLSDF_FAN_STRIDE, block = (i - in_block) * item.faces;
+            std::uint32_t* const own = &words[item.offset + block + in_block];
+            const std::uint32_t* const fan = &fans_[topology_.rings.start(vertices[i])];
+            for (std::size_t k = 0; k < item.faces; ++k) own[CLSDF_FAN_STRIDE * k] = fan[k];
         }
     }
 
     const MeshTopology& topology_;
-    UninitializedVector<std::uint8_t> faces_;  // of each vertex; 0 unless they are a fan
+    UninitializedVector<std::uint8_t> kinds_;  // of each vertex
     UninitializedVector<std::uint32_t> fans_;  // corners, packed, as in OneRings
-    std::vector<Part> parts_;
-    std::array<std::uint32_t, CLSDF_FAN_FACES + 1> first_items_{};
 };
 
 }  // namespace
@@ -161,8 +132,7 @@ private:
 KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(3 * topology.order.size()) {
     constexpr std::size_t chunk = 4096;
     const std::size_t count = topology.order.size();
-    std::vector<Numbers> awkward(chunk_count(count, chunk));
-    for_each_chunk(count, chunk, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    awkward_faces = collected(count, chunk, [&](std::size_t begin, std::size_t end, Numbers& awkward) {
         for (std::size_t face = begin; face < end; ++face) {
             const FaceEdges& edges = topology.edges.faces[face];
             std::uint8_t all = 0;
@@ -175,10 +145,9 @@ KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(3 * topo
                 const Corner across = Corner::unpack(edges.across[k]);
                 opposite[3 * face + k] = topology.faces.triangles[across.face][previous_of_three(across.vertex)];
             }
-            if ((all & ~edge_open) != 0) awkward[part].push_back(static_cast<std::uint32_t>(face));
+            if ((all & ~edge_open) != 0) awkward.push_back(static_cast<std::uint32_t>(face));
         }
     });
-    for (const auto& faces : awkward) awkward_faces.insert(awkward_faces.end(), faces.begin(), faces.end());
     FanFiling(topology).run(*this);
 }
 

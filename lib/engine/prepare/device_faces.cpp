@@ -16,7 +16,7 @@ namespace {
 void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyhedra::LatticeView& lattice,
                    const std::vector<cl_uint>& groups, const cl::Buffer& records) {
     const auto group_numbers = job.upload(groups, "numbers of the faces");
-    cl::Kernel kernel(job.program, "face_records");
+    cl::Kernel kernel(job.programs.mesh_records, "face_records");
     ShortLaunches(job.context, {})
         .over(groups.size(), seconds_per_face * polyhedra::record_group, [&](std::size_t begin, std::size_t end) {
             const std::size_t first = begin * polyhedra::record_group, last = end * polyhedra::record_group;
@@ -49,7 +49,7 @@ DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFac
 
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items) {
-    cl::Kernel kernel(job.program, "place_items");
+    cl::Kernel kernel(job.programs.mesh_records, "place_items");
     launch(job.context.queue(), kernel, {count}, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words), written,
            places, items);
 }

@@ -3,6 +3,7 @@
 #include "device/buffer_pool.hpp"
 #include "face_sources.h"
 #include "launch/commands.hpp"
+#include "launch/programs.hpp"
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/topology.hpp"
@@ -21,18 +22,17 @@ namespace clsdf::scan {
 /// An upper estimate of a core's time for the record or the slopes of a face; it limits the work of a launch.
 inline constexpr double seconds_per_face = 1e-6;
 
-/// Makes data of a mesh on the device: by the program of kernels/frusta/mesh_records.cl, compiled for so many lanes.
+/// Makes data of a mesh on the device, by the program of kernels/frusta/mesh_records.cl.
 struct DeviceSetUp {
     device::Context& context;
     const std::shared_ptr<device::BufferPool>& pool;
-    cl::Program program;
-    std::size_t lanes;
+    const Programs& programs;
 
     /// Faces of a work-item.
-    std::size_t item_faces() const { return lanes == 1 ? 1 : 256; }
+    std::size_t item_faces() const { return programs.mesh_lanes() == 1 ? 1 : 256; }
     /// The launch of a kernel for so many faces.
     WorkItems items_of(std::size_t faces) const {
-        return {(faces + item_faces() - 1) / item_faces(), lanes == 1 ? common_group : 1};
+        return {(faces + item_faces() - 1) / item_faces(), item_faces() == 1 ? common_group : 1};
     }
 
     /// Whether kernels use arrays of the host in place.
@@ -75,7 +75,6 @@ struct DeviceFaces {
         device::BufferPool::Lease names;      ///< see face_sources.h
 
         std::size_t face_count() const { return topology->order.size(); }
-        std::size_t vertex_count() const { return topology->faces.vertices.size(); }
         std::size_t bytes() const { return triangles.bytes() + names.bytes(); }
     };
 

@@ -3,11 +3,11 @@
 
 #include "core/lifetime.hpp"
 #include "core/parallel.hpp"
+#include "device/in_flight.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 
 #include <algorithm>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,32 +28,6 @@ double least_length(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
     return 1e-30 * mesh.box().longest_side() / lattice.unit;
 }
 
-/// A buffer's bytes as the host reads them, in its own memory or in a copy.
-class MappedBytes {
-public:
-    MappedBytes(const cl::CommandQueue& queue, const cl::Buffer& buffer, std::size_t count, bool waits)
-        : queue_(queue), buffer_(buffer), count_(count) {
-        if (count > 0) memory_ = queue.enqueueMapBuffer(buffer, waits ? CL_TRUE : CL_FALSE, CL_MAP_READ, 0, count);
-    }
-    MappedBytes(const MappedBytes&) = delete;
-    MappedBytes& operator=(const MappedBytes&) = delete;
-    ~MappedBytes() {
-        if (memory_ != nullptr) clEnqueueUnmapMemObject(queue_(), buffer_(), memory_, 0, nullptr, nullptr);
-    }
-
-    std::span<const std::uint8_t> bytes() const { return {static_cast<const std::uint8_t*>(memory_), count_}; }
-    void unmap() {
-        if (void* const memory = std::exchange(memory_, nullptr); memory != nullptr)
-            queue_.enqueueUnmapMemObject(buffer_, memory);
-    }
-
-private:
-    cl::CommandQueue queue_;
-    cl::Buffer buffer_;
-    std::size_t count_;
-    void* memory_ = nullptr;
-};
-
 class KernelFrusta {
 public:
     KernelFrusta(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
@@ -72,12 +46,13 @@ public:
         made_.faces.names = names;
         made_.faces.positions = job.input(frusta.positions, "vertices");
         made_.faces.slopes = job.shares_memory() ? job.shared(frusta.slopes, CL_MEM_READ_WRITE)
-                                                 : lease(slope_bytes(), "slopes of the polyhedra");
-        signs_ = lease(3 * count_ * sizeof(float), "signs of the edges");
-        face_answers_ = lease(count_, "answers about faces");
-        vertex_answers_ = lease(vertex_answer_bytes(), "answers about vertices");
+                                                 : job.pool->lease(slope_bytes(), "slopes of the polyhedra");
+        signs_ = job.pool->lease(3 * count_ * sizeof(float), "signs of the edges");
+        face_answers_ = job.pool->lease(count_, "answers about faces");
+        vertex_answers_ = job.pool->lease(vertex_answer_bytes(), "answers about vertices");
         if (lattice != nullptr)
-            records_ = lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron), "polyhedra");
+            records_ =
+                job.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron), "polyhedra");
     }
 
     KernelFrusta(const KernelFrusta&) = delete;
@@ -100,14 +75,11 @@ public:
     }
 
 private:
-    device::BufferPool::Lease lease(std::size_t bytes, const char* purpose) const {
-        return bytes > 0 ? job_.pool->lease(bytes, purpose) : device::BufferPool::Lease();
-    }
     std::size_t slope_bytes() const { return count_ * sizeof(polyhedra::FaceSlopes); }
     std::size_t vertex_answer_bytes() const { return sources_->of_kernels.fan_items.size() * CLSDF_FAN_ITEM; }
 
     void enqueue_slopes() const {
-        cl::Kernel kernel(job_.program, "face_slopes");
+        cl::Kernel kernel(job_.programs.mesh_records, "face_slopes");
         const std::size_t all = in_record_groups(count_);
         const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
         ShortLaunches(job_.context, {})
@@ -122,7 +94,7 @@ private:
     }
 
     void enqueue_fans() const {
-        cl::Kernel kernel(job_.program, "vertex_fans");
+        cl::Kernel kernel(job_.programs.mesh_records, "vertex_fans");
         ShortLaunches(job_.context, {})
             .over(sources_->of_kernels.fan_items.size(), seconds_per_fan_item, [&](std::size_t begin, std::size_t end) {
                 launch(job_.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
@@ -142,13 +114,17 @@ private:
                 queue.enqueueMapBuffer(*made_.faces.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes());
         else
             queue.enqueueReadBuffer(*made_.faces.slopes, CL_FALSE, 0, slope_bytes(), frusta.slopes.data());
-        {
-            MappedBytes vertices(queue, *vertex_answers_, vertex_answer_bytes(), false);
-            MappedBytes faces(queue, *face_answers_, count_, true);
-            left_ = sources_->of_kernels.left_to_host(topology_, faces.bytes(), vertices.bytes());
-            vertices.unmap();
-            faces.unmap();
-        }
+        struct Answers {
+            std::vector<std::uint8_t> faces, vertices;
+        };
+        device::InFlight<Answers> answers(
+            job_.context, {std::vector<std::uint8_t>(count_), std::vector<std::uint8_t>(vertex_answer_bytes())});
+        answers.begin();
+        if (!answers->vertices.empty())
+            queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, answers->vertices.size(), answers->vertices.data());
+        queue.enqueueReadBuffer(*face_answers_, CL_TRUE, 0, count_, answers->faces.data());
+        answers.end();
+        left_ = sources_->of_kernels.left_to_host(topology_, answers->faces, answers->vertices);
         complete_frusta(topology_, box_, left_, frusta);
         if (in_place != nullptr) {
             queue.enqueueUnmapMemObject(*made_.faces.slopes, in_place);

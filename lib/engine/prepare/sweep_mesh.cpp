@@ -1,21 +1,17 @@
 #include "prepare/sweep_mesh.hpp"
-#include "launch/commands.hpp"
 
 #include "core/parallel.hpp"
 #include "device/buffer_pool.hpp"
-#include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 #include "layout.h"
-#include "prepare/device_faces.hpp"
+#include "mesh/triples.hpp"
 #include "prepare/layout_of.hpp"
 #include "sweep.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <limits>
 
 namespace clsdf::scan {
 
@@ -92,46 +88,30 @@ struct SweepLattice {
     double scale_y, scale_z;
 };
 
-/// Throws if a triangle has a vertex beyond the sweep's integers.
-void check_used_vertices(const SweepLattice& lattice, const Mesh& mesh) {
-    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-    std::uint32_t first = none;
-    SweepVertex any;
-    for (const Triangle& triangle : mesh.triangles())
-        for (const std::uint32_t v : triangle)
-            if (v < first && !lattice.snap(mesh.vertices()[v], any)) first = v;
-    if (first == none) return;
-    throw Error(ErrorCode::unsupported,
-                fmt::format("vertex {} of {} lies more than 2^{} voxels from the grid's origin, too far for an exact "
-                            "sign; use a larger spacing or an unsigned field",
-                            first, mesh.name(), 61 - std::max(lattice.bits_y, lattice.bits_z)));
-}
-
-device::BufferPool::Lease sweep_vertices(const device::Context& context,
-                                         const std::shared_ptr<device::BufferPool>& pool, const SweepLattice& lattice,
-                                         const Mesh& mesh) {
-    const std::vector<Vec3>& positions = mesh.vertices();
-    device::HostFilling filling(context, pool, positions.size() * sizeof(SweepVertex), vertices_purpose);
+/// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.
+device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLattice& lattice, const Mesh& mesh,
+                                         const UninitializedVector<std::uint32_t>& numbers) {
+    device::HostFilling filling(job.context, job.pool, numbers.size() * sizeof(SweepVertex), vertices_purpose);
     auto* const vertices = static_cast<SweepVertex*>(filling.memory());
-    std::atomic<bool> is_one_far = false;
-    for_each_index(
-        positions.size(),
-        [&](std::size_t v) {
-            if (lattice.snap(positions[v], vertices[v])) return;
-            vertices[v] = {};
-            is_one_far = true;
-        },
-        4096);
-    if (is_one_far) check_used_vertices(lattice, mesh);
+    const std::size_t none = mesh.vertices().size();
+    LeastIndex far(none);
+    for_each_index(numbers.size(), [&](std::size_t v) {
+        if (!lattice.snap(mesh.vertices()[numbers[v]], vertices[v])) far.take(numbers[v]);
+    });
+    if (far.get() != none)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("vertex {} of {} lies more than 2^{} voxels from the grid's origin, too far for an "
+                                "exact sign; use a larger spacing or an unsigned field",
+                                far.get(), mesh.name(), 61 - std::max(lattice.bits_y, lattice.bits_z)));
     return filling.finish();
 }
 
 /// The same, made on the device of what is there: the mesh is not far from sample (0, 0, 0).
 device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const SweepLattice& lattice,
                                              const DeviceFaces& faces) {
-    const std::size_t count = faces.names->vertex_count();
+    const std::size_t count = faces.names->topology->faces.vertices.size();
     auto vertices = job.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
-    cl::Kernel kernel(job.program, "sweep_vertices");
+    cl::Kernel kernel(job.programs.mesh_records, "sweep_vertices");
     ShortLaunches(job.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
         set_arguments(kernel, 0, polyhedra::face_lattice(lattice.view), cl_double{lattice.scale_y},
                       cl_double{lattice.scale_z}, begin, end, *faces.positions, *vertices);
@@ -141,14 +121,11 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
 
 }  // namespace
 
-SweepSelection select_triangles(const device::Context& context, const SweepMesh& mesh,
-                                const polyhedra::MeshTopology& topology, const polyhedra::NearRecords& near) {
+SweepSelection select_triangles(const device::Context& context, const polyhedra::NearRecords& near) {
     std::vector<cl_uint> numbers;
     numbers.reserve(near.face_count + 1);
     for (const polyhedra::RecordRange& range : near.faces)
-        for (std::size_t face = range.begin; face < range.end; ++face)
-            // The device's faces are in the topology's order, and the mesh's triangles in the caller's.
-            numbers.push_back(mesh.faces ? static_cast<cl_uint>(face) : topology.order[face]);
+        for (std::size_t face = range.begin; face < range.end; ++face) numbers.push_back(static_cast<cl_uint>(face));
     SweepSelection selection;
     selection.count = numbers.size();
     if (numbers.empty()) numbers.push_back(0);
@@ -161,23 +138,18 @@ const cl::Buffer& SweepMesh::triangles() const {
 }
 
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& mesh,
-                          const std::shared_ptr<const DeviceFaces>& faces) {
+                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, mesh);
         SweepMesh result;
-        result.triangle_count = mesh.triangles().size();
+        result.faces = names;
+        result.vertices = faces != nullptr && is_within_sweep(mesh, grid)
+                              ? vertices_on_device(job, lattice, *faces)
+                              : sweep_vertices(job, lattice, mesh, names->topology->faces.vertices);
+        result.triangle_count = names->face_count();
         result.bits_y = lattice.bits_y;
         result.bits_z = lattice.bits_z;
         result.first_x = lattice.first_x;
-        if (faces && faces->names->face_count() == result.triangle_count && is_within_sweep(mesh, grid)) {
-            result.vertices = vertices_on_device(job, lattice, *faces);
-            result.faces = faces->names;
-        } else {
-            constexpr const char* purpose = "triangles";
-            job.pool->check_size(result.triangle_count * sizeof(Triangle), purpose);
-            result.own_triangles = job.input(mesh.triangles(), purpose);
-            result.vertices = sweep_vertices(job.context, job.pool, lattice, mesh);
-        }
         return result;
     });
 }

@@ -14,8 +14,7 @@
 
 namespace clsdf::scan {
 
-/// A mesh on the device as the sweep for the sign sees it from one lattice: the same for all parts of a grid. A
-/// processor reads the triangles in the mesh's memory, which must outlive this.
+/// A mesh on the device as the sweep for the sign sees it from one lattice: the same for all parts of a grid.
 struct SweepMesh {
     device::BufferPool::Lease own_triangles;
     device::BufferPool::Lease vertices;  ///< SweepVertex, x counted from sample first_x
@@ -24,7 +23,7 @@ struct SweepMesh {
     int bits_z = 0;
     std::int32_t first_x = 0;  ///< a multiple of CLSDF_BRICK; not 0 only if the mesh is far from sample (0, 0, 0)
 
-    /// Whose triangles are swept, in the topology's order; null: own_triangles, in the caller's.
+    /// Whose triangles are swept; null: own_triangles.
     std::shared_ptr<const DeviceFaces::Names> faces{};
 
     const cl::Buffer& triangles() const;
@@ -39,13 +38,12 @@ struct SweepSelection {
 };
 
 /// Selects from a mesh that make_sweep_mesh() made.
-SweepSelection select_triangles(const device::Context& context, const SweepMesh& mesh,
-                                const polyhedra::MeshTopology& topology, const polyhedra::NearRecords& near);
+SweepSelection select_triangles(const device::Context& context, const polyhedra::NearRecords& near);
 
 /// Throws Error(unsupported) if the mesh reaches farther from the grid's origin than the sweep's integers.
-/// `faces`: null if the host makes the vertices, without the job's program; else the device's faces.
+/// `faces`: null if the host makes the vertices.
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& mesh,
-                          const std::shared_ptr<const DeviceFaces>& faces);
+                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces);
 
 /// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
 bool is_within_sweep(const Mesh& mesh, const Grid& grid);

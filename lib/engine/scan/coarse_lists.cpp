@@ -83,7 +83,7 @@ public:
     std::vector<cl_uint> make(CoarseLists& lists) {
         lists.parts = parts_;
         lists.starts = inputs_.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
-        lists.passes = find_pairs(*lists.bounds, *lists.starts);
+        find_pairs(*lists.bounds, *lists.starts);
         lists.pairs = host_->starts.back();
         lists.entries = inputs_.pool->lease_for_list((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
         write_entries(*lists.starts, *lists.entries);
@@ -96,9 +96,8 @@ private:
     static constexpr const char* pairs_purpose = "pairs of the coarse lists";
     static constexpr std::size_t vector = 16;  // kernels read whole ones at a list's end
 
-    /// Counts the entries, where those of each coarse brick and part start, and keeps the pairs; returns how
-    /// many passes that took.
-    std::size_t find_pairs(const cl::Buffer& bounds, const cl::Buffer& starts) {
+    /// Counts the entries, where those of each coarse brick and part start, and keeps the pairs.
+    void find_pairs(const cl::Buffer& bounds, const cl::Buffer& starts) {
         const auto counts = inputs_.pool->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
         const bool has_groups = inputs_.selection.groups() != nullptr;
         const std::size_t records =
@@ -115,8 +114,7 @@ private:
             pairs_ = std::move(*guess);
         else
             make_room(room = std::vector<cl_uint>(parts_));
-        std::size_t passes = 1;
-        for (;; ++passes) {
+        for (;;) {
             place_parts(room);
             launch(kernel, seconds, inputs_.layout, static_cast<cl_uint>(inputs_.mesh.record_count),
                    static_cast<cl_uint>(clusters), *inputs_.mesh.polyhedra, cl_int{has_groups ? 1 : 0},
@@ -127,15 +125,10 @@ private:
             PrefixSums sums(inputs_.context, inputs_.programs, inputs_.pool, *counts, starts, counters_,
                             "pairs of a triangle and a coarse brick");
             std::vector<cl::Event> read(2);
-            {
-                CommandGate gate(inputs_.context);
-                sums.enqueue();
-                inputs_.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
-                                                  host_->pairs_found.data(), nullptr, &read[0]);
-                inputs_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, host_->starts.size() * sizeof(cl_uint),
-                                                  host_->starts.data(), nullptr, &read[1]);
-                gate.open();
-            }
+            inputs_.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
+                                              host_->pairs_found.data(), nullptr, &read[0]);
+            inputs_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, host_->starts.size() * sizeof(cl_uint),
+                                              host_->starts.data(), nullptr, &read[1]);
             cl::Event::waitForEvents(read);
             sums.total();  // throws if the starts do not hold it
             if (std::equal(host_->pairs_found.begin(), host_->pairs_found.end(), room.begin(), std::less_equal<>()))
@@ -144,7 +137,6 @@ private:
         }
         host_.end();
         pair_count_ = std::accumulate(host_->pairs_found.begin(), host_->pairs_found.end(), std::size_t{0});
-        return passes;
     }
 
     static std::size_t bytes_of(const std::vector<cl_uint>& pairs_of_parts) {

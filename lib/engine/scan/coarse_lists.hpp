@@ -19,7 +19,6 @@ struct CoarseLists {
     device::BufferPool::Lease entries;  ///< numbers of polyhedra, ascending in each brick
     std::size_t parts = 1;
     std::size_t pairs = 0;
-    std::size_t passes = 0;  ///< over the polyhedra, to find them: two if there was no room for them at first
 
     /// Coarse bricks with a list, the longest first, and the lists' lengths.
     std::vector<cl_uint> order;

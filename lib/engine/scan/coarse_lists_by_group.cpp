@@ -53,7 +53,7 @@ public:
             pairs_ = std::move(*guess);
         else
             pairs_ = inputs_.pool->lease(capacity = 0, pairs_purpose);
-        for (lists.passes = 1;; ++lists.passes) {
+        for (;;) {
             find_pairs(lists, capacity);
             if (found_->back() <= capacity) break;
             capacity = found_->back();
@@ -90,7 +90,6 @@ private:
                           static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
         });
         PrefixSums sums(inputs_.context, inputs_.programs, inputs_.pool, *counts_, *lists.starts, counters, listed);
-        sums.enqueue();
         cl::Kernel gather(inputs_.programs.coarse_lists, "coarse_list_starts");
         launch(queue, gather, {bricks_ + 1}, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_),
                *lists.starts, *device_starts_);

@@ -37,15 +37,7 @@ constexpr std::size_t rows_of_a_core = 64;
 
 }  // namespace
 
-/// The crossings of the part's rows of samples and the surface.
-struct Crossings {
-    std::size_t count = 0;
-    device::BufferPool::Lease starts;   ///< of the rows' crossings, were they listed row by row; and `count`
-    device::BufferPool::Lease records;  ///< SweepRecord, in no order
-    std::size_t record_count = 0;       ///< those that are left over included
-};
-
-/// The launches that find the crossings.
+/// The launches that find the crossings of the part's rows of samples and the surface, and make bits of them.
 class CrossingSearch {
 public:
     explicit CrossingSearch(const SweepInputs& inputs)
@@ -60,7 +52,7 @@ public:
           large_(inputs.pool->lease(triangle_count_ * sizeof(cl_uint), "large triangles of the sign's sweep")),
           kernel_(inputs.programs.sign_sweep, "sign_crossings") {
         seen_.brick_first[0] -= inputs.mesh->first_x / CLSDF_BRICK;
-        crossings_.starts = inputs.pool->lease((row_count_ + 1) * sizeof(cl_uint), "starts of the sign's crossings");
+        starts_ = inputs.pool->lease((row_count_ + 1) * sizeof(cl_uint), "starts of the sign's crossings");
         const std::size_t left_over = std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK;
         const std::size_t most =
             std::min<std::size_t>(inputs.context.capabilities().largest_allocation / sizeof(SweepRecord),
@@ -68,9 +60,9 @@ public:
         // The first capacity is a guess. If there is no memory for it, crossings are only counted at first.
         capacity_ = std::min(records_per_row * row_count_ + left_over, most);
         if (auto guess = inputs.pool->lease_if_it_fits(capacity_ * sizeof(SweepRecord), records_purpose))
-            crossings_.records = std::move(*guess);
+            records_ = std::move(*guess);
         else
-            crossings_.records = inputs.pool->lease(capacity_ = 0, records_purpose);
+            records_ = inputs.pool->lease(capacity_ = 0, records_purpose);
     }
 
     /// Enqueues the search with room for `capacity_` records, and what says where each row's start; does not wait.
@@ -86,18 +78,19 @@ public:
     }
 
     /// Waits for what was found, unless the host has waited for later commands of the queue. Searches again if there
-    /// was too little room. Throws Error(out_of_memory) if there are 2^32 crossings or more.
-    Crossings finish() {
+    /// was too little room, and enqueues the launches that make the bits.
+    void finish(const cl::Buffer& bits) {
         for (;;) {
             end();
             // The counter of records has 32 bits and wraps; the scan's total shows it.
-            if (crossings_.count > crossings_.record_count) throw too_many(listed);
-            if (crossings_.record_count <= capacity_) return std::move(crossings_);
-            capacity_ = crossings_.record_count;
-            crossings_.records = {};  // the smaller one goes back first
-            crossings_.records = inputs_.pool->lease_for_list(capacity_ * sizeof(SweepRecord), records_purpose);
+            if (count_ > record_count_) throw too_many(listed);
+            if (record_count_ <= capacity_) break;
+            capacity_ = record_count_;
+            records_ = {};  // the smaller one goes back first
+            records_ = inputs_.pool->lease_for_list(capacity_ * sizeof(SweepRecord), records_purpose);
             begin();
         }
+        sweep_rows(bits);
     }
 
 private:
@@ -111,7 +104,7 @@ private:
             add_up();
             totals = wait_for_totals();
         }
-        crossings_.record_count = totals.records;
+        record_count_ = totals.records;
         totals_found_.end();
     }
 
@@ -130,26 +123,47 @@ private:
         const SweepMesh& mesh = *inputs_.mesh;
         launch(queue_, kernel_, {items, inputs_.programs.part_group()}, seen_, static_cast<cl_uint>(begin),
                static_cast<cl_uint>(end), mesh.triangles(), *mesh.vertices, cl_int{mesh.bits_y}, cl_int{mesh.bits_z},
-               *row_counts_, static_cast<cl_uint>(capacity_), *crossings_.records, *totals_, *large_,
-               cl_int{has_chosen ? 1 : 0}, chosen, static_cast<cl_uint>(strips));
+               *row_counts_, static_cast<cl_uint>(capacity_), *records_, *totals_, *large_, cl_int{has_chosen ? 1 : 0},
+               chosen, static_cast<cl_uint>(strips));
     }
 
     /// Sums the crossings so far. The sums do not wait until it is known whether large triangles are left: waking the
     /// host takes as long.
     void add_up() {
-        sums_.emplace(inputs_.context, inputs_.programs, inputs_.pool, *row_counts_, *crossings_.starts, row_count_,
-                      listed);
-        CommandGate gate(inputs_.context);
-        sums_->enqueue();
+        sums_.emplace(inputs_.context, inputs_.programs, inputs_.pool, *row_counts_, *starts_, row_count_, listed);
         queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_->get(), nullptr,
                                  &totals_read_);
-        gate.open();
     }
 
     SweepTotals wait_for_totals() {
         device::wait_for(totals_read_);
-        crossings_.count = sums_->total();
+        count_ = sums_->total();
         return **totals_found_;
+    }
+
+    /// The keys of the crossings, row by row.
+    device::BufferPool::Lease keys_by_row() const {
+        auto keys = inputs_.pool->lease_for_list(count_ * sizeof(cl_uint), "crossings of the sign's sweep by rows");
+        cl::Kernel scatter(inputs_.programs.sign_sweep, "sign_scatter");
+        inputs_.launches.over_items(scatter, record_count_, seconds_per_record, [&](cl_uint begin, cl_uint end) {
+            set_arguments(scatter, 0, begin, end, *records_, *starts_, *keys);
+        });
+        return keys;
+    }
+
+    void sweep_rows(const cl::Buffer& bits) const {
+        const Layout& layout = inputs_.layout;
+        const auto keys = keys_by_row();
+        cl::Kernel sweep(inputs_.programs.sign_sweep, "sign_rows");
+        const std::size_t item_rows = inputs_.programs.body == KernelBody::by_group ? 1 : rows_of_a_core;
+        const double words_and_keys =
+            layout.sign_words + 8.0 * static_cast<double>(record_count_) / static_cast<double>(row_count_);
+        inputs_.launches.over(row_count_, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
+            const std::size_t items = chunk_count(end - begin, item_rows);
+            scan::launch(queue_, sweep, {items, inputs_.programs.part_group()}, layout, static_cast<cl_uint>(begin),
+                         static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
+                         cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *starts_, *keys, bits);
+        });
     }
 
     const SweepInputs& inputs_;
@@ -164,24 +178,13 @@ private:
     cl::Kernel kernel_;
     cl::Event totals_read_;
     std::optional<PrefixSums> sums_;
-    Crossings crossings_;
-    std::size_t capacity_ = 0;  ///< records that there is room for
+    std::size_t count_ = 0;
+    device::BufferPool::Lease starts_;   ///< of the rows' crossings, were they listed row by row; and `count_`
+    device::BufferPool::Lease records_;  ///< SweepRecord, in no order
+    std::size_t record_count_ = 0;       ///< those that are left over included
+    std::size_t capacity_ = 0;           ///< records that there is room for
     device::InFlight<std::unique_ptr<SweepTotals>> totals_found_{inputs_.context, std::make_unique<SweepTotals>()};
 };
-
-namespace {
-
-/// The keys of the crossings, row by row.
-device::BufferPool::Lease keys_by_row(const SweepInputs& inputs, const Crossings& crossings) {
-    auto keys = inputs.pool->lease_for_list(crossings.count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
-    cl::Kernel scatter(inputs.programs.sign_sweep, "sign_scatter");
-    inputs.launches.over_items(scatter, crossings.record_count, seconds_per_record, [&](cl_uint begin, cl_uint end) {
-        set_arguments(scatter, 0, begin, end, *crossings.records, *crossings.starts, *keys);
-    });
-    return keys;
-}
-
-}  // namespace
 
 SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
     device::guarded([&] {
@@ -203,24 +206,9 @@ SignSweep::~SignSweep() = default;
 
 device::BufferPool::Lease SignSweep::finish() {
     return device::guarded([&] {
-        if (search_) sweep_rows(search_->finish());
+        if (search_) search_->finish(*bits_);
+        search_.reset();
         return std::move(bits_);
-    });
-}
-
-void SignSweep::sweep_rows(const Crossings& crossings) {
-    const Layout& layout = inputs_.layout;
-    const auto keys = keys_by_row(inputs_, crossings);
-    const std::size_t rows = sign_row_count(layout);
-    cl::Kernel sweep(inputs_.programs.sign_sweep, "sign_rows");
-    const std::size_t item_rows = inputs_.programs.body == KernelBody::by_group ? 1 : rows_of_a_core;
-    const double words_and_keys =
-        layout.sign_words + 8.0 * static_cast<double>(crossings.record_count) / static_cast<double>(rows);
-    inputs_.launches.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
-        const std::size_t items = chunk_count(end - begin, item_rows);
-        launch(inputs_.context.queue(), sweep, {items, inputs_.programs.part_group()}, layout,
-               static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
-               cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *crossings.starts, *keys, *bits_);
     });
 }
 

@@ -12,7 +12,6 @@
 namespace clsdf::scan {
 
 class CrossingSearch;
-struct Crossings;
 struct Programs;
 
 /// The inputs of a sweep; all of them must outlive it.
@@ -27,7 +26,9 @@ struct SweepInputs {
     const ShortLaunches& launches;
 };
 
-/// The sweep. It has two steps: between them the host may enqueue other work, and one wait covers both.
+/// The sweep that makes one bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words
+/// (docs/method.md, 'Sign by crossings'). It has two steps: between them the host may enqueue other work, and one wait
+/// covers both.
 class SignSweep {
 public:
     /// Enqueues the search for the crossings, and does not wait for it.
@@ -36,8 +37,7 @@ public:
     SignSweep& operator=(const SignSweep&) = delete;
     ~SignSweep();
 
-    /// One bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words (docs/method.md, 'Sign by
-    /// crossings').
+    /// The buffer for the bits.
     const cl::Buffer& bits() const { return *bits_; }
 
     /// Waits for the numbers of crossings, unless the host has waited for later commands of the queue, and enqueues the
@@ -45,9 +45,6 @@ public:
     device::BufferPool::Lease finish();
 
 private:
-    /// Enqueues the launches that make bits of the crossings.
-    void sweep_rows(const Crossings& crossings);
-
     SweepInputs inputs_;
     device::BufferPool::Lease bits_;
     std::unique_ptr<CrossingSearch> search_;

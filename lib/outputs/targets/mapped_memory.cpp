@@ -74,21 +74,21 @@ void wait_for(const Context& context, std::span<const cl_event> wait_list) {
     if (!wait_list.empty()) guarded([&] { cl::Event::waitForEvents(events_of(context, wait_list)); });
 }
 
-MappedMemory::~MappedMemory() {
-    try {
-        unmap();
-    } catch (const std::exception&) {
-        // On the way out after another error.
-    }
-}
-
-MappedMemory::Place MappedMemory::place_of(cl_mem memory, std::size_t byte) {
+BufferPlace place_of(cl_mem memory, std::size_t byte) {
     cl::Buffer buffer(memory, true);
     if (const auto whole = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>(); whole() != nullptr) {
         byte += buffer.getInfo<CL_MEM_OFFSET>();
         buffer = cl::Buffer(whole(), true);
     }
     return {buffer, byte};
+}
+
+MappedMemory::~MappedMemory() {
+    try {
+        unmap();
+    } catch (const std::exception&) {
+        // On the way out after another error.
+    }
 }
 
 void MappedMemory::add(cl_mem memory, const ByteRange& range, Use use, const std::string& what) {
@@ -101,7 +101,7 @@ void MappedMemory::add(cl_mem memory, const ByteRange& range, Use use, const std
                         fmt::format("the {} reach to byte {} of a buffer that holds {}", what, range.end, bytes));
         check_flags(callers, use == Use::read, what);
         if (range.is_empty()) return;
-        const Place begin = place_of(memory, range.begin);
+        const BufferPlace begin = place_of(memory, range.begin);
         const ByteRange in_whole{begin.byte, begin.byte + (range.end - range.begin)};
         const cl_map_flags flags = use == Use::read    ? cl_map_flags{CL_MAP_READ}
                                    : use == Use::write ? cl_map_flags{CL_MAP_WRITE}
@@ -136,7 +136,7 @@ void MappedMemory::map(std::span<const cl_event> wait_list) {
 }
 
 std::byte* MappedMemory::at(cl_mem memory, std::size_t byte) const {
-    const Place place = guarded([&] { return place_of(memory, byte); });
+    const BufferPlace place = guarded([&] { return place_of(memory, byte); });
     const auto found = find(buffers_, place.memory);
     return found->mapped + (place.byte - found->range.begin);
 }

@@ -19,6 +19,14 @@ cl::CommandQueue queue_of(const Context& context, cl_command_queue queue);
 std::vector<cl::Event> events_of(const Context& context, std::span<const cl_event> wait_list);
 void wait_for(const Context& context, std::span<const cl_event> wait_list);
 
+/// A byte of a buffer that is no part of another one.
+struct BufferPlace {
+    cl::Buffer memory;
+    std::size_t byte;
+};
+/// The place of a byte of a buffer or sub-buffer. Throws cl::Error.
+BufferPlace place_of(cl_mem memory, std::size_t byte);
+
 /// Buffers of the caller's in the host's address space for the time of a call. A buffer is mapped once, whatever lies
 /// in it; a sub-buffer counts as a part of its buffer. First add() what is used, then map().
 class MappedMemory {
@@ -57,12 +65,6 @@ private:
         cl_map_flags flags = 0;
         std::byte* mapped = nullptr;
     };
-    /// A byte of a buffer that is no part of another one.
-    struct Place {
-        cl::Buffer memory;
-        std::size_t byte = 0;
-    };
-    static Place place_of(cl_mem memory, std::size_t byte);
 
     const Context& context_;
     std::vector<Buffer> buffers_;

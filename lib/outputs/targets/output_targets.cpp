@@ -86,16 +86,14 @@ void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& t
     }
 }
 
-/// The first byte of a target's samples from its memory's begin on, and the byte after the last one. In double, which
-/// no sum of such products overflows.
+/// Where a target's samples begin and end, in bytes of its memory.
 std::pair<double, double> extent_of(const OutputInfo& row, const Grid& grid, const OutputArray& target) {
-    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width_of(target.type));
-    const auto extend = [&](std::ptrdiff_t stride, double steps) {
-        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * steps;
-    };
-    for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
-    extend(target.component_stride, static_cast<double>(row.components - 1));
-    return {lowest, highest};
+    const auto& [nx, ny, nz] = grid.size;
+    const auto components = static_cast<std::int64_t>(row.components);
+    return clsdf::extent_of(target, {{target.strides[0], nx},
+                                     {target.strides[1], ny},
+                                     {target.strides[2], nz},
+                                     {target.component_stride, components}});
 }
 
 /// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, unless these are unknown, or not
@@ -334,13 +332,9 @@ namespace {
 /// The buffer from `offset` on, which is aligned.
 cl::Buffer buffer_from(const cl::Buffer& buffer, std::size_t offset, std::size_t bytes) {
     if (offset == 0) return buffer;
-    cl::Buffer parent = buffer;
-    if (const auto whole = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>(); whole() != nullptr) {
-        offset += buffer.getInfo<CL_MEM_OFFSET>();
-        parent = cl::Buffer(whole(), true);
-    }
-    const cl_buffer_region region{offset, bytes};
-    return parent.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
+    device::BufferPlace place = device::place_of(buffer(), offset);
+    const cl_buffer_region region{place.byte, bytes};
+    return place.memory.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
 }
 
 /// Memory that kernels cannot or may not write would fail later and less clearly.
@@ -396,11 +390,8 @@ void DeviceTargets::add_written(std::size_t request, std::vector<WrittenArray>& 
     for_each_output(
         [&](const OutputInfo& info, const OutputArray& target) {
             if (target.device == nullptr) return;
-            const cl::Buffer memory(target.device, true);
-            const auto whole = memory.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>();
-            const bool is_part = whole() != nullptr;
-            written.push_back(written_array(info, target, size, request, is_part ? whole() : target.device,
-                                            is_part ? memory.getInfo<CL_MEM_OFFSET>() : 0));
+            const device::BufferPlace begin = device::place_of(target.device, 0);
+            written.push_back(written_array(info, target, size, request, begin.memory(), begin.byte));
         },
         targets);
 }

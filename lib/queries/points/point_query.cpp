@@ -55,7 +55,7 @@ public:
           programs_(programs),
           pool_(*pool),
           queue_(context.queue()),
-          program_(programs.points(context)),
+          program_(programs.points),
           inputs_(inputs),
           callers_(points),
           half_width_(half_width),

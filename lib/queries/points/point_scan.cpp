@@ -169,8 +169,7 @@ namespace {
 /// The computation of a ScanJob.
 class Scan {
 public:
-    explicit Scan(const ScanJob& job)
-        : job_(job), queue_(job.context.queue()), program_(job.programs.point_scan(job.context)) {
+    explicit Scan(const ScanJob& job) : job_(job), queue_(job.context.queue()), program_(job.programs.point_scan) {
         block_count_ = job.groups.blocks.size();
         superblock_count_ = job.groups.superblocks.size();
         bricks_ = upload<PointGroup>(queue_, job.pool, job.groups.bricks, "bricks of points");
