@@ -108,8 +108,6 @@ public:
     /// Waits for all that was enqueued in queue(), on the way out after an error. False if the driver cannot tell that
     /// it has ended: commands may then use the host's memory as long as the process lives.
     bool drain() const noexcept;
-    /// The queue waits for what never comes: nothing waits for the queue any more.
-    void give_up() const noexcept { lost_ = true; }
     /// Whether a drain has failed.
     bool is_lost() const noexcept { return lost_; }
     /// Throws Error(device_failure) if so: a call would wait for ever.
