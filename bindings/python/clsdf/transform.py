@@ -77,9 +77,9 @@ def _vectors(name: str, values: Any, shape: tuple[int, ...]) -> npt.NDArray[np.f
 class Transform:
     """The exact distance to a triangle mesh, negative inside.
 
-    mesh: a path (.off, .obj, .stl, .ply); (vertices, faces), arrays (n, 3) of float32 or float64 and (m, 3) of int32,
-        int64, uint32 or uint64; or a mesh of trimesh, pyvista, meshio or open3d. Faces are counter-clockwise seen from
-        outside. The mesh is copied once: the arrays may change afterwards.
+    mesh: a path (.off, .obj, .stl, .ply); vertices and faces, as a tuple or as two arguments, arrays (n, 3) of float32
+        or float64 and (m, 3) of int32, int64, uint32 or uint64; or a mesh of trimesh, pyvista, meshio or open3d. Faces
+        are counter-clockwise seen from outside. The mesh is copied once: the arrays may change afterwards.
     device: None (clsdf.Device.automatic()), a clsdf.Device, an index or a part of a device's name, or a
         pyopencl.CommandQueue.
     sign: 'auto', 'nonzero', 'parity' or 'none'. With 'auto' an open mesh has no sign, and a MeshWarning says so.
@@ -94,9 +94,9 @@ class Transform:
     """
 
     def __init__(
-        self, mesh: Any, *, device: Any = None, sign: str = "auto", kept_bytes: int | None = None
+        self, mesh: Any, faces: Any = None, *, device: Any = None, sign: str = "auto", kept_bytes: int | None = None
     ) -> None:
-        vertices, faces, self.mesh_name = _meshes.arrays_of(mesh)
+        vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
         self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes)
 
     @classmethod

@@ -237,6 +237,7 @@ def test_meshes_of_other_packages(solid, points):
     like_open3d = types.SimpleNamespace(vertices=vertices.tolist(), triangles=faces.tolist())
     for mesh in (like_open3d, [vertices, faces], (vertices.tolist(), faces.tolist())):
         assert np.array_equal(clsdf.Transform(mesh).query(points).distance, expected)
+    assert np.array_equal(clsdf.Transform(vertices, faces).query(points).distance, expected)
     kinds = []
     for package in ("trimesh", "meshio", "pyvista", "open3d"):
         try:
