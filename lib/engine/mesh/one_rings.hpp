@@ -26,8 +26,7 @@ struct Corner {
     static Corner unpack(std::uint32_t packed) { return {packed >> 2, packed & 3}; }
 };
 
-// Read from a word of three pairs of bits: which of three an edge is cannot be predicted, and a wrong guess costs more
-// than all the rest.
+// Without branches: an edge's number is random, so a branch on it would be mispredicted.
 constexpr std::uint32_t next_of_three(std::uint32_t k) {
     return 0b00'10'01U >> 2 * k & 3;
 }

@@ -32,7 +32,7 @@ class FieldMethod;
 
 namespace clsdf::transform {
 
-// Everything here is made by the scan, or for it.
+// The stages are types of this namespace.
 using namespace scan;
 
 /// The inputs of the computation of a grid.

@@ -106,7 +106,7 @@ device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLatt
     return filling.finish();
 }
 
-/// The same, made on the device of what is there: the mesh is not far from sample (0, 0, 0).
+/// The same by a kernel, from the positions on the device. The mesh must be near sample (0, 0, 0).
 device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const SweepLattice& lattice,
                                              const DeviceFaces& faces) {
     const std::size_t count = faces.names->topology->faces.vertices.size();

@@ -131,9 +131,9 @@ public:
     /// `bytes` bytes, their contents undefined; what has been written can be read.
     void* memory() const { return memory_; }
 
-    /// Hands the filled buffer over. A buffer that is not filled in place is leased only now: of several fillings of
-    /// which all but the last are given up one is on the device. Does not wait: the array is kept until it is copied.
-    /// Nothing may be written to the memory any more.
+    /// Hands the filled buffer over. If it is not filled in place, its buffer is leased only now, so fillings that are
+    /// given up take no memory of the device. Does not wait: the array is kept until it is copied. Nothing may be
+    /// written to the memory any more.
     BufferPool::Lease finish();
 
 private:

@@ -101,8 +101,8 @@ public:
     /// Held while a case is tested: other threads wait.
     std::mutex& test_mutex() const { return test_mutex_; }
 
-    /// Whether this is asked of the kernel's program for the first time; then it is no more. Compilers specialise a
-    /// kernel at its first launch: after an empty one, the launch that counts need not wait for it.
+    /// True the first time that it is called with a kernel of that program. Compilers specialise a kernel at its first
+    /// launch; after an empty launch, the next one does not wait for the compiler.
     bool is_first_use_of(const cl::Kernel& kernel);
 
     /// Waits for all that was enqueued in queue(), on the way out after an error. False if the driver cannot tell that
