@@ -64,7 +64,7 @@ std::string note_on_the_mesh(const std::string& mesh, const clsdf::Field& field)
 
 // Samples beyond a band that the file does not state have its limits, which are the field's extreme values.
 std::string note_on_the_band(const CheckReport& report, const clsdf::Field& field) {
-    if (field.band != clsdf::Band::full() || report.findings.empty()) return {};
+    if (field.band != clsdf::Band::full() || report.findings.empty() || report.wrong_signs > 0) return {};
     const auto [lowest, highest] = std::ranges::minmax(field.distance());
     for (const CheckReport::Finding& finding : report.findings) {
         const double limit = finding.expected < 0 ? lowest : highest;
@@ -72,7 +72,8 @@ std::string note_on_the_band(const CheckReport& report, const clsdf::Field& fiel
         if (!finding.of_distance || !is_at_limit || std::abs(finding.found) > std::abs(finding.expected)) return {};
     }
     return fmt::format(
-        "the wrong samples have the field's smallest or largest value, {} or {}; if these are the limits of a band, "
+        "the first wrong samples have the field's smallest or largest value, {} or {}; if these are the limits of a "
+        "band, "
         "choose a format that states it, or compute the field with --band full",
         lowest, highest);
 }

@@ -179,11 +179,11 @@ __kernel void sign_scatter(uint begin, uint end, __global const SweepRecord* rec
     keys[starts[records[n].row] + records[n].index] = records[n].key;
 }
 
-// Sorts keys[0, count) by insertion at falling strides (D. L. Shell; strides of R. Sedgewick, 1986: at most about
-// count^(4/3) steps). Most rows have few crossings.
-__constant uint strides[] = {1, 8, 23, 77, 281, 1073, 4193, 16577, 65921, 262913, 1050113};
+// Sorts keys[0, count) by insertion at falling strides (D. L. Shell; strides of R. Sedgewick, 1986: about count^(4/3)
+// steps, up to 2^28 keys). Most rows have few crossings.
+__constant uint strides[] = {1, 8, 23, 77, 281, 1073, 4193, 16577, 65921, 262913, 1050113, 4197377, 16783361};
 static inline void sort_keys(__global uint* keys, uint count) {
-    for (int n = count <= 16 ? 0 : 10; n >= 0; --n) {
+    for (int n = count <= 16 ? 0 : 12; n >= 0; --n) {
         const uint stride = strides[n];
         for (uint i = stride; i < count; ++i) {
             const uint key = keys[i];

@@ -304,7 +304,7 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
                       [&](const Device& device) { return message_of_test(device, mutation.test_case); });
 }
 
-BOOST_AUTO_TEST_CASE(refuses_wrong_distances_of_slender_and_of_other_polyhedra_in_every_known_field) {
+BOOST_AUTO_TEST_CASE(refuses_wrong_distances_of_slender_and_of_other_polyhedra_in_narrow_and_wide_bands) {
     const TemporaryFolder folder;
     const std::string file = "bricks_by_vector.cl";
     const TestCase plain = bricks(vector_body, false, false);

@@ -68,7 +68,10 @@ def _steps(spacing: float | Sequence[float] | None) -> tuple[float, float, float
 
 
 def _vectors(name: str, values: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
-    array = np.asarray(values, np.float64)
+    try:
+        array = np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        raise Error(f"{name}: {values!r} is no array of numbers of the shape {shape}") from None
     if array.shape != shape:
         raise Error(f"{name} has the shape {array.shape}; expected {shape}")
     return array

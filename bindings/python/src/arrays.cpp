@@ -47,25 +47,26 @@ std::string type_text(nb::handle array) {
     return nb::cast<std::string>(nb::str(dtype.is_none() ? array.type() : nb::handle(dtype)));
 }
 
-[[noreturn]] void refuse_type(nb::handle array, const std::string& what) {
-    refuse(what + " has elements of type " + type_text(array) +
-           "; use float32 or float64 for numbers, int32, int64, uint32 or uint64 for indices");
+[[noreturn]] void refuse_type(nb::handle array, const std::string& what, bool is_output) {
+    refuse(what + " has elements of type " + type_text(array) + "; use " +
+           (is_output ? "float32 or float64, for triangle uint32 or int32, for site uint8"
+                      : "float32 or float64 for numbers, int32, int64, uint32 or uint64 for indices"));
 }
 
 // pyopencl.array.Array: its memory is a buffer and an offset into it.
-ArrayView view_on_device(nb::handle array, const std::string& what) {
+ArrayView view_on_device(nb::handle array, const std::string& what, bool is_output) {
     ArrayView view;
     view.device = std::bit_cast<cl_mem>(nb::cast<std::uintptr_t>(array.attr("base_data").attr("int_ptr")));
     view.offset = nb::cast<std::size_t>(array.attr("offset"));
     view.type = type_named(nb::cast<std::string>(nb::str(array.attr("dtype").attr("name"))));
     view.shape = nb::cast<std::vector<std::int64_t>>(array.attr("shape"));
     view.strides = nb::cast<std::vector<std::int64_t>>(array.attr("strides"));
-    if (view.type == ElementType::automatic) refuse_type(array, what);
+    if (view.type == ElementType::automatic) refuse_type(array, what, is_output);
     return view;
 }
 
 // Why an array could not be taken.
-[[noreturn]] void refuse_array(nb::handle array, const std::string& what) {
+[[noreturn]] void refuse_array(nb::handle array, const std::string& what, bool is_output) {
     if (!nb::ndarray_check(array))
         refuse(what + " is a " + nb::cast<std::string>(nb::str(array.type().attr("__name__"))) +
                ", which is no array; use a NumPy array or any other with the buffer protocol or DLPack");
@@ -73,7 +74,7 @@ ArrayView view_on_device(nb::handle array, const std::string& what) {
     if (const nb::object kind = nb::getattr(dtype, "kind", nb::none());
         !kind.is_none() && (std::string("fiub").find(nb::cast<std::string>(kind)) == std::string::npos ||
                             nb::cast<int>(dtype.attr("itemsize")) > 8))
-        refuse_type(array, what);
+        refuse_type(array, what, is_output);
     refuse(
         what + " (" + type_text(array) +
         ") cannot be read: it has swapped bytes, strides that are no multiple of its elements, or memory that is not "
@@ -111,8 +112,8 @@ bool ArrayView::is_packed() const {
 ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable) {
     nb::ndarray<nb::ro> readable;
     if (!nb::try_cast(array, readable, false)) {
-        if (nb::hasattr(array, "base_data")) return view_on_device(array, what);
-        refuse_array(array, what);
+        if (nb::hasattr(array, "base_data")) return view_on_device(array, what, writable);
+        refuse_array(array, what, writable);
     }
     ArrayView view;
     if (writable) {
@@ -121,7 +122,7 @@ ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable)
         view.writable = own.data();
     }
     view.type = type_of(readable.dtype());
-    if (view.type == ElementType::automatic) refuse_type(array, what);
+    if (view.type == ElementType::automatic) refuse_type(array, what, writable);
     if (readable.device_type() != nb::device::cpu::value)
         refuse(what + " is not in the host's memory; copy it to the host, or pass a pyopencl array");
     view.host = readable.data();

@@ -119,6 +119,8 @@ def test_types_of_out(body):
     for dtype in (np.int64, np.float16, np.complex64, np.longdouble, object, "U4"):
         with pytest.raises(clsdf.Error, match="cannot be written as int64|elements of type"):
             body.field(field.grid, band=field.band, out=np.empty(field.grid.shape, dtype))
+    with pytest.raises(clsdf.Error, match="for site uint8"):
+        body.field(field.grid, band=field.band, out={"site": np.empty(field.grid.shape, np.int16)})
 
 
 def misaligned(shape):

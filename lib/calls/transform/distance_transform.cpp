@@ -134,7 +134,7 @@ TransformStatistics DistanceTransform::compute(std::span<const Request> requests
 TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const CallOptions& call) const {
     return with_host_memory("for the blocks; compute fewer at once", [&] {
         // As requests they take over 200 bytes each. Neighbours in the list are mostly neighbours in space.
-        constexpr std::size_t most = std::size_t{1} << 15;
+        constexpr std::size_t most = std::size_t{1} << 15, checked = std::size_t{1} << 10;
         State& state = this->state();
         const std::size_t count = blocks.first.size();
         if (count > most) {  // else the only part is checked as a whole
@@ -142,12 +142,15 @@ TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const Cal
             const auto on_host = [&](const Request& request) { return state.host_targets(request); };
             const auto in_buffers = [&](const Request& request) { return state.device_targets(request); };
             std::vector<scan::WrittenArray> written;
-            for (std::size_t n = 0; n < count; ++n) {
-                const Request request = transform::requests_of(blocks, n, n + 1).front();
-                if (on_device)
-                    transform::targets_of(request, n, count, in_buffers, written);
-                else
-                    transform::targets_of(request, n, count, on_host, written);
+            for (std::size_t begin = 0; begin < count; begin += checked) {
+                std::size_t n = begin;
+                for (const Request& request : transform::requests_of(blocks, begin, std::min(begin + checked, count))) {
+                    if (on_device)
+                        transform::targets_of(request, n, count, in_buffers, written);
+                    else
+                        transform::targets_of(request, n, count, on_host, written);
+                    ++n;
+                }
             }
             scan::refuse_overlap(written);
         }

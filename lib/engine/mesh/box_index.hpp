@@ -11,8 +11,8 @@
 
 namespace clsdf {
 
-/// Around nothing, so that add() makes it the box of what is added.
 inline constexpr double infinite_length = std::numeric_limits<double>::infinity();
+/// Around nothing, so that add() makes it the box of what is added.
 inline constexpr Box empty_box{{infinite_length, infinite_length, infinite_length},
                                {-infinite_length, -infinite_length, -infinite_length}};
 

@@ -70,7 +70,7 @@ std::pair<double, double> extent_of(const ArrayLayout& array, std::initializer_l
     double lowest = static_cast<double>(array.offset);
     double highest = lowest + static_cast<double>(bytes_of(array.type));
     for (const auto& [stride, count] : axes)
-        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * static_cast<double>(count - 1);
+        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * (count - 1);
     return {lowest, highest};
 }
 
@@ -78,7 +78,7 @@ ByteRange range_of(const InputArray& triples, std::size_t bytes, const char* wha
     if (triples.count == 0) return {};
     const Steps steps = steps_of(triples);
     const auto [lowest, highest] =
-        extent_of(triples, {{steps.triple, static_cast<std::int64_t>(triples.count)}, {steps.number, 3}});
+        extent_of(triples, {{steps.triple, static_cast<double>(triples.count)}, {steps.number, 3}});
     if (lowest < 0 || highest > static_cast<double>(bytes))
         throw Error(code, fmt::format("the {} {} reach from byte {:.0f} to {:.0f} with their offset and strides, and "
                                       "their memory holds {}",

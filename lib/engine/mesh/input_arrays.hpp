@@ -30,7 +30,7 @@ void check_array(const InputArray& triples, ArrayKind kind, const char* what, Er
 /// Values on an axis of an array.
 struct ArrayAxis {
     std::ptrdiff_t stride;
-    std::int64_t count;
+    double count;
 };
 /// Where the values of an array begin and end, in bytes of its memory. In double, which no sum of such products
 /// overflows.

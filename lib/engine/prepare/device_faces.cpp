@@ -32,6 +32,7 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
 
 DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology) {
     const std::size_t count = topology->order.size();
+    job.pool->check_size(count * sizeof(Triangle), "triangles");
     device::HostFilling filling(job.context, job.pool, count * sizeof(cl_uint), "numbers of the triangles");
     auto* const names = static_cast<cl_uint*>(filling.memory());
     for_each_index(count, [&](std::size_t face) {

@@ -28,7 +28,7 @@ constexpr double seconds_per_triangle = 5e-7;  // of the first launch: with CLSD
 constexpr double seconds_per_record = 2e-8;
 constexpr double seconds_per_word = 5e-9;  // of sign bits
 
-// A large triangle is divided among work-items, each of which takes a strip of its slices.
+// Strips of a large triangle's slices are divided among work-items.
 constexpr std::size_t rows_of_a_strip = std::size_t{1} << 14;
 constexpr std::size_t most_strips = 64;
 
@@ -109,11 +109,11 @@ private:
     }
 
     void find_large(const SweepTotals& totals) {
-        const std::size_t strips = std::min(totals.largest_rows / rows_of_a_strip + 1, most_strips);
+        const std::size_t strips = std::min(totals.largest_rows / rows_of_a_strip + 2, most_strips);
         const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
         const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
         inputs_.launches.over(totals.large, seconds, [&](std::size_t begin, std::size_t end) {
-            enqueue((end - begin) * strips, begin, end, true, *large_, strips);
+            enqueue(std::min((end - begin) * strips, parts_), begin, end, true, *large_, strips);
         });
     }
 

@@ -1,16 +1,31 @@
 #include <clsdf/error.hpp>
 
-#include <array>
-
 namespace clsdf {
 
 const char* name_of(ErrorCode code) noexcept {
-    constexpr std::array names{"unknown",   "invalid_mesh",   "unreadable_input", "invalid_argument",
-                               "no_device", "device_failure", "out_of_memory",    "unsupported",
-                               "cancelled", "output_failure", "wrong_results"};
-    static_assert(names.size() == static_cast<std::size_t>(ErrorCode::wrong_results) + 1);
-    const auto number = static_cast<std::size_t>(code);
-    return number < names.size() ? names[number] : names.front();
+    switch (code) {
+        case ErrorCode::invalid_mesh:
+            return "invalid_mesh";
+        case ErrorCode::unreadable_input:
+            return "unreadable_input";
+        case ErrorCode::invalid_argument:
+            return "invalid_argument";
+        case ErrorCode::no_device:
+            return "no_device";
+        case ErrorCode::device_failure:
+            return "device_failure";
+        case ErrorCode::out_of_memory:
+            return "out_of_memory";
+        case ErrorCode::unsupported:
+            return "unsupported";
+        case ErrorCode::cancelled:
+            return "cancelled";
+        case ErrorCode::output_failure:
+            return "output_failure";
+        case ErrorCode::wrong_results:
+            return "wrong_results";
+    }
+    return "unknown";
 }
 
 }  // namespace clsdf

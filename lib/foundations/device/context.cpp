@@ -178,7 +178,7 @@ void Context::require_usable() const {
     if (lost_)
         throw Error(ErrorCode::device_failure,
                     fmt::format("\"{}\" cannot be used any more in this process: an earlier call of OpenCL failed, and "
-                                "commands before it may wait for ever; start the program again",
+                                "its commands may still use memory of the host; start the program again",
                                 device_.getInfo<CL_DEVICE_NAME>()));
 }
 

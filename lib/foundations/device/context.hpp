@@ -110,7 +110,7 @@ public:
     bool drain() const noexcept;
     /// Whether a drain has failed.
     bool is_lost() const noexcept { return lost_; }
-    /// Throws Error(device_failure) if so: a call would wait for ever.
+    /// Throws Error(device_failure) if so.
     void require_usable() const;
 
     /// See Device::keep_records().

@@ -337,9 +337,17 @@ Device Device::of_rank(std::size_t rank, std::size_t ranks) {
 }
 
 const char* name_of(DeviceKind kind) noexcept {
-    constexpr std::array names{"gpu", "processor", "accelerator", "other"};
-    const auto number = static_cast<std::size_t>(kind);
-    return number < names.size() ? names[number] : names.back();
+    switch (kind) {
+        case DeviceKind::gpu:
+            return "gpu";
+        case DeviceKind::processor:
+            return "processor";
+        case DeviceKind::accelerator:
+            return "accelerator";
+        case DeviceKind::other:
+            break;
+    }
+    return "other";
 }
 
 std::vector<DeviceInfo> Device::all() {

@@ -88,12 +88,10 @@ void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& t
 
 /// Where a target's samples begin and end, in bytes of its memory.
 std::pair<double, double> extent_of(const OutputInfo& row, const Grid& grid, const OutputArray& target) {
-    const auto& [nx, ny, nz] = grid.size;
-    const auto components = static_cast<std::int64_t>(row.components);
-    return clsdf::extent_of(target, {{target.strides[0], nx},
-                                     {target.strides[1], ny},
-                                     {target.strides[2], nz},
-                                     {target.component_stride, components}});
+    return clsdf::extent_of(target, {{target.strides[0], static_cast<double>(grid.size[0])},
+                                     {target.strides[1], static_cast<double>(grid.size[1])},
+                                     {target.strides[2], static_cast<double>(grid.size[2])},
+                                     {target.component_stride, static_cast<double>(row.components)}});
 }
 
 /// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, unless these are unknown, or not
