@@ -120,7 +120,8 @@ def test_types_of_out(body):
         with pytest.raises(clsdf.Error, match="cannot be written as int64|elements of type"):
             body.field(field.grid, band=field.band, out=np.empty(field.grid.shape, dtype))
     with pytest.raises(clsdf.Error, match="for site uint8"):
-        body.field(field.grid, band=field.band, out={"site": np.empty(field.grid.shape, np.int16)})
+        out = {"distance": out["distance"], "site": np.empty(field.grid.shape, np.int16)}
+        body.field(field.grid, band=field.band, out=out)
 
 
 def misaligned(shape):
