@@ -172,32 +172,8 @@ TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const Cal
 }
 
 CallStatistics DistanceTransform::State::compute(std::span<const Request> requests, const CallOptions& call) {
-    if (!requests.empty() && scan::are_on_device(requests.front().targets)) return compute_on_device(requests, call);
-    device::wait_for(context(), call.wait_list);
-    if (requests.size() != 1) return compute_many(requests, call);
-    const Request& request = requests.front();
-    request.grid.validate();
-    request.band.validate();
-    const scan::HostTargets targets(request.targets, request.grid);
-    std::vector<scan::WrittenArray> written;
-    targets.add_written(0, written);
-    scan::refuse_overlap(written);
-    return compute_one(request, targets, call);
-}
-
-CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {
-    const device::Context& context = this->context();
-    const auto plan = this->plan(true, {requests.begin(), requests.end()}, std::nullopt, call, call.count_work);
-    device::guarded([&] {
-        const Stopwatch watch;
-        const cl::Event end = plan->enqueue(context.callers_queue(), device::events_of(context, call.wait_list), {});
-        end.wait();
-        device::wait_for(context, call.wait_list);  // Intel's runtime reports success
-        if (call.count_work) plan->read_counters();
-        plan->statistics.field_seconds = watch.seconds();
-    });
-    transform::Caller{call}.report({.fraction = 1});
-    return plan->statistics;
+    const bool on_device = !requests.empty() && scan::are_on_device(requests.front().targets);
+    return on_device ? compute_on_device(requests, call) : compute_on_host(requests, call);
 }
 
 TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs,

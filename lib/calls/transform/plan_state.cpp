@@ -12,6 +12,15 @@
 
 namespace clsdf::transform {
 
+namespace {
+
+/// A block that is a part of a batch has no buffer of its own among the targets.
+bool is_in_place(const Block& block) {
+    return block.batch->in_place && block.is_whole();
+}
+
+}  // namespace
+
 PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, bool is_own_pool)
     : device(std::move(device_in)), has_own_pool(is_own_pool), pool(std::move(pool_in)) {}
 
@@ -21,16 +30,27 @@ PlanState::~PlanState() {
     keep_for_good(parts_);
 }
 
-void PlanState::make_room(std::span<const Block> blocks, std::span<const DeviceTargets> targets) {
+void PlanState::divide(std::span<const DeviceTargets> targets, const Box& box) {
+    const device::Context::Capabilities& capabilities = device::context_of(device).capabilities();
+    const std::size_t largest = capabilities.largest_allocation;
+    batches_ = batches_of(requests, targets, box, counts);
+    blocks_ = blocks_of(batches_, stream_limits_of(capabilities), {largest, largest, largest});
+}
+
+bool PlanState::has_copies() const {
+    return !std::ranges::all_of(blocks_, is_in_place);
+}
+
+void PlanState::make_room() {
     PerOutput<std::size_t> most{};
-    for (const Block& block : blocks) {
-        if (block.in_place) continue;
+    for (const Block& block : blocks_) {
+        if (is_in_place(block)) continue;
         for_each_output(
             [&](const OutputInfo& row, const HostArray& array, std::size_t& bytes) {
                 if (!array.is_wanted) return;
                 bytes = std::max(bytes, block.grid.sample_count() * sample_bytes(row, array.in_double));
             },
-            targets[block.batch->requests.front()].arrays, most);
+            block.batch->arrays, most);
     }
     for_each_output(
         [&](const OutputInfo&, std::size_t bytes, device::BufferPool::Lease& lease) {
@@ -41,10 +61,11 @@ void PlanState::make_room(std::span<const Block> blocks, std::span<const DeviceT
 
 void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
                     const Programs& programs) {
-    const DeviceTargets& any = targets[block.batch->requests.front()];
-    Part part{std::move(plan), block.batch->requests, block.in_place, any.arrays, any.targets};
-    if (block.in_place) {
-        part.buffers = *any.in_place;
+    add_slab(statistics, plan->statistics);
+    const DeviceTargets& first = targets[block.batch->requests.front()];
+    Part part{block, std::move(plan), first.targets};
+    if (is_in_place(block)) {
+        part.buffers = *first.in_place;
         parts_.push_back(std::move(part));
         return;
     }
@@ -60,20 +81,21 @@ void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::spa
             const StoredElements elements{row.components, sample_bytes(row, array.in_double) / row.components};
             if (!places.empty()) store.emplace(context, program, block.grid, elements, *lease, std::move(places));
         },
-        part.arrays, samples_, all_places, part.stores, part.buffers);
+        block.batch->arrays, samples_, all_places, part.stores, part.buffers);
     parts_.push_back(std::move(part));
 }
 
 PerOutput<std::vector<Place>> PlanState::places_of(const Part& part, std::span<const DeviceTargets> targets) const {
     PerOutput<std::vector<Place>> all_places;
-    for (const std::size_t n : part.requests)
+    const Batch& batch = *part.block.batch;
+    for (const std::size_t n : batch.requests)
         for_each_output(
             [&](const OutputInfo&, const OutputArray& target, const HostArray& array, std::vector<Place>& places) {
                 if (!array.is_wanted) return;
-                if (const auto box = stored_box(part.plan->job.grid, requests[n].grid, target))
+                if (const auto box = stored_box(part.block.grid, requests[n].grid, target))
                     places.push_back({target.device, *box});
             },
-            targets[n].targets, part.arrays, all_places);
+            targets[n].targets, batch.arrays, all_places);
     // A launch stores what goes to one buffer: the buffers in the order of the requests.
     for_each_output(
         [](const OutputInfo&, std::vector<Place>& places) {
@@ -86,6 +108,7 @@ PerOutput<std::vector<Place>> PlanState::places_of(const Part& part, std::span<c
 }
 
 void PlanState::check(const Part& part, const DeviceTargets& target) const {
+    const bool in_place = is_in_place(part.block);
     for_each_output(
         [&](const OutputInfo& row, const HostArray& planned, const HostArray& given, const OutputArray& like,
             const OutputArray& other) {
@@ -99,15 +122,15 @@ void PlanState::check(const Part& part, const DeviceTargets& target) const {
                                               "leave the target out, or make the plan with {0}",
                                               row.name));
             // Distances in double are other work.
-            const bool is_fixed = !part.in_place || row.output == Output::distance;
+            const bool is_fixed = !in_place || row.output == Output::distance;
             if (is_fixed && other.type != like.type)
                 throw Error(ErrorCode::unsupported,
                             fmt::format("the target of the output {} has {}s, another type of elements than planned; "
                                         "make the plan of a request with such a target",
                                         row.name, name_of(other.type)));
         },
-        part.arrays, target.arrays, part.like, target.targets);
-    if (part.in_place && !target.in_place)
+        part.block.batch->arrays, target.arrays, part.like, target.targets);
+    if (in_place && !target.in_place)
         throw Error(
             ErrorCode::unsupported,
             fmt::format("the target of the output {}, but this plan writes to its targets directly and cannot copy; "
@@ -127,7 +150,7 @@ std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> 
         return DeviceTargets(request.targets, request.grid, device::context_of(device));
     });
     for (const Part& part : parts_)
-        for (const std::size_t n : part.requests) for_request(n, requests.size(), [&] { check(part, targets[n]); });
+        for (const std::size_t n : part.block.batch->requests) for_request(n, requests.size(), [&] { check(part, targets[n]); });
     return targets;
 }
 
@@ -161,7 +184,7 @@ std::size_t PlanState::own_bytes(const Stages& stages) const {
 }
 
 void PlanState::enqueue_stores(Part& part, CommandChain& chain, std::span<const DeviceTargets> targets) const {
-    if (part.in_place) return;
+    if (is_in_place(part.block)) return;
     PerOutput<std::vector<Place>> all_places;
     if (!targets.empty()) all_places = places_of(part, targets);
     for_each_output(
@@ -187,8 +210,9 @@ cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Even
         if (parts_.empty())
             chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
         for (Part& part : parts_) {
-            const bool has_other = part.in_place && !targets.empty();
-            part.plan->enqueue(chain, has_other ? *targets[part.requests.front()].in_place : part.buffers, {});
+            const bool has_other = is_in_place(part.block) && !targets.empty();
+            const std::size_t first = part.block.batch->requests.front();
+            part.plan->enqueue(chain, has_other ? *targets[first].in_place : part.buffers, {});
             enqueue_stores(part, chain, targets);
         }
     } catch (...) {

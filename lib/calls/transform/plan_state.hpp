@@ -26,15 +26,15 @@ struct PlanState {
     PlanState(const PlanState&) = delete;
     PlanState& operator=(const PlanState&) = delete;
 
-    /// A block, which is a batch's or a part of it.
-    struct Block {
-        const Batch* batch;
-        Grid grid;
-        bool in_place;  ///< the batch is one request, and the block all of it
-    };
-    /// Memory for the samples of the largest of the blocks that are not computed in place.
-    void make_room(std::span<const Block> blocks, std::span<const DeviceTargets> targets);
-    /// targets: of the requests, all of them.
+    /// Divides the requests, with these targets, into the blocks that are computed. box: the mesh's.
+    void divide(std::span<const DeviceTargets> targets, const Box& box);
+    const std::vector<Batch>& batches() const { return batches_; }
+    const std::vector<Block>& blocks() const { return blocks_; }
+    /// Whether a block is copied to its targets.
+    bool has_copies() const;
+    /// Memory for the samples of the largest of the blocks that are copied.
+    void make_room();
+    /// Adds a block's plan, and what it took to the statistics. targets: of all requests.
     void add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
              const Programs& programs);
     /// Waits for all runs, also for those that fail, and gives back what depends on positions and places.
@@ -66,10 +66,8 @@ struct PlanState {
 
 private:
     struct Part {
+        Block block;
         std::unique_ptr<GridPlan> plan;
-        std::vector<std::size_t> requests;
-        bool in_place;
-        HostArrays arrays;        ///< which outputs, and the elements that are computed
         TargetArrays like;        ///< of the first request: all have the same types
         OutputBuffers buffers{};  ///< that the samples are computed in
         PerOutput<std::optional<BoxStore>> stores{};
@@ -80,6 +78,8 @@ private:
     void check(const Part& part, const DeviceTargets& target) const;
     void enqueue_stores(Part& part, CommandChain& chain, std::span<const DeviceTargets> targets) const;
 
+    std::vector<Batch> batches_;
+    std::vector<Block> blocks_;
     PerOutput<device::BufferPool::Lease> samples_;  ///< of a block
     std::vector<Part> parts_;
     Runs runs_;

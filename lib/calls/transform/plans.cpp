@@ -1,11 +1,9 @@
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
-#include "plan/slabs.hpp"
-#include "prepare/layout_of.hpp"
 #include "targets/mapped_memory.hpp"
+#include "transform/block_plans.hpp"
 #include "transform/stored_boxes.hpp"
-#include "transform/transform_state.hpp"
 
 #include <fmt/format.h>
 
@@ -34,22 +32,6 @@ void require_whole(const PlanState& state) {
     if (!state.is_whole)
         throw Error(ErrorCode::invalid_argument,
                     "the plan's last update failed, so that it has nothing to compute with; update it again");
-}
-
-/// The blocks by which batches are computed.
-std::vector<PlanState::Block> blocks_of(std::span<const Batch> batches, std::span<const scan::DeviceTargets> targets,
-                                        const device::Context& context) {
-    const std::size_t largest = context.capabilities().largest_allocation;
-    std::vector<PlanState::Block> blocks;
-    for (const Batch& batch : batches) {
-        const scan::DeviceTargets& any = targets[batch.requests.front()];
-        const bool in_place = batch.requests.size() == 1 && any.in_place.has_value();
-        const auto limits =
-            in_place ? scan::SlabLimits{largest, largest, largest} : scan::stream_limits_of(context.capabilities());
-        const std::vector<Grid> slabs = scan::slabs_of(batch.job.grid, limits, scan::widest_of(any.arrays));
-        for (const Grid& slab : slabs) blocks.push_back({&batch, slab, in_place && slabs.size() == 1});
-    }
-    return blocks;
 }
 
 }  // namespace
@@ -90,30 +72,29 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Requ
 
 void DistanceTransform::State::plan(transform::PlanState& made, std::span<const scan::DeviceTargets> targets,
                                     const CallOptions& call) {
-    const device::Context& context = device::context_of(device);
-    std::vector<scan::HostArrays> arrays;
-    for (const scan::DeviceTargets& target : targets) arrays.push_back(target.arrays);
-    const std::vector<transform::Batch> batches =
-        transform::batches_of(made.requests, arrays, stages->mesh().box(), made.counts);
-    const std::vector<transform::PlanState::Block> blocks = transform::blocks_of(batches, targets, context);
-
+    device::Context& context = this->context();
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
     transform::Caller caller{call};
     caller.throw_if_stopped();
     transform::Compiling compiling(caller);
-    if (!std::ranges::all_of(blocks, &transform::PlanState::Block::in_place))
+    made.divide(targets, stages->mesh().box());
+    if (made.has_copies())
         compiling.run(1, [&](const device::BuildWatch& watch) {
             return transform::ensure_store_tested(device, programs, watch);
         });
+    for (const transform::Batch& batch : made.batches()) compile(batch.job, compiling);
     made.sign = sign;
     bool is_retry = false;
     const auto make = [&] {
         made.clear();
         if (std::exchange(is_retry, true) && made.has_own_pool) made.pool->release();
         try {
-            made.make_room(blocks, targets);
-            add_blocks(made, blocks, targets, caller, compiling);
+            made.make_room();
+            BlockPlans block_plans(*this, made.pool, true, {caller, compiling, made.statistics});
+            for (const transform::Block& block : made.blocks()) made.add(block, block_plans.make(block), targets, programs);
+            keep_within_budget();
+            made.statistics.device_bytes = made.own_bytes(*stages);
         } catch (...) {
             context.drain();  // the set-up's commands use what is given back
             throw;
@@ -127,30 +108,19 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     made.published = made.statistics.published();
 }
 
-void DistanceTransform::State::add_blocks(transform::PlanState& made,
-                                          std::span<const transform::PlanState::Block> blocks,
-                                          std::span<const scan::DeviceTargets> targets, transform::Caller& caller,
-                                          transform::Compiling& compiling) {
-    transform::Inputs batch_inputs;
-    const transform::Batch* batch = nullptr;
-    for (const transform::PlanState::Block& block : blocks) {
-        if (block.batch != batch) {
-            batch = block.batch;
-            compile(batch->job, compiling);
-            const Stopwatch watch;
-            batch_inputs = inputs(batch->job, true);
-            made.statistics.polyhedra_seconds += watch.seconds();
-        }
-        transform::Inputs block_inputs = batch_inputs;
-        if (!(block.grid == batch->job.grid))
-            stages->select(block.grid, scan::layout_of(block.grid, batch->job.band, sign), block_inputs);
-        auto block_plan =
-            make_plan(with(made.pool), std::move(block_inputs), batch->job.part(block.grid), caller, compiling);
-        add_slab(made.statistics, block_plan->statistics);
-        made.add(block, std::move(block_plan), targets, programs);
-    }
-    keep_within_budget();
-    made.statistics.device_bytes = made.own_bytes(*stages);
+CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {
+    const device::Context& context = this->context();
+    const auto plan = this->plan(true, {requests.begin(), requests.end()}, std::nullopt, call, call.count_work);
+    device::guarded([&] {
+        const Stopwatch watch;
+        const cl::Event end = plan->enqueue(context.callers_queue(), device::events_of(context, call.wait_list), {});
+        end.wait();
+        device::wait_for(context, call.wait_list);  // Intel's runtime reports success
+        if (call.count_work) plan->read_counters();
+        plan->statistics.field_seconds = watch.seconds();
+    });
+    transform::Caller{call}.report({.fraction = 1});
+    return plan->statistics;
 }
 
 Plan::Plan(std::unique_ptr<State> state) : state_(std::move(state)) {}

@@ -174,11 +174,22 @@ std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const
         const std::size_t first = batch.requests.front();
         batch.job.band = requests[first].band;
         batch.job.outputs = outputs_of(arrays[first]);
+        batch.arrays = arrays[first];
         batch.job.counts = counts;
         if (batch.requests.size() > 1)
             for (const std::size_t n : batch.requests) batch.job.wanted.push_back(requests[n].grid);
     }
     return batches;
+}
+
+std::vector<Block> blocks_of(std::span<const Batch> batches, const SlabLimits& limits,
+                             const SlabLimits& limits_in_place) {
+    std::vector<Block> blocks;
+    for (const Batch& batch : batches)
+        for (const Grid& slab :
+             slabs_of(batch.job.grid, batch.in_place ? limits_in_place : limits, widest_of(batch.arrays)))
+            blocks.push_back({&batch, slab});
+    return blocks;
 }
 
 }  // namespace clsdf::transform

@@ -4,6 +4,7 @@
 #include <clsdf/error.hpp>
 
 #include "plan/job.hpp"
+#include "plan/slabs.hpp"
 #include "targets/output_targets.hpp"
 
 #include <fmt/format.h>
@@ -20,9 +21,23 @@ using namespace scan;
 /// Requests of one lattice, one band and the same outputs that are computed together, as one block of the lattice.
 struct Batch {
     Job job;
-    std::vector<std::size_t> requests;  ///< their indices
-    double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
+    std::vector<std::size_t> requests{};  ///< their indices
+    double cost = 1;                      ///< estimated, in nanoseconds of a processor with two cores
+    HostArrays arrays{};                  ///< of the first request: which outputs, and the elements that are computed
+    bool in_place = false;                ///< it is one request, whose arrays the device can compute in
 };
+
+/// A part of a batch that is computed at once: slices of its grid.
+struct Block {
+    const Batch* batch;
+    Grid grid;
+
+    bool is_whole() const { return grid == batch->job.grid; }
+};
+
+/// The blocks of batches, in their order. limits_in_place: of those that are computed in place.
+std::vector<Block> blocks_of(std::span<const Batch> batches, const SlabLimits& limits,
+                             const SlabLimits& limits_in_place);
 
 /// The requests of blocks [begin, end). Throws Error(invalid_argument) for arrays that cannot hold all blocks.
 std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std::size_t end);
@@ -72,5 +87,17 @@ auto targets_of(std::span<const Request> requests, const Make& make) {
 /// estimated to be cheaper. The division changes no byte. box: the mesh's.
 std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box,
                               bool counts);
+
+/// The same of the requests' targets, HostTargets or DeviceTargets.
+template <class Targets>
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const Targets> targets, const Box& box,
+                              bool counts) {
+    std::vector<HostArrays> arrays;
+    for (const Targets& target : targets) arrays.push_back(target.arrays);
+    std::vector<Batch> batches = batches_of(requests, std::span<const HostArrays>(arrays), box, counts);
+    for (Batch& batch : batches)
+        batch.in_place = batch.requests.size() == 1 && targets[batch.requests.front()].can_be_in_place();
+    return batches;
+}
 
 }  // namespace clsdf::transform

@@ -179,40 +179,6 @@ void DistanceTransform::State::compile(const transform::Job& job, transform::Com
     test(test_case_of(job), compiling);
 }
 
-transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bool lone) {
-    return transform::with_remedies(nullptr, {forgetting()}, [&] {
-        transform::Inputs inputs = stages->inputs(job.grid, scan::layout_of(job.grid, job.band, sign), sign, lone);
-        if (job.outputs == OutputSet{} || method) return inputs;
-        const bool has_normals = transform::takes_normals(job.outputs);
-        inputs.sites =
-            stages->sites(transform::names_sites(job.outputs), has_normals && stages->may_meet_samples(job.grid));
-        inputs.is_inside_out = has_normals && topology.balanced && stages->encloses_negative_volume();
-        return inputs;
-    });
-}
-
-std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(const transform::Workshop& from,
-                                                                         transform::Inputs inputs,
-                                                                         const transform::Job& job,
-                                                                         transform::Caller& caller,
-                                                                         transform::Compiling& compiling) {
-    auto plan =
-        std::make_unique<transform::GridPlan>(from, std::move(inputs), job, [&caller] { caller.throw_if_stopped(); });
-    // Known only now: records made from kept frusta, by a kernel that must be tested.
-    if (plan->inputs.records->is_later) {
-        transform::TestCase found = test_case_of(job);
-        found.is_later = true;
-        try {
-            test(found, compiling);
-        } catch (...) {
-            context().drain();  // the set-up's commands use the plan's buffers
-            throw;
-        }
-    }
-    from.pool->trim();
-    return plan;
-}
-
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const transform::Job& job) {
     const auto found = std::ranges::find(
         plans, job, [](const auto& plan) -> const auto& { return plan->job; });

@@ -54,12 +54,6 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
     /// Builds and tests, the first time, what such a job runs on the device.
     void compile(const transform::Job& job, transform::Compiling& compiling) const;
 
-    /// lone: see Stages::inputs().
-    transform::Inputs inputs(const transform::Job& job, bool lone = false);
-    /// from: this, or with another pool.
-    std::unique_ptr<transform::GridPlan> make_plan(const transform::Workshop& from, transform::Inputs inputs,
-                                                   const transform::Job& job, transform::Caller& caller,
-                                                   transform::Compiling& compiling);
     /// The plan of an earlier call with the same job, which is the caller's now; null if none is kept.
     std::unique_ptr<transform::GridPlan> take_plan(const transform::Job& job);
     /// Keeps a plan for the next call.
@@ -91,19 +85,18 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
         return {[this] { return !std::exchange(points_are_short_of_memory, true); }};
     }
 
-    // job_run.cpp
-    class JobRun;
-    /// By the plan of an earlier call with the same job; nothing if none is kept, or if memory is short.
-    std::optional<CallStatistics> run_kept(const transform::Job& job, const scan::HostArrays& arrays,
-                                           const CallOptions& call);
+    class BlockPlans;
+
+    // host_run.cpp
+    class HostRun;
+    /// By the plan of an earlier call for the same grid; nothing if none is kept, or if memory is short.
+    std::optional<CallStatistics> compute_kept(const Request& request, const CallOptions& call);
+    CallStatistics compute_on_host(std::span<const Request> requests, const CallOptions& call);
     CallStatistics compute_slabs(const transform::Job& job, const SlabSink& sink, const SlabOptions& options,
                                  const CallOptions& call);
+
     /// Into memory of the host or of the device, which is that of the first request.
     CallStatistics compute(std::span<const Request> requests, const CallOptions& call);
-    CallStatistics compute_one(const Request& request, const scan::HostTargets& targets, const CallOptions& call);
-    CallStatistics compute_many(std::span<const Request> requests, const CallOptions& call);
-    /// Into memory of the device, by way of a plan.
-    CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
 
     // plans.cpp
     /// has_own_pool: it takes its buffers from a pool of its own, not from those that the transform uses again.
@@ -115,10 +108,8 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
     void plan(transform::PlanState& made, std::vector<Request> requests,
               std::optional<OutputSet> outputs_without_targets, const CallOptions& call);
     void plan(transform::PlanState& made, std::span<const scan::DeviceTargets> targets, const CallOptions& call);
-    /// Adds the plans of all blocks, and what they take to its statistics.
-    void add_blocks(transform::PlanState& made, std::span<const transform::PlanState::Block> blocks,
-                    std::span<const scan::DeviceTargets> targets, transform::Caller& caller,
-                    transform::Compiling& compiling);
+    /// By way of a plan.
+    CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
 
     // point_calls.cpp
     /// By the host, at most points::most_few_points.

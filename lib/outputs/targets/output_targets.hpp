@@ -44,6 +44,8 @@ struct HostTargets {
     /// many. The slab is of the same lattice.
     void store(const Grid& slab, const HostArrays& values) const;
 
+    bool can_be_in_place() const { return are_packed; }
+
     TargetArrays targets;  ///< with all types and strides set
     Grid grid;
     /// The packed arrays. If a target is not packed, only the elements that are computed and whether it is asked for
@@ -67,6 +69,8 @@ struct DeviceTargets {
 
     /// Adds the arrays of all targets, for refuse_overlap(). Throws cl::Error.
     void add_written(std::size_t request, std::vector<WrittenArray>& written) const;
+
+    bool can_be_in_place() const { return in_place.has_value(); }
 
     TargetArrays targets;  ///< with all types and strides set; empty for outputs that are not asked for
     HostArrays arrays;     ///< which outputs are asked for, and the elements that are computed, without memory

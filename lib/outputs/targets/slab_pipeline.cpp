@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace clsdf::scan {
 
 HostArrays arrays_for(OutputSet outputs) {
@@ -113,14 +115,10 @@ std::size_t OwnArrays::bytes() const {
     return bytes;
 }
 
-SlabPipeline::SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, ArraySink sink,
-                           bool overlap)
+SlabPipeline::SlabPipeline(const device::Context& context, bool overlap)
     : context_(context),
-      pool_(std::move(pool)),
-      sink_(std::move(sink)),
-      // A thread if one can be started, and if the sink or the transfer can overlap.
-      policy_(overlap && (sink_ || !context.capabilities().is_processor) ? std::launch::async | std::launch::deferred
-                                                                         : std::launch::deferred),
+      // A thread if one can be started.
+      policy_(overlap ? std::launch::async | std::launch::deferred : std::launch::deferred),
       transfers_(device::guarded([&] { return cl::CommandQueue(context.context(), context.device()); })) {}
 
 SlabPipeline::~SlabPipeline() {
@@ -132,15 +130,10 @@ SlabPipeline::~SlabPipeline() {
 }
 
 SlabPipeline::Slot& SlabPipeline::next() {
-    // A sink that is not called meanwhile leaves the slot free.
-    const bool alternates = !sink_ || policy_ != std::launch::deferred;
-    Slot& slot = slots_[alternates ? next_slot_++ % slots_.size() : 0];
+    // Without a thread the first slot is always free.
+    Slot& slot = slots_[policy_ != std::launch::deferred ? next_slot_++ % slots_.size() : 0];
     if (slot.delivered.valid()) slot.delivered.get();
     return slot;
-}
-
-void SlabPipeline::place(Slot& slot, const Grid& slab, const HostArrays& arrays) {
-    device::guarded([&] { slot.memories.place(context_, *pool_, arrays, slab.sample_count()); });
 }
 
 void SlabPipeline::take_back(Slot& slot) {
@@ -148,16 +141,16 @@ void SlabPipeline::take_back(Slot& slot) {
     if (next_slot_ > 0) --next_slot_;
 }
 
-void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
+void SlabPipeline::deliver(Slot& slot, HandOn hand_on) {
     is_finished_ = false;
-    slot.delivered = std::async(policy_, [this, previous = latest_, &slot, slab]() mutable {
+    slot.delivered = std::async(policy_, [this, previous = latest_, &slot, hand_on = std::move(hand_on)]() mutable {
         if (!abandoned_) device::guarded([&] { slot.memories.read(context_, transfers_); });
         if (previous.valid()) previous.get();
-        previous = {};  // or the chain of all slabs would stay
-        if (sink_ && !abandoned_) sink_(slab, slot.memories.arrays);
+        previous = {};  // or the chain of all blocks would stay
+        if (hand_on && !abandoned_) hand_on(slot.memories.arrays);
     });
     latest_ = slot.delivered;
-    if (sink_ && policy_ == std::launch::deferred) latest_.get();
+    if (policy_ == std::launch::deferred) latest_.get();
 }
 
 void SlabPipeline::finish() {

@@ -49,9 +49,6 @@ struct OutputMemories {
     bool in_place = false;
 };
 
-/// Called with the slabs of a field, as SlabSink is.
-using ArraySink = std::function<void(const Grid& part, const HostArrays& values)>;
-
 /// Elements of arrays of bytes, so many at once that making them costs nothing where compilers do not optimise.
 struct MemoryLine {
     std::byte bytes[64];
@@ -69,35 +66,32 @@ private:
     PerOutput<UninitializedVector<MemoryLine>> arrays_;
 };
 
-/// Slabs on their way from the device: while one is computed, the one before is read and handed on. Two sets of
-/// buffers, a queue of its own for what is read, and a thread that reads and calls the sink, with one slab at a time,
-/// in their order.
+/// Blocks of samples on their way from the device: while one is computed, the one before is read and handed on. Two
+/// sets of buffers, a queue of its own for what is read, and a thread that reads and hands on, one block at a time, in
+/// their order.
 class SlabPipeline {
 public:
     struct Slot {
-        OutputMemories memories;  ///< to which the device writes the slab
+        OutputMemories memories;  ///< to which the device writes the samples
         OwnArrays own;
         std::shared_future<void> delivered;
     };
+    using HandOn = std::function<void(const HostArrays& values)>;
 
-    /// Without a sink, slabs stay in the caller's memory. Without overlap, the thread of deliver() calls the sink, and
-    /// finish() reads the remaining slabs.
-    SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, ArraySink sink,
-                 bool overlap);
-    /// Slabs that were not handed on yet are dropped; waits for the sink.
+    /// Without overlap, deliver() reads and hands on itself.
+    SlabPipeline(const device::Context& context, bool overlap);
+    /// Blocks that were not handed on yet are dropped; waits for the thread.
     ~SlabPipeline();
     SlabPipeline(const SlabPipeline&) = delete;
     SlabPipeline& operator=(const SlabPipeline&) = delete;
 
-    /// Waits until the slot's former slab has been handed on; throws what the sink threw.
+    /// Waits until the slot's former samples have been handed on; throws what hand_on() threw.
     Slot& next();
-    /// Memory of the device, for the caller's arrays or for the slot's own.
-    void place(Slot& slot, const Grid& slab, const HostArrays& arrays);
-    /// The slot's slab has not been computed; next() gives the slot again.
+    /// The slot's samples have not been computed; next() gives the slot again.
     void take_back(Slot& slot);
-    /// The slab has been computed.
-    void deliver(Slot& slot, const Grid& slab);
-    /// Waits for all; throws what the sink threw.
+    /// The samples have been computed. hand_on: empty if they stay where they are.
+    void deliver(Slot& slot, HandOn hand_on);
+    /// Waits for all; throws what hand_on() threw.
     void finish();
 
     /// Bytes of its own arrays on the host.
@@ -105,8 +99,6 @@ public:
 
 private:
     const device::Context& context_;
-    std::shared_ptr<device::BufferPool> pool_;
-    ArraySink sink_;
     std::launch policy_;
     cl::CommandQueue transfers_;
     std::array<Slot, 2> slots_;

@@ -1,0 +1,55 @@
+#include "transform/block_plans.hpp"
+
+#include "core/stopwatch.hpp"
+#include "prepare/layout_of.hpp"
+
+#include <utility>
+
+namespace clsdf {
+
+transform::Inputs DistanceTransform::State::BlockPlans::inputs_of(const transform::Job& job) const {
+    transform::Stages& stages = *state_.stages;
+    const SignRule sign = state_.sign;
+    return transform::with_remedies(nullptr, {state_.forgetting()}, [&] {
+        transform::Inputs inputs = stages.inputs(job.grid, scan::layout_of(job.grid, job.band, sign), sign, lone_);
+        if (job.outputs == OutputSet{} || state_.method) return inputs;
+        const bool has_normals = transform::takes_normals(job.outputs);
+        inputs.sites =
+            stages.sites(transform::names_sites(job.outputs), has_normals && stages.may_meet_samples(job.grid));
+        inputs.is_inside_out = has_normals && state_.topology.balanced && stages.encloses_negative_volume();
+        return inputs;
+    });
+}
+
+std::unique_ptr<transform::GridPlan> DistanceTransform::State::BlockPlans::make(const transform::Block& block) {
+    const transform::Job job = block.batch->job.part(block.grid);
+    if (batch_ != block.batch) {
+        const Stopwatch watch;
+        batch_ = nullptr;
+        inputs_ = {};
+        inputs_ = inputs_of(block.batch->job);
+        batch_ = block.batch;
+        call_.statistics.polyhedra_seconds += watch.seconds();
+        call_.caller.throw_if_stopped();
+    }
+    transform::Inputs inputs = inputs_;
+    if (!block.is_whole())
+        state_.stages->select(job.grid, scan::layout_of(job.grid, job.band, state_.sign), inputs);
+    auto plan = std::make_unique<transform::GridPlan>(workshop_, std::move(inputs), job,
+                                                      [&] { call_.caller.throw_if_stopped(); });
+    // Known only now: records made from kept frusta, by a kernel that must be tested.
+    if (plan->inputs.records->is_later) {
+        transform::TestCase found = state_.test_case_of(job);
+        found.is_later = true;
+        try {
+            state_.test(found, call_.compiling);
+        } catch (...) {
+            state_.context().drain();  // the set-up's commands use the plan's buffers
+            throw;
+        }
+    }
+    workshop_.pool->trim();
+    return plan;
+}
+
+}  // namespace clsdf

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "transform/transform_state.hpp"
+
+#include <memory>
+
+namespace clsdf {
+
+/// Makes the plans of blocks, one after another, under the transform's mutex. The inputs of a batch are made once, and
+/// each of its blocks gets the part that it needs.
+class DistanceTransform::State::BlockPlans {
+public:
+    /// What a plan takes from the call that makes it. All must outlive this.
+    struct Call {
+        transform::Caller& caller;
+        transform::Compiling& compiling;
+        CallStatistics& statistics;
+    };
+
+    /// pool: of the plans' buffers. lone: see Stages::inputs().
+    BlockPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, const Call& call)
+        : state_(state), workshop_(state.with(std::move(pool))), lone_(lone), call_(call) {}
+
+    /// Throws what Stages::inputs() and GridPlan do, and what the caller's functions do.
+    std::unique_ptr<transform::GridPlan> make(const transform::Block& block);
+
+private:
+    transform::Inputs inputs_of(const transform::Job& job) const;
+
+    State& state_;
+    transform::Workshop workshop_;
+    bool lone_;
+    Call call_;
+    const transform::Batch* batch_ = nullptr;
+    transform::Inputs inputs_;  ///< of the batch
+};
+
+}  // namespace clsdf
