@@ -10,16 +10,9 @@ namespace clsdf {
 /// each of its blocks gets the part that it needs.
 class DistanceTransform::State::BlockPlans {
 public:
-    /// What a plan takes from the call that makes it. All must outlive this.
-    struct Call {
-        transform::Caller& caller;
-        transform::Compiling& compiling;
-        CallStatistics& statistics;
-    };
-
-    /// pool: of the plans' buffers. lone: see Stages::inputs().
-    BlockPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, const Call& call)
-        : state_(state), workshop_(state.with(std::move(pool))), lone_(lone), call_(call) {}
+    /// All references must outlive this. pool: of the plans' buffers. lone: see Stages::inputs().
+    BlockPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, transform::RunningCall& running)
+        : state_(state), workshop_(state.with(std::move(pool))), lone_(lone), running_(running) {}
 
     /// Throws what Stages::inputs() and GridPlan do, and what the caller's functions do.
     std::unique_ptr<transform::GridPlan> make(const transform::Block& block);
@@ -30,7 +23,7 @@ private:
     State& state_;
     transform::Workshop workshop_;
     bool lone_;
-    Call call_;
+    transform::RunningCall& running_;
     const transform::Batch* batch_ = nullptr;
     transform::Inputs inputs_;  ///< of the batch
 };

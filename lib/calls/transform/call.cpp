@@ -8,26 +8,26 @@
 namespace clsdf::transform {
 
 template <typename Function, typename... Arguments>
-auto Caller::pass_on(const Function& function, const Arguments&... arguments) {
+auto RunningCall::pass_on(const Function& function, const Arguments&... arguments) {
     try {
         return function(arguments...);
     } catch (...) {
-        has_thrown = true;
+        has_thrown_ = true;
         throw;
     }
 }
 
-void Caller::throw_if_stopped() {
-    if (options.should_stop && pass_on(options.should_stop))
+void RunningCall::throw_if_stopped() {
+    if (options_.should_stop && pass_on(options_.should_stop))
         throw Error(ErrorCode::cancelled, "the computation was cancelled");
 }
 
-void Caller::report(const Progress& progress) {
-    if (options.progress) pass_on(options.progress, progress);
+void RunningCall::report(const Progress& progress) {
+    if (options_.progress) pass_on(options_.progress, progress);
 }
 
-std::function<void(double)> Caller::between(double begin, double end) {
-    if (!options.progress && !options.should_stop) return {};
+std::function<void(double)> RunningCall::between(double begin, double end) {
+    if (!options_.progress && !options_.should_stop) return {};
     return [this, begin, end](double fraction) {
         throw_if_stopped();
         report({.fraction = begin + (end - begin) * fraction});
@@ -63,23 +63,23 @@ void CallMutex::unlock() {
     mutex_.unlock();
 }
 
-void Compiling::run(std::size_t expected, const std::function<bool(const device::BuildWatch&)>& ensure) {
+void RunningCall::compile(std::size_t expected, const std::function<bool(const device::BuildWatch&)>& ensure) {
     const Stopwatch watch;
     const auto report_as = [this, expected](Progress::Stage stage) {
         return [this, expected, stage] {
             ++step_;
-            caller_.throw_if_stopped();
+            throw_if_stopped();
             const std::size_t steps = std::max(expected, step_);
-            caller_.report({stage, static_cast<double>(step_ - 1) / static_cast<double>(steps), step_, steps});
+            report({stage, static_cast<double>(step_ - 1) / static_cast<double>(steps), step_, steps});
         };
     };
-    first_use_ |= ensure({report_as(Progress::Stage::compiling), report_as(Progress::Stage::testing)});
-    seconds_ += watch.seconds();
+    statistics.first_use |= ensure({report_as(Progress::Stage::compiling), report_as(Progress::Stage::testing)});
+    statistics.compile_seconds += watch.seconds();
 }
 
-void Compiling::describe(CallStatistics& statistics) const {
-    statistics.compile_seconds = seconds_;
-    statistics.first_use = first_use_;
+const CallStatistics& RunningCall::finish() {
+    report({.fraction = 1});
+    return statistics;
 }
 
 }  // namespace clsdf::transform

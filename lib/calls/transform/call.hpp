@@ -15,9 +15,13 @@
 
 namespace clsdf::transform {
 
-/// The functions of a call's options. If one of them throws, the call ends: it does not try again with less memory,
-/// even if the error is out_of_memory.
-struct Caller {
+/// A call that runs: the functions of its options, and what it has taken so far. If one of the functions throws, the
+/// call ends: it does not try again with less memory, even if the error is out_of_memory.
+class RunningCall {
+public:
+    /// options: must outlive it.
+    explicit RunningCall(const CallOptions& options) : options_(options) {}
+
     /// Throws Error(cancelled) if the caller wants the call to stop.
     void throw_if_stopped();
     void report(const Progress& progress);
@@ -27,14 +31,25 @@ struct Caller {
 
     /// Whether the error means that the call needs more memory than there is.
     bool is_short_of_memory(const Error& error) const {
-        return error.code() == ErrorCode::out_of_memory && !has_thrown;
+        return error.code() == ErrorCode::out_of_memory && !has_thrown_;
     }
 
+    /// ensure(watch) builds, loads or tests programs and returns whether it tested them. expected: about how many steps
+    /// there are.
+    void compile(std::size_t expected, const std::function<bool(const device::BuildWatch&)>& ensure);
+
+    /// Reports that all is done. Returns what it took.
+    const CallStatistics& finish();
+
+    CallStatistics statistics;
+
+private:
     template <typename Function, typename... Arguments>
     auto pass_on(const Function& function, const Arguments&... arguments);
 
-    const CallOptions& options;
-    bool has_thrown = false;  ///< one of its functions
+    const CallOptions& options_;
+    bool has_thrown_ = false;  ///< one of its functions
+    std::size_t step_ = 0;     ///< of compiling
 };
 
 /// The options of a part of a call, whose samples are [begin, end) of the call's. `call` must outlive them.
@@ -47,9 +62,9 @@ struct Remedy {
 };
 
 /// Returns what attempt() returns. When memory is short, applies the first remedy that changes anything, and tries
-/// again; when none is left, the error is thrown. caller: whose functions are called; null: none.
+/// again; when none is left, the error is thrown. call: whose functions are called; null: none.
 template <typename Attempt>
-auto with_remedies(const Caller* caller, const std::vector<Remedy>& remedies, const Attempt& attempt) {
+auto with_remedies(const RunningCall* call, const std::vector<Remedy>& remedies, const Attempt& attempt) {
     auto next = remedies.begin();
     const auto apply_next = [&] {
         bool has_changed = false;
@@ -64,7 +79,7 @@ auto with_remedies(const Caller* caller, const std::vector<Remedy>& remedies, co
             return attempt();
         } catch (const Error& error) {
             const bool is_short =
-                caller != nullptr ? caller->is_short_of_memory(error) : error.code() == ErrorCode::out_of_memory;
+                call != nullptr ? call->is_short_of_memory(error) : error.code() == ErrorCode::out_of_memory;
             if (!is_short || !apply_next()) throw;
         }
     }
@@ -82,24 +97,6 @@ public:
 private:
     std::mutex mutex_;
     std::atomic<std::thread::id> owner_{};
-};
-
-/// The building, loading and testing of programs by one call.
-class Compiling {
-public:
-    explicit Compiling(Caller& caller) : caller_(caller) {}
-
-    /// ensure(watch) builds programs and returns whether it tested them. expected: about how many steps there are.
-    void run(std::size_t expected, const std::function<bool(const device::BuildWatch&)>& ensure);
-
-    /// Sets what it took.
-    void describe(CallStatistics& statistics) const;
-
-private:
-    Caller& caller_;
-    std::size_t step_ = 0;
-    double seconds_ = 0;
-    bool first_use_ = false;
 };
 
 }  // namespace clsdf::transform

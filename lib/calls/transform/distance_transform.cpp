@@ -107,16 +107,13 @@ TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& ban
                                                const CallOptions& call) const {
     return with_host_memory("to compile", [&] {
         State& state = this->state();
-        transform::Caller caller{call};
-        caller.throw_if_stopped();
+        transform::RunningCall running(call);
+        running.throw_if_stopped();
         const std::scoped_lock lock(state.mutex);
         const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
         state.check(job);
-        transform::Compiling compiling(caller);
-        state.compile(job, compiling);
-        CallStatistics statistics;
-        compiling.describe(statistics);
-        return statistics.published();
+        state.compile(job, running);
+        return running.statistics.published();
     });
 }
 

@@ -16,15 +16,15 @@ using transform::Block;
 using transform::Job;
 
 /// Computes a plan's samples, which are [begin, end) of the call's work, and returns when they are there.
-void run(transform::GridPlan& plan, const scan::OutputMemories& memories, transform::Caller& caller, double begin,
+void run(transform::GridPlan& plan, const scan::OutputMemories& memories, transform::RunningCall& running, double begin,
          double end) {
     const Stopwatch watch;
     const device::Context& context = device::context_of(plan.device);
     device::guarded([&] {
         try {
-            caller.throw_if_stopped();
+            running.throw_if_stopped();
             scan::CommandChain chain(context.queue(), {});
-            plan.enqueue(chain, memories.buffers, caller.between(begin, end));
+            plan.enqueue(chain, memories.buffers, running.between(begin, end));
             memories.enqueue_handover(context.queue());
             context.queue().finish();
             plan.read_back(context.queue());
@@ -51,11 +51,10 @@ public:
         : keeps_budget_{state},
           state_(state),
           store_(store),
-          blocks_(transform::blocks_of(batches, scan::stream_limits_of(capabilities()),
-                                       scan::limits_of(capabilities()))),
-          caller_{call},
-          compiling_(caller_),
-          plans_(state, state.pool, false, {caller_, compiling_, statistics_}),
+          blocks_(
+              transform::blocks_of(batches, scan::stream_limits_of(capabilities()), scan::limits_of(capabilities()))),
+          running_(call),
+          plans_(state, state.pool, false, running_),
           pipeline_(state.context(), overlap) {
         std::ranges::reverse(blocks_);
         for (const Batch& batch : batches) cost_ += batch.cost;
@@ -71,18 +70,18 @@ public:
                 return divide_next();
             };
             // The length of a block's lists is known only when they are made.
-            transform::with_remedies(&caller_, {{divide, true}, {[] { return true; }}}, [&] {
+            transform::with_remedies(&running_, {{divide, true}, {[] { return true; }}}, [&] {
                 const std::scoped_lock lock(state_.mutex);
                 compute(*slot);
             });
             const Block block = blocks_.back();
             blocks_.pop_back();
-            pipeline_.deliver(*slot, block.batch->in_place
-                                         ? scan::SlabPipeline::HandOn()
-                                         : [this, block](const scan::HostArrays& values) { store_(block, values); });
+            pipeline_.deliver(
+                *slot, block.batch->in_place
+                           ? scan::SlabPipeline::HandOn()
+                           : [this, block](const scan::HostArrays& values) { store_(block, values); });
         }
-        finish();
-        return statistics_;
+        return finish();
     }
 
 private:
@@ -90,9 +89,9 @@ private:
 
     void start() {
         const std::scoped_lock lock(state_.mutex);
-        caller_.throw_if_stopped();
+        running_.throw_if_stopped();
         for (auto block = blocks_.rbegin(); block != blocks_.rend(); ++block)
-            state_.compile(block->batch->job, compiling_);
+            state_.compile(block->batch->job, running_);
         state_.pool->restart_peak();
     }
 
@@ -111,11 +110,11 @@ private:
         });
         if (!plan_ && block.is_whole()) plan_ = state_.take_plan(job);
         if (!plan_) plan_ = plans_.make(block);
-        const double share = block.batch->cost / cost_ * static_cast<double>(samples) /
-                             static_cast<double>(job.grid.sample_count());
-        clsdf::run(*plan_, slot.memories, caller_, done_, done_ + share);
+        const double share =
+            block.batch->cost / cost_ * static_cast<double>(samples) / static_cast<double>(job.grid.sample_count());
+        clsdf::run(*plan_, slot.memories, running_, done_, done_ + share);
         done_ += share;
-        add_slab(statistics_, plan_->statistics);
+        add_slab(running_.statistics, plan_->statistics);
         if (block.is_whole()) state_.keep(std::move(plan_));
         plan_.reset();
         if (block.is_whole()) state_.keep_within_budget();
@@ -142,24 +141,21 @@ private:
     }
 
     /// Waits until all blocks are stored.
-    void finish() {
+    const CallStatistics& finish() {
         pipeline_.finish();
         {
             const std::scoped_lock lock(state_.mutex);
-            compiling_.describe(statistics_);
-            statistics_.device_bytes = state_.pool->peak();
-            statistics_.host_bytes = pipeline_.host_bytes();
+            running_.statistics.device_bytes = state_.pool->peak();
+            running_.statistics.host_bytes = pipeline_.host_bytes();
         }
-        caller_.report({.fraction = 1});
+        return running_.finish();
     }
 
     KeepsBudget keeps_budget_;  // destroyed last, when the other members have released their memory
     State& state_;
     const Store& store_;
     std::vector<Block> blocks_;  ///< the next one is the last
-    transform::Caller caller_;
-    transform::Compiling compiling_;
-    CallStatistics statistics_;
+    transform::RunningCall running_;
     BlockPlans plans_;
     std::unique_ptr<transform::GridPlan> plan_;  ///< of the next block
     scan::SlabPipeline pipeline_;
@@ -168,12 +164,11 @@ private:
 };
 
 std::optional<CallStatistics> DistanceTransform::State::compute_kept(const Request& request, const CallOptions& call) {
-    const auto all = transform::targets_of(
-        {&request, 1}, [](const Request& any) { return scan::HostTargets(any.targets, any.grid); });
+    const auto all = transform::targets_of({&request, 1},
+                                           [](const Request& any) { return scan::HostTargets(any.targets, any.grid); });
     const scan::HostTargets& targets = all.front();
     if (!targets.can_be_in_place()) return std::nullopt;
-    transform::Caller caller{call};
-    CallStatistics statistics;
+    transform::RunningCall running(call);
     {
         const std::scoped_lock lock(mutex);
         std::unique_ptr<transform::GridPlan> plan =
@@ -183,22 +178,20 @@ std::optional<CallStatistics> DistanceTransform::State::compute_kept(const Reque
         pool->restart_peak();
         scan::OutputMemories memories;
         try {
-            device::guarded(
-                [&] { memories.place(context(), *pool, targets.arrays, request.grid.sample_count()); });
+            device::guarded([&] { memories.place(context(), *pool, targets.arrays, request.grid.sample_count()); });
         } catch (const Error& error) {
-            if (!caller.is_short_of_memory(error)) throw;
+            if (!running.is_short_of_memory(error)) throw;
             keep(std::move(plan));
             return std::nullopt;
         }
-        clsdf::run(*plan, memories, caller, 0, 1);
+        clsdf::run(*plan, memories, running, 0, 1);
         device::guarded([&] { memories.read(context(), context().queue()); });
-        statistics = plan->statistics;
-        statistics.slabs = 1;
-        statistics.device_bytes = pool->peak();
+        running.statistics = plan->statistics;
+        running.statistics.slabs = 1;
+        running.statistics.device_bytes = pool->peak();
         keep(std::move(plan));
     }
-    caller.report({.fraction = 1});
-    return statistics;
+    return running.finish();
 }
 
 CallStatistics DistanceTransform::State::compute_slabs(const Job& job, const SlabSink& sink, const SlabOptions& options,

@@ -61,7 +61,6 @@ void PlanState::make_room() {
 
 void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
                     const Programs& programs) {
-    add_slab(statistics, plan->statistics);
     const DeviceTargets& first = targets[block.batch->requests.front()];
     Part part{block, std::move(plan), first.targets};
     if (is_in_place(block)) {
@@ -150,8 +149,17 @@ std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> 
         return DeviceTargets(request.targets, request.grid, device::context_of(device));
     });
     for (const Part& part : parts_)
-        for (const std::size_t n : part.block.batch->requests) for_request(n, requests.size(), [&] { check(part, targets[n]); });
+        for (const std::size_t n : part.block.batch->requests)
+            for_request(n, requests.size(), [&] { check(part, targets[n]); });
     return targets;
+}
+
+void PlanState::complete(const CallStatistics& call, const Stages& stages) {
+    statistics = call;
+    for (const Part& part : parts_) add_slab(statistics, part.plan->statistics);
+    statistics.device_bytes = own_bytes(stages);
+    published = statistics.published();
+    is_whole = true;
 }
 
 void PlanState::clear() {

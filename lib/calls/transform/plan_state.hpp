@@ -34,9 +34,11 @@ struct PlanState {
     bool has_copies() const;
     /// Memory for the samples of the largest of the blocks that are copied.
     void make_room();
-    /// Adds a block's plan, and what it took to the statistics. targets: of all requests.
+    /// targets: of all requests.
     void add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
              const Programs& programs);
+    /// All blocks have been added. call: what the call that added them took, beside the blocks' plans.
+    void complete(const CallStatistics& call, const Stages& stages);
     /// Waits for all runs, also for those that fail, and gives back what depends on positions and places.
     void clear();
 

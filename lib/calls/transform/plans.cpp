@@ -75,15 +75,14 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     device::Context& context = this->context();
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    transform::Caller caller{call};
-    caller.throw_if_stopped();
-    transform::Compiling compiling(caller);
+    transform::RunningCall running(call);
+    running.throw_if_stopped();
     made.divide(targets, stages->mesh().box());
     if (made.has_copies())
-        compiling.run(1, [&](const device::BuildWatch& watch) {
+        running.compile(1, [&](const device::BuildWatch& watch) {
             return transform::ensure_store_tested(device, programs, watch);
         });
-    for (const transform::Batch& batch : made.batches()) compile(batch.job, compiling);
+    for (const transform::Batch& batch : made.batches()) compile(batch.job, running);
     made.sign = sign;
     bool is_retry = false;
     const auto make = [&] {
@@ -91,21 +90,19 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
         if (std::exchange(is_retry, true) && made.has_own_pool) made.pool->release();
         try {
             made.make_room();
-            BlockPlans block_plans(*this, made.pool, true, {caller, compiling, made.statistics});
-            for (const transform::Block& block : made.blocks()) made.add(block, block_plans.make(block), targets, programs);
+            BlockPlans block_plans(*this, made.pool, true, running);
+            for (const transform::Block& block : made.blocks())
+                made.add(block, block_plans.make(block), targets, programs);
             keep_within_budget();
-            made.statistics.device_bytes = made.own_bytes(*stages);
         } catch (...) {
             context.drain();  // the set-up's commands use what is given back
             throw;
         }
     };
-    transform::with_remedies(&caller, {forgetting()}, [&] { device::guarded(make); });
+    transform::with_remedies(&running, {forgetting()}, [&] { device::guarded(make); });
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
     if (made.has_own_pool) made.pool->release();
-    made.is_whole = true;
-    compiling.describe(made.statistics);
-    made.published = made.statistics.published();
+    made.complete(running.statistics, *stages);
 }
 
 CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {
@@ -119,7 +116,7 @@ CallStatistics DistanceTransform::State::compute_on_device(std::span<const Reque
         if (call.count_work) plan->read_counters();
         plan->statistics.field_seconds = watch.seconds();
     });
-    transform::Caller{call}.report({.fraction = 1});
+    transform::RunningCall(call).report({.fraction = 1});
     return plan->statistics;
 }
 

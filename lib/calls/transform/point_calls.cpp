@@ -47,12 +47,11 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
 }
 
 points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3> all, double half_width,
-                                                            OutputSet outputs, transform::Caller& caller,
-                                                            CallStatistics& statistics) {
+                                                            OutputSet outputs, transform::RunningCall& running) {
     mutex.check_thread();
     device::context_of(device).require_usable();
     const auto check = [&](const Box& box) {
-        caller.throw_if_stopped();
+        running.throw_if_stopped();
         points::check_points(box, all);
         if (stages->restriction() != nullptr) stages->restriction()->check(all, half_width);
     };
@@ -67,17 +66,17 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
     const Stopwatch watch;
     points::PointInputs inputs = point_inputs(outputs, all.size(), true);
     kept_points->remember(inputs, outputs);
-    statistics.polyhedra_seconds = watch.seconds();
+    running.statistics.polyhedra_seconds = watch.seconds();
     pool->trim();
-    statistics.device_bytes = pool->peak();
+    running.statistics.device_bytes = pool->peak();
     return inputs;
 }
 
 CallStatistics DistanceTransform::State::query_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
                                                    const scan::HostTargets& targets, const CallOptions& call) {
-    CallStatistics statistics;
-    transform::Caller caller{call};
-    const points::PointInputs inputs = inputs_of_few(all, half_width, outputs, caller, statistics);
+    transform::RunningCall running(call);
+    CallStatistics& statistics = running.statistics;
+    const points::PointInputs inputs = inputs_of_few(all, half_width, outputs, running);
     statistics.triangles = inputs.mesh->face_count();
     statistics.device_bytes = std::max(statistics.device_bytes, inputs.mesh->device_bytes());
     scan::OwnArrays own;
@@ -87,25 +86,23 @@ CallStatistics DistanceTransform::State::query_few(std::span<const Vec3> all, do
     if (!in_place) targets.store(scan::row_of(all.size()), arrays);
     statistics.field_seconds = times.nearest;
     statistics.sign_seconds = times.sign;
-    caller.report({.fraction = 1});
-    return statistics;
+    return running.finish();
 }
 
 CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, double half_width, OutputSet outputs,
                                                     const scan::HostTargets& targets, const CallOptions& call) {
     const KeepsBudget keeps_budget(*this);
-    CallStatistics statistics;
+    transform::RunningCall running(call);
+    CallStatistics& statistics = running.statistics;
     statistics.triangles = stages->mesh().triangles().size();
-    transform::Caller caller{call};
-    transform::Compiling compiling(caller);
     {
         const std::scoped_lock lock(mutex);
         device::context_of(device).require_usable();
-        caller.throw_if_stopped();
+        running.throw_if_stopped();
         points::check_points(stages->mesh().box(), all);  // before anything is made
         if (stages->restriction() != nullptr) stages->restriction()->check(all, half_width);
         const auto ensure_tested = [&](const transform::PointTestCase& test) {
-            compiling.run(transform::point_test_steps, [&](const device::BuildWatch& builds) {
+            running.compile(transform::point_test_steps, [&](const device::BuildWatch& builds) {
                 return transform::ensure_points_tested(device, programs, test, builds);
             });
         };
@@ -136,7 +133,7 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
     for (std::size_t begin = 0, count = 0; begin < all.size(); begin += count) {
         scan::HostArrays arrays;
         const auto times = transform::with_remedies(
-            &caller, {forgetting(), fewer_than(std::size_t{1} << 15), without_tables(), fewer_than(256)}, [&] {
+            &running, {forgetting(), fewer_than(std::size_t{1} << 15), without_tables(), fewer_than(256)}, [&] {
                 count = most = std::min(most, all.size() - begin);
                 const std::span<const Vec3> part = all.subspan(begin, count);
                 arrays = targets.are_packed ? scan::arrays_from(begin, targets.arrays)
@@ -144,7 +141,7 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
                 const std::scoped_lock lock(mutex);
                 return points::query_points(device::context_of(device), programs, pool,
                                             point_inputs(outputs, all.size(), false), part, half_width, arrays,
-                                            caller.between(share(begin), share(begin + count)));
+                                            running.between(share(begin), share(begin + count)));
             });
         statistics.sign_seconds += times.sign;
         statistics.field_seconds += times.nearest;
@@ -153,11 +150,9 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
     {
         const std::scoped_lock lock(mutex);
         pool->trim();
-        compiling.describe(statistics);
         statistics.device_bytes = pool->peak();
     }
-    caller.report({.fraction = 1});
-    return statistics;
+    return running.finish();
 }
 
 TransformStatistics DistanceTransform::query(const InputArray& points, double half_width, const OutputTargets& targets,
@@ -176,7 +171,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
                                     half_width));
         check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
         if (points.count == 0) {  // vectors without elements have no memory
-            transform::Caller{call}.report({.fraction = 1});
+            transform::RunningCall(call).report({.fraction = 1});
             return CallStatistics().published();
         }
         for (const auto& [output, array] : targets.all())

@@ -23,7 +23,7 @@ constexpr std::size_t most_plans = 4;
 
 transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, KernelBody body,
                                 const CallOptions& call) {
-    transform::Caller{call}.throw_if_stopped();
+    transform::RunningCall(call).throw_if_stopped();
     scan::Programs programs = device::guarded([&] { return scan::Programs(device::context_of(device), body); });
     auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     return {std::move(device), std::move(pool), std::move(programs), std::move(method)};
@@ -134,9 +134,9 @@ transform::TestCase DistanceTransform::State::test_case_of(const transform::Job&
     return test_case;
 }
 
-void DistanceTransform::State::test(const transform::TestCase& test_case, transform::Compiling& compiling) const {
+void DistanceTransform::State::test(const transform::TestCase& test_case, transform::RunningCall& running) const {
     if (context().is_tested(test_case.name())) return;
-    compiling.run(transform::step_count(test_case), [&](const device::BuildWatch& watch) {
+    running.compile(transform::step_count(test_case), [&](const device::BuildWatch& watch) {
         return transform::ensure_tested(device, programs, test_case, watch);
     });
 }
@@ -174,9 +174,9 @@ scan::DeviceTargets DistanceTransform::State::device_targets(
     return {request.targets, request.grid, context()};
 }
 
-void DistanceTransform::State::compile(const transform::Job& job, transform::Compiling& compiling) const {
+void DistanceTransform::State::compile(const transform::Job& job, transform::RunningCall& running) const {
     context().require_usable();
-    test(test_case_of(job), compiling);
+    test(test_case_of(job), running);
 }
 
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const transform::Job& job) {

@@ -52,7 +52,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
                                        const std::optional<OutputSet>& outputs_without_targets = {}) const;
 
     /// Builds and tests, the first time, what such a job runs on the device.
-    void compile(const transform::Job& job, transform::Compiling& compiling) const;
+    void compile(const transform::Job& job, transform::RunningCall& running) const;
 
     /// The plan of an earlier call with the same job, which is the caller's now; null if none is kept.
     std::unique_ptr<transform::GridPlan> take_plan(const transform::Job& job);
@@ -141,13 +141,13 @@ private:
     /// For the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
     transform::TestCase test_case_of(const transform::Job& job) const;
-    void test(const transform::TestCase& test_case, transform::Compiling& compiling) const;
+    void test(const transform::TestCase& test_case, transform::RunningCall& running) const;
 
     /// For a query of `count` points. on_host: the host answers it.
     points::PointInputs point_inputs(OutputSet outputs, std::size_t count, bool on_host);
     /// The same for the host, after the checks of the call. Waits for other calls only if something is to be made.
     points::PointInputs inputs_of_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
-                                      transform::Caller& caller, CallStatistics& statistics);
+                                      transform::RunningCall& running);
 };
 
 }  // namespace clsdf
