@@ -80,6 +80,7 @@ public:
                 *slot, block.batch->in_place
                            ? scan::SlabPipeline::HandOn()
                            : [this, block](const scan::HostArrays& values) { store_(block, values); });
+            if (!blocks_.empty()) running_.report({.fraction = done_});
         }
         return finish();
     }
