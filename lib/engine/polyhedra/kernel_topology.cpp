@@ -99,18 +99,11 @@ private:
 
     /// Whether the faces are one closed fan; lists its corners, counter-clockwise, if the ring has its own.
     bool walk(std::size_t vertex, std::size_t count) {
-        std::uint32_t* const fan = &fans_[topology_.rings.start(vertex)];
-        const Corner first = topology_.rings.corner(vertex, 0);
-        Corner corner = first;
-        for (std::size_t i = 0; i < count; ++i) {
-            fan[i] = corner.packed();
-            const FaceEdges& edges = topology_.edges.faces[corner.face];
-            const std::uint32_t arriving = previous_of_three(corner.vertex);
-            if ((edges.marks[corner.vertex] | edges.marks[arriving]) != 0) return false;
-            corner = Corner::unpack(edges.across[arriving]);
-            if (corner.face == first.face) return i + 1 == count;
-        }
-        return false;
+        std::uint32_t* place = &fans_[topology_.rings.start(vertex)];
+        return walk_fan(topology_.edges.faces, topology_.rings.corner(vertex, 0), count, [&](const Corner& corner) {
+            *place++ = corner.packed();
+            return true;
+        });
     }
 
     void write(const FanItem& item, const std::uint32_t* vertices, std::span<std::uint32_t> words) const {

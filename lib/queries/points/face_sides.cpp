@@ -262,19 +262,9 @@ private:
     /// Whether the faces at a vertex go once around it, and all are as one wants them.
     template <typename Predicate>
     bool is_one_fan(std::size_t face, std::size_t k, const Predicate& is_wanted) const {
-        const std::size_t vertex = vertices(face)[k];
-        const std::size_t count = topology_.rings.size(vertex);
-        std::size_t at = face, corner = k;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (!is_wanted(at)) return false;
-            const std::size_t edge = (corner + 2) % 3;  // that ends at the vertex
-            if (topology_.edges.faces[at].marks[edge] != 0) return false;
-            const auto next = Corner::unpack(topology_.edges.faces[at].across[edge]);
-            at = next.face;
-            corner = next.vertex;  // the edge begins at the vertex there
-            if (at == face) return i + 1 == count;
-        }
-        return false;
+        const Corner corner{static_cast<std::uint32_t>(face), static_cast<std::uint32_t>(k)};
+        return polyhedra::walk_fan(topology_.edges.faces, corner, topology_.rings.size(vertices(face)[k]),
+                                   [&](const Corner& other) { return is_wanted(other.face); });
     }
 
     /// Whether the normals of the faces at a vertex are all near their sum, weighted by angles.
