@@ -12,9 +12,9 @@
 
 namespace clsdf::polyhedra {
 
-int side_of_plane(const OppositeVertex& vertex) {
-    const auto& [a, b, c] = vertex.plane;
-    return orientation(a, b, c, vertex.point);
+int side_of_plane(const MeshFaces& faces, std::uint32_t first, const Corner& second) {
+    const auto& [a, b, c] = faces.corners(first);
+    return orientation(a, b, c, faces.position(faces.triangles[second.face][previous_of_three(second.vertex)]));
 }
 
 void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
@@ -159,7 +159,7 @@ void FaceMeasures::set_pair(const Corner& edge, MeasuredFace& measured) const {
     const bool is_folded = folded(dot(apart, apart));
     const double sine = dot(second, own.normal), turn = own.turn + across.turn;
     int side = (sine > turn ? 1 : 0) - (sine < -turn ? 1 : 0);
-    if (side == 0 || is_folded) side = side_of_plane(OppositeVertex(faces_, edge.face, other));
+    if (side == 0 || is_folded) side = side_of_plane(faces_, edge.face, other);
 
     std::uint8_t& marks = measured.marks[edge.vertex];
     if ((marks & edge_unoriented) == 0 && side != 0) marks |= side < 0 ? edge_convex : edge_concave;
