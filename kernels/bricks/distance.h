@@ -56,11 +56,7 @@ INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k)
     return squared_from_edge(below ? -y : outward, below ? beyond : before, below ? beyond : past, z);
 }
 
-#if LANES == 1
-DEFINE_EDGE_OFFSETS(LaneEdgeOffsets, lane_edge_offsets, double, long)
-#else
 DEFINE_EDGE_OFFSETS(LaneEdgeOffsets, lane_edge_offsets, doubleL, longL)
-#endif
 
 // The same if a brick is so long on one axis that floats around its centre are too coarse: everything in double up
 // to the values that are squared. `centre`: (X, Y, Z) at the brick's centre.

@@ -17,15 +17,11 @@ namespace clsdf::points::one_lane {
 using namespace kernel_language;
 
 #define LANES 1
-#define REAL double
-#define TRUTH long
 #define __global
 #define __private
 #include "finish_point.h"
 #include "point_search.h"
 #undef LANES
-#undef REAL
-#undef TRUTH
 #undef __global
 #undef __private
 
