@@ -376,7 +376,7 @@ MauchPieces mauch_pieces(const Mesh& mesh, const LatticeView& lattice, double ha
         polyhedra.add_face(face, collector, state.counts);
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t vertex = faces.triangles[face][k];
-            if (!rings.is_first(vertex, {static_cast<std::uint32_t>(face), k})) continue;
+            if (rings.place(vertex, {static_cast<std::uint32_t>(face), k}) != 0) continue;
             edges_above(faces.triangles, rings, vertex, state.entries);
             for_each_edge(state.entries,
                           [&](std::span<const EdgeEntry> edge) { polyhedra.add_edge(edge, collector, state.counts); });

@@ -57,11 +57,6 @@ public:
         return static_cast<std::size_t>(std::lower_bound(begin, end, corner.packed()) - begin);
     }
 
-    /// Whether a corner is the first of the vertex.
-    bool is_first(std::size_t vertex, const Corner& corner) const {
-        return corners_[start_[vertex]] == corner.packed();
-    }
-
     std::size_t bytes() const { return (start_.size() + corners_.size()) * sizeof(std::uint32_t); }
 
 private:

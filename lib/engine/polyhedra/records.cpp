@@ -1,6 +1,5 @@
 #include "polyhedra/records.hpp"
 
-#include "core/parallel.hpp"
 #include "polyhedra/one_lane.hpp"
 #include "polyhedra/topology.hpp"
 
@@ -65,12 +64,6 @@ void write_face_record(const MeshTopology& topology, const Frusta& frusta, const
     new (&record) Polyhedron(
         pack(faces.frame(face), frusta.slopes[face], topology.order[face], frusta.positions, corners, lattice));
     if (topology.edges.is_non_manifold(face)) record.flags |= CLSDF_POLYHEDRON_NON_MANIFOLD;
-}
-
-void write_face_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
-                        std::span<Polyhedron> records) {
-    for_each_index(records.size(),
-                   [&](std::size_t face) { write_face_record(topology, frusta, lattice, face, records[face]); });
 }
 
 void write_site_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
