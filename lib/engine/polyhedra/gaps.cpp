@@ -149,7 +149,7 @@ public:
           per_unit_(std::min(1 / faces.lattice.unit, std::numeric_limits<double>::max())) {}
 
     /// VertexMark of a vertex.
-    std::uint8_t look_at(std::uint32_t vertex) {
+    std::uint8_t marks_of(std::uint32_t vertex) {
         EdgesAround edges;
         for (std::size_t i = 0; i < rings_.size(vertex); ++i) edges.add(measured_, rings_.corner(vertex, i));
         return static_cast<std::uint8_t>((edges.are_mixed() ? vertex_saddle : 0) |
@@ -329,7 +329,7 @@ std::vector<std::uint8_t> find_gaps(const MeshFaces& faces, std::span<const Face
         vertices.size(),
         [&](std::size_t begin, std::size_t end) {
             GapTest& test = tests.local();
-            for (std::size_t i = begin; i < end; ++i) marks[i] = test.look_at(vertices[i]);
+            for (std::size_t i = begin; i < end; ++i) marks[i] = test.marks_of(vertices[i]);
         },
         grain);
     return marks;

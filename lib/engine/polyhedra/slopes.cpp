@@ -130,7 +130,7 @@ MeasuredFace FaceMeasures::measure(std::uint32_t face) const {
     measured.marks = edges_[face].marks;
     for (std::uint32_t k = 0; k < 3; ++k) {
         if ((measured.marks[k] & (edge_open | edge_non_manifold | edge_at_box)) != 0)
-            set_alone({face, k}, measured);
+            set_unpaired({face, k}, measured);
         else
             set_pair({face, k}, measured);
     }
@@ -138,7 +138,7 @@ MeasuredFace FaceMeasures::measure(std::uint32_t face) const {
 }
 
 /// An edge without exactly one other face. A box takes the wedges of all its edges, so that faces beside it need none.
-void FaceMeasures::set_alone(const Corner& edge, MeasuredFace& measured) const {
+void FaceMeasures::set_unpaired(const Corner& edge, MeasuredFace& measured) const {
     EdgeSlope slope = open_edge;
     std::uint8_t& marks = measured.marks[edge.vertex];
     if ((marks & edge_non_manifold) != 0) {

@@ -85,7 +85,7 @@ private:
 
     void measure_non_manifold(const OneRings& rings, std::span<const std::uint32_t> ends);
     const NonManifoldEdge& non_manifold(const Corner& edge) const;
-    void set_alone(const Corner& edge, MeasuredFace& measured) const;
+    void set_unpaired(const Corner& edge, MeasuredFace& measured) const;
     void set_pair(const Corner& edge, MeasuredFace& measured) const;
 
     MeshFaces faces_;

@@ -21,7 +21,7 @@ public:
         const auto set_pair = [this](const Corner& edge, const Corner& other) {
             set(edge, Corner{other.face, previous_of_three(other.vertex)}.packed(), 0);
         };
-        if (!pair_ring(triangles_, rings_, vertex, set_pair)) set_any(vertex);
+        if (!pair_ring(triangles_, rings_, vertex, set_pair)) set_irregular(vertex);
     }
 
     /// The ends among the vertices so far.
@@ -30,7 +30,7 @@ public:
     bool has_marks() const { return has_marks_; }
 
 private:
-    void set_any(std::uint32_t vertex) {
+    void set_irregular(std::uint32_t vertex) {
         for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
             const Corner corner = rings_.corner(vertex, i);
             if (start(corner) == triangles_[corner.face][next_of_three(corner.vertex)]) set(corner, 0, edge_at_box);
