@@ -57,13 +57,6 @@ INLINE LaneSlopes find_slopes(FaceLattice lattice, double least_length, __privat
     const Vectors bound = vectors(fabs(f->base.y * f->to_apex.z) + fabs(f->base.z * f->to_apex.y),
                                   fabs(f->base.z * f->to_apex.x) + fabs(f->base.x * f->to_apex.z),
                                   fabs(f->base.x * f->to_apex.y) + fabs(f->base.y * f->to_apex.x));
-    const Vectors x = f->along, y = f->across;
-    const Vectors inward_right = vectors(-f->along_right * x.x - f->across_right * y.x,
-                                         -f->along_right * x.y - f->across_right * y.y,
-                                         -f->along_right * x.z - f->across_right * y.z),
-                  inward_left =
-                      vectors(f->along_left * x.x - f->across_left * y.x, f->along_left * x.y - f->across_left * y.y,
-                              f->along_left * x.z - f->across_left * y.z);
     LaneSlopes s;
     doubleL sign[3];
 #define MEASURE(edge, start, inward, first, second, third)                                                             \
@@ -73,17 +66,16 @@ INLINE LaneSlopes find_slopes(FaceLattice lattice, double least_length, __privat
                  : base.is_second ? none[second]                                                                       \
                                   : none[third],                                                                       \
                  s.above + edge, s.below + edge, sign + edge)
-    const longL is_right = MEASURE(CLSDF_EDGE_RIGHT, f->end, inward_right, 1, 2, 0),
-                is_left = MEASURE(CLSDF_EDGE_LEFT, f->apex, inward_left, 2, 0, 1),
-                is_beside_none = MEASURE(CLSDF_EDGE_BASE, f->start, y, 0, 1, 2) && is_right && is_left;
+    const longL is_right = MEASURE(CLSDF_EDGE_RIGHT, f->end, inward_from_right(f), 1, 2, 0),
+                is_left = MEASURE(CLSDF_EDGE_LEFT, f->apex, inward_from_left(f), 2, 0, 1),
+                is_beside_none = MEASURE(CLSDF_EDGE_BASE, f->start, f->across, 0, 1, 2) && is_right && is_left;
 #undef MEASURE
     const longL is_thick = f->height > 2.0e-4 * f->length && f->length > least_length;
     const longL is_plain = is_beside_none && is_thick;
     const doubleL answer = (is_thick ? (doubleL)0.0 : (doubleL)CLSDF_FACE_IS_SLIVER) +
                            (is_beside_none ? (doubleL)0.0 : (doubleL)CLSDF_FACE_AT_SLIVER);
-    const doubleL cosine = f->across_right * f->across_left - f->along_right * f->along_left;
-    lean(cosine, s.above);
-    lean(cosine, s.below);
+    lean(f, s.above);
+    lean(f, s.below);
 
     uint own[LANES];
     store_lanes(AS_UINTS(TO_INTS(answer)), 0, own);

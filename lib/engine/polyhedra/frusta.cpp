@@ -134,7 +134,7 @@ Numbers all_numbers(std::size_t count) {
 bool is_sliver(const TriangleFrame& frame) {
     constexpr double thin = 2e-4;  // an altitude, beside its base
     constexpr double vanishing = 1e-20;
-    return !(frame.altitude > thin * frame.base_length()) || !(frame.base_length() > vanishing);
+    return !(frame.face.altitude > thin * frame.base_length()) || !(frame.base_length() > vanishing);
 }
 
 /// All faces around the vertices, and `others`; ascending.

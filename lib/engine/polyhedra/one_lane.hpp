@@ -24,14 +24,3 @@ using namespace kernel_language;
 #undef __private
 
 }  // namespace clsdf::polyhedra::one_lane
-
-namespace clsdf::polyhedra {
-
-inline one_lane::Vectors vectors_of(const Vector& v) {
-    return one_lane::vectors(v.x(), v.y(), v.z());
-}
-inline Vector to_vector(const one_lane::Vectors& v) {
-    return {v.x, v.y, v.z};
-}
-
-}  // namespace clsdf::polyhedra

@@ -18,12 +18,10 @@ int side_of_plane(const MeshFaces& faces, std::uint32_t first, const Corner& sec
 }
 
 void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
-    const double cosine = frame.normal_across[CLSDF_HALF_RIGHT] * frame.normal_across[CLSDF_HALF_LEFT] -
-                          frame.normal_along[CLSDF_HALF_RIGHT] * frame.normal_along[CLSDF_HALF_LEFT];
     for (std::array<float, 3>* side : {&slopes.above, &slopes.below}) {
         std::array<double, 3> by_edge;  // of the polyhedron
         for (std::uint32_t k = 0; k < 3; ++k) by_edge[frame.polyhedron_edge(k)] = static_cast<double>((*side)[k]);
-        one_lane::lean(cosine, by_edge.data());
+        one_lane::lean(&frame.face, by_edge.data());
         for (std::uint32_t k = 0; k < 3; ++k) (*side)[k] = static_cast<float>(by_edge[frame.polyhedron_edge(k)]);
     }
 }
