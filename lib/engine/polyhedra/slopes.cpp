@@ -77,17 +77,12 @@ void set_around(std::span<const EdgeEntry> faces, std::span<const TriangleFrame>
     }
 }
 
-bool comes_before(const Corner& a, const Corner& b) {
-    return a.packed() < b.packed();
-}
-
 }  // namespace
 
 FaceMeasures::FaceMeasures(const MeshFaces& faces, const OneRings& rings, const PairedEdges& edges)
     : faces_(faces), edges_(edges.faces) {
     measure_non_manifold(rings, edges.non_manifold_ends);
-    std::sort(non_manifold_.begin(), non_manifold_.end(),
-              [](const NonManifoldEdge& a, const NonManifoldEdge& b) { return comes_before(a.corner, b.corner); });
+    std::ranges::sort(non_manifold_, {}, &NonManifoldEdge::edge);
 }
 
 void FaceMeasures::measure_non_manifold(const OneRings& rings, std::span<const std::uint32_t> ends) {
@@ -108,18 +103,12 @@ void FaceMeasures::measure_non_manifold(const OneRings& rings, std::span<const s
                 slopes.resize(edge.size());
                 if (!at_box) set_around(edge, frames, slopes);
                 for (std::size_t face = 0; face < edge.size(); ++face)
-                    found.push_back({edge[face].edge(), at_box ? std::nullopt : std::optional(slopes[face])});
+                    found.push_back({edge[face].edge().packed(), at_box ? std::nullopt : std::optional(slopes[face])});
             });
         }
         const std::lock_guard lock(mutex);
         non_manifold_.insert(non_manifold_.end(), found.begin(), found.end());
     });
-}
-
-const FaceMeasures::NonManifoldEdge& FaceMeasures::non_manifold(const Corner& edge) const {
-    return *std::lower_bound(
-        non_manifold_.begin(), non_manifold_.end(), edge,
-        [](const NonManifoldEdge& entry, const Corner& corner) { return comes_before(entry.corner, corner); });
 }
 
 MeasuredFace FaceMeasures::measure(std::uint32_t face) const {
@@ -140,7 +129,8 @@ void FaceMeasures::set_unpaired(const Corner& edge, MeasuredFace& measured) cons
     EdgeSlope slope = open_edge;
     std::uint8_t& marks = measured.marks[edge.vertex];
     if ((marks & edge_non_manifold) != 0) {
-        const NonManifoldEdge& entry = non_manifold(edge);
+        const NonManifoldEdge& entry =
+            *std::ranges::lower_bound(non_manifold_, edge.packed(), {}, &NonManifoldEdge::edge);
         if (!entry.slope) marks |= edge_at_box;
         if (!measured.frame.is_box) slope = entry.slope.value_or(EdgeSlope{0, 0});
     }

@@ -79,12 +79,11 @@ public:
 private:
     /// The slopes at an edge where three faces or more meet; none if one of them is a box.
     struct NonManifoldEdge {
-        Corner corner;
+        std::uint32_t edge;  ///< packed
         std::optional<EdgeSlope> slope;
     };
 
     void measure_non_manifold(const OneRings& rings, std::span<const std::uint32_t> ends);
-    const NonManifoldEdge& non_manifold(const Corner& edge) const;
     void set_unpaired(const Corner& edge, MeasuredFace& measured) const;
     void set_pair(const Corner& edge, MeasuredFace& measured) const;
 
