@@ -180,7 +180,7 @@ static inline uint list_octants(Brick brick, __local const uint* chosen, uint le
     for (uint pair = item; pair < length * OCTANTS; pair += GROUP) {
         const uint n = pair / OCTANTS, octant = pair % OCTANTS;
         __global const Polyhedron* p = polyhedra + chosen[n];
-        const FramePosition position = frame_position_of(work->room.batch.offsets[n]);
+        const FramePosition position = work->room.batch.offsets[n].at;
         const Extent extent = scaled(work->room.batch.extent[n], 3.0f);
         const float3 centre = subblock_centre(first_subblock(octant)) + 1.0f;
         const Centres c = centres_of(p, position, centre.x, centre.y, centre.z);
@@ -203,7 +203,7 @@ static inline void find_subblocks(Brick brick, __local const uint* chosen, uint 
     for (uint listed = get_local_id(0); listed < pairs; listed += GROUP) {
         const uint n = work->pairs[listed] / OCTANTS, octant = work->pairs[listed] % OCTANTS;
         __global const Polyhedron* p = polyhedra + chosen[n];
-        const FramePosition position = frame_position_of(work->room.batch.offsets[n]);
+        const FramePosition position = work->room.batch.offsets[n].at;
         const Extent extent = work->room.batch.extent[n], wide = widened(extent, brick.slack);
         const float3 first = subblock_centre(first_subblock(octant));
         const Centres middle = centres_of(p, position, first.x + 1.0f, first.y + 1.0f, first.z + 1.0f);

@@ -42,25 +42,21 @@ INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k)
     const floatL dx = i * s.x[0] + (j * s.y[0] + k * s.z[0]);
     const floatL dy = i * s.x[1] + (j * s.y[1] + k * s.z[1]);
     const floatL dz = i * s.x[2] + (j * s.y[2] + (k * s.z[2] + o.z_low));
-    const floatL y = o.y + dy;
-    const floatL z = o.z + dz;  // the one rounding at z's own size: a chain of fma from o.z would round thrice
+    const floatL y = o.at.y + dy;
+    const floatL z = o.at.z + dz;  // the one rounding at z's own size: a chain of fma from o.at.z would round thrice
     const intL left = dx < -o.x, below = y < 0.0f;
     const floatL away = left ? -dx : dx;
     const floatL along = left ? (floatL)s.along_left : (floatL)s.along_right;
     const floatL across = left ? (floatL)s.across_left : (floatL)s.across_right;
-    const floatL beyond = (left ? (floatL)o.beyond_left : (floatL)o.beyond_right) + away;
+    const floatL beyond = (left ? (floatL)o.at.beyond_left : (floatL)o.at.beyond_right) + away;
     const floatL dr = along * away + across * dy, dt = along * dy - across * away;
-    const floatL outward = (left ? (floatL)o.outward_left : (floatL)o.outward_right) + dr;
+    const floatL outward = (left ? (floatL)o.at.outward_left : (floatL)o.at.outward_right) + dr;
     const floatL before = (left ? (floatL)o.before_left : (floatL)o.before_right) - dt;
     const floatL past = (left ? (floatL)o.past_left : (floatL)o.past_right) + dt;
     return squared_from_edge(below ? -y : outward, below ? beyond : before, below ? beyond : past, z);
 }
 
-#if LANES == 1
-DEFINE_EDGE_OFFSETS(LaneEdgeOffsets, lane_edge_offsets, double, long)
-#else
 DEFINE_EDGE_OFFSETS(LaneEdgeOffsets, lane_edge_offsets, doubleL, longL)
-#endif
 
 // The same if a brick is so long on one axis that floats around its centre are too coarse: everything in double up
 // to the values that are squared. `centre`: (X, Y, Z) at the brick's centre.

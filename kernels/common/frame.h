@@ -20,15 +20,22 @@ INLINE double4 frame_at(__global const Polyhedron* p, double x, double y, double
 #define BRICK_CENTRE (0.5f * (CLSDF_BRICK - 1))
 #define COARSE_CENTRE (0.5f * (CLSDF_COARSE - 1))
 
-// The frame's coordinates, and what follows from them by subtraction of nearly equal numbers, at one point. "Right" and
-// "left" are the formulas of the two halves; each holds where X lies on its side.
-typedef struct Offsets {
-    float x, y, z;
-    float z_low;                        // what z lacks: most samples' nearest site is a face, and their distance is |z|
+// The frame's coordinates but X, and what follows from them by subtraction of nearly equal numbers, at one point, as a
+// test with slack takes them. "Right" and "left" are the formulas of the two halves; each holds where X lies on its
+// side.
+typedef struct FramePosition {
+    float y, z;
     float beyond_right, beyond_left;    // X - base[right], -X - base[left]
     float outward_right, outward_left;  // distance outward from the line of the slanted edge
-    float before_right, before_left;    // distance along it before its end at the base; negative on the edge
-    float past_right, past_left;        // past its end at the apex
+} FramePosition;
+
+// All that follows from one point.
+typedef struct Offsets {
+    FramePosition at;
+    float x;
+    float z_low;                      // what z lacks: most samples' nearest site is a face, and their distance is |z|
+    float before_right, before_left;  // along the slanted edge, before its end at the base; negative on it
+    float past_right, past_left;      // past its end at the apex
 } Offsets;
 
 INLINE Offsets offsets_at(__global const Polyhedron* p, double x, double y, double z) {
@@ -42,13 +49,13 @@ INLINE Offsets offsets_at(__global const Polyhedron* p, double x, double y, doub
     const float2 past = convert_float2(along * above_apex - across * (double2)(frame.x, -frame.x));
     Offsets o;
     o.x = (float)frame.x;
-    o.y = (float)frame.y;
-    o.z = (float)frame.z;
-    o.z_low = (float)(frame.z - (double)o.z);
-    o.beyond_right = beyond_base.x;
-    o.beyond_left = beyond_base.y;
-    o.outward_right = outward.x;
-    o.outward_left = outward.y;
+    o.at.y = (float)frame.y;
+    o.at.z = (float)frame.z;
+    o.z_low = (float)(frame.z - (double)o.at.z);
+    o.at.beyond_right = beyond_base.x;
+    o.at.beyond_left = beyond_base.y;
+    o.at.outward_right = outward.x;
+    o.at.outward_left = outward.y;
     o.before_right = before.x;
     o.before_left = before.y;
     o.past_right = past.x;
@@ -56,22 +63,10 @@ INLINE Offsets offsets_at(__global const Polyhedron* p, double x, double y, doub
     return o;
 }
 
-// The part of Offsets that a test with slack needs.
-typedef struct FramePosition {
-    float y, z;
-    float beyond_right, beyond_left;
-    float outward_right, outward_left;
-} FramePosition;
-
-INLINE FramePosition frame_position_of(Offsets o) {
-    const FramePosition position = {o.y, o.z, o.beyond_right, o.beyond_left, o.outward_right, o.outward_left};
-    return position;
-}
-
 // At the point `centre` samples along each axis from sample (x, y, z).
 INLINE FramePosition frame_position_at(__global const Polyhedron* p, int x, int y, int z, float centre) {
     if (!(p->flags & CLSDF_POLYHEDRON_NEAR))
-        return frame_position_of(offsets_at(p, x + (double)centre, y + (double)centre, z + (double)centre));
+        return offsets_at(p, x + (double)centre, y + (double)centre, z + (double)centre).at;
     const float i = (float)(x - p->origin_x) + centre, j = (float)(y - p->origin_y) + centre,
                 k = (float)(z - p->origin_z) + centre;
     const float4 frame =

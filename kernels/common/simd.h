@@ -70,7 +70,7 @@ typedef OF_LANES(ulong) ulongL;
 #else
 typedef float floatL;
 typedef double doubleL;
-typedef int longL;
+typedef long longL;
 typedef int intL;
 typedef uint uintL;
 #define LANE_BITS 1u

@@ -9,14 +9,11 @@
 #include "face_sources.h"
 #include "simd.h"
 
+#include "lane_frames.h"
+
 #ifdef __OPENCL_VERSION__
 #pragma OPENCL FP_CONTRACT OFF
 #endif
-
-// A vector a lane.
-typedef struct Vectors {
-    doubleL x, y, z;
-} Vectors;
 
 INLINE Vectors vectors(doubleL x, doubleL y, doubleL z) {
     const Vectors v = {x, y, z};
@@ -72,28 +69,12 @@ INLINE Vectors positions_of(__global const double* positions, __private const ui
 #endif
 
 // Three values by edge of the face become values by edge of the polyhedron, and the other way round.
-typedef struct BaseEdges {
-    longL is_first, is_second;  // which edge of the face is the base; else the third
-} BaseEdges;
-
 INLINE Vectors from_base(BaseEdges base, Vectors first, Vectors second, Vectors third) {
     return chosen(base.is_first, first, chosen(base.is_second, second, third));
 }
 INLINE doubleL to_own(BaseEdges base, doubleL if_first, doubleL if_second, doubleL if_third) {
     return base.is_first ? if_first : base.is_second ? if_second : if_third;
 }
-
-typedef struct FaceFrames {
-    BaseEdges base_edges;
-    Vectors start, end, apex;  // positions, from the start of the base
-    Vectors base, to_apex;     // edges, in units
-    Vectors along, across, normal;
-    doubleL length, height;
-    doubleL right, left;  // the halves' bases
-    doubleL along_right, along_left, across_right, across_left;
-    doubleL altitude;
-    Vectors foot;
-} FaceFrames;
 
 // a, b, c: the corners. The special cases of degenerate faces are the host's.
 INLINE FaceFrames frames_of_faces(FaceLattice lattice, Vectors a, Vectors b, Vectors c) {
@@ -145,6 +126,14 @@ INLINE FaceFrames frames_of_faces(FaceLattice lattice, Vectors a, Vectors b, Vec
     const doubleL to_foot = is_right ? f.right : -f.left;
     f.foot = difference(product(lattice.per_unit, difference(near_end, origin)), product(to_foot, f.along));
     return f;
+}
+
+// Unit vectors in the faces' planes, perpendicular to their slanted edges.
+INLINE Vectors inward_from_right(__private const FaceFrames* f) {
+    return difference(product(-f->along_right, f->along), product(f->across_right, f->across));
+}
+INLINE Vectors inward_from_left(__private const FaceFrames* f) {
+    return difference(product(f->along_left, f->along), product(f->across_left, f->across));
 }
 
 // By edge of the polyhedra; doubles that are floats.
@@ -313,8 +302,10 @@ INLINE longL measure_edge(Vectors start, Vectors opposite, Vectors inward, Vecto
 }
 
 // If the corner opposite the base is obtuse, its two planes lean outward until each contains the wedge of the other;
-// otherwise they would cut it off. No other corner of a triangle is obtuse. cosine: of that corner, negated.
-INLINE void lean(doubleL cosine, __private doubleL* slopes) {
+// otherwise they would cut it off. No other corner of a triangle is obtuse.
+INLINE void lean(__private const FaceFrames* f, __private doubleL* slopes) {
+    // Of that corner, negated.
+    const doubleL cosine = f->across_right * f->across_left - f->along_right * f->along_left;
     const longL is_obtuse = cosine > 0.0;
     const doubleL from_right = WIDENED(cosine * slopes[CLSDF_EDGE_RIGHT]),
                   from_left = WIDENED(cosine * slopes[CLSDF_EDGE_LEFT]);

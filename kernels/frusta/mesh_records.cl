@@ -57,13 +57,6 @@ INLINE LaneSlopes find_slopes(FaceLattice lattice, double least_length, __privat
     const Vectors bound = vectors(fabs(f->base.y * f->to_apex.z) + fabs(f->base.z * f->to_apex.y),
                                   fabs(f->base.z * f->to_apex.x) + fabs(f->base.x * f->to_apex.z),
                                   fabs(f->base.x * f->to_apex.y) + fabs(f->base.y * f->to_apex.x));
-    const Vectors x = f->along, y = f->across;
-    const Vectors inward_right = vectors(-f->along_right * x.x - f->across_right * y.x,
-                                         -f->along_right * x.y - f->across_right * y.y,
-                                         -f->along_right * x.z - f->across_right * y.z),
-                  inward_left =
-                      vectors(f->along_left * x.x - f->across_left * y.x, f->along_left * x.y - f->across_left * y.y,
-                              f->along_left * x.z - f->across_left * y.z);
     LaneSlopes s;
     doubleL sign[3];
 #define MEASURE(edge, start, inward, first, second, third)                                                             \
@@ -73,22 +66,21 @@ INLINE LaneSlopes find_slopes(FaceLattice lattice, double least_length, __privat
                  : base.is_second ? none[second]                                                                       \
                                   : none[third],                                                                       \
                  s.above + edge, s.below + edge, sign + edge)
-    const longL is_right = MEASURE(CLSDF_EDGE_RIGHT, f->end, inward_right, 1, 2, 0),
-                is_left = MEASURE(CLSDF_EDGE_LEFT, f->apex, inward_left, 2, 0, 1),
-                is_beside_none = MEASURE(CLSDF_EDGE_BASE, f->start, y, 0, 1, 2) && is_right && is_left;
+    const longL is_right = MEASURE(CLSDF_EDGE_RIGHT, f->end, inward_from_right(f), 1, 2, 0),
+                is_left = MEASURE(CLSDF_EDGE_LEFT, f->apex, inward_from_left(f), 2, 0, 1),
+                is_beside_none = MEASURE(CLSDF_EDGE_BASE, f->start, f->across, 0, 1, 2) && is_right && is_left;
 #undef MEASURE
     const longL is_thick = f->height > 2.0e-4 * f->length && f->length > least_length;
-    const longL is_plain = is_beside_none && is_thick;
+    const longL is_known = is_beside_none && is_thick;
     const doubleL answer = (is_thick ? (doubleL)0.0 : (doubleL)CLSDF_FACE_IS_SLIVER) +
                            (is_beside_none ? (doubleL)0.0 : (doubleL)CLSDF_FACE_AT_SLIVER);
-    const doubleL cosine = f->across_right * f->across_left - f->along_right * f->along_left;
-    lean(cosine, s.above);
-    lean(cosine, s.below);
+    lean(f, s.above);
+    lean(f, s.below);
 
     uint own[LANES];
     store_lanes(AS_UINTS(TO_INTS(answer)), 0, own);
     for (uint lane = 0; lane < valid; ++lane) answers[faces[lane]] = (uchar)own[lane];
-    for (uint k = 0; k < 3; ++k) sign[k] = is_plain ? sign[k] : (doubleL)NAN;
+    for (uint k = 0; k < 3; ++k) sign[k] = is_known ? sign[k] : (doubleL)NAN;
 #define BY_OWN_EDGES(values)                                                                      \
     to_own(base, values[0], values[2], values[1]), to_own(base, values[1], values[0], values[2]), \
         to_own(base, values[2], values[1], values[0])
@@ -169,9 +161,9 @@ OUT_OF_LINE void load_item(FanItem item, __global const uint* words, __private c
 }
 
 // Clears CLSDF_VERTEX_IS_OPEN of the vertices numbers[0, valid) of an item that surely have no gap.
-OUT_OF_LINE void look_at_all(FanItem item, __global const uint* words, __private const uint* numbers, uint valid,
-                             __global const uint* triangles, __global const double* positions,
-                             __global const float* signs, double per_unit, __global uchar* answers) {
+OUT_OF_LINE void try_all_conditions(FanItem item, __global const uint* words, __private const uint* numbers, uint valid,
+                                    __global const uint* triangles, __global const double* positions,
+                                    __global const float* signs, double per_unit, __global uchar* answers) {
     Fans fans;
     load_item(item, words, numbers, triangles, positions, signs, per_unit, &fans);
     const uint covered = lane_bits(are_covered(&fans, item.faces, true));
@@ -202,8 +194,8 @@ __kernel void vertex_fans(uint begin, uint end, double per_unit, __global const 
         Fans fans;
         load_item(item, words, numbers, triangles, positions, signs, per_unit, &fans);
         const EdgeKinds kinds = edge_kinds(&fans, item.faces);
-        const uint left = lane_bits(kinds.is_left), saddles = lane_bits(kinds.is_saddle);
-        uint asked = lane_bits(kinds.is_mixed && !kinds.is_left);
+        const uint left = lane_bits(kinds.is_left_to_host), saddles = lane_bits(kinds.is_saddle);
+        uint asked = lane_bits(kinds.is_mixed && !kinds.is_left_to_host);
         if (asked) asked &= ~lane_bits(are_covered(&fans, item.faces, false));
         for (uint lane = 0; lane < min((uint)LANES, last - i); ++lane) {
             const bool is_asked = asked >> lane & 1u;
@@ -213,13 +205,13 @@ __kernel void vertex_fans(uint begin, uint end, double per_unit, __global const 
             queued += is_asked ? 1u : 0u;
         }
         if (queued < LANES) continue;
-        look_at_all(item, words, queue, LANES, triangles, positions, signs, per_unit, answers);
+        try_all_conditions(item, words, queue, LANES, triangles, positions, signs, per_unit, answers);
         queued -= LANES;
         for (uint k = 0; k < queued; ++k) queue[k] = queue[LANES + k];
     }
     if (queued == 0) return;
     for (uint k = queued; k < LANES; ++k) queue[k] = queue[0];
-    look_at_all(item, words, queue, queued, triangles, positions, signs, per_unit, answers);
+    try_all_conditions(item, words, queue, queued, triangles, positions, signs, per_unit, answers);
 }
 
 // Moves `count` items of so many words, which the host wrote, to their places in an array of such items.

@@ -113,7 +113,7 @@ INLINE doubleL best_of_all(__private const Vectors* v, uint faces, Vectors middl
 }
 
 // True if three of the conditions surely contradict each other, at both edges and on both sides.
-OUT_OF_LINE longL are_covered(__private const Fans* fans, uint faces, bool look_at_all) {
+OUT_OF_LINE longL are_covered(__private const Fans* fans, uint faces, bool try_all) {
     doubleL least = 1.0;
 #pragma unroll
     for (uint which = 0; which < 4; ++which) {
@@ -122,7 +122,7 @@ OUT_OF_LINE longL are_covered(__private const Fans* fans, uint faces, bool look_
         set_conditions(fans, faces, arriving, above, v);
         const double sign = above ? -1.0 : 1.0;
         const doubleL best =
-            look_at_all ? best_of_all(v, faces, fans->middle, sign) : best_of_thirds(v, faces, fans->middle, sign);
+            try_all ? best_of_all(v, faces, fans->middle, sign) : best_of_thirds(v, faces, fans->middle, sign);
         least = LESSER(least, best);
     }
     return least > CERTAIN_PRODUCT;
@@ -130,26 +130,26 @@ OUT_OF_LINE longL are_covered(__private const Fans* fans, uint faces, bool look_
 
 // The kinds of edges around the vertices.
 typedef struct EdgeKinds {
-    longL is_saddle;  // convex and concave ones, surely
-    longL is_mixed;   // so they may be, and none is open: an open edge is cut by no plane
-    longL is_left;    // the host decides: a face is a sliver's, or an edge of a mixed vertex too steep
+    longL is_saddle;        // convex and concave ones, surely
+    longL is_mixed;         // so they may be, and none is open: an open edge is cut by no plane
+    longL is_left_to_host;  // the host decides: a face is a sliver's, or an edge of a mixed vertex too steep
 } EdgeKinds;
 
 INLINE EdgeKinds edge_kinds(__private const Fans* fans, uint faces) {
-    doubleL greatest = -INFINITY, least = INFINITY, unsure = 1.0, spoilt = 0.0;
+    doubleL greatest = -INFINITY, least = INFINITY, unsure = 1.0, known = 1.0;
     for (uint f = 0; f < faces; ++f) {
         const doubleL sign = fans->signs[f];
         greatest = sign > greatest ? sign : greatest;
         least = sign < least ? sign : least;
         unsure = sign == 0.0 ? (doubleL)0.0 : unsure;
-        spoilt = sign == sign ? spoilt : (doubleL)1.0;
+        known = sign == sign ? known : (doubleL)0.0;
     }
-    const longL is_open = greatest == (double)INFINITY, has_unsure = unsure == 0.0, is_spoilt = spoilt > 0.0;
+    const longL is_open = greatest == (double)INFINITY, has_unsure = unsure == 0.0, has_unknown = known == 0.0;
     const doubleL steepest = GREATER(greatest, -least);
     EdgeKinds kinds;
     kinds.is_saddle = greatest > 0.0 && least < 0.0;
     kinds.is_mixed = (greatest > 0.0 || has_unsure) && (least < 0.0 || has_unsure) && !is_open;
-    kinds.is_left = is_spoilt || (kinds.is_mixed && steepest > STEEPEST_SLOPE);
+    kinds.is_left_to_host = has_unknown || (kinds.is_mixed && steepest > STEEPEST_SLOPE);
     return kinds;
 }
 

@@ -153,8 +153,7 @@ static inline size_t coarse_bound_index(Layout layout, int x, int y, int z) {
 INLINE uint covered_samples(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k, float half_width,
                             float slack) {
     const Extent extent = widened((Extent){0.0f}, slack);
-    return overlapped_blocks(p, frame_position_of(o), centres_of(p, frame_position_of(o), i, j, k), extent,
-                             (floatL)half_width);
+    return overlapped_blocks(p, o.at, centres_of(p, o.at, i, j, k), extent, (floatL)half_width);
 }
 #endif
 

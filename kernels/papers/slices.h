@@ -70,10 +70,10 @@ static inline floatL squared_distance_to_site(__global const Polyhedron* p, Offs
     const floatL away = left ? -dx : dx;
     const float along = p->normal_along[left ? CLSDF_HALF_LEFT : CLSDF_HALF_RIGHT];
     const float across = p->normal_across[left ? CLSDF_HALF_LEFT : CLSDF_HALF_RIGHT];
-    const floatL beyond = (left ? o.beyond_left : o.beyond_right) + away;
-    const floatL r = (left ? o.outward_left : o.outward_right) + (along * away + across * dy);
+    const floatL beyond = (left ? o.at.beyond_left : o.at.beyond_right) + away;
+    const floatL r = (left ? o.at.outward_left : o.at.outward_right) + (along * away + across * dy);
     const floatL past = (left ? o.past_left : o.past_right) + (along * dy - across * away);
-    return squared_at_site(site, o.y + dy, o.z + dz, beyond, r, past);
+    return squared_at_site(site, o.at.y + dy, o.at.z + dz, beyond, r, past);
 }
 
 static inline floatL squared_distance_to_site_long_brick(__global const Polyhedron* p, double4 centre, uint site,

@@ -1,7 +1,8 @@
 // Squared distances in double between points and the faces of a tree: each kernel, and the host, has the same bits of
 // the same pair. So multiply-adds are not fused here.
 //
-// A kernel that takes one pair at a time defines REAL and TRUTH as double and long; the others take LANES pairs.
+// A kernel of several lanes that takes one pair at a time defines REAL and TRUTH as double and long; the others take
+// LANES pairs.
 #ifndef CLSDF_POINT_DISTANCE_H
 #define CLSDF_POINT_DISTANCE_H
 

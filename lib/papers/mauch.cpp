@@ -228,7 +228,7 @@ public:
         add_slab(record.height(), half_width_, bounds);
         if (is_box(face)) {
             bounds.add(record.outward(CLSDF_EDGE_BASE) - half_width_);
-            bounds.add(-1 * record.outward(CLSDF_EDGE_BASE) - (faces_.frames[face].altitude + half_width_));
+            bounds.add(-1 * record.outward(CLSDF_EDGE_BASE) - (faces_.frames[face].face.altitude + half_width_));
             bounds.add(record.past(CLSDF_EDGE_BASE) - half_width_);
             bounds.add(record.before(CLSDF_EDGE_BASE) - half_width_);
             ++counts.boxes;
@@ -304,7 +304,7 @@ public:
         const Polyhedron& record = records_[lowest.face];
         const std::array<std::int32_t, 3> origin{record.origin_x, record.origin_y, record.origin_z};
         const Vector spacing = to_vector(faces_.lattice.spacing_in_units);
-        const Vector from_origin = to_vector(faces_.lattice.from_sample(faces_.mesh.vertices()[vertex], origin));
+        const Vector from_origin = from_sample(faces_.lattice, faces_.mesh.vertices()[vertex], origin);
         PieceBounds bounds;
         for (const MauchCone::Bound& bound : cone.bounds())
             bounds.add({bound.normal.cwiseProduct(spacing),
@@ -316,7 +316,7 @@ public:
 private:
     bool is_box(std::size_t face) const {
         const TriangleFrame& frame = faces_.frames[face];
-        return frame.is_box || !(frame.altitude > sliver_ * frame.base_length());
+        return frame.is_box || !(frame.face.altitude > sliver_ * frame.base_length());
     }
     std::uint32_t index(std::size_t face) const { return faces_.order[face]; }
 
@@ -376,7 +376,7 @@ MauchPieces mauch_pieces(const Mesh& mesh, const LatticeView& lattice, double ha
         polyhedra.add_face(face, collector, state.counts);
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t vertex = faces.triangles[face][k];
-            if (!rings.is_first(vertex, {static_cast<std::uint32_t>(face), k})) continue;
+            if (rings.place(vertex, {static_cast<std::uint32_t>(face), k}) != 0) continue;
             edges_above(faces.triangles, rings, vertex, state.entries);
             for_each_edge(state.entries,
                           [&](std::span<const EdgeEntry> edge) { polyhedra.add_edge(edge, collector, state.counts); });

@@ -33,11 +33,13 @@ double farthest_distance(const Mesh& mesh, const Grid& grid, double unit) {
     return std::sqrt(squared);
 }
 
-/// A slice has no bounds of its own for the distance as bricks have, so that an infinite band ends where the grid does.
-scan::PolyhedronWidths widths_for_slices(const Mesh& mesh, const Grid& grid, const Layout& layout) {
+/// The half width, in units, that the polyhedra are made for. A slice has no bounds of its own for the distance as
+/// bricks have, so that an infinite band ends where the grid does.
+double half_width_for_slices(const Mesh& mesh, const Grid& grid, const Layout& layout) {
+    constexpr double most = 1e6;
     if (std::isfinite(layout.outside_squared) && std::isfinite(layout.inside_squared))
-        return scan::polyhedron_widths(layout);
-    return scan::polyhedron_widths(farthest_distance(mesh, grid, static_cast<double>(layout.unit)));
+        return std::min(static_cast<double>(layout.half_width), most);
+    return farthest_distance(mesh, grid, static_cast<double>(layout.unit));
 }
 
 /// Polyhedra of any kind, slice by slice.
@@ -51,7 +53,7 @@ public:
                                                 const Layout& layout) const override {
         const Mesh& mesh = stages.mesh();
         const polyhedra::LatticeView lattice = scan::lattice_of(grid);
-        const scan::PolyhedronWidths widths = widths_for_slices(mesh, grid, layout);
+        const double half_width = half_width_for_slices(mesh, grid, layout);
         auto prepared = std::make_shared<PreparedPieces>();
         prepared->triangle_count = mesh.triangles().size();
         const auto upload_records = [&](std::span<const Polyhedron> records) {
@@ -60,13 +62,12 @@ public:
         };
         std::size_t closed_gaps = 0;
         if (options_.polyhedra == Polyhedra::peikert_sigg) {
-            const PeikertSiggPieces paper =
-                peikert_sigg_pieces(mesh, lattice, widths.half_width, options_.close_gaps, layout);
+            const PeikertSiggPieces paper = peikert_sigg_pieces(mesh, lattice, half_width, options_.close_gaps, layout);
             upload_records(paper.polyhedra);
             upload_pieces(stages, paper.pieces, *prepared);
             closed_gaps = paper.closed_gaps;
         } else if (options_.polyhedra == Polyhedra::mauch) {
-            const MauchPieces mauch = mauch_pieces(mesh, lattice, widths.half_width, layout);
+            const MauchPieces mauch = mauch_pieces(mesh, lattice, half_width, layout);
             upload_records(mauch.polyhedra);
             upload_pieces(stages, mauch.pieces, *prepared);
             prepared->polyhedron_count = mauch.count();  // more than records
@@ -74,7 +75,9 @@ public:
         } else {
             const UninitializedVector<Polyhedron> records = leaned_records(stages, lattice);
             upload_records(records);
-            upload_pieces(stages, leaned_pieces(records, widths.half_width, widths.slack, layout), *prepared);
+            upload_pieces(stages,
+                          leaned_pieces(records, half_width, scan::base_slack + scan::slack_rate * half_width, layout),
+                          *prepared);
             const polyhedra::Frusta& frusta = stages.frusta();
             prepared->saddle_vertices = frusta.saddle_vertices;
             prepared->point_sites = frusta.sites.size();
@@ -143,7 +146,8 @@ UninitializedVector<Polyhedron> papers::face_records(transform::Stages& stages, 
     const polyhedra::MeshTopology& topology = stages.topology();
     const polyhedra::Frusta& frusta = stages.frusta();
     UninitializedVector<Polyhedron> records(topology.order.size());
-    write_face_records(topology, frusta, lattice, records);
+    for_each_index(records.size(),
+                   [&](std::size_t face) { write_face_record(topology, frusta, lattice, face, records[face]); });
     return records;
 }
 

@@ -129,7 +129,7 @@ PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& latti
         const Polyhedron& record = result.polyhedra[i];
         const std::array<std::int32_t, 3> origin{record.origin_x, record.origin_y, record.origin_z};
         const auto in_units = [&](const Vector& position) {
-            return to_vector(lattice.from_sample({position.x(), position.y(), position.z()}, origin));
+            return from_sample(lattice, {position.x(), position.y(), position.z()}, origin);
         };
         const Vector corner = in_units(polyhedron.corners[0]);
         std::array<PiecePlane, 5> planes{plane_of(polyhedron.normal, corner, half_width, lattice),

@@ -19,6 +19,13 @@
 /// Bounding polyhedra of any kind as convex pieces, for the scan by slices.
 namespace clsdf::papers {
 
+/// The difference position - sample, in units.
+inline polyhedra::Vector from_sample(const polyhedra::LatticeView& lattice, const Vec3& position,
+                                     const std::array<std::int32_t, 3>& sample) {
+    return {lattice.from_sample(0, position[0], sample[0]), lattice.from_sample(1, position[1], sample[1]),
+            lattice.from_sample(2, position[2], sample[2])};
+}
+
 /// The mean cost of a piece in each of its slices.
 struct PieceCost {
     float rows = 0;

@@ -54,24 +54,21 @@ constexpr double half_width_in_units = 16;
 /// every edge up to its slope times |Z| and up to the half width.
 ConvexPolyhedron side_of(const TriangleFrame& frame, const FaceSlopes& slopes, bool is_front) {
     const double cap = half_width_in_units;
+    const Vector along = to_vector(frame.face.along);
     const Vector up = is_front ? frame.normal : Vector(-frame.normal);
-    std::vector<HalfSpace> half_spaces{{-up, 0},
-                                       {up, cap},
-                                       {frame.along, frame.base[CLSDF_HALF_RIGHT] + cap},
-                                       {-frame.along, frame.base[CLSDF_HALF_LEFT] + cap}};
+    std::vector<HalfSpace> half_spaces{
+        {-up, 0}, {up, cap}, {along, frame.face.right + cap}, {-along, frame.face.left + cap}};
     for (std::uint32_t k = 0; k < 3; ++k) {
         const Vector outward = -frame.inwards[k];
         // The base lies at Y = 0, a slanted edge goes through an end of it.
         double offset = 0;
-        if (frame.polyhedron_edge(k) == CLSDF_EDGE_RIGHT)
-            offset = outward.dot(frame.along) * frame.base[CLSDF_HALF_RIGHT];
-        if (frame.polyhedron_edge(k) == CLSDF_EDGE_LEFT)
-            offset = -outward.dot(frame.along) * frame.base[CLSDF_HALF_LEFT];
+        if (frame.polyhedron_edge(k) == CLSDF_EDGE_RIGHT) offset = outward.dot(along) * frame.face.right;
+        if (frame.polyhedron_edge(k) == CLSDF_EDGE_LEFT) offset = -outward.dot(along) * frame.face.left;
         const auto slope = static_cast<double>(is_front ? slopes.above[k] : slopes.below[k]);
         half_spaces.push_back({outward - slope * up, offset});
         half_spaces.push_back({outward, offset + cap});
     }
-    const double reach = frame.base_length() + frame.altitude + 4 * cap;
+    const double reach = frame.base_length() + frame.face.altitude + 4 * cap;
     return clip({{-reach, -reach, -reach}, {reach, reach, reach}}, half_spaces);
 }
 
@@ -138,7 +135,7 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
     const auto add = [&](std::uint32_t triangle, SolidPart part, const TriangleFrame& frame, const FaceSlopes& planes) {
         const ConvexPolyhedron solid = side_of(frame, planes, part != SolidPart::back);
         if (solid.is_empty()) return;
-        const Vector foot = to_vector(lattice.origin) + lattice.unit * frame.foot;
+        const Vector foot = to_vector(lattice.origin) + lattice.unit * to_vector(frame.face.foot);
         result.push_back({triangle, part, solid_mesh(solid, foot, lattice.unit)});
     };
     for (const std::uint32_t face : selected) {

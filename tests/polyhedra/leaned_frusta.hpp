@@ -23,7 +23,7 @@ inline LeanedFrusta leaned_frusta(const Mesh& mesh, const polyhedra::LatticeView
     LeanedFrusta result{UninitializedVector<Polyhedron>(faces + frusta.sites.size()), frusta.saddle_vertices,
                         frusta.sites.size(), frusta.boxes};
     const std::span<Polyhedron> records(result.polyhedra);
-    write_face_records(topology, frusta, lattice, records.first(faces));
+    for (std::size_t face = 0; face < faces; ++face) write_face_record(topology, frusta, lattice, face, records[face]);
     write_site_records(topology, frusta, lattice, 0, records.subspan(faces));
     return result;
 }

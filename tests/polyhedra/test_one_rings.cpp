@@ -67,9 +67,9 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_where_rounding_would_decide) {
                 mesh = Mesh(vertices, mesh.triangles(), "flat");
             }
             const LatticeView lattice;
-            const polyhedra::OppositeVertex opposite({mesh.vertices(), mesh.triangles(), lattice}, 0, {1, 0});
+            const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
             const int side = exact_side(mesh, mesh.triangles()[0], 3);
-            BOOST_TEST(side_of_plane(opposite) == side);
+            BOOST_TEST(side_of_plane(faces, 0, {1, 0}) == side);
             ++seen.at(static_cast<std::size_t>(side) + 1);
         }
     }
@@ -83,8 +83,8 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_for_coordinates_of_all_magnitu
         for (const double height : {1e-200, -1e-200}) {
             const Mesh mesh({{0, 0, 0}, {length, 0, 0}, {0, length, 0}, {0, -length, height}}, {{0, 1, 2}, {1, 0, 3}},
                             "two triangles");
-            const polyhedra::OppositeVertex opposite({mesh.vertices(), mesh.triangles(), lattice}, 0, {1, 0});
-            BOOST_TEST(side_of_plane(opposite) == (height > 0 ? 1 : -1));
+            const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
+            BOOST_TEST(side_of_plane(faces, 0, {1, 0}) == (height > 0 ? 1 : -1));
         }
 }
 

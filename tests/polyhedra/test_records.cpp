@@ -20,6 +20,7 @@ namespace clsdf::test {
 namespace {
 
 using polyhedra::LatticeView;
+using polyhedra::to_vector;
 using polyhedra::Vector;
 
 constexpr double half_width = 8;
@@ -62,11 +63,11 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
             for (int i = 0; i < 20; ++i) {
                 const Vec3 point = random.point(-100, 100);
                 const Vector metric(point[0], 2 * point[1], 4 * point[2]);
-                const Vector from_foot = metric - frame.foot;
+                const Vector from_foot = metric - to_vector(frame.face.foot);
                 const Vec3 found = pointwise.frame(point);
                 const double size = from_foot.norm();
-                BOOST_TEST(std::abs(found[0] - from_foot.dot(frame.along)) <= 1e-13 * size);
-                BOOST_TEST(std::abs(found[1] - from_foot.dot(frame.across())) <= 1e-13 * size);
+                BOOST_TEST(std::abs(found[0] - from_foot.dot(to_vector(frame.face.along))) <= 1e-13 * size);
+                BOOST_TEST(std::abs(found[1] - from_foot.dot(to_vector(frame.face.across))) <= 1e-13 * size);
                 BOOST_TEST(std::abs(found[2] - from_foot.dot(frame.normal)) <= 1e-13 * size);
             }
             // The corners are those given, in the order of the base.
@@ -79,16 +80,16 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
                                   lattice.origin[2] + 2 * ends[i][2]};
                 BOOST_TEST(norm(minus(metric, given)) < 1e-11);
             }
-            BOOST_TEST(std::abs(pointwise.altitude() - frame.altitude) <= 1e-13 * frame.altitude);
+            BOOST_TEST(std::abs(pointwise.altitude() - frame.face.altitude) <= 1e-13 * frame.face.altitude);
         }
     }
 }
 
 void check_orthonormal(const polyhedra::TriangleFrame& frame) {
-    for (const Vector& axis : {frame.along, frame.across(), frame.normal})
-        BOOST_TEST(std::abs(axis.norm() - 1) < 1e-12);
-    BOOST_TEST(std::abs(frame.along.dot(frame.across())) < 1e-12);
-    BOOST_TEST((frame.along.cross(frame.across()) - frame.normal).norm() < 1e-12);
+    const Vector along = to_vector(frame.face.along), across = to_vector(frame.face.across);
+    for (const Vector& axis : {along, across, frame.normal}) BOOST_TEST(std::abs(axis.norm() - 1) < 1e-12);
+    BOOST_TEST(std::abs(along.dot(across)) < 1e-12);
+    BOOST_TEST((along.cross(across) - frame.normal).norm() < 1e-12);
 }
 
 BOOST_AUTO_TEST_CASE(the_frames_of_all_triangles_are_orthonormal) {

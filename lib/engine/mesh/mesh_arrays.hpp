@@ -2,6 +2,8 @@
 
 #include <clsdf/mesh.hpp>
 
+#include "mesh/box_index.hpp"
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -25,6 +27,22 @@ struct MeshArrays {
 inline bool is_finite(const Vec3& point) {
     return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
 }
+
+/// The box of positions, and whether all of them are finite: without branches.
+struct Extent {
+    Box box = empty_box;
+    double zero = 0;  ///< NaN after a coordinate that is not finite
+
+    void add(const Vec3& position) {
+        clsdf::add(box, {position, position});
+        zero += (position[0] - position[0]) + (position[1] - position[1]) + (position[2] - position[2]);
+    }
+    void add(const Extent& other) {
+        clsdf::add(box, other.box);
+        zero += other.zero;
+    }
+    bool is_finite() const { return zero == 0; }
+};
 
 /// Which of the zeros of both signs a box has depends on the order of vertices.
 inline Box without_negative_zeros(Box box) {

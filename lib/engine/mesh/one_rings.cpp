@@ -1,6 +1,7 @@
 #include "mesh/one_rings.hpp"
 
 #include "core/bucket_sort.hpp"
+#include "core/parallel.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -24,6 +25,18 @@ OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count
             const auto number = static_cast<std::uint32_t>(i);
             corners_[place] = Corner{number / 3, number % 3}.packed();
         });
+}
+
+CLSDF_SEVERAL_TARGETS RingMatches match_ring(const RingMatches::Numbers& next, const RingMatches::Numbers& previous,
+                                             std::size_t count) {
+    RingMatches matches{};
+    for (std::size_t j = 0; j < count; ++j)
+        for (std::size_t i = 0; i < RingMatches::most_faces; ++i) {
+            matches.other[i] = next[i] == previous[j] ? static_cast<std::uint32_t>(j) : matches.other[i];
+            matches.arriving[i] += next[i] == previous[j] ? 1U : 0U;
+            matches.leaving[i] += next[i] == next[j] ? 1U : 0U;
+        }
+    return matches;
 }
 
 }  // namespace clsdf

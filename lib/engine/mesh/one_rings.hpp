@@ -5,6 +5,7 @@
 #include "core/large_memory.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -56,17 +57,53 @@ public:
         return static_cast<std::size_t>(std::lower_bound(begin, end, corner.packed()) - begin);
     }
 
-    /// Whether a corner is the first of the vertex.
-    bool is_first(std::size_t vertex, const Corner& corner) const {
-        return corners_[start_[vertex]] == corner.packed();
-    }
-
     std::size_t bytes() const { return (start_.size() + corners_.size()) * sizeof(std::uint32_t); }
 
 private:
     std::vector<std::uint32_t> start_;            // of each vertex in corners_, and the end of the last
     UninitializedVector<std::uint32_t> corners_;  // packed
 };
+
+/// To each edge that leaves a vertex, those that run along it: of up to `most_faces` faces, because all pairs of them
+/// are compared.
+struct RingMatches {
+    static constexpr std::size_t most_faces = 16;
+    using Numbers = std::array<std::uint32_t, most_faces>;
+
+    Numbers other;  ///< the last of the edges that arrive
+    Numbers arriving;
+    Numbers leaving;
+};
+/// `next`, `previous`: of each face, the vertices at the ends of its edges that leave the vertex, and that arrive
+/// there.
+RingMatches match_ring(const RingMatches::Numbers& next, const RingMatches::Numbers& previous, std::size_t count);
+
+/// Whether all edges at a vertex have two faces that run along them in opposite directions; false, too, if it has more
+/// than RingMatches::most_faces. Calls set_pair(corner, other) for the edge that leaves by each corner, which arrives
+/// by the corner `other` of the other face. The pairs have no meaning if the result is false.
+template <typename Function>
+bool pair_ring(std::span<const Triangle> triangles, const OneRings& rings, std::size_t vertex,
+               const Function& set_pair) {
+    const std::size_t count = rings.size(vertex);
+    if (count > RingMatches::most_faces) return false;
+    std::array<Corner, RingMatches::most_faces> corners;  // not cleared: this is done for every vertex
+    RingMatches::Numbers next{}, previous{};
+    for (std::size_t i = 0; i < count; ++i) {
+        corners[i] = rings.corner(vertex, i);
+        const Triangle& triangle = triangles[corners[i].face];
+        next[i] = triangle[next_of_three(corners[i].vertex)];
+        previous[i] = triangle[previous_of_three(corners[i].vertex)];
+    }
+    const RingMatches matches = match_ring(next, previous, count);
+    bool are_paired = true;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Corner& other = corners[matches.other[i]];
+        // A face with a vertex twice arrives along the edge that it leaves by.
+        are_paired &= matches.arriving[i] == 1 && matches.leaving[i] == 1 && other.face != corners[i].face;
+        set_pair(corners[i], other);
+    }
+    return are_paired;
+}
 
 /// A face's edge, filed under one of its vertices; in order, the faces of an edge follow each other.
 class EdgeEntry {

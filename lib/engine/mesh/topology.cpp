@@ -140,37 +140,6 @@ struct EdgeCounts {
     }
 };
 
-/// Whether each edge between a vertex and higher ones has two faces, which run along it in opposite directions. May
-/// return false although it is so.
-bool are_pairs(std::span<const Triangle> triangles, const OneRings& rings, std::uint32_t vertex) {
-    constexpr std::size_t most = 16;
-    std::array<std::uint32_t, most> leaving, arriving;
-    std::size_t leaving_count = 0, arriving_count = 0;
-    const std::size_t count = rings.size(vertex);
-    if (count > most) return false;
-    for (std::size_t i = 0; i < count; ++i) {
-        const Corner corner = rings.corner(vertex, i);
-        const Triangle& triangle = triangles[corner.face];
-        const std::uint32_t to = leaving[leaving_count] = triangle[next_of_three(corner.vertex)];
-        const std::uint32_t from = arriving[arriving_count] = triangle[previous_of_three(corner.vertex)];
-        if (to == vertex || from == vertex || to == from) return false;
-        leaving_count += to > vertex ? 1U : 0U;
-        arriving_count += from > vertex ? 1U : 0U;
-    }
-    if (leaving_count != arriving_count) return false;
-    // Each that leaves is alone, and one arrives from there; as many arrive as leave, so no other does.
-    std::size_t wrong = 0;
-    for (std::size_t i = 0; i < leaving_count; ++i) {
-        std::size_t pairs = 0, equal = 0;
-        for (std::size_t j = 0; j < leaving_count; ++j) {
-            pairs += leaving[i] == arriving[j] ? 1U : 0U;
-            equal += leaving[i] == leaving[j] ? 1U : 0U;
-        }
-        wrong += pairs != 1 || equal != 1 ? 1U : 0U;
-    }
-    return wrong == 0;
-}
-
 EdgeCounts count_edges(std::span<const Triangle> triangles, std::size_t vertex_count) {
     const OneRings rings(triangles, vertex_count);
     constexpr std::size_t chunk = 4096;
@@ -178,8 +147,8 @@ EdgeCounts count_edges(std::span<const Triangle> triangles, std::size_t vertex_c
     for_each_chunk(vertex_count, chunk, [&](std::size_t s, std::size_t begin, std::size_t end) {
         std::vector<EdgeEntry> entries;
         for (std::size_t v = begin; v != end; ++v) {
+            if (pair_ring(triangles, rings, v, [](const Corner&, const Corner&) {})) continue;
             const auto vertex = static_cast<std::uint32_t>(v);
-            if (are_pairs(triangles, rings, vertex)) continue;
             edges_above(triangles, rings, vertex, entries);
             std::erase_if(entries,
                           [&](const EdgeEntry& entry) { return has_repeated_vertex(triangles[entry.edge().face]); });

@@ -213,16 +213,6 @@ MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& f
     return part;
 }
 
-namespace {
-
-/// The box of some positions, and whether they are finite.
-struct Extent {
-    Box box = empty_box;
-    double spoilt = 0;  ///< NaN if a coordinate is not finite
-};
-
-}  // namespace
-
 void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions) {
     const UninitializedVector<std::uint32_t>& used = topology.faces.vertices;
     Extent all;
@@ -231,22 +221,17 @@ void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions)
         all = reduce_ranges(
             used.size(), grain, all,
             [&](std::size_t begin, std::size_t end, Extent extent) {
-                for (std::size_t i = begin; i != end; ++i) {
-                    const Vec3& position = positions[used[i]];
-                    add(extent.box, {position, position});
-                    extent.spoilt +=
-                        (position[0] - position[0]) + (position[1] - position[1]) + (position[2] - position[2]);
-                }
+                for (std::size_t i = begin; i != end; ++i) extent.add(positions[used[i]]);
                 return extent;
             },
             [](Extent a, const Extent& b) {
-                add(a.box, b.box);
-                return Extent{a.box, a.spoilt + b.spoilt};
+                a.add(b);
+                return a;
             });
     } else {
-        all.spoilt = std::numeric_limits<double>::quiet_NaN();
+        all.zero = std::numeric_limits<double>::quiet_NaN();
     }
-    if (!(all.spoilt == 0)) {
+    if (!all.is_finite()) {
         mesh.set_positions(std::move(positions));  // which finds what is wrong
         return;
     }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <new>
 
 namespace clsdf::polyhedra {
 
@@ -13,26 +14,33 @@ namespace {
 constexpr double sliver = 1e-8;
 constexpr double vanishing = 1e-100;  // units; squares of shorter lengths leave the range of double
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr std::size_t right = CLSDF_HALF_RIGHT;
-constexpr std::size_t left = CLSDF_HALF_LEFT;
+/// Bounds the sum of a frame's roundings: some thirty of 2^-53 by count, 3e-15.
+constexpr double roundings = 1e-13;
 
-void set_inwards(TriangleFrame& frame, const Vector& across) {
-    frame.inwards[frame.base_edge] = across;
-    frame.inwards[next_of_three(frame.base_edge)] =
-        -frame.normal_along[right] * frame.along - frame.normal_across[right] * across;
-    frame.inwards[previous_of_three(frame.base_edge)] =
-        frame.normal_along[left] * frame.along - frame.normal_across[left] * across;
+/// Sets the axes of a face without altitude, and the normals of its slanted edges.
+void set_flat(one_lane::FaceFrames& face, const Vector& along, const Vector& across, double normal_along,
+              double normal_across) {
+    face.along = vectors_of(along);
+    face.across = vectors_of(across);
+    face.normal = vectors_of(along.cross(across));
+    face.altitude = 0;
+    face.along_right = face.along_left = normal_along;
+    face.across_right = face.across_left = normal_across;
 }
 
 /// All lengths become zero; the edges have the directions of an equilateral triangle's.
-void set_point(TriangleFrame& frame, const Vector& along, const Vector& across) {
-    frame.along = along;
-    frame.normal = along.cross(across);
-    frame.base = {0, 0};
-    frame.altitude = 0;
-    frame.normal_along = {std::sqrt(0.75), std::sqrt(0.75)};
-    frame.normal_across = {0.5, 0.5};
-    set_inwards(frame, across);
+void set_point(one_lane::FaceFrames& face, const Vector& along, const Vector& across) {
+    set_flat(face, along, across, std::sqrt(0.75), 0.5);
+    face.right = face.left = 0;
+}
+
+/// Sets what follows from the face.
+void set_directions(TriangleFrame& frame) {
+    frame.normal = to_vector(frame.face.normal);
+    frame.base_edge = frame.face.base_edges.is_first ? 0 : frame.face.base_edges.is_second ? 1 : 2;
+    frame.inwards[frame.base_edge] = to_vector(frame.face.across);
+    frame.inwards[next_of_three(frame.base_edge)] = to_vector(inward_from_right(&frame.face));
+    frame.inwards[previous_of_three(frame.base_edge)] = to_vector(inward_from_left(&frame.face));
 }
 
 /// The frame of a triangle for a unit whose reciprocal may be infinite.
@@ -48,47 +56,35 @@ TriangleFrame frame_of_tiny(const std::array<Vec3, 3>& corners, const LatticeVie
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
     if (lattice.unit < std::numeric_limits<double>::min()) return frame_of_tiny(corners, lattice);
     const auto& [a, b, c] = corners;
-    const one_lane::FaceFrames f = one_lane::frames_of_faces(face_lattice(lattice), vectors_of(to_vector(a)),
-                                                             vectors_of(to_vector(b)), vectors_of(to_vector(c)));
     TriangleFrame frame;
-    frame.base_edge = f.base_edges.is_first ? 0 : f.base_edges.is_second ? 1 : 2;
-    frame.foot = to_vector(f.foot);
-    if (!(f.length > vanishing)) {
-        set_point(frame, Vector::UnitX(), any_perpendicular(Vector::UnitX()));
-        frame.turn = infinite;
-        frame.is_box = true;
-        return frame;
+    // Constructed in its place rather than copied there.
+    new (&frame.face) one_lane::FaceFrames(frames_of_faces(face_lattice(lattice), vectors_of(to_vector(a)),
+                                                           vectors_of(to_vector(b)), vectors_of(to_vector(c))));
+    one_lane::FaceFrames& face = frame.face;
+    frame.is_box = !(face.length > vanishing) || !(face.height > sliver * face.length);
+    if (!(face.length > vanishing)) {
+        set_point(face, Vector::UnitX(), any_perpendicular(Vector::UnitX()));
+    } else {
+        const Vector along = to_vector(face.along), across = to_vector(face.across);
+        if (!(face.height > 0) || !(across.squaredNorm() > 0.5) || !(std::abs(across.dot(along)) < 1e-12))
+            set_flat(face, along, any_perpendicular(along), 0, 1);
     }
-    Vector across = to_vector(f.across);
-    frame.along = to_vector(f.along);
-    frame.normal = to_vector(f.normal);
-    frame.base = {f.right, f.left};
-    frame.altitude = f.altitude;
-    frame.normal_along = {f.along_right, f.along_left};
-    frame.normal_across = {f.across_right, f.across_left};
-    frame.is_box = !(f.height > sliver * f.length);
-    if (!(f.height > 0) || !(across.squaredNorm() > 0.5) || !(std::abs(across.dot(frame.along)) < 1e-12)) {
-        across = any_perpendicular(frame.along);
-        frame.normal = frame.along.cross(across);
-        frame.altitude = 0;
-        frame.normal_along = {0, 0};
-        frame.normal_across = {1, 1};
-    }
-    frame.turn =
-        !frame.is_box && frame.altitude > 0 ? frame_roundings * frame.base_length() / frame.altitude : infinite;
-    set_inwards(frame, across);
+    frame.turn = !frame.is_box && face.altitude > 0 ? roundings * frame.base_length() / face.altitude : infinite;
+    set_directions(frame);
     return frame;
 }
 
 TriangleFrame point_frame(const Vector& position, const Vector& normal) {
     TriangleFrame frame;
-    frame.base_edge = 0;
-    frame.foot = position;
+    frame.face = {};
+    frame.face.base_edges.is_first = 1;
+    frame.face.foot = vectors_of(position);
     const Vector along = any_perpendicular(normal);
-    set_point(frame, along, normal.cross(along));
-    frame.normal = normal;
+    set_point(frame.face, along, normal.cross(along));
+    frame.face.normal = vectors_of(normal);
     frame.turn = 0;
     frame.is_box = false;
+    set_directions(frame);
     return frame;
 }
 

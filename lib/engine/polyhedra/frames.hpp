@@ -18,8 +18,23 @@ namespace clsdf::polyhedra {
 
 using Vector = Eigen::Vector3d;
 
+/// Structs of kernels/frusta with one lane.
+namespace one_lane {
+
+using doubleL = double;
+using longL = long;
+#include "lane_frames.h"
+
+}  // namespace one_lane
+
 inline Vector to_vector(const Vec3& v) {
     return {v[0], v[1], v[2]};
+}
+inline Vector to_vector(const one_lane::Vectors& v) {
+    return {v.x, v.y, v.z};
+}
+inline one_lane::Vectors vectors_of(const Vector& v) {
+    return {v.x(), v.y(), v.z()};
 }
 
 /// A product of two vectors, summed in this order always, as in kernels/frusta/face_frames.h.
@@ -54,10 +69,6 @@ struct LatticeView {
         const double place_tail = std::fma(sample, spacing_in_units[axis], -place);
         return (head / unit - place) + (tail / unit - place_tail);
     }
-    Vec3 from_sample(const Vec3& position, const std::array<std::int32_t, 3>& sample) const {
-        return {from_sample(0, position[0], sample[0]), from_sample(1, position[1], sample[1]),
-                from_sample(2, position[2], sample[2])};
-    }
 };
 
 /// The lattice as kernels take it.
@@ -71,37 +82,24 @@ inline FaceLattice face_lattice(const LatticeView& lattice) {
     return result;
 }
 
-/// The frame of kernels/common/polyhedron.h in double precision, in units of the lattice. The members that
-/// tests of edges read come first, for the caches.
+/// The frame of kernels/common/polyhedron.h in double precision, in units of the lattice, as kernels have it, and what
+/// tests of edges take. What these read comes first, for the caches.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
 struct TriangleFrame {
     Vector normal;                  ///< Z
     std::array<Vector, 3> inwards;  ///< by edge of the triangle: unit vector in the plane, perpendicular to the edge
 
-    double altitude;
     double turn;  ///< bounds the angle by which rounding turns the frame around its edges; infinite for a box
     std::uint32_t base_edge;  ///< 0 to 2; edge k of the triangle runs from its vertex k to the next
     bool is_box;              ///< so degenerate that its lateral planes are left out: all its slopes are open
 
-    Vector along;                ///< X, along the longest edge: the base
-    Vector foot;                 ///< of the altitude, from the lattice's sample (0, 0, 0)
-    std::array<double, 2> base;  ///< by half: from the foot to the end of the base
+    one_lane::FaceFrames face;  ///< its foot from the lattice's sample (0, 0, 0)
 
-    // By half (CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT), components of the slanted edge's outward normal:
-    std::array<double, 2> normal_along;   ///< along X away from the foot
-    std::array<double, 2> normal_across;  ///< along Y
-
-    /// Y, from the base to the apex.
-    const Vector& across() const { return inwards[base_edge]; }
-
-    double base_length() const { return base[0] + base[1]; }
+    double base_length() const { return face.right + face.left; }
 
     /// Index of edge k of the triangle in the polyhedron: CLSDF_EDGE_BASE, _RIGHT or _LEFT.
     std::uint32_t polyhedron_edge(std::uint32_t k) const { return k >= base_edge ? k - base_edge : k + 3 - base_edge; }
 };
-
-/// Bounds the sum of a frame's roundings: some thirty of 2^-53 by count, 3e-15.
-inline constexpr double frame_roundings = 1e-13;
 
 /// The frame of a triangle, also of a degenerate one (twice the area <= 1e-8 times the square of the longest edge): of
 /// a segment the base is the segment. Of a triangle no longer than 1e-100 units everything has length zero.

@@ -1,7 +1,7 @@
 #include "polyhedra/frusta.hpp"
 
 #include "core/parallel.hpp"
-#include "mesh/box_index.hpp"
+#include "mesh/mesh_arrays.hpp"
 #include "polyhedra/frames.hpp"
 #include "polyhedra/gaps.hpp"
 #include "polyhedra/slopes.hpp"
@@ -134,7 +134,7 @@ Numbers all_numbers(std::size_t count) {
 bool is_sliver(const TriangleFrame& frame) {
     constexpr double thin = 2e-4;  // an altitude, beside its base
     constexpr double vanishing = 1e-20;
-    return !(frame.altitude > thin * frame.base_length()) || !(frame.base_length() > vanishing);
+    return !(frame.face.altitude > thin * frame.base_length()) || !(frame.base_length() > vanishing);
 }
 
 /// All faces around the vertices, and `others`; ascending.
@@ -144,12 +144,6 @@ Numbers faces_around(std::span<const std::uint32_t> vertices, const OneRings& ri
     std::sort(others.begin(), others.end());
     others.erase(std::unique(others.begin(), others.end()), others.end());
     return others;
-}
-
-Box box_of(std::span<const Vec3> positions) {
-    Box box = empty_box;
-    for (const Vec3& position : positions) add(box, {position, position});
-    return box;
 }
 
 }  // namespace
@@ -199,7 +193,9 @@ Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions
     frusta.positions = ordered_positions(topology, positions);
     frusta.slopes.resize(topology.order.size());
     const LeftToHost all{all_numbers(topology.order.size()), all_numbers(frusta.positions.size()), 0};
-    complete_frusta(topology, box_of(frusta.positions), all, frusta, options);
+    Extent extent;
+    for (const Vec3& position : frusta.positions) extent.add(position);
+    complete_frusta(topology, extent.box, all, frusta, options);
     return frusta;
 }
 

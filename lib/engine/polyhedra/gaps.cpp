@@ -141,16 +141,15 @@ private:
 class GapTest {
 public:
     GapTest(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
-            const MeasuredFaces& measured, double margin)
+            const MeasuredFaces& measured)
         : faces_(faces),
           edges_(edges),
           rings_(rings),
           measured_(measured),
-          per_unit_(std::min(1 / faces.lattice.unit, std::numeric_limits<double>::max())),
-          margin_(margin) {}
+          per_unit_(std::min(1 / faces.lattice.unit, std::numeric_limits<double>::max())) {}
 
     /// VertexMark of a vertex.
-    std::uint8_t look_at(std::uint32_t vertex) {
+    std::uint8_t marks_of(std::uint32_t vertex) {
         EdgesAround edges;
         for (std::size_t i = 0; i < rings_.size(vertex); ++i) edges.add(measured_, rings_.corner(vertex, i));
         return static_cast<std::uint8_t>((edges.are_mixed() ? vertex_saddle : 0) |
@@ -273,7 +272,7 @@ private:
             for (const bool side_of_middle : {true, false}) {
                 for (const LateralPlane& plane : face_planes_) {
                     const bool above = (plane.normal.dot(middle) >= 0) == side_of_middle;
-                    if (!search_.add(rejection(plane, above) - margin_ * middle)) return false;
+                    if (!search_.add(rejection(plane, above) - rejection_margin * middle)) return false;
                 }
             }
             if (search_.is_undecided() || 2 * middle.dot(search_.direction()) > 1) break;
@@ -310,7 +309,6 @@ private:
     const OneRings& rings_;
     const MeasuredFaces& measured_;
     double per_unit_;  // only the directions of what it scales are used
-    double margin_;
 
     VertexFans fans_;
     std::vector<Vector> spokes_;  // unit vectors to the neighbours; of face i of the fans, that at its edge before
@@ -323,16 +321,15 @@ private:
 }  // namespace
 
 std::vector<std::uint8_t> find_gaps(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
-                                    const MeasuredFaces& measured, std::span<const std::uint32_t> vertices,
-                                    double margin) {
+                                    const MeasuredFaces& measured, std::span<const std::uint32_t> vertices) {
     std::vector<std::uint8_t> marks(vertices.size());
-    tbb::enumerable_thread_specific<GapTest> tests([&] { return GapTest(faces, edges, rings, measured, margin); });
+    tbb::enumerable_thread_specific<GapTest> tests([&] { return GapTest(faces, edges, rings, measured); });
     constexpr std::size_t grain = 8;  // kernels leave few vertices
     for_each_range(
         vertices.size(),
         [&](std::size_t begin, std::size_t end) {
             GapTest& test = tests.local();
-            for (std::size_t i = begin; i < end; ++i) marks[i] = test.look_at(vertices[i]);
+            for (std::size_t i = begin; i < end; ++i) marks[i] = test.marks_of(vertices[i]);
         },
         grain);
     return marks;

@@ -73,7 +73,6 @@ inline constexpr double rejection_margin = 5e-6;
 /// VertexMark of each of `vertices`. A vertex without vertex_gap has its whole normal cone in its faces' polyhedra,
 /// widened by a quarter of the slack. `measured`: at least all faces around them; their slopes are leaned.
 std::vector<std::uint8_t> find_gaps(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
-                                    const MeasuredFaces& measured, std::span<const std::uint32_t> vertices,
-                                    double margin = rejection_margin);
+                                    const MeasuredFaces& measured, std::span<const std::uint32_t> vertices);
 
 }  // namespace clsdf::polyhedra

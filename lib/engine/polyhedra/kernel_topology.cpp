@@ -53,7 +53,7 @@ public:
         const std::vector<std::uint32_t> first = bucket_sort(
             kinds_.size(), CLSDF_FAN_FACES + 1, [&](std::size_t vertex) { return kinds_[vertex]; },
             [&](std::size_t vertex, std::size_t place) { sorted[place] = static_cast<std::uint32_t>(vertex); });
-        result.awkward_vertices.assign(sorted.begin() + first[awkward], sorted.begin() + first[awkward + 1]);
+        result.irregular_vertices.assign(sorted.begin() + first[irregular], sorted.begin() + first[irregular + 1]);
         std::vector<std::uint32_t> firsts;  // of each item, in `sorted`
         std::size_t words = 0;
         for (std::uint32_t faces = 3; faces <= CLSDF_FAN_FACES; ++faces)
@@ -74,16 +74,16 @@ public:
 
 private:
     /// The kinds of vertices beside those of fans, whose kind is the number of their faces.
-    enum : std::uint8_t { ordinary_border, awkward };
+    enum : std::uint8_t { regular_border, irregular };
 
     std::uint8_t kind_of(std::size_t vertex) {
         const std::size_t count = topology_.rings.size(vertex);
         if (count >= 3 && count <= CLSDF_FAN_FACES && walk(vertex, count)) return static_cast<std::uint8_t>(count);
-        return is_ordinary_border(vertex, count) ? ordinary_border : awkward;
+        return is_regular_border(vertex, count) ? regular_border : irregular;
     }
 
     /// Whether a vertex is at an open edge, hence without a gap, and has not the two edges of a saddle vertex.
-    bool is_ordinary_border(std::size_t vertex, std::size_t count) const {
+    bool is_regular_border(std::size_t vertex, std::size_t count) const {
         std::uint8_t marks = 0;
         std::size_t uses = 0;  // of edges with two faces: two each
         for (std::size_t i = 0; i < count; ++i) {
@@ -99,18 +99,11 @@ private:
 
     /// Whether the faces are one closed fan; lists its corners, counter-clockwise, if the ring has its own.
     bool walk(std::size_t vertex, std::size_t count) {
-        std::uint32_t* const fan = &fans_[topology_.rings.start(vertex)];
-        const Corner first = topology_.rings.corner(vertex, 0);
-        Corner corner = first;
-        for (std::size_t i = 0; i < count; ++i) {
-            fan[i] = corner.packed();
-            const FaceEdges& edges = topology_.edges.faces[corner.face];
-            const std::uint32_t arriving = previous_of_three(corner.vertex);
-            if ((edges.marks[corner.vertex] | edges.marks[arriving]) != 0) return false;
-            corner = Corner::unpack(edges.across[arriving]);
-            if (corner.face == first.face) return i + 1 == count;
-        }
-        return false;
+        std::uint32_t* place = &fans_[topology_.rings.start(vertex)];
+        return walk_fan(topology_.edges.faces, topology_.rings.corner(vertex, 0), count, [&](const Corner& corner) {
+            *place++ = corner.packed();
+            return true;
+        });
     }
 
     void write(const FanItem& item, const std::uint32_t* vertices, std::span<std::uint32_t> words) const {
@@ -132,7 +125,7 @@ private:
 KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(3 * topology.order.size()) {
     constexpr std::size_t chunk = 4096;
     const std::size_t count = topology.order.size();
-    awkward_faces = collected(count, chunk, [&](std::size_t begin, std::size_t end, Numbers& awkward) {
+    irregular_faces = collected(count, chunk, [&](std::size_t begin, std::size_t end, Numbers& irregular) {
         for (std::size_t face = begin; face < end; ++face) {
             const FaceEdges& edges = topology.edges.faces[face];
             std::uint8_t all = 0;
@@ -145,7 +138,7 @@ KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(3 * topo
                 const Corner across = Corner::unpack(edges.across[k]);
                 opposite[3 * face + k] = topology.faces.triangles[across.face][previous_of_three(across.vertex)];
             }
-            if ((all & ~edge_open) != 0) awkward.push_back(static_cast<std::uint32_t>(face));
+            if ((all & ~edge_open) != 0) irregular.push_back(static_cast<std::uint32_t>(face));
         }
     });
     FanFiling(topology).run(*this);
@@ -155,7 +148,7 @@ LeftToHost KernelTopology::left_to_host(const MeshTopology& topology, std::span<
                                         std::span<const std::uint8_t> vertex_answers) const {
     LeftToHost left;
     left.faces = answered_faces(face_answers);
-    left.faces.insert(left.faces.end(), awkward_faces.begin(), awkward_faces.end());
+    left.faces.insert(left.faces.end(), irregular_faces.begin(), irregular_faces.end());
     sort_and_unite(left.faces);
     std::atomic<std::size_t> saddles = 0;
     constexpr std::size_t items_of_chunk = (1U << 16) / CLSDF_FAN_ITEM;
@@ -176,14 +169,14 @@ LeftToHost KernelTopology::left_to_host(const MeshTopology& topology, std::span<
             }
             saddles += saddles_here;
         });
-    left.vertices.insert(left.vertices.end(), awkward_vertices.begin(), awkward_vertices.end());
+    left.vertices.insert(left.vertices.end(), irregular_vertices.begin(), irregular_vertices.end());
     std::sort(left.vertices.begin(), left.vertices.end());
     left.saddles_elsewhere = saddles;
     return left;
 }
 
 std::size_t KernelTopology::bytes() const {
-    return (opposite.size() + fan_words.size() + awkward_faces.size() + awkward_vertices.size()) *
+    return (opposite.size() + fan_words.size() + irregular_faces.size() + irregular_vertices.size()) *
                sizeof(std::uint32_t) +
            fan_items.size() * sizeof(FanItem);
 }

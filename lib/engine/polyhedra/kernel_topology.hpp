@@ -21,9 +21,9 @@ struct KernelTopology {
     std::vector<FanItem> fan_items;
     /// Ascending: faces with an edge of three faces or more, of two of different orientations, or from a vertex to
     /// itself.
-    std::vector<std::uint32_t> awkward_faces;
+    std::vector<std::uint32_t> irregular_faces;
     /// Ascending: vertices that are in no fan, and may leave a gap or be saddle vertices.
-    std::vector<std::uint32_t> awkward_vertices;
+    std::vector<std::uint32_t> irregular_vertices;
 
     explicit KernelTopology(const MeshTopology& topology);
 

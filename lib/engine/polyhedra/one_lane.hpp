@@ -5,6 +5,11 @@
 
 #include "face_sources.h"
 
+// OpenCL C gets no warnings for C++.
+#ifdef __GNUC__
+#pragma GCC system_header
+#endif
+
 /// kernels/frusta/face_frames.h, compiled by the host with one lane.
 namespace clsdf::polyhedra::one_lane {
 
@@ -13,30 +18,9 @@ using namespace kernel_language;
 #define LANES 1
 #define __global
 #define __private
-#ifdef __GNUC__
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wdouble-promotion"
-#pragma GCC diagnostic ignored "-Wold-style-cast"
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-#endif
 #include "face_frames.h"
-#ifdef __GNUC__
-#pragma GCC diagnostic pop
-#endif
 #undef LANES
 #undef __global
 #undef __private
 
 }  // namespace clsdf::polyhedra::one_lane
-
-namespace clsdf::polyhedra {
-
-inline one_lane::Vectors vectors_of(const Vector& v) {
-    return one_lane::vectors(v.x(), v.y(), v.z());
-}
-inline Vector to_vector(const one_lane::Vectors& v) {
-    return {v.x, v.y, v.z};
-}
-
-}  // namespace clsdf::polyhedra

@@ -1,6 +1,5 @@
 #include "polyhedra/records.hpp"
 
-#include "core/parallel.hpp"
 #include "polyhedra/one_lane.hpp"
 #include "polyhedra/topology.hpp"
 
@@ -17,13 +16,14 @@ namespace {
 Vector foot_from(const Vector& sample, Vector foot, const TriangleFrame& frame, std::span<const Vec3> positions,
                  const Triangle& corners, const LatticeView& lattice) {
     // From the end of the base that is nearer; the base runs from its left end to its right one, the next corner.
-    const bool is_right = frame.base[CLSDF_HALF_RIGHT] <= frame.base[CLSDF_HALF_LEFT];
-    const double to_foot = is_right ? -frame.base[CLSDF_HALF_RIGHT] : frame.base[CLSDF_HALF_LEFT];
+    const bool is_right = frame.face.right <= frame.face.left;
+    const double to_foot = is_right ? -frame.face.right : frame.face.left;
     const Vec3& end = positions[corners[is_right ? next_of_three(frame.base_edge) : frame.base_edge]];
+    const Vector along = to_vector(frame.face.along), from_lattice = to_vector(frame.face.foot);
     for (int axis = 0; axis < 3; ++axis) {
-        if (!(std::abs(frame.foot[axis]) > LatticeView::far)) continue;
+        if (!(std::abs(from_lattice[axis]) > LatticeView::far)) continue;
         const auto a = static_cast<std::size_t>(axis);
-        foot[axis] = lattice.from_sample(a, end[a], sample[axis]) + to_foot * frame.along[axis];
+        foot[axis] = lattice.from_sample(a, end[a], sample[axis]) + to_foot * along[axis];
     }
     return foot;
 }
@@ -33,28 +33,15 @@ Vector foot_from(const Vector& sample, Vector foot, const TriangleFrame& frame, 
 Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,
                 std::span<const Vec3> positions, const Triangle& corners, const LatticeView& lattice) {
     const FaceLattice view = face_lattice(lattice);
-    one_lane::FaceFrames f{};
-    f.base_edges = {frame.base_edge == 0, frame.base_edge == 1};
-    f.along = vectors_of(frame.along);
-    f.across = vectors_of(frame.across());
-    f.normal = vectors_of(frame.normal);
-    f.right = frame.base[CLSDF_HALF_RIGHT];
-    f.left = frame.base[CLSDF_HALF_LEFT];
-    f.along_right = frame.normal_along[CLSDF_HALF_RIGHT];
-    f.along_left = frame.normal_along[CLSDF_HALF_LEFT];
-    f.across_right = frame.normal_across[CLSDF_HALF_RIGHT];
-    f.across_left = frame.normal_across[CLSDF_HALF_LEFT];
-    f.altitude = frame.altitude;
     one_lane::LaneSlopes by_edge;
     for (std::uint32_t k = 0; k < 3; ++k) {
         by_edge.above[frame.polyhedron_edge(k)] = static_cast<double>(slopes.above[k]);
         by_edge.below[frame.polyhedron_edge(k)] = static_cast<double>(slopes.below[k]);
     }
-    const one_lane::Vectors from_lattice = vectors_of(frame.foot);
-    const one_lane::Vectors origin = origins_of(view, from_lattice);
-    const Vector foot = foot_from(to_vector(origin), to_vector(feet_from_origins(view, from_lattice, origin)), frame,
+    const one_lane::Vectors origin = origins_of(view, frame.face.foot);
+    const Vector foot = foot_from(to_vector(origin), to_vector(feet_from_origins(view, frame.face.foot, origin)), frame,
                                   positions, corners, lattice);
-    return std::bit_cast<Polyhedron>(records_of(view, &f, &by_edge, triangle, origin, vectors_of(foot)));
+    return std::bit_cast<Polyhedron>(records_of(view, &frame.face, &by_edge, triangle, origin, vectors_of(foot)));
 }
 
 void write_face_record(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice, std::size_t face,
@@ -65,12 +52,6 @@ void write_face_record(const MeshTopology& topology, const Frusta& frusta, const
     new (&record) Polyhedron(
         pack(faces.frame(face), frusta.slopes[face], topology.order[face], frusta.positions, corners, lattice));
     if (topology.edges.is_non_manifold(face)) record.flags |= CLSDF_POLYHEDRON_NON_MANIFOLD;
-}
-
-void write_face_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
-                        std::span<Polyhedron> records) {
-    for_each_index(records.size(),
-                   [&](std::size_t face) { write_face_record(topology, frusta, lattice, face, records[face]); });
 }
 
 void write_site_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,

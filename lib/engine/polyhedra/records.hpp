@@ -24,10 +24,6 @@ Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint3
 void write_face_record(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice, std::size_t face,
                        Polyhedron& record);
 
-/// The records of all faces, or of the first ones.
-void write_face_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
-                        std::span<Polyhedron> records);
-
 /// The records of point sites that follow each other, from `first` on.
 void write_site_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
                         std::size_t first, std::span<Polyhedron> records);

@@ -12,18 +12,16 @@
 
 namespace clsdf::polyhedra {
 
-int side_of_plane(const OppositeVertex& vertex) {
-    const auto& [a, b, c] = vertex.plane;
-    return orientation(a, b, c, vertex.point);
+int side_of_plane(const MeshFaces& faces, std::uint32_t first, const Corner& second) {
+    const auto& [a, b, c] = faces.corners(first);
+    return orientation(a, b, c, faces.position(faces.triangles[second.face][previous_of_three(second.vertex)]));
 }
 
 void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
-    const double cosine = frame.normal_across[CLSDF_HALF_RIGHT] * frame.normal_across[CLSDF_HALF_LEFT] -
-                          frame.normal_along[CLSDF_HALF_RIGHT] * frame.normal_along[CLSDF_HALF_LEFT];
     for (std::array<float, 3>* side : {&slopes.above, &slopes.below}) {
         std::array<double, 3> by_edge;  // of the polyhedron
         for (std::uint32_t k = 0; k < 3; ++k) by_edge[frame.polyhedron_edge(k)] = static_cast<double>((*side)[k]);
-        one_lane::lean(cosine, by_edge.data());
+        one_lane::lean(&frame.face, by_edge.data());
         for (std::uint32_t k = 0; k < 3; ++k) (*side)[k] = static_cast<float>(by_edge[frame.polyhedron_edge(k)]);
     }
 }
@@ -79,17 +77,12 @@ void set_around(std::span<const EdgeEntry> faces, std::span<const TriangleFrame>
     }
 }
 
-bool comes_before(const Corner& a, const Corner& b) {
-    return a.packed() < b.packed();
-}
-
 }  // namespace
 
 FaceMeasures::FaceMeasures(const MeshFaces& faces, const OneRings& rings, const PairedEdges& edges)
     : faces_(faces), edges_(edges.faces) {
     measure_non_manifold(rings, edges.non_manifold_ends);
-    std::sort(non_manifold_.begin(), non_manifold_.end(),
-              [](const NonManifoldEdge& a, const NonManifoldEdge& b) { return comes_before(a.corner, b.corner); });
+    std::ranges::sort(non_manifold_, {}, &NonManifoldEdge::edge);
 }
 
 void FaceMeasures::measure_non_manifold(const OneRings& rings, std::span<const std::uint32_t> ends) {
@@ -110,18 +103,12 @@ void FaceMeasures::measure_non_manifold(const OneRings& rings, std::span<const s
                 slopes.resize(edge.size());
                 if (!at_box) set_around(edge, frames, slopes);
                 for (std::size_t face = 0; face < edge.size(); ++face)
-                    found.push_back({edge[face].edge(), at_box ? std::nullopt : std::optional(slopes[face])});
+                    found.push_back({edge[face].edge().packed(), at_box ? std::nullopt : std::optional(slopes[face])});
             });
         }
         const std::lock_guard lock(mutex);
         non_manifold_.insert(non_manifold_.end(), found.begin(), found.end());
     });
-}
-
-const FaceMeasures::NonManifoldEdge& FaceMeasures::non_manifold(const Corner& edge) const {
-    return *std::lower_bound(
-        non_manifold_.begin(), non_manifold_.end(), edge,
-        [](const NonManifoldEdge& entry, const Corner& corner) { return comes_before(entry.corner, corner); });
 }
 
 MeasuredFace FaceMeasures::measure(std::uint32_t face) const {
@@ -130,7 +117,7 @@ MeasuredFace FaceMeasures::measure(std::uint32_t face) const {
     measured.marks = edges_[face].marks;
     for (std::uint32_t k = 0; k < 3; ++k) {
         if ((measured.marks[k] & (edge_open | edge_non_manifold | edge_at_box)) != 0)
-            set_alone({face, k}, measured);
+            set_unpaired({face, k}, measured);
         else
             set_pair({face, k}, measured);
     }
@@ -138,11 +125,12 @@ MeasuredFace FaceMeasures::measure(std::uint32_t face) const {
 }
 
 /// An edge without exactly one other face. A box takes the wedges of all its edges, so that faces beside it need none.
-void FaceMeasures::set_alone(const Corner& edge, MeasuredFace& measured) const {
+void FaceMeasures::set_unpaired(const Corner& edge, MeasuredFace& measured) const {
     EdgeSlope slope = open_edge;
     std::uint8_t& marks = measured.marks[edge.vertex];
     if ((marks & edge_non_manifold) != 0) {
-        const NonManifoldEdge& entry = non_manifold(edge);
+        const NonManifoldEdge& entry =
+            *std::ranges::lower_bound(non_manifold_, edge.packed(), {}, &NonManifoldEdge::edge);
         if (!entry.slope) marks |= edge_at_box;
         if (!measured.frame.is_box) slope = entry.slope.value_or(EdgeSlope{0, 0});
     }
@@ -159,7 +147,7 @@ void FaceMeasures::set_pair(const Corner& edge, MeasuredFace& measured) const {
     const bool is_folded = folded(dot(apart, apart));
     const double sine = dot(second, own.normal), turn = own.turn + across.turn;
     int side = (sine > turn ? 1 : 0) - (sine < -turn ? 1 : 0);
-    if (side == 0 || is_folded) side = side_of_plane(OppositeVertex(faces_, edge.face, other));
+    if (side == 0 || is_folded) side = side_of_plane(faces_, edge.face, other);
 
     std::uint8_t& marks = measured.marks[edge.vertex];
     if ((marks & edge_unoriented) == 0 && side != 0) marks |= side < 0 ? edge_convex : edge_concave;

@@ -43,20 +43,9 @@ inline bool folded(double squared_apart) {
 /// Leans two planes outward if the corner opposite the base is obtuse: lean() of kernels/frusta/face_frames.h.
 void lean(const TriangleFrame& frame, FaceSlopes& slopes);
 
-/// The plane of a face, and the vertex opposite to one of its edges in another face.
-struct OppositeVertex {
-    std::array<Vec3, 3> plane;
-    Vec3 point;
-
-    /// `second`: the edge, as the other face has it.
-    OppositeVertex(const MeshFaces& faces, std::uint32_t first, const Corner& second)
-        : plane(faces.corners(first)),
-          point(faces.position(faces.triangles[second.face][previous_of_three(second.vertex)])) {}
-};
-
-/// On which side of the plane the vertex lies: 1 above (the edge is concave seen from above), -1 below, 0 in it. Exact
-/// for the coordinates as given.
-int side_of_plane(const OppositeVertex& vertex);
+/// On which side of a face's plane another face's vertex lies that is opposite to the edge `second` of that face: 1
+/// above (the edge is concave seen from above), -1 below, 0 in it. Exact for the coordinates as given.
+int side_of_plane(const MeshFaces& faces, std::uint32_t first, const Corner& second);
 
 /// The parts of the planes at a face's edge, above the face and below it.
 struct LateralPlane {
@@ -90,13 +79,12 @@ public:
 private:
     /// The slopes at an edge where three faces or more meet; none if one of them is a box.
     struct NonManifoldEdge {
-        Corner corner;
+        std::uint32_t edge;  ///< packed
         std::optional<EdgeSlope> slope;
     };
 
     void measure_non_manifold(const OneRings& rings, std::span<const std::uint32_t> ends);
-    const NonManifoldEdge& non_manifold(const Corner& edge) const;
-    void set_alone(const Corner& edge, MeasuredFace& measured) const;
+    void set_unpaired(const Corner& edge, MeasuredFace& measured) const;
     void set_pair(const Corner& edge, MeasuredFace& measured) const;
 
     MeshFaces faces_;

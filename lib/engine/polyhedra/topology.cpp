@@ -3,7 +3,6 @@
 #include "core/parallel.hpp"
 
 #include <algorithm>
-#include <array>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -12,39 +11,6 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-/// So many faces are compared with each other.
-constexpr std::size_t few_faces = 16;
-
-using OfFewFaces = std::array<std::uint32_t, few_faces>;
-using FewCorners = std::array<Corner, few_faces>;
-
-/// Faces around a vertex: the vertices at the ends of their edges that leave it, and that arrive there.
-struct Spokes {
-    OfFewFaces next;
-    OfFewFaces previous;
-};
-
-/// To each edge that leaves the vertex, those that run along it.
-struct Matches {
-    OfFewFaces other;  ///< the last of the edges that arrive
-    OfFewFaces arriving;
-    OfFewFaces leaving;
-};
-
-CLSDF_SEVERAL_TARGETS Matches match(const Spokes& spokes, std::size_t count) {
-    Matches matches{};
-    for (std::size_t j = 0; j < count; ++j) {
-        const std::uint32_t next = spokes.next[j];
-        const std::uint32_t previous = spokes.previous[j];
-        for (std::size_t i = 0; i < few_faces; ++i) {
-            matches.other[i] = spokes.next[i] == previous ? static_cast<std::uint32_t>(j) : matches.other[i];
-            matches.arriving[i] += spokes.next[i] == previous ? 1U : 0U;
-            matches.leaving[i] += spokes.next[i] == next ? 1U : 0U;
-        }
-    }
-    return matches;
-}
-
 /// Sets the edges that leave one vertex after the other: those of all vertices are all there are.
 class EdgePairing {
 public:
@@ -52,7 +18,10 @@ public:
         : triangles_(triangles), rings_(rings), faces_(faces) {}
 
     void set_leaving(std::uint32_t vertex) {
-        if (!set_pairs(vertex)) set_any(vertex);
+        const auto set_pair = [this](const Corner& edge, const Corner& other) {
+            set(edge, Corner{other.face, previous_of_three(other.vertex)}.packed(), 0);
+        };
+        if (!pair_ring(triangles_, rings_, vertex, set_pair)) set_irregular(vertex);
     }
 
     /// The ends among the vertices so far.
@@ -61,31 +30,7 @@ public:
     bool has_marks() const { return has_marks_; }
 
 private:
-    /// Sets the pairs of a vertex whose edges all have two faces that run along them in opposite directions. Returns
-    /// false for any other vertex, and if it has many faces.
-    bool set_pairs(std::uint32_t vertex) {
-        const std::size_t count = rings_.size(vertex);
-        if (count > few_faces) return false;
-        FewCorners corners;  // not cleared: this is done for every vertex
-        Spokes spokes{};
-        for (std::size_t i = 0; i < count; ++i) {
-            corners[i] = rings_.corner(vertex, i);
-            const Triangle& triangle = triangles_[corners[i].face];
-            spokes.next[i] = triangle[next_of_three(corners[i].vertex)];
-            spokes.previous[i] = triangle[previous_of_three(corners[i].vertex)];
-        }
-        const Matches matches = match(spokes, count);
-        bool paired = true;
-        for (std::size_t i = 0; i < count; ++i) {
-            const Corner& across = corners[matches.other[i]];
-            // A face with a vertex twice arrives along the edge that it leaves by.
-            paired &= matches.arriving[i] == 1 && matches.leaving[i] == 1 && across.face != corners[i].face;
-            set(corners[i], Corner{across.face, previous_of_three(across.vertex)}.packed(), 0);
-        }
-        return paired;
-    }
-
-    void set_any(std::uint32_t vertex) {
+    void set_irregular(std::uint32_t vertex) {
         for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
             const Corner corner = rings_.corner(vertex, i);
             if (start(corner) == triangles_[corner.face][next_of_three(corner.vertex)]) set(corner, 0, edge_at_box);

@@ -52,6 +52,20 @@ struct PairedEdges {
 
 PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings);
 
+/// Goes around a vertex, counter-clockwise, from one of its `count` corners on, and calls f(corner) for each until it
+/// returns false. Returns whether all faces there are one closed fan of one orientation.
+template <typename Function>
+bool walk_fan(std::span<const FaceEdges> faces, const Corner& first, std::size_t count, const Function& f) {
+    Corner corner = first;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t arriving = previous_of_three(corner.vertex);
+        if (!f(corner) || faces[corner.face].marks[arriving] != 0) return false;
+        corner = Corner::unpack(faces[corner.face].across[arriving]);
+        if (corner.face == first.face) return i + 1 == count;
+    }
+    return false;
+}
+
 /// The faces around a vertex all of whose edges there have two faces: closed fans, each in the cyclic order in which
 /// its faces share edges. Face i of a fan lies between the edges to the neighbours i and i + 1.
 class VertexFans {

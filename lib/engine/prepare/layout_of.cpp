@@ -12,13 +12,8 @@ namespace clsdf::scan {
 
 namespace {
 
-// Slack of a test = level slack + slack_rate * bound (docs/method.md, 'Rounding and slack': 1e-3 + 2e-5 bound).
-// Rounding also grows with the size of the group of blocks whose centre the offsets are formed at.
-constexpr double base_slack = 1e-3;
-constexpr double slack_rate = 2e-5;
 // Stands for an infinite half width: beyond any distance that a float can hold the square of with room to spare.
 constexpr double unbounded_half_width = 1e15;
-constexpr double unbounded_polyhedron_half_width = 1e6;
 // Differences of two indices are integers of 32 bits, also from where the coarse bricks that overlap a grid begin.
 constexpr std::int64_t index_limit = (std::int64_t{1} << 30) - std::int64_t{4} * CLSDF_COARSE;
 
@@ -125,14 +120,6 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
 polyhedra::LatticeView lattice_of(const Grid& grid) {
     const double unit = unit_of(grid);
     return {grid.origin, unit, {grid.spacing[0] / unit, grid.spacing[1] / unit, grid.spacing[2] / unit}};
-}
-
-PolyhedronWidths polyhedron_widths(const Layout& layout) {
-    return polyhedron_widths(std::min(static_cast<double>(layout.half_width), unbounded_polyhedron_half_width));
-}
-
-PolyhedronWidths polyhedron_widths(double half_width) {
-    return {half_width, base_slack + slack_rate * half_width};
 }
 
 bool has_long_bricks(const Grid& grid) {

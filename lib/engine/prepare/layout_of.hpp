@@ -20,14 +20,10 @@ Layout bricks_of(const Grid& grid);
 /// How polyhedra see the lattice.
 polyhedra::LatticeView lattice_of(const Grid& grid);
 
-/// The half width, in units, that the polyhedra are made for, and their slack. Frusta for an infinite band hold for
-/// every finite bound, because the slack of a test grows with its bound.
-struct PolyhedronWidths {
-    double half_width;
-    double slack;
-};
-PolyhedronWidths polyhedron_widths(const Layout& layout);
-PolyhedronWidths polyhedron_widths(double half_width);
+/// Slack of a test = base_slack + slack_rate * bound (docs/method.md, 'Rounding and slack': 1e-3 + 2e-5 bound), in
+/// units. Rounding also grows with the size of the group of blocks whose centre the offsets are formed at.
+inline constexpr double base_slack = 1e-3;
+inline constexpr double slack_rate = 2e-5;
 
 /// Whether the spacing is so unequal that float offsets within a brick are too coarse for the accuracy.
 bool has_long_bricks(const Grid& grid);

@@ -125,14 +125,14 @@ public:
     Finder(const PointMesh& mesh, SignRule rule) : mesh_(mesh), topology_(*mesh.topology), rule_(rule) {
         const std::size_t count = mesh.face_count();
         shapes_.resize(count);
-        is_spoilt_.assign(count, 0);
+        is_excluded_.assign(count, 0);
         for_each_index(count, [&](std::size_t face) {
             shapes_[face] = shape_of(mesh_, face);
             const Shape& shape = shapes_[face];
             const bool is_sliver = !(shape.altitude > std::max(least_altitude, least_sine * shape.longest));
             const bool is_in_a_large_fan = std::ranges::any_of(
                 vertices(face), [&](std::uint32_t vertex) { return topology_.rings.size(vertex) > most_in_fan; });
-            is_spoilt_[face] = is_sliver || is_in_a_large_fan ? 1 : 0;
+            is_excluded_[face] = is_sliver || is_in_a_large_fan ? 1 : 0;
         });
     }
 
@@ -149,23 +149,24 @@ public:
 private:
     const Triangle& vertices(std::size_t face) const { return topology_.faces.triangles[face]; }
 
-    /// All pairs but those of two faces that are spoilt from the start. Slivers and large fans have too many of these.
+    /// All pairs but those of two faces that are excluded from the start. Slivers and large fans have too many of
+    /// these.
     void compare_all() {
-        const std::vector<std::uint8_t> at_first = is_spoilt_;
+        const std::vector<std::uint8_t> at_first = is_excluded_;
         for_each_index(mesh_.face_count(), [&](std::size_t face) {
             if (at_first[face] != 0) return;
             visit_faces(mesh_, face_box(mesh_, face), [&](std::size_t other) {
                 const bool is_once = other > face || at_first[other] != 0;
                 if (other != face && is_once && !is_harmless(face, other)) {
-                    spoil(face);
-                    spoil(other);
+                    exclude(face);
+                    exclude(other);
                 }
                 return false;
             });
         });
     }
 
-    void spoil(std::size_t face) { std::atomic_ref(is_spoilt_[face]).store(1, std::memory_order_relaxed); }
+    void exclude(std::size_t face) { std::atomic_ref(is_excluded_[face]).store(1, std::memory_order_relaxed); }
 
     /// Whether the two come together in common vertices alone.
     bool is_harmless(std::size_t f, std::size_t g) const {
@@ -185,7 +186,7 @@ private:
         return !is_folded(shapes_[f], first, shapes_[g], 3 - of_g[0] - of_g[1]);
     }
 
-    bool is_plain(std::size_t face) const { return is_spoilt_[face] == 0; }
+    bool is_included(std::size_t face) const { return is_excluded_[face] == 0; }
 
     /// The face across an edge that two faces of one orientation share; or the same face.
     std::size_t across(std::size_t face, std::size_t edge) const {
@@ -200,7 +201,7 @@ private:
         for (std::size_t face = 0; face < root_.size(); ++face)
             for (std::size_t edge = 0; edge < 3; ++edge) {
                 const std::size_t other = across(face, edge);
-                if (other < face && is_plain(face) && is_plain(other)) root_[root_of(face)] = root_of(other);
+                if (other < face && is_included(face) && is_included(other)) root_[root_of(face)] = root_of(other);
             }
         for (std::size_t face = 0; face < root_.size(); ++face) root_[face] = root_of(face);
     }
@@ -216,7 +217,7 @@ private:
         std::vector<std::uint32_t> faces(root_.size(), CLSDF_NO_FACE);
         for (std::size_t face = 0; face < root_.size(); ++face) {
             std::uint32_t& best = faces[root_[face]];
-            if (is_plain(face) && (best == CLSDF_NO_FACE || shapes_[face].altitude > shapes_[best].altitude))
+            if (is_included(face) && (best == CLSDF_NO_FACE || shapes_[face].altitude > shapes_[best].altitude))
                 best = static_cast<std::uint32_t>(face);
         }
         of_root_.assign(root_.size(), 0);
@@ -246,10 +247,10 @@ private:
 
     /// Bits of the sites that tell the side too: all their faces have it.
     std::uint16_t sides_of(std::size_t face) const {
-        if (!is_plain(face)) return 0;
+        if (!is_included(face)) return 0;
         std::uint16_t sides = of_root_[root_[face]];
         if (sides == 0) return 0;
-        const auto has_same = [&](std::size_t other) { return is_plain(other) && root_[other] == root_[face]; };
+        const auto has_same = [&](std::size_t other) { return is_included(other) && root_[other] == root_[face]; };
         for (std::size_t k = 0; k < 3; ++k) {
             if (const std::size_t other = across(face, k); other != face && has_same(other))
                 sides = static_cast<std::uint16_t>(sides | 1U << (3 + k));
@@ -262,19 +263,9 @@ private:
     /// Whether the faces at a vertex go once around it, and all are as one wants them.
     template <typename Predicate>
     bool is_one_fan(std::size_t face, std::size_t k, const Predicate& is_wanted) const {
-        const std::size_t vertex = vertices(face)[k];
-        const std::size_t count = topology_.rings.size(vertex);
-        std::size_t at = face, corner = k;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (!is_wanted(at)) return false;
-            const std::size_t edge = (corner + 2) % 3;  // that ends at the vertex
-            if (topology_.edges.faces[at].marks[edge] != 0) return false;
-            const auto next = Corner::unpack(topology_.edges.faces[at].across[edge]);
-            at = next.face;
-            corner = next.vertex;  // the edge begins at the vertex there
-            if (at == face) return i + 1 == count;
-        }
-        return false;
+        const Corner corner{static_cast<std::uint32_t>(face), static_cast<std::uint32_t>(k)};
+        return polyhedra::walk_fan(topology_.edges.faces, corner, topology_.rings.size(vertices(face)[k]),
+                                   [&](const Corner& other) { return is_wanted(other.face); });
     }
 
     /// Whether the normals of the faces at a vertex are all near their sum, weighted by angles.
@@ -298,7 +289,7 @@ private:
     const polyhedra::MeshTopology& topology_;
     SignRule rule_;
     UninitializedVector<Shape> shapes_;
-    std::vector<std::uint8_t> is_spoilt_;
+    std::vector<std::uint8_t> is_excluded_;
     std::vector<std::uint32_t> root_;
     std::vector<std::uint16_t> of_root_;
 };

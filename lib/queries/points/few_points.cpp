@@ -1,14 +1,10 @@
 #include "points/few_points.hpp"
 
 #include "core/floating_point.hpp"
-#include "core/kernel_language.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
+#include "points/one_lane.hpp"
 #include "points/point_signs.hpp"
-
-#include "layout.h"
-#include "outputs.h"
-#include "point_tree.h"
 
 #include <algorithm>
 #include <array>
@@ -21,39 +17,6 @@
 #else
 #define CLSDF_FLATTEN
 #endif
-
-/// kernels/points/point_search.h and finish_point.h, compiled by the host with one lane.
-namespace clsdf::points::one_lane {
-
-using namespace kernel_language;
-
-#define LANES 1
-#define REAL double
-#define TRUTH long
-#define __global
-#define __private
-#ifdef __GNUC__
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wcast-align"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wdouble-promotion"
-#pragma GCC diagnostic ignored "-Wold-style-cast"
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wunused-parameter"
-#endif
-#include "finish_point.h"
-#include "point_search.h"
-#ifdef __GNUC__
-#pragma GCC diagnostic pop
-#endif
-#undef LANES
-#undef REAL
-#undef TRUTH
-#undef __global
-#undef __private
-
-}  // namespace clsdf::points::one_lane
 
 namespace clsdf::points {
 
