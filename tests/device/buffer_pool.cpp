@@ -100,7 +100,8 @@ BOOST_AUTO_TEST_CASE(what_was_not_used_since_the_last_trim_is_released) {
 }
 
 BOOST_AUTO_TEST_CASE(the_hosts_memory_under_a_buffer_lives_until_no_command_uses_it) {
-    const device::Context& context = device::context_of(Device::strongest());
+    const Device device = Device::strongest();
+    const device::Context& context = device::context_of(device);
     const cl::CommandQueue queue(context.context(), context.device());
     constexpr std::size_t count = 1000;
     auto values = std::make_shared<const std::vector<cl_uint>>(count, 7U);
