@@ -14,12 +14,12 @@ namespace clsdf::scan {
 
 /// A mesh's topology for the kernels that make frusta.
 struct FrustaSources {
-    polyhedra::KernelTopology of_kernels;
+    std::shared_ptr<const polyhedra::KernelTopology> of_kernels;
     device::BufferPool::Lease opposite, fan_words, fan_items;
 
     FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology);
 
-    std::size_t host_bytes() const { return of_kernels.bytes(); }
+    std::size_t host_bytes() const { return of_kernels->bytes(); }
     std::size_t device_bytes() const { return opposite.bytes() + fan_words.bytes() + fan_items.bytes(); }
 };
 
