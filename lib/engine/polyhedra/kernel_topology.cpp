@@ -182,7 +182,7 @@ LeftToHost KernelTopology::left_to_host(const MeshTopology& topology, std::span<
     return left;
 }
 
-std::size_t KernelTopology::bytes() const {
+std::size_t KernelTopology::host_bytes() const {
     return (opposite.size() + fan_words.size() + awkward_faces.size() + awkward_vertices.size()) *
                sizeof(std::uint32_t) +
            fan_items.size() * sizeof(FanItem);

@@ -19,7 +19,7 @@ struct FrustaSources {
 
     FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology);
 
-    std::size_t host_bytes() const { return of_kernels.bytes(); }
+    std::size_t host_bytes() const { return of_kernels.host_bytes(); }
     std::size_t device_bytes() const { return opposite.bytes() + fan_words.bytes() + fan_items.bytes(); }
 };
 
