@@ -1,6 +1,5 @@
 #include "plan/stages.hpp"
 
-#include "core/lifetime.hpp"
 #include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
 #include "polyhedra/sites.hpp"
@@ -83,7 +82,7 @@ Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> poo
       mesh_(std::move(part.mesh)),
       restriction_(std::move(restriction)),
       topology_(std::move(part.topology)),
-      frusta_(std::move(part.frusta)) {}
+      frusta_(std::make_shared<const polyhedra::Frusta>(std::move(part.frusta))) {}
 
 std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
                                            SignRule sign) {
@@ -119,39 +118,8 @@ void Stages::check(const Grid& grid, const Band& band, SignRule sign) const {
     layout_of(grid, band, sign);
 }
 
-Stages::~Stages() {
-    wait_for_readers();
-}
-
-class Stages::ReaderMark {
-public:
-    explicit ReaderMark(Stages& stages) : stages_(stages) {}
-    ReaderMark(const ReaderMark&) = delete;
-    ReaderMark& operator=(const ReaderMark&) = delete;
-    ~ReaderMark() {
-        if (!stages_.context_.capabilities().is_processor) return;
-        cl_event mark = nullptr;
-        stages_.is_last_reader_known_ =
-            clEnqueueMarkerWithWaitList(stages_.context_.queue()(), 0, nullptr, &mark) == CL_SUCCESS;
-        stages_.last_reader_ = cl::Event(mark);
-    }
-
-private:
-    Stages& stages_;
-};
-
-void Stages::wait_for_readers() {
-    if (!frusta_) return;
-    if (is_last_reader_known_ && (device::has_ended(last_reader_) || clWaitForEvents(1, &last_reader_()) == CL_SUCCESS))
-        return;
-    if (context_.drain()) return;
-    keep_for_good(faces_);
-    keep_for_good(frusta_);
-}
-
 void Stages::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
-    wait_for_readers();
     polyhedra::move(mesh_, *topology_, std::move(positions));
     has_moved_ = true;
     lattices_.clear();
@@ -184,14 +152,13 @@ const std::shared_ptr<const DeviceFaces::Names>& Stages::names() {
 
 std::optional<PreparedMesh> Stages::make_frusta(const polyhedra::LatticeView* lattice) {
     if (!suits_kernels(topology())) {
-        frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
+        frusta_ = std::make_shared<const polyhedra::Frusta>(polyhedra::make_frusta(topology(), mesh_.vertices()));
         return std::nullopt;
     }
     const DeviceSetUp job = set_up();
-    const ReaderMark mark(*this);
     if (!frusta_sources_) frusta_sources_ = std::make_shared<const FrustaSources>(job, topology());
     MadeFrusta made = frusta_by_kernels(job, names(), frusta_sources_, mesh_, lattice);
-    frusta_.emplace(std::move(made.frusta));
+    frusta_ = std::move(made.frusta);
     faces_ = std::make_shared<const DeviceFaces>(std::move(made.faces));
     if (!has_moved_) frusta_sources_.reset();
     return std::move(made.records);
@@ -205,7 +172,7 @@ const polyhedra::ClusterIndex& Stages::index() {
 std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::LatticeView& lattice) {
     if (options_.method || !suits_kernels(topology()) || !is_plain(mesh_, lattice)) return nullptr;
     frusta();
-    if (!faces_) faces_ = std::make_shared<const DeviceFaces>(scan::device_faces(set_up(), names(), *frusta_));
+    if (!faces_) faces_ = std::make_shared<const DeviceFaces>(scan::device_faces(set_up(), names(), frusta_));
     return faces_;
 }
 
@@ -218,10 +185,8 @@ PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
 
 PreparedMesh Stages::records(const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
                              std::span<const polyhedra::RecordRange> of_sites) {
-    if (const auto faces = device_faces(lattice)) {
-        const ReaderMark mark(*this);
+    if (const auto faces = device_faces(lattice))
         return records_on_device(set_up(), *faces, topology(), frusta(), lattice, of_faces, of_sites);
-    }
     return records_by_host(context_, pool_, topology(), frusta(), lattice, of_faces, of_sites);
 }
 
@@ -342,7 +307,6 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
     }
     if (!kept.sweep_mesh) {
         const auto faces = device_faces(lattice_of(grid));
-        const ReaderMark mark(*this);
         kept.sweep_mesh =
             std::make_shared<const SweepMesh>(make_sweep_mesh(set_up(), grid, mesh_, names(), faces.get()));
     }

@@ -74,7 +74,6 @@ public:
 
     Stages(const Stages&) = delete;
     Stages& operator=(const Stages&) = delete;
-    ~Stages();
 
     /// Stages that keep only what samples and points of a box can need; see DistanceTransform::restrict_to().
     std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
@@ -177,11 +176,6 @@ private:
     [[noreturn]] void refuse_memory() const;
 
     const polyhedra::ClusterIndex& index();
-    /// On a processor its destructor enqueues a marker, for which wait_for_readers() waits: the commands before it may
-    /// read the frusta.
-    class ReaderMark;
-    /// Waits until no kernel reads the frusta any more: on a processor kernels use the host's memory.
-    void wait_for_readers();
     DeviceSetUp set_up() const { return {context_, pool_, options_.programs}; }
     /// Whether the kernels can make lists of a part of the records.
     bool has_selections() const { return options_.programs.body == KernelBody::by_vector; }
@@ -216,12 +210,10 @@ private:
     std::shared_ptr<const polyhedra::MeshTopology> topology_;
     bool has_moved_ = false;
     std::shared_ptr<const FrustaSources> frusta_sources_;  // kept from the first move on
-    std::optional<polyhedra::Frusta> frusta_;
+    std::shared_ptr<const polyhedra::Frusta> frusta_;
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
     std::shared_ptr<const DeviceFaces::Names> names_;
     std::shared_ptr<const DeviceFaces> faces_;
-    cl::Event last_reader_;  // of the frusta, on a processor
-    bool is_last_reader_known_ = true;
     DeviceSites sites_;
     std::optional<bool> encloses_negative_volume_;
     std::function<std::vector<KeptValue>()> others_;

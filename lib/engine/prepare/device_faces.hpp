@@ -85,9 +85,8 @@ struct DeviceFaces {
 };
 
 DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology);
-/// `frusta` must outlive them.
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
-                         const polyhedra::Frusta& frusta);
+                         const std::shared_ptr<const polyhedra::Frusta>& frusta);
 
 /// Whether the kernels' plain arithmetic suffices for a lattice: the mesh is not far from its sample (0, 0, 0), and not
 /// vanishingly small beside a voxel. It is a function of mesh and lattice alone.

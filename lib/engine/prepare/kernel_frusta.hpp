@@ -27,7 +27,8 @@ struct FrustaSources {
 bool suits_kernels(const polyhedra::MeshTopology& topology);
 
 struct MadeFrusta {
-    polyhedra::Frusta frusta;  ///< whose arrays the faces share if device and host share their memory
+    std::shared_ptr<const polyhedra::Frusta>
+        frusta;  ///< whose arrays the faces share if device and host share their memory
     DeviceFaces faces;
     std::optional<PreparedMesh> records{};  ///< for the lattice, if there is one
 };
