@@ -2,6 +2,7 @@
 #include <clsdf/papers.hpp>
 
 #include "core/parallel.hpp"
+#include "mesh/box_index.hpp"
 #include "papers/convex_polyhedron.hpp"
 #include "papers/pieces.hpp"
 #include "polyhedra/frusta.hpp"
@@ -84,11 +85,8 @@ ConvexPolyhedron solid_of(const BisectorPolyhedron& polyhedron) {
     for (std::size_t k = 0; k < 3; ++k) {
         const Vector corner = polyhedron.corners[k] - polyhedron.corners[0];
         half_spaces.push_back({polyhedron.bisector[k], polyhedron.bisector[k].dot(corner) + polyhedron.shift[k]});
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double place = corner[static_cast<Eigen::Index>(axis)];
-            box.lower[axis] = std::min(box.lower[axis], place);
-            box.upper[axis] = std::max(box.upper[axis], place);
-        }
+        const Vec3 place{corner[0], corner[1], corner[2]};
+        add(box, {place, place});
     }
     for (double& lower : box.lower) lower -= reach * polyhedron.half_width;
     for (double& upper : box.upper) upper += reach * polyhedron.half_width;

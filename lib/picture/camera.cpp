@@ -1,6 +1,7 @@
 #include "picture/camera.hpp"
 
 #include "core/real_numbers.hpp"
+#include "mesh/box_index.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -123,17 +124,12 @@ Camera::Camera(const View& view, std::span<const Vec3> points, double around, in
     if (!(view.perspective >= 0 && view.perspective < 120))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("a perspective of {} degrees; choose 0 (none) to 119", view.perspective));
-    Vec3 lower = points.front();
-    Vec3 upper = points.front();
-    for (const Vec3& point : points)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            lower[axis] = std::min(lower[axis], point[axis]);
-            upper[axis] = std::max(upper[axis], point[axis]);
-        }
-    const Vec3 diagonal = sum(1, upper, -1, lower);
+    Box box = empty_box;
+    for (const Vec3& point : points) add(box, {point, point});
+    const Vec3 diagonal = sum(1, box.upper, -1, box.lower);
     const double radius = 0.5 * std::sqrt(dot(diagonal, diagonal)) + around;
     const double distance = is_parallel_ ? 2 * radius : radius / std::sin(0.5 * view.perspective * degree);
-    eye_ = sum(1, sum(0.5, lower, 0.5, upper), distance, frame_.back);
+    eye_ = sum(1, sum(0.5, box.lower, 0.5, box.upper), distance, frame_.back);
 
     Window window;
     for (const Vec3& point : points) {

@@ -1,5 +1,6 @@
 #include "picture/scene.hpp"
 
+#include "mesh/box_index.hpp"
 #include "picture/camera.hpp"
 
 #include <clsdf/error.hpp>
@@ -208,10 +209,7 @@ void Scene::find_solid() {
         const Vec3 point{static_cast<double>(i) * spacing[0], static_cast<double>(j) * spacing[1],
                          static_cast<double>(k) * spacing[2]};
         if (points_.empty()) solid_ = {point, point};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            solid_.lower[axis] = std::min(solid_.lower[axis], point[axis]);
-            solid_.upper[axis] = std::max(solid_.upper[axis], point[axis]);
-        }
+        add(solid_, {point, point});
         points_.push_back(point);
     };
     for (const auto& [first, last_x] : samples_.rows_below(offset_)) {

@@ -4,11 +4,15 @@
 
 #include "device/buffer_pool.hpp"
 
+#include <chrono>
+#include <memory>
 #include <optional>
 #include <thread>
+#include <vector>
 
 using namespace clsdf;
 using device::BufferPool;
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -93,4 +97,27 @@ BOOST_AUTO_TEST_CASE(what_was_not_used_since_the_last_trim_is_released) {
     BOOST_TEST(references() == held);
     pool->trim();
     BOOST_TEST(references() == held - 1);
+}
+
+BOOST_AUTO_TEST_CASE(the_hosts_memory_under_a_buffer_lives_until_no_command_uses_it) {
+    const device::Context& context = device::context_of(Device::strongest());
+    const cl::CommandQueue queue(context.context(), context.device());
+    constexpr std::size_t count = 1000;
+    auto values = std::make_shared<const std::vector<cl_uint>>(count, 7U);
+    const std::weak_ptr<const std::vector<cl_uint>> watched = values;
+    cl::Buffer buffer = device::buffer_in(context, std::shared_ptr<const void>(values, values->data()),
+                                          count * sizeof(cl_uint), CL_MEM_READ_ONLY);
+    const cl::UserEvent gate(context.context());
+    const std::vector<cl::Event> before{gate};
+    std::vector<cl_uint> copies(count);
+    queue.enqueueReadBuffer(buffer, CL_FALSE, 0, count * sizeof(cl_uint), copies.data(), &before);
+    buffer = {};
+    values.reset();
+    BOOST_TEST(!watched.expired());
+    cl::UserEvent(gate).setStatus(CL_COMPLETE);
+    queue.finish();
+    BOOST_TEST((copies == std::vector<cl_uint>(count, 7U)));
+    // A driver may release the buffer a little later.
+    for (int wait = 0; wait < 1000 && !watched.expired(); ++wait) std::this_thread::sleep_for(10ms);
+    BOOST_TEST(watched.expired());
 }

@@ -8,6 +8,7 @@
 #include <clsdf/tuning.hpp>
 
 #include "core/parallel.hpp"
+#include "device/buffer_pool.hpp"
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
 #include "scan/brick_scan.hpp"
@@ -382,4 +383,20 @@ BOOST_AUTO_TEST_CASE(a_plan_survives_each_call_that_fails_while_it_is_enqueued) 
             BOOST_TEST((other.read(queue) == expected));
         }
     }
+}
+
+// Its commands may still use the buffer.
+BOOST_AUTO_TEST_CASE(a_lease_of_a_lost_device_is_not_given_to_another) {
+    const Device device = Device::automatic();
+    const device::Context& context = device::context_of(device);
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    cl_mem first = nullptr;
+    {
+        const device::BufferPool::Lease lease = pool->lease(10000, "test");
+        first = (*lease)();
+        disguise::restart({.call = "clFinish", .number = 1});
+        BOOST_TEST(!context.drain());
+        disguise::restart();
+    }
+    BOOST_TEST((*pool->lease(10000, "test"))() != first);
 }

@@ -56,20 +56,17 @@ struct Examined {
 /// Adds triangles [begin, end). Their vertices are looked at without a branch, and one by one only if one is bad.
 void examine(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, std::size_t begin,
              std::size_t end, Examined& examined) {
-    Vec3 lower = examined.box.lower, upper = examined.box.upper;
+    Box box = examined.box;
     double spoilt = 0;  // NaN after a number that is not finite
     bool are_in_range = true;
     for (std::size_t t = begin; t != end; ++t)
         for (const std::uint32_t index : triangles[t]) {
             are_in_range &= index < vertices.size();
             const Vec3& vertex = vertices[index < vertices.size() ? index : 0];
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                lower[axis] = vertex[axis] < lower[axis] ? vertex[axis] : lower[axis];
-                upper[axis] = vertex[axis] > upper[axis] ? vertex[axis] : upper[axis];
-            }
+            add(box, {vertex, vertex});
             spoilt += (vertex[0] - vertex[0]) + (vertex[1] - vertex[1]) + (vertex[2] - vertex[2]);
         }
-    examined.box = {lower, upper};
+    examined.box = box;
     if (are_in_range && spoilt == 0) return;
     const auto is_bad = [&](std::uint32_t index) { return index >= vertices.size() || !is_finite(vertices[index]); };
     for (std::size_t t = begin; t != end; ++t)

@@ -1,6 +1,5 @@
 #include "plan/grid_plan.hpp"
 
-#include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
 #include "device/opencl.hpp"
 #include "launch/programs.hpp"
@@ -55,14 +54,6 @@ GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in
     statistics.lists_seconds = watch.seconds();
     statistics.device_bytes = records.device_bytes() + sign_bits_.bytes();
     scan_->describe(statistics);
-}
-
-GridPlan::~GridPlan() {
-    if (!device::context_of(device).is_lost()) return;
-    // Commands may still use them, so the pool must not hand them out again.
-    keep_for_good(scan_);
-    keep_for_good(sign_bits_);
-    keep_for_good(inputs);
 }
 
 void GridPlan::enqueue(CommandChain& chain, const OutputBuffers& buffers,

@@ -10,13 +10,12 @@
 
 namespace clsdf::transform {
 
-/// A job's buffers and launches. `between_launches` of the set-up may throw.
+/// A job's buffers and launches. `between_launches` of the set-up may throw. When it is destroyed, no command may use
+/// it, unless the device is lost.
 struct GridPlan {
     GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in,
              const std::function<void()>& between_launches);
 
-    /// No command that uses it may be under way, unless the device is lost.
-    ~GridPlan();
     GridPlan(const GridPlan&) = delete;
     GridPlan& operator=(const GridPlan&) = delete;
 

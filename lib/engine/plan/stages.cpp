@@ -1,6 +1,5 @@
 #include "plan/stages.hpp"
 
-#include "core/lifetime.hpp"
 #include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
 #include "plan/near_parts.hpp"
@@ -16,11 +15,7 @@
 namespace clsdf::transform {
 
 Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
-    : context_(context),
-      pool_(std::move(pool)),
-      options_(std::move(options)),
-      mesh_(std::move(mesh)),
-      readers_(context) {}
+    : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {}
 
 Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
                Restriction restriction, Options options)
@@ -50,21 +45,8 @@ void Stages::check(const Grid& grid, const Band& band, SignRule sign) const {
     layout_of(grid, band, sign);
 }
 
-Stages::~Stages() {
-    wait_for_readers();
-}
-
-void Stages::wait_for_readers() {
-    if (readers_.wait()) return;
-    auto faces = faces_.get();
-    auto frusta = frusta_.get();
-    keep_for_good(faces);
-    keep_for_good(frusta);
-}
-
 void Stages::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
-    wait_for_readers();
     polyhedra::move(mesh_, *topology_, std::move(positions));
     has_moved_ = true;
     forget_if([](const KeptValue& value) { return value.made_of == MadeOf::positions; });
@@ -95,10 +77,9 @@ std::optional<PreparedMesh> Stages::make_frusta(const polyhedra::LatticeView* la
         return std::nullopt;
     }
     const DeviceSetUp job = set_up();
-    const HostReaders::Mark mark(readers_);
     frusta_sources_.get_or([&] { return FrustaSources(job, topology()); });
     MadeFrusta made = frusta_by_kernels(job, names(), frusta_sources_.get(), mesh_, lattice);
-    frusta_.set(std::make_shared<const polyhedra::Frusta>(std::move(made.frusta)));
+    frusta_.set(std::move(made.frusta));
     faces_.set(std::make_shared<const DeviceFaces>(std::move(made.faces)));
     if (!has_moved_) frusta_sources_.forget();
     return std::move(made.records);
@@ -111,7 +92,7 @@ const polyhedra::ClusterIndex& Stages::index() {
 std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::LatticeView& lattice) {
     if (options_.method || !suits_kernels(topology()) || !is_plain(mesh_, lattice)) return nullptr;
     frusta();
-    return faces_.get_or([&] { return scan::device_faces(set_up(), names(), *frusta_); });
+    return faces_.get_or([&] { return scan::device_faces(set_up(), names(), frusta_.get()); });
 }
 
 PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
@@ -121,10 +102,8 @@ PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
 }
 
 PreparedMesh Stages::records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& ranges) {
-    if (const auto faces = device_faces(lattice)) {
-        const HostReaders::Mark mark(readers_);
+    if (const auto faces = device_faces(lattice))
         return records_on_device(set_up(), *faces, topology(), frusta(), lattice, ranges.faces, ranges.sites);
-    }
     return records_by_host(context_, pool_, topology(), frusta(), lattice, ranges.faces, ranges.sites);
 }
 
@@ -223,7 +202,6 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
     }
     if (!kept.sweep_mesh) {
         const auto faces = device_faces(lattice_of(grid));
-        const HostReaders::Mark mark(readers_);
         kept.sweep_mesh =
             std::make_shared<const SweepMesh>(make_sweep_mesh(set_up(), grid, mesh_, names(), faces.get()));
     }

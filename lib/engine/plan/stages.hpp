@@ -7,7 +7,6 @@
 #include "device/buffer_pool.hpp"
 #include "launch/programs.hpp"
 #include "layout.h"
-#include "plan/host_readers.hpp"
 #include "plan/kept.hpp"
 #include "plan/lattice.hpp"
 #include "plan/restriction.hpp"
@@ -72,7 +71,6 @@ public:
 
     Stages(const Stages&) = delete;
     Stages& operator=(const Stages&) = delete;
-    ~Stages();
 
     /// Stages that keep only what samples and points of a box can need; see DistanceTransform::restrict_to().
     std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
@@ -151,8 +149,6 @@ private:
     [[noreturn]] void refuse_memory() const;
 
     const polyhedra::ClusterIndex& index();
-    /// Waits until no kernel reads the frusta.
-    void wait_for_readers();
     DeviceSetUp set_up() const { return {context_, pool_, options_.programs}; }
     /// Whether the kernels can make lists of a part of the records.
     bool has_selections() const { return options_.programs.body == KernelBody::by_vector; }
@@ -185,8 +181,7 @@ private:
     Options options_;
     Mesh mesh_;
     bool has_moved_ = false;
-    HostReaders readers_;  // of the frusta
-    KeptValues kept_;      // those that follow, in their order
+    KeptValues kept_;  // those that follow, in their order
     Kept<Restriction> restriction_{kept_, MadeOf::triangles};
     Kept<polyhedra::MeshTopology> topology_{kept_, MadeOf::triangles};
     Kept<bool> encloses_negative_volume_{kept_, MadeOf::positions};

@@ -38,14 +38,14 @@ DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const po
     for_each_index(count, [&](std::size_t face) {
         names[face] = topology->order[face] | (topology->edges.is_non_manifold(face) ? CLSDF_NAME_NON_MANIFOLD : 0U);
     });
-    auto triangles = job.input(topology->faces.triangles, "triangles");
+    auto triangles = job.input(topology, topology->faces.triangles, "triangles");
     return {std::move(topology), std::move(triangles), filling.finish()};
 }
 
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
-                         const polyhedra::Frusta& frusta) {
-    return {std::move(names), job.input(frusta.positions, "vertices"),
-            job.input(frusta.slopes, "slopes of the polyhedra")};
+                         const std::shared_ptr<const polyhedra::Frusta>& frusta) {
+    return {std::move(names), job.input(frusta, frusta->positions, "vertices"),
+            job.input(frusta, frusta->slopes, "slopes of the polyhedra")};
 }
 
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,

@@ -37,17 +37,14 @@ struct DeviceSetUp {
 
     /// Whether kernels use arrays of the host in place.
     bool shares_memory() const { return context.capabilities().is_processor; }
-    /// A buffer in an array of the host, which must outlive it; it has no bytes of its own.
+    /// A buffer in an array of the host; it has no bytes of its own. It holds `owner`, whose the array is.
     template <class Values>
-    device::BufferPool::Lease shared(const Values& values, cl_mem_flags access = CL_MEM_READ_ONLY) const {
+    device::BufferPool::Lease shared(const std::shared_ptr<const void>& owner, const Values& values,
+                                     cl_mem_flags access = CL_MEM_READ_ONLY) const {
         if (values.empty()) return {};
-        // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): `access` says what the device may do
-        auto* const host = const_cast<void*>(static_cast<const void*>(values.data()));
+        const std::shared_ptr<const void> memory(owner, values.data());
         const std::size_t bytes = values.size() * sizeof(values[0]);
-        return {nullptr, device::guarded([&] {
-                    return cl::Buffer(context.context(), access | CL_MEM_USE_HOST_PTR, bytes, host);
-                }),
-                0};
+        return {nullptr, device::guarded([&] { return device::buffer_in(context, memory, bytes, access); }), 0};
     }
     /// Copies values to the device, and does not wait.
     template <class Values>
@@ -58,10 +55,11 @@ struct DeviceSetUp {
                   static_cast<std::remove_cvref_t<decltype(values[0])>*>(filling.memory()));
         return filling.finish();
     }
-    /// Values that kernels read: the host's own if it shares its memory, else a copy. They must outlive it.
+    /// Values of `owner` that kernels read: the host's own if it shares its memory, else a copy.
     template <class Values>
-    device::BufferPool::Lease input(const Values& values, const char* purpose) const {
-        return shares_memory() ? shared(values) : upload(values, purpose);
+    device::BufferPool::Lease input(const std::shared_ptr<const void>& owner, const Values& values,
+                                    const char* purpose) const {
+        return shares_memory() ? shared(owner, values) : upload(values, purpose);
     }
 };
 
@@ -87,9 +85,8 @@ struct DeviceFaces {
 };
 
 DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology);
-/// `frusta` must outlive them.
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
-                         const polyhedra::Frusta& frusta);
+                         const std::shared_ptr<const polyhedra::Frusta>& frusta);
 
 /// Whether the kernels' plain arithmetic suffices for a lattice: the mesh is not far from its sample (0, 0, 0), and not
 /// vanishingly small beside a voxel. It is a function of mesh and lattice alone.

@@ -1,7 +1,6 @@
 #include "prepare/kernel_frusta.hpp"
 #include "launch/commands.hpp"
 
-#include "core/lifetime.hpp"
 #include "core/parallel.hpp"
 #include "device/in_flight.hpp"
 #include "launch/programs.hpp"
@@ -38,15 +37,14 @@ public:
           box_(mesh.box()),
           count_(names->face_count()),
           records_of_(lattice) {
-        polyhedra::Frusta& frusta = made_.frusta;
-        frusta.positions = ordered_positions(topology_, mesh.vertices());
-        frusta.slopes.resize(count_);
+        frusta_->positions = ordered_positions(topology_, mesh.vertices());
+        frusta_->slopes.resize(count_);
         view_ = lattice != nullptr ? *lattice : polyhedra::view_of(mesh.box());
         least_length_ = least_length(mesh, view_);
-        made_.faces.names = names;
-        made_.faces.positions = job.input(frusta.positions, "vertices");
-        made_.faces.slopes = job.shares_memory() ? job.shared(frusta.slopes, CL_MEM_READ_WRITE)
-                                                 : job.pool->lease(slope_bytes(), "slopes of the polyhedra");
+        faces_.names = names;
+        faces_.positions = job.input(frusta_, frusta_->positions, "vertices");
+        faces_.slopes = job.shares_memory() ? job.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE)
+                                            : job.pool->lease(slope_bytes(), "slopes of the polyhedra");
         signs_ = job.pool->lease(3 * count_ * sizeof(float), "signs of the edges");
         face_answers_ = job.pool->lease(count_, "answers about faces");
         vertex_answers_ = job.pool->lease(vertex_answer_bytes(), "answers about vertices");
@@ -55,28 +53,18 @@ public:
                 job.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron), "polyhedra");
     }
 
-    KernelFrusta(const KernelFrusta&) = delete;
-    KernelFrusta& operator=(const KernelFrusta&) = delete;
-    ~KernelFrusta() {
-        // After an error: what is under way uses these arrays.
-        if (!is_under_way_ || job_.context.drain()) return;
-        keep_for_good(sources_);
-        keep_for_good(made_);
-    }
-
     MadeFrusta make() {
-        is_under_way_ = true;
         enqueue_slopes();
-        if (!sources_->of_kernels.fan_items.empty()) enqueue_fans();
+        if (!sources_->of_kernels->fan_items.empty()) enqueue_fans();
         complete();
-        if (records_of_ != nullptr) made_.records = finish_records();
-        is_under_way_ = false;
-        return std::move(made_);
+        std::optional<PreparedMesh> records;
+        if (records_of_ != nullptr) records = finish_records();
+        return {std::move(frusta_), std::move(faces_), std::move(records)};
     }
 
 private:
     std::size_t slope_bytes() const { return count_ * sizeof(polyhedra::FaceSlopes); }
-    std::size_t vertex_answer_bytes() const { return sources_->of_kernels.fan_items.size() * CLSDF_FAN_ITEM; }
+    std::size_t vertex_answer_bytes() const { return sources_->of_kernels->fan_items.size() * CLSDF_FAN_ITEM; }
 
     void enqueue_slopes() const {
         cl::Kernel kernel(job_.programs.mesh_records, "face_slopes");
@@ -87,63 +75,64 @@ private:
                 const std::size_t last = std::min(end * unit, all);
                 launch(job_.context.queue(), kernel, job_.items_of(last - begin * unit), polyhedra::face_lattice(view_),
                        cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
-                       static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()),
-                       *made_.faces.names->triangles, *sources_->opposite, *made_.faces.positions,
-                       *made_.faces.names->names, *made_.faces.slopes, *signs_, *face_answers_, *records_);
+                       static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()), *faces_.names->triangles,
+                       *sources_->opposite, *faces_.positions, *faces_.names->names, *faces_.slopes, *signs_,
+                       *face_answers_, *records_);
             });
     }
 
     void enqueue_fans() const {
         cl::Kernel kernel(job_.programs.mesh_records, "vertex_fans");
         ShortLaunches(job_.context, {})
-            .over(sources_->of_kernels.fan_items.size(), seconds_per_fan_item, [&](std::size_t begin, std::size_t end) {
-                launch(job_.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
-                       static_cast<cl_uint>(begin), static_cast<cl_uint>(end), cl_double{1 / view_.unit},
-                       *sources_->fan_items, *sources_->fan_words, *made_.faces.names->triangles,
-                       *made_.faces.positions, *signs_, *vertex_answers_);
-            });
+            .over(sources_->of_kernels->fan_items.size(), seconds_per_fan_item,
+                  [&](std::size_t begin, std::size_t end) {
+                      launch(job_.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
+                             static_cast<cl_uint>(begin), static_cast<cl_uint>(end), cl_double{1 / view_.unit},
+                             *sources_->fan_items, *sources_->fan_words, *faces_.names->triangles, *faces_.positions,
+                             *signs_, *vertex_answers_);
+                  });
     }
 
     /// Waits for the kernels. Then the slopes are complete, here and on the device.
     void complete() {
         const cl::CommandQueue& queue = job_.context.queue();
-        polyhedra::Frusta& frusta = made_.frusta;
+        struct Read {
+            std::shared_ptr<polyhedra::Frusta> frusta;
+            std::vector<std::uint8_t> face_answers, vertex_answers;
+        };
+        device::InFlight<Read> read(job_.context, {frusta_, std::vector<std::uint8_t>(count_),
+                                                   std::vector<std::uint8_t>(vertex_answer_bytes())});
+        read.begin();
         void* in_place = nullptr;
         if (job_.shares_memory())
-            in_place =
-                queue.enqueueMapBuffer(*made_.faces.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes());
+            in_place = queue.enqueueMapBuffer(*faces_.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes());
         else
-            queue.enqueueReadBuffer(*made_.faces.slopes, CL_FALSE, 0, slope_bytes(), frusta.slopes.data());
-        struct Answers {
-            std::vector<std::uint8_t> faces, vertices;
-        };
-        device::InFlight<Answers> answers(
-            job_.context, {std::vector<std::uint8_t>(count_), std::vector<std::uint8_t>(vertex_answer_bytes())});
-        answers.begin();
-        if (!answers->vertices.empty())
-            queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, answers->vertices.size(), answers->vertices.data());
-        queue.enqueueReadBuffer(*face_answers_, CL_TRUE, 0, count_, answers->faces.data());
-        answers.end();
-        left_ = sources_->of_kernels.left_to_host(topology_, answers->faces, answers->vertices);
-        complete_frusta(topology_, box_, left_, frusta);
+            queue.enqueueReadBuffer(*faces_.slopes, CL_FALSE, 0, slope_bytes(), frusta_->slopes.data());
+        if (!read->vertex_answers.empty())
+            queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, read->vertex_answers.size(),
+                                    read->vertex_answers.data());
+        queue.enqueueReadBuffer(*face_answers_, CL_TRUE, 0, count_, read->face_answers.data());
+        read.end();
+        left_ = sources_->of_kernels->left_to_host(topology_, read->face_answers, read->vertex_answers);
+        complete_frusta(topology_, box_, left_, *frusta_);
         if (in_place != nullptr) {
-            queue.enqueueUnmapMemObject(*made_.faces.slopes, in_place);
+            queue.enqueueUnmapMemObject(*faces_.slopes, in_place);
             return;
         }
         std::vector<polyhedra::FaceSlopes> written;
-        for (const std::uint32_t face : left_.faces) written.push_back(frusta.slopes[face]);
-        place_items(job_, written, left_.faces, *made_.faces.slopes);
+        for (const std::uint32_t face : left_.faces) written.push_back(frusta_->slopes[face]);
+        place_items(job_, written, left_.faces, *faces_.slopes);
     }
 
     /// Completes the records: those of faces that the host has measured and of point sites are written after the
     /// kernel's.
     PreparedMesh finish_records() {
-        const polyhedra::Frusta& frusta = made_.frusta;
+        const polyhedra::Frusta& frusta = *frusta_;
         const polyhedra::RecordRange faces{0, count_}, sites{0, frusta.sites.size()};
         const std::size_t first_site = in_record_groups(count_), end = first_site + sites.end;
         const bool has_room = end * sizeof(Polyhedron) <= records_.bytes();
         if (!has_room || left_.faces.size() > count_ / 64)  // else the kernel makes them again, of all slopes
-            return records_on_device(job_, made_.faces, topology_, frusta, *records_of_, {&faces, 1}, {&sites, 1});
+            return records_on_device(job_, faces_, topology_, frusta, *records_of_, {&faces, 1}, {&sites, 1});
         WrittenRecords written(topology_, frusta, *records_of_, left_.faces);
         written.add_faces(faces, 0);
         written.add_sites(sites, first_site);
@@ -163,18 +152,19 @@ private:
     const polyhedra::LatticeView* records_of_;
     polyhedra::LatticeView view_;
     double least_length_ = 0;
-    MadeFrusta made_;
-    bool is_under_way_ = false;
+    std::shared_ptr<polyhedra::Frusta> frusta_ = std::make_shared<polyhedra::Frusta>();
+    DeviceFaces faces_;
     polyhedra::LeftToHost left_;
     device::BufferPool::Lease signs_, face_answers_, vertex_answers_, records_;
 };
 
 }  // namespace
 
-FrustaSources::FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology) : of_kernels(topology) {
-    opposite = job.input(of_kernels.opposite, "opposite vertices");
-    fan_words = job.input(of_kernels.fan_words, "faces around vertices");
-    fan_items = job.input(of_kernels.fan_items, "items of vertices");
+FrustaSources::FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology)
+    : of_kernels(std::make_shared<const polyhedra::KernelTopology>(topology)) {
+    opposite = job.input(of_kernels, of_kernels->opposite, "opposite vertices");
+    fan_words = job.input(of_kernels, of_kernels->fan_words, "faces around vertices");
+    fan_items = job.input(of_kernels, of_kernels->fan_items, "items of vertices");
 }
 
 bool suits_kernels(const polyhedra::MeshTopology& topology) {

@@ -1,6 +1,7 @@
 #include "device/buffer_pool.hpp"
 
 #include "core/large_memory.hpp"
+#include "core/lifetime.hpp"
 
 #include <fmt/format.h>
 
@@ -13,8 +14,8 @@ namespace clsdf::device {
 
 namespace {
 
-void CL_CALLBACK free_host_memory(cl_mem, void* memory) {
-    free_large_memory(memory);
+void CL_CALLBACK end_share(cl_mem, void* share) {
+    delete static_cast<std::shared_ptr<const void>*>(share);
 }
 
 /// A large buffer of a processor lies on huge pages: kernels read records all over it. On other devices a
@@ -27,19 +28,25 @@ cl::Buffer make_buffer(const Context& context, std::size_t bytes) {
         if (!is_processor) context.queue().enqueueFillBuffer(buffer, cl_uchar{0}, 0, 1);
         return buffer;
     }
-    std::unique_ptr<void, decltype(&free_large_memory)> memory(nullptr, &free_large_memory);
     try {
-        memory.reset(allocate_large_memory(bytes));
+        const std::shared_ptr<void> memory(allocate_large_memory(bytes), &free_large_memory);
+        return buffer_in(context, memory, bytes, CL_MEM_READ_WRITE);
     } catch (const std::bad_alloc&) {
         throw cl::Error(CL_OUT_OF_HOST_MEMORY, "clCreateBuffer");
     }
-    cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, memory.get());
-    buffer.setDestructorCallback(free_host_memory, memory.get());
-    memory.release();
-    return buffer;
 }
 
 }  // namespace
+
+cl::Buffer buffer_in(const Context& context, std::shared_ptr<const void> memory, std::size_t bytes,
+                     cl_mem_flags access) {
+    auto share = std::make_unique<std::shared_ptr<const void>>(std::move(memory));
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): `access` says what the device may do
+    cl::Buffer buffer(context.context(), access | CL_MEM_USE_HOST_PTR, bytes, const_cast<void*>(share->get()));
+    buffer.setDestructorCallback(end_share, share.get());
+    share.release();
+    return buffer;
+}
 
 // NOLINTNEXTLINE(bugprone-exception-escape): as its class
 BufferPool::Lease& BufferPool::Lease::operator=(Lease&& other) noexcept {
@@ -63,10 +70,10 @@ const void* BufferPool::Lease::on_host() const {
 // NOLINTNEXTLINE(bugprone-exception-escape): as its class
 void BufferPool::Lease::give_back() noexcept {
     if (!pool_) return;
+    if (pool_->context_->is_lost()) return keep_for_good(buffer_);
     // The next user enqueues after it.
     if (mapped_ != nullptr)
         clEnqueueUnmapMemObject(pool_->context_->queue()(), buffer_(), mapped_, 0, nullptr, nullptr);
-    mapped_ = nullptr;
     try {
         const std::scoped_lock lock(pool_->mutex_);
         pool_->leased_bytes_ -= bytes_;
@@ -75,9 +82,6 @@ void BufferPool::Lease::give_back() noexcept {
         // No memory to remember it by: the buffer is released instead.
         pool_->forget(bytes_);
     }
-    buffer_ = {};
-    bytes_ = 0;
-    pool_.reset();
 }
 
 std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {

@@ -32,6 +32,7 @@ public:
     // NOLINTBEGIN(bugprone-exception-escape): OpenCL's binding would throw from a move if a release fails
     /// A buffer of at least `bytes` bytes, its contents undefined, that goes back to the pool by itself. Commands in
     /// the context's queue may still use it then. The queue is in order: the next user enqueues there, or waits for it.
+    /// If the context is lost, there is no next user.
     class Lease {
     public:
         Lease() = default;
@@ -103,6 +104,11 @@ private:
     std::shared_ptr<std::atomic<std::size_t>> all_bytes_;  // of this pool and those beside it, free buffers included
     std::size_t peak_ = 0;
 };
+
+/// A buffer in `bytes` bytes of the host's memory. The driver shares the memory until no command uses the buffer any
+/// more. Throws cl::Error.
+cl::Buffer buffer_in(const Context& context, std::shared_ptr<const void> memory, std::size_t bytes,
+                     cl_mem_flags access);
 
 /// Few values that kernels read, copied at once: to write them to a buffer of the pool would wait for all that was
 /// enqueued before. There must be one at least.

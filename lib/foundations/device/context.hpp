@@ -108,6 +108,18 @@ public:
     /// Waits for all that was enqueued in queue(), on the way out after an error. False if the driver cannot tell that
     /// it has ended: commands may then use the host's memory as long as the process lives.
     bool drain() const noexcept;
+    /// As guarded(). If the function throws, drains: commands may use memory that its caller gets back.
+    template <class Function>
+    void run_or_drain(const Function& function) const {
+        guarded([&] {
+            try {
+                function();
+            } catch (...) {
+                drain();
+                throw;
+            }
+        });
+    }
     /// Whether a drain has failed.
     bool is_lost() const noexcept { return lost_; }
     /// Throws Error(device_failure) if so.

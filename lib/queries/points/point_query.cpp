@@ -202,17 +202,12 @@ PointTimes query_points(device::Context& context, const scan::Programs& programs
                         const std::function<void(double)>& between) {
     PointTimes times;
     if (points.empty()) return times;
-    device::guarded([&] {
-        try {
-            const Stopwatch watch;
-            Query query(context, programs, pool, inputs, points, half_width);
-            query.find_nearest(between);
-            times.sign = query.finish(arrays);
-            times.nearest = watch.seconds() - times.sign;
-        } catch (...) {
-            context.drain();  // what is under way uses the caller's memory
-            throw;
-        }
+    context.run_or_drain([&] {
+        const Stopwatch watch;
+        Query query(context, programs, pool, inputs, points, half_width);
+        query.find_nearest(between);
+        times.sign = query.finish(arrays);
+        times.nearest = watch.seconds() - times.sign;
     });
     return times;
 }
