@@ -51,10 +51,10 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     const scan::MadeFrusta again = frusta_by_kernels(job, names, sources, mesh, nullptr);
     scan::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh, &lattice);
     const auto slopes = read<polyhedra::FaceSlopes>(context, *made.faces.slopes, both.topology->order.size());
-    BOOST_TEST(are_same(made.frusta.slopes, slopes));
-    BOOST_TEST(are_same(again.frusta.slopes, slopes));
-    BOOST_TEST(again.frusta.sites.size() == made.frusta.sites.size());
-    both.kernels = std::move(made.frusta);
+    BOOST_TEST(are_same(made.frusta->slopes, slopes));
+    BOOST_TEST(are_same(again.frusta->slopes, slopes));
+    BOOST_TEST(again.frusta->sites.size() == made.frusta->sites.size());
+    both.kernels = *made.frusta;
     return both;
 }
 

@@ -97,8 +97,8 @@ void DistanceTransform::set_motion(const std::array<Vec3, 3>& rotation, const Ve
 KeptMemory DistanceTransform::memory() const {
     State& state = this->state();
     const std::scoped_lock lock(state.mutex);
-    KeptMemory memory{state.stages->host_bytes() + state.first_positions.size() * sizeof(Vec3),
-                      state.stages->device_bytes()};
+    KeptMemory memory = state.stages->memory();
+    memory.host_bytes += state.first_positions.size() * sizeof(Vec3);
     for (const auto& plan : state.plans) memory.device_bytes += state.bytes_of(*plan);
     return memory;
 }

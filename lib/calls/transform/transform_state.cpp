@@ -1,6 +1,5 @@
 #include "transform/transform_state.hpp"
 
-#include "core/lifetime.hpp"
 #include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
@@ -82,12 +81,6 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
     auto own_stages =
         transform::with_remedies(nullptr, {forgetting()}, [&] { return stages->restricted(own_pool, regions, sign); });
     return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_stages)));
-}
-
-DistanceTransform::State::~State() {
-    if (!context().is_lost()) return;
-    keep_for_good(stages);  // the device reads its mesh in the host's memory
-    keep_for_good(kept_points);
 }
 
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {

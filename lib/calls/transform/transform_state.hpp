@@ -34,7 +34,6 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
           std::shared_ptr<const FieldMethod> method_in = nullptr);
     State(const State&) = delete;
     State& operator=(const State&) = delete;
-    ~State();
 
     /// See DistanceTransform::restrict_to().
     std::unique_ptr<State> restricted(std::vector<Region> regions);

@@ -2,9 +2,12 @@
 
 #include <clsdf/error.hpp>
 
+#include "layout.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace clsdf::transform {
@@ -43,6 +46,49 @@ std::vector<Box> boxes_of(const std::vector<Region>& regions) {
 }  // namespace
 
 Restriction::Restriction(std::vector<Region> regions_in) : regions(std::move(regions_in)), index_(boxes_of(regions)) {}
+
+std::size_t Restriction::host_bytes() const {
+    return numbers.size() * sizeof(numbers[0]) + sample.size() * sizeof(sample[0]);
+}
+
+polyhedra::NearRecords Restriction::near(const polyhedra::ClusterIndex& index, SignRule sign) {
+    // Up to the grids' outermost bricks and the slack of their tests, which is far less than a sample.
+    std::vector<Box> boxes, rows;
+    for (const Region& region : regions) {
+        boxes.push_back(widened(region.box, region.half_width * (1 + 1e-3) + (CLSDF_BRICK + 1) * region.spacing));
+        // The sweep's rows are those of the grid's bricks: see box_near_rows().
+        rows.push_back(widened(region.box, (CLSDF_BRICK + 1) * region.spacing));
+        rows.back().lower[0] = -infinite_length;
+    }
+    polyhedra::NearRecords near = index.near(boxes);
+    record_count = near.face_count + near.site_count;
+    if (sign != SignRule::none) {
+        const polyhedra::NearRecords crossed = index.near(rows);
+        near.faces.insert(near.faces.end(), crossed.faces.begin(), crossed.faces.end());
+    }
+    if (near.faces.empty()) near.faces.push_back({0, 1});  // a mesh has a triangle
+    return near;
+}
+
+polyhedra::NearRecords Restriction::near_bricks(const polyhedra::ClusterIndex& index, const Grid& grid) const {
+    // The slack of their tests is far less than the longest spacing.
+    const double slack = *std::max_element(grid.spacing.begin(), grid.spacing.end());
+    std::vector<Box> boxes;  // near the bricks with samples in the regions
+    for (const Region& region : regions) {
+        Box box;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double size = CLSDF_BRICK * grid.spacing[axis];
+            // Samples may lie beyond it by the rounding of their positions.
+            const auto brick = [&](double position, double slack_of_sample) {
+                return std::floor((position - grid.origin[axis] + slack_of_sample * grid.spacing[axis]) / size);
+            };
+            box.lower[axis] = grid.origin[axis] + brick(region.box.lower[axis], -1e-3) * size;
+            box.upper[axis] = grid.origin[axis] + (brick(region.box.upper[axis], 1e-3) + 1) * size;
+        }
+        boxes.push_back(widened(box, region.half_width * (1 + 1e-3) + slack));
+    }
+    return index.near(boxes);
+}
 
 bool Restriction::holds(const Box& box, double half_width, double spacing, double slack) const {
     return index_.any(widened(box, slack), [&](std::size_t n) {

@@ -6,6 +6,7 @@
 #include <clsdf/topology.hpp>
 
 #include "mesh/box_index.hpp"
+#include "polyhedra/cluster_index.hpp"
 #include "prepare/prepared_mesh.hpp"
 
 #include <cstdint>
@@ -24,7 +25,14 @@ public:
     std::size_t record_count = 0;        ///< that a lattice keeps at most
     std::vector<std::uint32_t> numbers;  ///< of the part's triangles, in the whole mesh
     scan::SurfaceSample sample;          ///< of the whole mesh
-    bool encloses_negative_volume = false;
+
+    std::size_t host_bytes() const;
+
+    /// The triangles that decide distances, and signs, of samples of any lattice in the regions; at least one. Sets
+    /// record_count.
+    polyhedra::NearRecords near(const polyhedra::ClusterIndex& index, SignRule sign);
+    /// Those that decide distances of samples of the grid's lattice.
+    polyhedra::NearRecords near_bricks(const polyhedra::ClusterIndex& index, const Grid& grid) const;
 
     /// Each throws Error(invalid_argument) if the part of the mesh does not suffice for the field, points or boxes.
     void check(const Grid& grid, const Band& band, SignRule sign) const;

@@ -7,6 +7,8 @@
 #include "device/buffer_pool.hpp"
 #include "launch/programs.hpp"
 #include "layout.h"
+#include "plan/kept.hpp"
+#include "plan/lattice.hpp"
 #include "plan/restriction.hpp"
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
@@ -17,13 +19,10 @@
 #include "prepare/prepared_mesh.hpp"
 #include "prepare/sweep_mesh.hpp"
 
-#include <functional>
 #include <list>
 #include <memory>
 #include <new>
 #include <optional>
-#include <span>
-#include <utility>
 #include <vector>
 
 namespace clsdf {
@@ -56,8 +55,6 @@ struct Inputs {
 ///     pseudonormals  + positions                         kept until the vertices move, once gradients need them
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///
-/// Others may keep values beside these: keep_also().
-///
 /// A grid that is small beside the mesh gets records of what is near it, which are not kept. If many such grids of a
 /// lattice are asked for, all records of the lattice are made and kept, and each grid gets a selection of them. The
 /// field has the same bytes either way. For one thread at a time.
@@ -74,13 +71,12 @@ public:
 
     Stages(const Stages&) = delete;
     Stages& operator=(const Stages&) = delete;
-    ~Stages();
 
     /// Stages that keep only what samples and points of a box can need; see DistanceTransform::restrict_to().
     std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
                                        SignRule sign);
     /// Null for the whole mesh.
-    const Restriction* restriction() const { return restriction_ ? &*restriction_ : nullptr; }
+    const Restriction* restriction() const { return restriction_.get().get(); }
     /// Throws if a restricted mesh does not suffice for the field, or if the grid has more samples than kernels can
     /// number or lies too far from the mesh; see Restriction::check(), layout_of() and check_distance().
     void check(const Grid& grid, const Band& band, SignRule sign) const;
@@ -113,18 +109,9 @@ public:
     /// The records of the whole mesh, which are not kept. Throws Error(out_of_memory).
     PreparedMesh all_records(const polyhedra::LatticeView& lattice);
 
-    /// A value that is kept. Its device_bytes count against the budget.
-    struct KeptValue {
-        const char* name;
-        std::size_t host_bytes;
-        std::size_t device_bytes;
-        bool of_positions;  ///< forgotten when the vertices move
-        bool of_points;     ///< queries of points need it
-        std::function<void()> forget;
-    };
-    /// Values that somebody else keeps, who lives as long as calls are made. `values` lists them, those that are kept
-    /// first if memory is short first.
-    void keep_also(std::function<std::vector<KeptValue>()> values) { others_ = std::move(values); }
+    /// The values that it keeps, without those of lattices. Others may add values, and must live as long as calls are
+    /// made.
+    KeptValues& kept() { return kept_; }
 
     /// Returns what make() returns. Throws Error(out_of_memory) if the host has too little memory.
     template <typename Make>
@@ -138,14 +125,14 @@ public:
 
     /// Limit of the device memory that is kept, in bytes.
     std::size_t budget();
-    /// Forgets what does not fit in the budget, in bytes of the device's memory. The mesh's own data come first, then
-    /// the lattices, the last used first.
+    /// Forgets what does not fit in the budget, in bytes of the device's memory.
     void keep_within(std::size_t budget);
-    /// Drops everything that no plan holds. Dropping the rest would free no memory.
+    /// Forgets everything on the device that no plan holds.
     void release();
 
-    std::size_t host_bytes();    ///< all memory of the host that is kept
-    std::size_t device_bytes();  ///< all memory of the device that is kept
+    /// All memory that is kept.
+    KeptMemory memory();
+    std::size_t device_bytes() { return memory().device_bytes; }
     /// Device memory of a grid's records and triangles of the sweep, if they are not among what is kept.
     std::size_t bytes_beside(const Inputs& inputs) const;
     /// Bytes of the records that a lattice keeps.
@@ -155,33 +142,13 @@ private:
     Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
            Restriction restriction, Options options);
 
-    struct Lattice {
-        Vec3 origin{};
-        Vec3 spacing{};
-        std::shared_ptr<const PreparedMesh> records;
-        std::shared_ptr<const SweepMesh> sweep_mesh;
-        std::shared_ptr<const SurfacePoints> points;
-        /// Numbers of faces whose records, or triangles of the sweep, were made for small grids only.
-        std::size_t faces_packed = 0;
-        std::size_t faces_swept = 0;
-        std::optional<polyhedra::NearRecords> kept{};  ///< what `records` are of
-        std::optional<bool> may_meet_samples{};        ///< see may_meet_samples()
-
-        std::size_t bytes() const;
-        /// Whether plans hold parts of it, too.
-        bool is_in_use() const;
-    };
-
-    /// All but the lattices; those that are kept first if memory is short come first.
-    std::vector<KeptValue> kept_values();
+    /// With those of lattices: the mesh's own values come first, then the lattices, the last used first.
+    KeptValues all_kept();
+    /// Forgets these, the last first: before the values that they are made of, whose memory they may share.
+    void forget_if(bool (*condition)(const KeptValue&));
     [[noreturn]] void refuse_memory() const;
 
     const polyhedra::ClusterIndex& index();
-    /// On a processor its destructor enqueues a marker, for which wait_for_readers() waits: the commands before it may
-    /// read the frusta.
-    class ReaderMark;
-    /// Waits until no kernel reads the frusta any more: on a processor kernels use the host's memory.
-    void wait_for_readers();
     DeviceSetUp set_up() const { return {context_, pool_, options_.programs}; }
     /// Whether the kernels can make lists of a part of the records.
     bool has_selections() const { return options_.programs.body == KernelBody::by_vector; }
@@ -190,13 +157,14 @@ private:
     std::optional<PreparedMesh> make_frusta(const polyhedra::LatticeView* lattice);
     /// Null if the host makes the lattice's records, and the vertices of its sweep.
     std::shared_ptr<const DeviceFaces> device_faces(const polyhedra::LatticeView& lattice);
-    PreparedMesh records(const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
-                         std::span<const polyhedra::RecordRange> of_sites);
+    PreparedMesh records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& ranges);
     /// The lattice of a grid, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
+    /// The records of the whole mesh.
+    polyhedra::NearRecords all_ranges();
     /// The records that the lattice of a grid keeps: all; for a part of a mesh, those that distances in its box can
     /// need. Faces that a part has for the sign alone need no records.
-    const polyhedra::NearRecords& kept_records(const Grid& grid);
+    const polyhedra::NearRecords& kept_ranges(const Grid& grid);
     /// The part of the mesh that a grid needs, for its coarse bricks' lists or for its rows' crossings; nothing if that
     /// is more than half of the `faces` that there are.
     std::optional<polyhedra::NearRecords> near_box(const Box& box, std::size_t faces);
@@ -212,20 +180,19 @@ private:
     std::shared_ptr<device::BufferPool> pool_;
     Options options_;
     Mesh mesh_;
-    std::optional<Restriction> restriction_;
-    std::shared_ptr<const polyhedra::MeshTopology> topology_;
     bool has_moved_ = false;
-    std::shared_ptr<const FrustaSources> frusta_sources_;  // kept from the first move on
-    std::optional<polyhedra::Frusta> frusta_;
-    std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
-    std::shared_ptr<const DeviceFaces::Names> names_;
-    std::shared_ptr<const DeviceFaces> faces_;
-    cl::Event last_reader_;  // of the frusta, on a processor
-    bool is_last_reader_known_ = true;
-    DeviceSites sites_;
-    std::optional<bool> encloses_negative_volume_;
-    std::function<std::vector<KeptValue>()> others_;
-    std::list<Lattice> lattices_;  // that was used last first
+    KeptValues kept_;  // those that follow, in their order
+    Kept<Restriction> restriction_{kept_, MadeOf::triangles};
+    Kept<polyhedra::MeshTopology> topology_{kept_, MadeOf::triangles};
+    Kept<bool> encloses_negative_volume_{kept_, MadeOf::positions};
+    Kept<polyhedra::Frusta> frusta_{kept_, MadeOf::positions};
+    Kept<polyhedra::ClusterIndex> index_{kept_, MadeOf::positions};  // a grid around the whole mesh needs none
+    Kept<device::BufferPool::Lease> site_names_{kept_, MadeOf::triangles, UsedBy::both};
+    Kept<device::BufferPool::Lease> pseudonormals_{kept_, MadeOf::positions, UsedBy::both};
+    Kept<DeviceFaces::Names> names_{kept_, MadeOf::triangles, UsedBy::grids, [this] { faces_.forget(); }};
+    Kept<DeviceFaces> faces_{kept_, MadeOf::positions};             // which hold their names
+    Kept<FrustaSources> frusta_sources_{kept_, MadeOf::triangles};  // from the first move on
+    std::list<Lattice> lattices_;                                   // that was used last first
 };
 
 }  // namespace clsdf::transform

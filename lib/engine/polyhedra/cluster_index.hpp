@@ -26,6 +26,8 @@ struct NearRecords {
     std::vector<RecordRange> sites;
     std::size_t face_count = 0;
     std::size_t site_count = 0;
+
+    std::size_t host_bytes() const { return (faces.size() + sites.size()) * sizeof(RecordRange); }
 };
 
 /// Boxes around clusters of faces and of point sites, and around blocks of clusters.
@@ -44,7 +46,7 @@ public:
     NearRecords near(std::span<const Box> boxes) const;
     NearRecords near(const Box& box) const { return near({&box, 1}); }
 
-    std::size_t bytes() const { return (clusters_.size() + blocks_.size() + sites_.size()) * sizeof(Box); }
+    std::size_t host_bytes() const { return (clusters_.size() + blocks_.size() + sites_.size()) * sizeof(Box); }
 
 private:
     std::size_t face_count_;

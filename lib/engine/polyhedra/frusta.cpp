@@ -109,7 +109,7 @@ LatticeView view_of(const Box& box) {
     return {{}, largest > 0 ? std::ldexp(1.0, std::ilogb(largest) - 8) : 1.0};
 }
 
-std::size_t Frusta::bytes() const {
+std::size_t Frusta::host_bytes() const {
     return positions.size() * sizeof(Vec3) + slopes.size() * sizeof(FaceSlopes) + sites.size() * sizeof(SiteFrustum) +
            slivers.size() * sizeof(std::uint32_t);
 }

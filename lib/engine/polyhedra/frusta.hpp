@@ -31,7 +31,7 @@ struct Frusta {
     std::size_t saddle_vertices = 0;  ///< with convex and concave edges (kernels: flat up to rounding is neither)
     std::size_t boxes = 0;            ///< faces so degenerate that their polyhedron is a box
 
-    std::size_t bytes() const;
+    std::size_t host_bytes() const;
 };
 
 /// Steps that tests switch off to show that they are needed.

@@ -175,7 +175,7 @@ LeftToHost KernelTopology::left_to_host(const MeshTopology& topology, std::span<
     return left;
 }
 
-std::size_t KernelTopology::bytes() const {
+std::size_t KernelTopology::host_bytes() const {
     return (opposite.size() + fan_words.size() + irregular_faces.size() + irregular_vertices.size()) *
                sizeof(std::uint32_t) +
            fan_items.size() * sizeof(FanItem);

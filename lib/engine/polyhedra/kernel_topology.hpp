@@ -31,7 +31,7 @@ struct KernelTopology {
     LeftToHost left_to_host(const MeshTopology& topology, std::span<const std::uint8_t> face_answers,
                             std::span<const std::uint8_t> vertex_answers) const;
 
-    std::size_t bytes() const;
+    std::size_t host_bytes() const;
 };
 
 }  // namespace clsdf::polyhedra

@@ -134,7 +134,7 @@ MeshTopology::MeshTopology(const Mesh& mesh, UninitializedVector<std::uint32_t> 
       rings(faces.triangles, faces.vertices.size()),
       edges(pair_edges(faces.triangles, rings)) {}
 
-std::size_t MeshTopology::bytes() const {
+std::size_t MeshTopology::host_bytes() const {
     return order.size() * sizeof(order[0]) + faces.triangles.size() * sizeof(Triangle) +
            faces.vertices.size() * sizeof(std::uint32_t) + rings.bytes() + edges.faces.size() * sizeof(FaceEdges);
 }

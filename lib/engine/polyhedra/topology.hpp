@@ -108,7 +108,7 @@ struct MeshTopology {
     /// In another order: the mesh's index of each face.
     MeshTopology(const Mesh& mesh, UninitializedVector<std::uint32_t> order);
 
-    std::size_t bytes() const;
+    std::size_t host_bytes() const;
 };
 
 }  // namespace clsdf::polyhedra

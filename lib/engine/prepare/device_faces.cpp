@@ -43,9 +43,9 @@ DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const po
 }
 
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
-                         const polyhedra::Frusta& frusta) {
-    return {std::move(names), job.input(nullptr, frusta.positions, "vertices"),
-            job.input(nullptr, frusta.slopes, "slopes of the polyhedra")};
+                         const std::shared_ptr<const polyhedra::Frusta>& frusta) {
+    return {std::move(names), job.input(frusta, frusta->positions, "vertices"),
+            job.input(frusta, frusta->slopes, "slopes of the polyhedra")};
 }
 
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,

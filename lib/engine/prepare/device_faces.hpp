@@ -73,21 +73,20 @@ struct DeviceFaces {
         device::BufferPool::Lease names;      ///< see face_sources.h
 
         std::size_t face_count() const { return topology->order.size(); }
-        std::size_t bytes() const { return triangles.bytes() + names.bytes(); }
+        std::size_t device_bytes() const { return triangles.bytes() + names.bytes(); }
     };
 
     std::shared_ptr<const Names> names;
     device::BufferPool::Lease positions;  ///< Vec3 of each vertex
     device::BufferPool::Lease slopes;     ///< polyhedra::FaceSlopes of each face
 
-    /// On the device, without the names.
-    std::size_t own_bytes() const { return positions.bytes() + slopes.bytes(); }
+    /// Without the names.
+    std::size_t device_bytes() const { return positions.bytes() + slopes.bytes(); }
 };
 
 DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology);
-/// `frusta` must outlive them.
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
-                         const polyhedra::Frusta& frusta);
+                         const std::shared_ptr<const polyhedra::Frusta>& frusta);
 
 /// Whether the kernels' plain arithmetic suffices for a lattice: the mesh is not far from its sample (0, 0, 0), and not
 /// vanishingly small beside a voxel. It is a function of mesh and lattice alone.

@@ -37,8 +37,6 @@ struct DeviceSites {
     std::shared_ptr<const device::BufferPool::Lease> names;    ///< null unless an output names sites
     std::shared_ptr<const device::BufferPool::Lease> normals;  ///< null unless pseudonormals are needed
     std::size_t renumbered = 0;  ///< of a part of a mesh: its triangles; behind `names` are their numbers in the whole
-
-    std::size_t bytes() const { return (names ? names->bytes() : 0) + (normals ? normals->bytes() : 0); }
 };
 
 /// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh.

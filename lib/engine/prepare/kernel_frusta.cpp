@@ -59,7 +59,7 @@ public:
         complete();
         std::optional<PreparedMesh> records;
         if (records_of_ != nullptr) records = finish_records();
-        return {std::move(*frusta_), std::move(faces_), std::move(records)};
+        return {std::move(frusta_), std::move(faces_), std::move(records)};
     }
 
 private:

@@ -19,7 +19,7 @@ struct FrustaSources {
 
     FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology);
 
-    std::size_t host_bytes() const { return of_kernels->bytes(); }
+    std::size_t host_bytes() const { return of_kernels->host_bytes(); }
     std::size_t device_bytes() const { return opposite.bytes() + fan_words.bytes() + fan_items.bytes(); }
 };
 
@@ -27,7 +27,8 @@ struct FrustaSources {
 bool suits_kernels(const polyhedra::MeshTopology& topology);
 
 struct MadeFrusta {
-    polyhedra::Frusta frusta;  ///< whose arrays the faces share if device and host share their memory
+    std::shared_ptr<const polyhedra::Frusta>
+        frusta;  ///< whose arrays the faces share if device and host share their memory
     DeviceFaces faces;
     std::optional<PreparedMesh> records{};  ///< for the lattice, if there is one
 };

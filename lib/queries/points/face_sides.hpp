@@ -20,6 +20,8 @@ namespace clsdf::points {
 struct FaceSides {
     device::BufferPool::Lease sides;
     std::size_t known = 0;  ///< faces whose sides are
+
+    std::size_t device_bytes() const { return sides.bytes(); }
 };
 
 /// Whether they cost less than the crossings of so many points that are asked for.

@@ -4,40 +4,31 @@
 
 namespace clsdf::points {
 
-KeptPoints::KeptPoints(transform::Stages& stages) : stages_(stages) {
-    stages.keep_also([this] { return values(); });
-}
-
 std::shared_ptr<const PointMesh> KeptPoints::tree() {
     return stages_.prepare([&] {
-        if (!tree_) {
+        return tree_.get_or([&] {
             PointMesh made =
                 make_point_mesh(stages_.context(), stages_.pool(), stages_.mesh(), stages_.shared_topology());
             made.is_part = stages_.restriction() != nullptr;
-            tree_ = std::make_shared<const PointMesh>(std::move(made));
-        }
-        return tree_;
+            return made;
+        });
     });
 }
 
 std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh(const cl::Program& program) {
     return stages_.prepare([&] {
-        if (!scanned_mesh_) {
+        return scanned_mesh_.get_or([&] {
             const scan::PreparedMesh polyhedra = stages_.all_records(tree()->lattice);
-            scanned_mesh_ = std::make_shared<const ScannedMesh>(
-                make_scanned_mesh(stages_.context(), program, stages_.pool(), *tree_, stages_.frusta(), polyhedra));
-        }
-        return scanned_mesh_;
+            return make_scanned_mesh(stages_.context(), program, stages_.pool(), *tree_, stages_.frusta(), polyhedra);
+        });
     });
 }
 
 std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_found) {
+    // In front of a part's faces there may be others that are missing.
+    if (!is_found || stages_.restriction() != nullptr) return face_sides_.get();
     return stages_.prepare([&] {
-        // In front of a part's faces there may be others that are missing.
-        if (!face_sides_ && is_found && stages_.restriction() == nullptr)
-            face_sides_ =
-                std::make_shared<const FaceSides>(find_face_sides(stages_.context(), stages_.pool(), *tree(), sign));
-        return face_sides_;
+        return face_sides_.get_or([&] { return find_face_sides(stages_.context(), stages_.pool(), *tree(), sign); });
     });
 }
 
@@ -66,21 +57,9 @@ void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     remembered_.is_inside_out = inputs.is_inside_out;
 }
 
-void KeptPoints::forget_tree() {
-    tree_.reset();
+void KeptPoints::forget_inputs() {
     const std::scoped_lock lock(mutex_);
     remembered_ = {};
-}
-
-std::vector<transform::Stages::KeptValue> KeptPoints::values() {
-    if (!tree_ && !scanned_mesh_ && !face_sides_) return {};
-    return {
-        {"points' tree", tree_ ? tree_->host_bytes() : 0, tree_ ? tree_->device_bytes() : 0, true, true,
-         [this] { forget_tree(); }},
-        {"scanned mesh", 0, scanned_mesh_ ? scanned_mesh_->device_bytes() : 0, true, true,
-         [this] { scanned_mesh_.reset(); }},
-        {"face sides", 0, face_sides_ ? face_sides_->sides.bytes() : 0, true, true, [this] { face_sides_.reset(); }},
-    };
 }
 
 }  // namespace clsdf::points

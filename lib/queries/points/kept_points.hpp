@@ -9,7 +9,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <vector>
 
 namespace clsdf::points {
 
@@ -23,7 +22,7 @@ namespace clsdf::points {
 /// For one thread at a time.
 class KeptPoints {
 public:
-    explicit KeptPoints(transform::Stages& stages);
+    explicit KeptPoints(transform::Stages& stages) : stages_(stages) {}
     KeptPoints(const KeptPoints&) = delete;
     KeptPoints& operator=(const KeptPoints&) = delete;
 
@@ -44,13 +43,18 @@ public:
     void remember(const PointInputs& inputs, OutputSet outputs);
 
 private:
-    std::vector<transform::Stages::KeptValue> values();
-    void forget_tree();
+    template <class T>
+    using Kept = transform::Kept<T>;
+    static constexpr auto of_positions = transform::MadeOf::positions;
+    static constexpr auto by_points = transform::UsedBy::points;
+
+    /// No thread gets the remembered inputs any more.
+    void forget_inputs();
 
     transform::Stages& stages_;
-    std::shared_ptr<const PointMesh> tree_;
-    std::shared_ptr<const ScannedMesh> scanned_mesh_;
-    std::shared_ptr<const FaceSides> face_sides_;
+    Kept<PointMesh> tree_{stages_.kept(), of_positions, by_points, [this] { forget_inputs(); }};
+    Kept<ScannedMesh> scanned_mesh_{stages_.kept(), of_positions, by_points};
+    Kept<FaceSides> face_sides_{stages_.kept(), of_positions, by_points};
 
     /// See remember().
     struct Remembered {

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+
+#include "device/buffer_pool.hpp"
+
+#include <functional>
+#include <memory>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace clsdf::transform {
+
+/// What a kept value is made of: it is forgotten when this changes.
+enum class MadeOf { triangles, positions };
+
+enum class UsedBy { grids, points, both };
+
+/// A value that a transform keeps of its mesh, or nothing if it is not made yet.
+class KeptValue {
+public:
+    KeptValue(MadeOf made_of_in, UsedBy used_by_in) : made_of(made_of_in), used_by(used_by_in) {}
+    virtual ~KeptValue() = default;
+
+    virtual KeptMemory memory() const = 0;
+    /// Whether somebody else holds it, too. To forget it would free no memory.
+    virtual bool is_in_use() const = 0;
+    virtual void forget() = 0;
+
+    MadeOf made_of;
+    UsedBy used_by;
+};
+
+/// Those that are kept first if memory is short come first, and a value comes after those that it is made of.
+using KeptValues = std::vector<KeptValue*>;
+
+template <class T>
+class Kept final : public KeptValue {
+public:
+    /// all: gets the value, and must not be used any more when the value is destroyed. also_forget: is called when the
+    /// value is forgotten.
+    Kept(KeptValues& all, MadeOf made_of_in, UsedBy used_by_in = UsedBy::grids, std::function<void()> also_forget = {})
+        : KeptValue(made_of_in, used_by_in), also_forget_(std::move(also_forget)) {
+        all.push_back(this);
+    }
+    Kept(const Kept&) = delete;
+    Kept& operator=(const Kept&) = delete;
+
+    /// Null if there is no value.
+    const std::shared_ptr<const T>& get() const { return value_; }
+    explicit operator bool() const { return value_ != nullptr; }
+    const T& operator*() const { return *value_; }
+    const T* operator->() const { return value_.get(); }
+
+    void set(std::shared_ptr<const T> value) { value_ = std::move(value); }
+    /// The value, which is what make() returns if there was none.
+    template <class Make>
+    const std::shared_ptr<const T>& get_or(const Make& make) {
+        if (!value_) value_ = std::make_shared<const T>(make());
+        return value_;
+    }
+
+    KeptMemory memory() const override {
+        KeptMemory memory;
+        if (!value_) return memory;
+        if constexpr (requires { value_->host_bytes(); }) memory.host_bytes = value_->host_bytes();
+        if constexpr (requires { value_->device_bytes(); }) memory.device_bytes = value_->device_bytes();
+        if constexpr (std::is_same_v<T, device::BufferPool::Lease>) memory.device_bytes = value_->bytes();
+        return memory;
+    }
+    bool is_in_use() const override { return value_.use_count() > 1; }
+    void forget() override {
+        value_.reset();
+        if (also_forget_) also_forget_();
+    }
+
+private:
+    std::shared_ptr<const T> value_;
+    std::function<void()> also_forget_;
+};
+
+}  // namespace clsdf::transform

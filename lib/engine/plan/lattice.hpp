@@ -1,0 +1,48 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+
+#include "plan/kept.hpp"
+#include "polyhedra/cluster_index.hpp"
+#include "prepare/prepared_mesh.hpp"
+#include "prepare/sweep_mesh.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+namespace clsdf::transform {
+
+/// What a transform keeps of its mesh for the grids of a lattice.
+class Lattice final : public KeptValue {
+public:
+    Lattice(const Vec3& origin_in, const Vec3& spacing_in)
+        : KeptValue(MadeOf::positions, UsedBy::grids), origin(origin_in), spacing(spacing_in) {}
+    bool is_of(const Grid& grid) const { return origin == grid.origin && spacing == grid.spacing; }
+
+    KeptMemory memory() const override {
+        KeptMemory memory;
+        if (record_ranges) memory.host_bytes = record_ranges->host_bytes();
+        if (records) memory.device_bytes += records->device_bytes();
+        if (sweep_mesh) memory.device_bytes += sweep_mesh->device_bytes();
+        if (points) memory.device_bytes += points->size() * sizeof(SurfacePoint);
+        return memory;
+    }
+    bool is_in_use() const override {
+        return records.use_count() > 1 || sweep_mesh.use_count() > 1 || points.use_count() > 1;
+    }
+    void forget() override { *this = Lattice(origin, spacing); }
+
+    Vec3 origin;
+    Vec3 spacing;
+    std::optional<polyhedra::NearRecords> record_ranges{};  ///< what `records` are of
+    std::shared_ptr<const scan::PreparedMesh> records{};
+    std::shared_ptr<const scan::SweepMesh> sweep_mesh{};
+    std::shared_ptr<const scan::SurfacePoints> points{};
+    std::optional<bool> may_meet_samples{};  ///< see Stages::may_meet_samples()
+    /// Numbers of faces whose records, or triangles of the sweep, were made for small grids only.
+    std::size_t faces_packed = 0;
+    std::size_t faces_swept = 0;
+};
+
+}  // namespace clsdf::transform
