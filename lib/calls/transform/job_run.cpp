@@ -108,7 +108,7 @@ private:
             // A part of the grid needs a part of what the grid needs.
             transform::Inputs inputs = inputs_;
             if (is_part) state_.stages->select(slab, scan::layout_of(slab, job_.band, state_.sign), inputs);
-            plan_ = state_.make_plan(state_, std::move(inputs), job_.part(slab), caller_, compiling_);
+            plan_ = state_.make_plan(state_, std::move(inputs), job_.part(slab), caller_);
         }
         const auto share = [&](std::size_t samples) { return static_cast<double>(samples) / static_cast<double>(all); };
         clsdf::run(*plan_, memories, caller_, share(done_), share(end));

@@ -103,9 +103,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     caller.throw_if_stopped();
     transform::Compiling compiling(caller);
     if (!std::ranges::all_of(blocks, &transform::PlanState::Block::in_place))
-        compiling.run(1, [&](const device::BuildWatch& watch) {
-            return transform::ensure_store_tested(device, programs, watch);
-        });
+        test(transform::stored_boxes_subject(device, programs), compiling);
     made.sign = sign;
     bool is_retry = false;
     const auto make = [&] {
@@ -144,8 +142,7 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
         transform::Inputs block_inputs = batch_inputs;
         if (!(block.grid == batch->job.grid))
             stages->select(block.grid, scan::layout_of(block.grid, batch->job.band, sign), block_inputs);
-        auto block_plan =
-            make_plan(with(made.pool), std::move(block_inputs), batch->job.part(block.grid), caller, compiling);
+        auto block_plan = make_plan(with(made.pool), std::move(block_inputs), batch->job.part(block.grid), caller);
         add_slab(made.statistics, block_plan->statistics);
         made.add(block, std::move(block_plan), targets, programs);
     }

@@ -121,24 +121,10 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     plans.clear();
 }
 
-transform::TestCase DistanceTransform::State::test_case_of(const transform::Job& job) const {
-    const Layout layout = scan::layout_of(job.grid, job.band, sign);
-    transform::TestCase test_case;
-    test_case.body = programs.body;
-    test_case.variant = {job.outputs != OutputSet{}, job.counts, scan::has_long_bricks(job.grid)};
-    test_case.is_signed = sign != SignRule::none;
-    if (method)
-        test_case.method = device::guarded([&] { return method->tested_as(context(), layout, test_case.variant); });
-    else
-        test_case.is_wide = !scan::has_uniform_bounds(layout);
-    return test_case;
-}
-
-void DistanceTransform::State::test(const transform::TestCase& test_case, transform::Compiling& compiling) const {
-    if (context().is_tested(test_case.name())) return;
-    compiling.run(transform::step_count(test_case), [&](const device::BuildWatch& watch) {
-        return transform::ensure_tested(device, programs, test_case, watch);
-    });
+void DistanceTransform::State::test(const transform::TestSubject& subject, transform::Compiling& compiling) const {
+    if (context().is_tested(subject.name)) return;
+    compiling.run(subject.steps,
+                  [&](const device::BuildWatch& watch) { return transform::ensure_tested(device, subject, watch); });
 }
 
 void DistanceTransform::State::check(const transform::Job& job) const {
@@ -176,7 +162,12 @@ scan::DeviceTargets DistanceTransform::State::device_targets(
 
 void DistanceTransform::State::compile(const transform::Job& job, transform::Compiling& compiling) const {
     context().require_usable();
-    test(test_case_of(job), compiling);
+    const scan::BrickVariant variant{job.outputs != OutputSet{}, job.counts, scan::has_long_bricks(job.grid)};
+    std::shared_ptr<const FieldMethod> tested;
+    if (method)
+        tested = device::guarded(
+            [&] { return method->tested_as(context(), scan::layout_of(job.grid, job.band, sign), variant); });
+    test(transform::field_subject(device, programs, tested, variant), compiling);
 }
 
 transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bool lone) {
@@ -194,21 +185,9 @@ transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bo
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(const transform::Workshop& from,
                                                                          transform::Inputs inputs,
                                                                          const transform::Job& job,
-                                                                         transform::Caller& caller,
-                                                                         transform::Compiling& compiling) {
+                                                                         transform::Caller& caller) {
     auto plan =
         std::make_unique<transform::GridPlan>(from, std::move(inputs), job, [&caller] { caller.throw_if_stopped(); });
-    // Known only now: records made from kept frusta, by a kernel that must be tested.
-    if (plan->inputs.records->is_later) {
-        transform::TestCase found = test_case_of(job);
-        found.is_later = true;
-        try {
-            test(found, compiling);
-        } catch (...) {
-            context().drain();  // the set-up's commands use the plan's buffers
-            throw;
-        }
-    }
     from.pool->trim();
     return plan;
 }

@@ -58,8 +58,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
     transform::Inputs inputs(const transform::Job& job, bool lone = false);
     /// from: this, or with another pool.
     std::unique_ptr<transform::GridPlan> make_plan(const transform::Workshop& from, transform::Inputs inputs,
-                                                   const transform::Job& job, transform::Caller& caller,
-                                                   transform::Compiling& compiling);
+                                                   const transform::Job& job, transform::Caller& caller);
     /// The plan of an earlier call with the same job, which is the caller's now; null if none is kept.
     std::unique_ptr<transform::GridPlan> take_plan(const transform::Job& job);
     /// Keeps a plan for the next call.
@@ -149,8 +148,7 @@ private:
     void require_whole() const;
     /// For the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
-    transform::TestCase test_case_of(const transform::Job& job) const;
-    void test(const transform::TestCase& test_case, transform::Compiling& compiling) const;
+    void test(const transform::TestSubject& subject, transform::Compiling& compiling) const;
 
     /// For a query of `count` points. on_host: the host answers it.
     points::PointInputs point_inputs(OutputSet outputs, std::size_t count, bool on_host);
