@@ -333,6 +333,10 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
          many_points,
          vectors,
          {records, "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"}},
+        {"slices in the places of rows",
+         boxes,
+         vectors,
+         {"store_boxes.cl", "z * box->strides[2]", "z * box->strides[1]"}},
     };
     const TemporaryFolder folder;
     for (const Mutation& mutation : mutations)
