@@ -232,7 +232,7 @@ public:
                 program_of(context, finish_source(programs, variant), watch)};
     }
 
-    std::size_t step_count() const override { return 3; }
+    std::size_t step_count() const override { return 2; }
 };
 
 }  // namespace

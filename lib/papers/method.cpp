@@ -105,7 +105,7 @@ public:
         return {slices_program(context, programs, {variant, has_one_pass()}, watch)};
     }
 
-    std::size_t step_count() const override { return has_one_pass() ? 2 : 3; }
+    std::size_t step_count() const override { return 1; }
 
 private:
     bool has_one_pass() const { return options_.slice_minimum == SliceMinimum::one_pass; }

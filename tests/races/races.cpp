@@ -110,7 +110,7 @@ BOOST_AUTO_TEST_CASE(a_mesh_that_moves_and_another_lattice) {
 BOOST_AUTO_TEST_CASE(many_points) {
     unsetenv("CLSDF_SELF_TEST");
     const scan::Programs programs(device::context_of(test_device()), KernelBody::by_vector);
-    BOOST_TEST(transform::ensure_points_tested(test_device(), programs, {.are_scanned = true}));
+    BOOST_TEST(transform::ensure_tested(test_device(), transform::point_subject(test_device(), programs, true)));
     setenv("CLSDF_SELF_TEST", "0", 1);
 }
 

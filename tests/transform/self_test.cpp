@@ -7,54 +7,23 @@
 
 #include "core/outputs.hpp"
 #include "device/context.hpp"
-#include "papers/scans.hpp"
 #include "self_test/known_field.hpp"
-#include "self_test/self_test.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 using namespace clsdf;
 using namespace clsdf::test;
 using transform::KnownField;
 using transform::KnownFieldKind;
-using transform::PointTestCase;
-using transform::TestCase;
 
 namespace {
 
 constexpr KernelBody vector_body = KernelBody::by_vector, group_body = KernelBody::by_group;
-
-TestCase bricks(KernelBody body, bool triangle, bool count, bool long_bricks = false) {
-    TestCase test_case;
-    test_case.body = body;
-    test_case.variant = {triangle, count, long_bricks};
-    return test_case;
-}
-
-TestCase slices(KernelBody body, bool triangle, bool count, bool key_64) {
-    TestCase test_case = bricks(body, triangle, count);
-    test_case.method = papers::method_of(
-        {.scan = Scan::slices, .slice_minimum = key_64 ? SliceMinimum::one_pass : SliceMinimum::two_passes});
-    return test_case;
-}
-
-TestCase wide(TestCase test_case) {
-    test_case.is_wide = true;
-    return test_case;
-}
-TestCase later(TestCase test_case) {
-    test_case.is_later = true;
-    return test_case;
-}
-TestCase without_sign(TestCase test_case) {
-    test_case.is_signed = false;
-    return test_case;
-}
 
 /// A device with programs of its own, whose kernels' text is changed, and which keeps records in `folder`.
 struct Changed {
@@ -77,6 +46,53 @@ struct Changed {
     }
 };
 
+const Band narrow = Band::symmetric(0.1);
+
+/// The first calls of a program, which need some of the programs' kernels: a first lattice, a narrow band and a sign.
+using Use = std::function<TransformStatistics(const Device&, KernelBody, const CallOptions&)>;
+
+Use fields(OutputSet outputs, bool has_long_bricks = false, bool count_work = false) {
+    return [=](const Device& device, KernelBody body, CallOptions call) {
+        call.count_work = count_work;
+        const Mesh mesh = make_shape("cube");
+        Grid grid = Grid::around(mesh, 16, narrow);
+        if (has_long_bricks) grid.spacing[2] *= 1.7;
+        return DistanceTransform(device, mesh, {.body = body}).compile(grid, narrow, outputs, call);
+    };
+}
+
+const Use distances = fields(Output::distance), outputs = fields(all_outputs()),
+          long_outputs = fields(all_outputs(), true), counted = fields(Output::triangle, false, true);
+
+Use slices(SliceMinimum minimum) {
+    return [=](const Device& device, KernelBody body, const CallOptions& call) {
+        const Mesh mesh = make_shape("cube");
+        return make_transform(device, mesh, {.scan = Scan::slices, .slice_minimum = minimum}, {.body = body})
+            .compile(Grid::around(mesh, 16, narrow), narrow, Output::distance, call);
+    };
+}
+
+Use points(std::size_t count) {
+    return [=](const Device& device, KernelBody body, const CallOptions& call) {
+        const std::vector<Vec3> all(count, {0.5, 0, 0});
+        std::vector<float> distance(count);
+        return DistanceTransform(device, make_shape("cube"), {.body = body}).query(all, 1, distance, call);
+    };
+}
+
+const Use few_points = points(500), many_points = points(20000);
+
+/// A plan for an array with gaps.
+TransformStatistics boxes(const Device& device, KernelBody body, const CallOptions& call) {
+    const Mesh mesh = make_shape("cube");
+    const Grid grid = Grid::around(mesh, 16, narrow);
+    constexpr std::ptrdiff_t stride = 2 * sizeof(float);
+    const cl::Buffer memory(device::context_of(device).context(), CL_MEM_READ_WRITE, stride * grid.sample_count());
+    OutputArray target(memory());
+    target.strides = {stride, stride * grid.size[0], stride * grid.size[0] * grid.size[1]};
+    return DistanceTransform(device, mesh, {.body = body}).plan({grid, narrow, target}, call).statistics();
+}
+
 /// A field as packed arrays.
 scan::HostArrays arrays_of(Field& field) {
     scan::HostArrays arrays;
@@ -85,49 +101,6 @@ scan::HostArrays arrays_of(Field& field) {
         arrays[info.output] = {!bytes.empty(), info.type == ElementType::float64, bytes.data()};
     }
     return arrays;
-}
-
-/// The message of the error that test() throws; it must be of wrong results.
-template <typename Test>
-std::string message_of(const Test& test) {
-    try {
-        test();
-    } catch (const Error& error) {
-        BOOST_TEST((error.code() == ErrorCode::wrong_results));
-        return error.what();
-    }
-    return {};
-}
-
-std::string message_of_test(const Device& device, const TestCase& test_case) {
-    return message_of([&] {
-        const scan::Programs programs(device::context_of(device), test_case.body);
-        transform::ensure_tested(device, programs, test_case);
-    });
-}
-
-std::string message_of_point_test(const Device& device, KernelBody body, const PointTestCase& test_case) {
-    return message_of([&] {
-        const scan::Programs programs(device::context_of(device), body);
-        transform::ensure_points_tested(device, programs, test_case);
-    });
-}
-
-/// A device with the changed kernel is refused: by the first use, and by the next one.
-template <typename MessageOfTest>
-void check_refusal(const char* what, Changed& changed, const std::string& folder,
-                   const MessageOfTest& message_of_test) {
-    const Device device = changed.device(folder);
-    const std::string message = message_of_test(device);
-    BOOST_TEST_CONTEXT(what << " in " << changed.file) {
-        BOOST_TEST(changed.is_found, "the text to be changed is no longer there");
-        BOOST_TEST_MESSAGE(message);
-        for (const std::string& part : {device.name(), device.platform(), std::string("driver"), std::string("sample"),
-                                        std::string("clsdf devices")})
-            BOOST_TEST(message.find(part) != std::string::npos, "no '" << part << "' in '" << message << "'");
-        // Neither a second computation nor a second process takes it.
-        BOOST_TEST(!message_of_test(device).empty());
-    }
 }
 
 }  // namespace
@@ -183,297 +156,214 @@ BOOST_AUTO_TEST_CASE(has_coarse_bricks_without_polyhedra_inside_and_outside) {
         }
 }
 
-BOOST_AUTO_TEST_CASE(tells_every_kind_of_difference) {
-    const KnownField known({});
-    DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
-    const Field right = transform.compute(known.grid(), known.band(), all_outputs());
-    const auto differs = [&](auto&& change) {
-        Field field = right;
-        change(field);
-        return known.difference(arrays_of(field)).has_value();
-    };
-    std::size_t in_band = 0, beyond = 0;
-    while (right.triangle()[in_band] == 0xFFFFFFFFU) ++in_band;
-    while (right.triangle()[beyond] != 0xFFFFFFFFU) ++beyond;
-    BOOST_TEST(!differs([](Field&) {}));
-    BOOST_TEST(differs([&](Field& field) { field.distance()[in_band] += 1e-4F; }));
-    BOOST_TEST(differs([&](Field& field) { field.distance()[beyond] = -field.distance()[beyond]; }));
-    BOOST_TEST(differs([&](Field& field) { field.distance()[0] = std::numeric_limits<float>::quiet_NaN(); }));
-    BOOST_TEST(differs([&](Field& field) { field.triangle()[in_band] = 0xFFFFFFFFU; }));
-    BOOST_TEST(differs([&](Field& field) { field.triangle()[in_band] = 1000; }));
-    BOOST_TEST(differs([&](Field& field) { field.triangle()[beyond] = 0; }));
-    for (const unsigned site : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U, 255U})
-        BOOST_TEST(differs([&](Field& field) { field.site()[in_band] = static_cast<std::uint8_t>(site); }) ==
-                   (site != right.site()[in_band]));
-    for (std::size_t k = 0; k < 3; ++k) {
-        BOOST_TEST(differs([&](Field& field) { field.closest()[3 * in_band + k] += 1e-3; }));
-        BOOST_TEST(differs([&](Field& field) { field.gradient()[3 * in_band + k] += 1e-3F; }));
-        BOOST_TEST(
-            differs([&](Field& field) { field.gradient()[3 * in_band + k] = -field.gradient()[3 * in_band + k]; }));
-        BOOST_TEST(differs([&](Field& field) { field.closest()[3 * beyond + k] = 0; }));
-        BOOST_TEST(differs([&](Field& field) { field.gradient()[3 * beyond + k] = 0; }));
-    }
-    for (std::size_t k = 0; k < 2; ++k) {
-        BOOST_TEST(differs([&](Field& field) { field.barycentric()[2 * in_band + k] += 1e-3F; }));
-        BOOST_TEST(differs([&](Field& field) { field.barycentric()[2 * beyond + k] = 0; }));
-    }
-    BOOST_TEST(differs([&](Field& field) { field.site()[beyond] = 6; }));
-}
-
 BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(the_self_test)
 
-BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
-    for (const TestCase& test_case :
-         {bricks(vector_body, false, false), bricks(vector_body, true, true), bricks(vector_body, true, false, true),
-          bricks(group_body, true, true), bricks(group_body, false, false, true), slices(vector_body, true, true, true),
-          slices(vector_body, true, false, false), slices(group_body, false, false, false),
-          wide(bricks(vector_body, false, false)), wide(bricks(group_body, true, true)),
-          later(bricks(vector_body, false, false)), later(bricks(group_body, true, true)),
-          without_sign(bricks(vector_body, false, false))}) {
-        const scan::Programs programs(device::context_of(test_device()), test_case.body);
-        const auto difference = transform::run_self_test(test_device(), programs, test_case);
-        BOOST_TEST(!difference.has_value(), test_case.name() << ": " << difference.value_or(""));
-    }
-}
-
-BOOST_AUTO_TEST_CASE(passes_with_every_query_of_points) {
+BOOST_AUTO_TEST_CASE(passes_with_every_program_in_as_many_steps_as_it_tells) {
     for (const KernelBody body : {vector_body, group_body})
-        for (const PointTestCase& test_case : {PointTestCase{}, PointTestCase{.are_scanned = true},
-                                               PointTestCase{.are_scanned = true, .is_later = true}}) {
-            if (test_case.are_scanned && body == group_body) continue;  // which looks up all points one by one
+        for (const Use& use : {distances, outputs, long_outputs, counted, slices(SliceMinimum::one_pass),
+                               slices(SliceMinimum::two_passes), few_points, many_points, Use(boxes)}) {
             Changed nothing;
-            BOOST_TEST(message_of_point_test(nothing.device(""), body, test_case) == "");
+            const Device device = nothing.device("");
+            std::vector<Progress> steps;
+            CallOptions call;
+            call.progress = [&](const Progress& progress) {
+                if (progress.stage != Progress::Stage::computing) steps.push_back(progress);
+            };
+            BOOST_TEST(use(device, body, call).first_use);
+            BOOST_TEST(steps.back().step == steps.back().steps);
+            if (steps.front().steps > 1) BOOST_TEST(steps.front().steps == steps.back().steps);
+            steps.clear();
+            BOOST_TEST(!use(device, body, call).first_use);
+            BOOST_TEST(steps.empty());
         }
 }
 
-// Each changed line of a kernel stands for wrong code that a compiler makes of a right line.
-BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
-    const TemporaryFolder folder;
+// Each changed line of a kernel stands for wrong code that a compiler makes of a right line. A call that does not run
+// that kernel, or gives the right values, is refused, too: a later one may not.
+BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
+    const std::string by_vector = "bricks_by_vector.cl", by_group = "bricks_by_group.cl", records = "mesh_records.cl";
     struct Mutation {
         const char* what;
-        TestCase test_case;
+        Use use;
+        std::vector<KernelBody> bodies;
         Changed changed;
     };
-    const std::string vector_file = "bricks_by_vector.cl", group_file = "bricks_by_group.cl";
-    std::vector<Mutation> mutations{
+    const std::vector<KernelBody> both{vector_body, group_body}, vectors{vector_body}, groups{group_body};
+    const std::string fill = "inside ? inside_fill : outside_fill";
+    const std::vector<Mutation> mutations{
         {"wrong distance at the face",
-         bricks(vector_body, false, false),
-         {vector_file, "outward = GREATER(r, zero)", "outward = GREATER(r, (Real)0.01f)"}},
+         distances,
+         vectors,
+         {by_vector, "outward = GREATER(r, zero)", "outward = GREATER(r, (Real)0.01f)"}},
         {"wrong sign",
-         bricks(vector_body, false, false),
-         {vector_file, "(length != 0.0f)) ? -length : length)", "(length != 0.0f)) ? length : length)"}},
+         distances,
+         vectors,
+         {by_vector, "(length != 0.0f)) ? -length : length)", "(length != 0.0f)) ? length : length)"}},
         {"a missed brick",
-         bricks(vector_body, false, false),
-         {vector_file, "used |= (ulong)has_distances(minima + b) << b",
+         distances,
+         vectors,
+         {by_vector, "used |= (ulong)has_distances(minima + b) << b",
           "used |= (ulong)(b && has_distances(minima + b)) << b"}},
         {"the polyhedron of the lane beside it",
-         bricks(vector_body, true, false, true),
-         {vector_file, "polyhedra + queue->numbers[n];", "polyhedra + queue->numbers[n == 5 ? 4 : n];"}},
+         long_outputs,
+         vectors,
+         {by_vector, "polyhedra + queue->numbers[n];", "polyhedra + queue->numbers[n == 5 ? 4 : n];"}},
+        {"slender polyhedra's samples beside their places",
+         distances,
+         vectors,
+         {by_vector, "sample_i = samples & 31u", "sample_i = (samples + 1u) & 31u"}},
+        {"displacements of the lane beside it",
+         distances,
+         vectors,
+         {by_vector, "displacements->x + lane", "displacements->x + (lane ^ 1u)"}},
         {"a crossing of the surface too few",
-         bricks(vector_body, false, false),
+         distances,
+         vectors,
          {"sign_sweep.cl", "if (orientation == 0)", "if (orientation == 0 || rows.begin_z == rows.end_z)"}},
         {"a slice of a large triangle's rows too few",
-         bricks(vector_body, false, false),
+         distances,
+         vectors,
          {"sign_sweep.cl", "begin_z + slices * strip / strips;", "begin_z + slices * strip / strips + 1;"}},
         {"a triangle beside its place",
-         bricks(vector_body, false, false),
-         {"mesh_records.cl", "to_foot = is_right ? f.right : -f.left;", "to_foot = is_right ? f.right : f.left;"}},
+         distances,
+         both,
+         {records, "to_foot = is_right ? f.right : -f.left;", "to_foot = is_right ? f.right : f.left;"}},
+        {"records of other faces, on later lattices",
+         distances,
+         both,
+         {records, "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"}},
+        {"too small bounds, in wide bands",
+         distances,
+         vectors,
+         {"coarse_lists.cl", "sqrt(least[layer]) * (1.0f + 1.0e-5f)", "sqrt(least[layer]) * 0.2f"}},
+        {"too small bounds, in wide bands",
+         distances,
+         groups,
+         {"coarse_lists_by_group.cl", "sqrt(least[layer]) * (1.0f + 1.0e-5f)", "sqrt(least[layer]) * 0.2f"}},
+        {"a fill with the other side's limit", distances, both, {"fill.cl", fill, "inside_fill"}},
+        {"a fill with the other side's limit", distances, both, {"fill.cl", fill, "outside_fill"}},
+        {"outputs that are not left out", outputs, both, {"fill.cl", "store_ones(run_begin, run_end);\n}", "}"}},
         {"a missed brick",
-         bricks(group_body, true, false),
-         {group_file, "if (any(relative_brick < 0)", "if (b == 0 || any(relative_brick < 0)"}},
+         outputs,
+         groups,
+         {by_group, "if (any(relative_brick < 0)", "if (b == 0 || any(relative_brick < 0)"}},
         {"the lane beside it",
-         bricks(group_body, true, false),
-         {group_file, "sample_of(b, number % SMALL_SUBBLOCK_SAMPLES)) - BRICK_CENTRE",
+         outputs,
+         groups,
+         {by_group, "sample_of(b, number % SMALL_SUBBLOCK_SAMPLES)) - BRICK_CENTRE",
           "sample_of(b, (number + 1) % SMALL_SUBBLOCK_SAMPLES)) - BRICK_CENTRE"}},
         {"a wrong triangle",
-         bricks(group_body, true, false),
-         {group_file, "nearest = better ? chosen[n] : nearest",
+         outputs,
+         groups,
+         {by_group, "nearest = better ? chosen[n] : nearest",
           "nearest = better ? chosen[n] + (chosen[n] % 8 == 3) : nearest"}},
         {"a row too few",
-         slices(vector_body, false, false, false),
+         slices(SliceMinimum::two_passes),
+         vectors,
          {"slices.cl", "int end = layout.first[1] + (int)(LESSER(high, last) - first) + 1",
           "int end = layout.first[1] + (int)(LESSER(high, last) - first)"}},
         {"a wrong counter",
-         bricks(vector_body, true, true),
-         {vector_file, "counters[CLSDF_COUNT_BAND] += popcount", "counters[CLSDF_COUNT_BAND] += 1 + popcount"}},
-    };
-    for (Mutation& mutation : mutations)
-        check_refusal(mutation.what, mutation.changed, folder.file("cache"),
-                      [&](const Device& device) { return message_of_test(device, mutation.test_case); });
-}
-
-BOOST_AUTO_TEST_CASE(refuses_wrong_distances_of_slender_and_of_other_polyhedra_in_narrow_and_wide_bands) {
-    const TemporaryFolder folder;
-    const std::string file = "bricks_by_vector.cl";
-    const TestCase plain = bricks(vector_body, false, false);
-    for (const TestCase& test_case : {plain, wide(plain)})
-        for (Changed changed : {Changed{file, "sample_i = samples & 31u", "sample_i = (samples + 1u) & 31u"},
-                                Changed{file, "displacements->x + lane", "displacements->x + (lane ^ 1u)"}})
-            check_refusal(test_case.name().c_str(), changed, folder.file("cache"),
-                          [&](const Device& device) { return message_of_test(device, test_case); });
-}
-
-// The group body leaves to the fill only coarse bricks that no polyhedron overlaps.
-BOOST_AUTO_TEST_CASE(refuses_a_wrong_fill_inside_and_outside_of_either_body) {
-    const TemporaryFolder folder;
-    const std::string right = "inside ? inside_fill : outside_fill";
-    for (const KernelBody body : {vector_body, group_body}) {
-        for (const char* wrong : {"inside_fill", "outside_fill"}) {
-            Changed changed{"fill.cl", right, wrong};
-            check_refusal(wrong, changed, folder.file("cache"),
-                          [&](const Device& device) { return message_of_test(device, bricks(body, false, false)); });
-        }
-        Changed changed{"fill.cl", "store_ones(run_begin, run_end);\n}", "}"};
-        check_refusal("outputs that are not left out", changed, folder.file("cache"),
-                      [&](const Device& device) { return message_of_test(device, bricks(body, true, false)); });
-    }
-}
-
-BOOST_AUTO_TEST_CASE(refuses_wrong_records_of_a_later_lattice) {
-    const TemporaryFolder folder;
-    for (const KernelBody body : {vector_body, group_body}) {
-        Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
-        check_refusal("records of other faces", changed, folder.file("cache"),
-                      [&](const Device& device) { return message_of_test(device, later(bricks(body, false, false))); });
-    }
-}
-
-// Drivers compile a kernel at its first launch.
-BOOST_AUTO_TEST_CASE(runs_the_kernel_of_later_lattices_only_if_they_are_tested) {
-    const TemporaryFolder folder;
-    for (const KernelBody body : {vector_body, group_body}) {
-        Changed changed{"mesh_records.cl", "faces[lane] = min(face + lane, face_count - 1)", "faces[lane] = 0"};
-        BOOST_TEST(message_of_test(changed.device(folder.file("cache")), bricks(body, false, false)) == "");
-        BOOST_TEST(changed.is_found);
-    }
-}
-
-BOOST_AUTO_TEST_CASE(refuses_wrong_outputs) {
-    const TemporaryFolder folder;
-    const std::string vector_file = "bricks_by_vector.cl", group_file = "bricks_by_group.cl";
-    struct Mutation {
-        const char* what;
-        KernelBody body;
-        Changed changed;
-    };
-    std::vector<Mutation> mutations{
+         counted,
+         vectors,
+         {by_vector, "counters[CLSDF_COUNT_BAND] += popcount", "counters[CLSDF_COUNT_BAND] += 1 + popcount"}},
         {"a gradient without the sign",
-         group_body,
-         {group_file, "nearest->sign / sqrt(squared)", "1.0 / sqrt(squared)"}},
+         outputs,
+         groups,
+         {by_group, "nearest->sign / sqrt(squared)", "1.0 / sqrt(squared)"}},
+        {"a gradient that is no number",
+         outputs,
+         groups,
+         {by_group, "nearest->sign / sqrt(squared)", "nearest->sign / sqrt(-squared)"}},
         {"a closest point in double on the other side",
-         group_body,
-         {group_file, "nearest->position - offset", "nearest->position + offset"}},
+         outputs,
+         groups,
+         {by_group, "nearest->position - offset", "nearest->position + offset"}},
         {"a distance in double with the digits of a float",
-         group_body,
-         {group_file, "const double length = LESSER(root, most);", "const double length = (float)LESSER(root, most);"}},
+         outputs,
+         groups,
+         {by_group, "const double length = LESSER(root, most);", "const double length = (float)LESSER(root, most);"}},
         {"a distance in double with the digits of a float",
-         vector_body,
-         {vector_file, "sqrt(rows->squared) * how.unit", "TO_DOUBLES(TO_FLOATS(sqrt(rows->squared))) * how.unit"}},
+         outputs,
+         vectors,
+         {by_vector, "sqrt(rows->squared) * how.unit", "TO_DOUBLES(TO_FLOATS(sqrt(rows->squared))) * how.unit"}},
         {"barycentric coordinates of the other way along an edge",
-         group_body,
-         {group_file, "named.is_reversed ? 1.0 - first : first", "first"}},
+         outputs,
+         groups,
+         {by_group, "named.is_reversed ? 1.0 - first : first", "first"}},
         {"a gradient without the sign",
-         vector_body,
-         {vector_file, "select((doubleL)1.0, (doubleL)-1.0, TO_LONGS(inside))", "(doubleL)1.0"}},
+         outputs,
+         vectors,
+         {by_vector, "select((doubleL)1.0, (doubleL)-1.0, TO_LONGS(inside))", "(doubleL)1.0"}},
         {"a gradient on the surface of another site",
-         vector_body,
-         {vector_file, "6 * (size_t)p->triangle + site_of_triangle(p, nearest->frame_site)",
-          "6 * (size_t)p->triangle"}},
+         outputs,
+         vectors,
+         {by_vector, "6 * (size_t)p->triangle + site_of_triangle(p, nearest->frame_site)", "6 * (size_t)p->triangle"}},
         {"another site",
-         vector_body,
-         {vector_file, "(uchar)named.site", "(uchar)(named.site == 4u ? 5u : named.site)"}},
+         outputs,
+         vectors,
+         {by_vector, "(uchar)named.site", "(uchar)(named.site == 4u ? 5u : named.site)"}},
         {"coordinates of the sample beside it",
-         vector_body,
-         {vector_file, "store(EIGHT_OF(high, z, Order, 3, 13, 4, 5, 14, 6, 7, 15), 2, to)",
+         outputs,
+         vectors,
+         {by_vector, "store(EIGHT_OF(high, z, Order, 3, 13, 4, 5, 14, 6, 7, 15), 2, to)",
           "store(EIGHT_OF(high, z, Order, 3, 13, 4, 5, 14, 6, 7, 14), 2, to)"}},
+        {"signs of the other side",
+         few_points,
+         both,
+         {"points.cl", "sides & (outward > 0.0 ?", "sides & (outward < 0.0 ?"}},
+        {"signs of the other side",
+         many_points,
+         vectors,
+         {"points.cl", "sides & (outward > 0.0 ?", "sides & (outward < 0.0 ?"}},
+        {"a gradient without the sign",
+         few_points,
+         vectors,
+         {"points.cl", "nearest->sign / sqrt(squared)", "1.0 / sqrt(squared)"}},
+        {"a distance in double with the digits of a float",
+         few_points,
+         vectors,
+         {"points.cl", "length > 0.0 ? length :", "length > 0.0 ? (float)length :"}},
+        {"a triangle beside its place",
+         many_points,
+         vectors,
+         {records, "to_foot = is_right ? f.right : -f.left;", "to_foot = is_right ? f.right : f.left;"}},
+        {"records of other faces, after a field",
+         many_points,
+         vectors,
+         {records, "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"}},
+        {"slices in the places of rows",
+         boxes,
+         vectors,
+         {"store_boxes.cl", "z * box->strides[2]", "z * box->strides[1]"}},
     };
-    for (Mutation& mutation : mutations)
-        check_refusal(mutation.what, mutation.changed, folder.file("cache"), [&](const Device& device) {
-            return message_of_test(device, bricks(mutation.body, true, false));
-        });
-}
-
-BOOST_AUTO_TEST_CASE(refuses_wrong_points) {
     const TemporaryFolder folder;
-    struct Mutation {
-        const char* what;
-        KernelBody body;
-        PointTestCase test_case;
-        Changed changed;
-    };
-    const Changed sign{"points.cl", "sides & (outward > 0.0 ?", "sides & (outward < 0.0 ?"},
-        gradient{"points.cl", "nearest->sign / sqrt(squared)", "1.0 / sqrt(squared)"},
-        frames{"mesh_records.cl", "to_foot = is_right ? f.right : -f.left;", "to_foot = is_right ? f.right : f.left;"},
-        doubles{"points.cl", "length > 0.0 ? length :", "length > 0.0 ? (float)length :"},
-        groups{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
-    std::vector<Mutation> mutations{
-        {"signs of the other side", vector_body, {}, sign},
-        {"signs of the other side", vector_body, {.are_scanned = true}, sign},
-        {"signs of the other side", group_body, {}, sign},
-        {"a gradient without the sign", vector_body, {}, gradient},
-        {"a distance in double with the digits of a float", vector_body, {}, doubles},
-        {"a triangle beside its place", vector_body, {.are_scanned = true}, frames},
-        {"records of other faces", vector_body, {.are_scanned = true, .is_later = true}, groups},
-    };
-    for (Mutation& mutation : mutations)
-        check_refusal(mutation.what, mutation.changed, folder.file("cache"), [&](const Device& device) {
-            return message_of_point_test(device, mutation.body, mutation.test_case);
-        });
+    for (const Mutation& mutation : mutations)
+        for (const KernelBody body : mutation.bodies) {
+            Changed changed = mutation.changed;
+            const Device device = changed.device(folder.file("cache"));
+            BOOST_TEST_CONTEXT(mutation.what << " in " << changed.file)
+            // Neither a second computation nor a second process takes it.
+            for (int i = 0; i < 2; ++i)
+                check_throws(ErrorCode::wrong_results,
+                             {device.name(), device.platform(), "driver", "computes wrong fields", "clsdf devices"},
+                             [&] { mutation.use(device, body, {}); });
+            BOOST_TEST(changed.is_found, "the text to be changed is no longer there: " << changed.from);
+        }
 }
 
-BOOST_AUTO_TEST_CASE(stops_a_computation_before_it_begins) {
+BOOST_AUTO_TEST_CASE(stops_every_way_to_a_field) {
     Changed changed{"mesh_records.cl", "to_foot = is_right ? f.right : -f.left;",
                     "to_foot = is_right ? f.right : f.left;"};
     const Device device = changed.device("");
     const Mesh mesh = make_shape("cube");
-    const Band band = Band::symmetric(0.1);
-    DistanceTransform transform(device, mesh);
-    const auto message = [&](auto&& call) {
-        try {
-            call();
-        } catch (const Error& error) {
-            return std::string(error.what());
-        }
-        return std::string();
-    };
-    const Grid grid = Grid::around(mesh, 16, band);
-    BOOST_TEST(message([&] { transform.compute(grid, band); }).find("computes wrong fields") != std::string::npos);
-    BOOST_TEST(message([&] { transform.plan(grid, band); }).find("computes wrong fields") != std::string::npos);
-    BOOST_TEST(message([&] { transform.compile(grid, band); }).find("computes wrong fields") != std::string::npos);
-}
-
-BOOST_AUTO_TEST_CASE(stops_a_computation_on_a_later_lattice) {
-    Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
-    const Device device = changed.device("");
-    const Mesh mesh = make_shape("sphere3");
-    const Band band = Band::symmetric(0.1);
-    DistanceTransform transform(device, mesh);
-    transform.compute(Grid::around(mesh, 16, band), band);
-    const auto is_refusal = [](const Error& error) {
-        return std::string_view(error.what()).find("computes wrong fields") != std::string_view::npos;
-    };
-    for (int i = 0; i < 2; ++i)
-        BOOST_CHECK_EXCEPTION(transform.compute(Grid::around(mesh, 20, band), band), Error, is_refusal);
-    transform.compute(Grid::around(mesh, 16, band), band);
-}
-
-BOOST_AUTO_TEST_CASE(stops_a_query_of_many_points_after_a_field) {
-    Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
-    const Device device = changed.device("");
-    const Mesh mesh = make_shape("sphere3");
-    const Band band = Band::symmetric(0.1);
-    DistanceTransform transform(device, mesh, {.body = vector_body});
-    const Grid grid = Grid::around(mesh, 32, band);
-    transform.compute(grid, band);
-    std::vector<Vec3> points;
-    for (std::int64_t i = 0; i < 16384; ++i) points.push_back(grid.position(i % 32, i / 32 % 32, i / 1024));
-    const auto is_refusal = [](const Error& error) {
-        return std::string_view(error.what()).find("computes wrong fields") != std::string_view::npos;
-    };
-    std::vector<float> distance(points.size());
-    for (int i = 0; i < 2; ++i) BOOST_CHECK_EXCEPTION(transform.query(points, 1, distance), Error, is_refusal);
+    const DistanceTransform transform(device, mesh);
+    const Grid grid = Grid::around(mesh, 16, narrow);
+    const auto check = [](auto&& call) { check_throws(ErrorCode::wrong_results, {"computes wrong fields"}, call); };
+    check([&] { transform.compute(grid, narrow); });
+    check([&] { transform.plan(grid, narrow); });
+    check([&] { transform.compile(grid, narrow); });
 }
 
 BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
@@ -501,6 +391,20 @@ BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
         DistanceTransform transform(device, mesh);
         BOOST_TEST(transform.compile(grid, band).first_use);
         BOOST_TEST(!transform.compile(grid, band).first_use);
+    }
+    // Other lattices, wide bands and fields without a sign need the same programs.
+    {
+        Changed nothing;
+        const Device device = nothing.device("");
+        DistanceTransform transform(device, mesh);
+        BOOST_TEST(transform.compile(grid, band).first_use);
+        BOOST_TEST(!transform.compile(grid, Band::full()).first_use);
+        BOOST_TEST(!DistanceTransform(device, mesh, {.sign = SignRule::none}).compile(grid, band).first_use);
+        TransformStatistics statistics;
+        for (const std::int64_t resolution : {32, 40}) {
+            transform.compute(Grid::around(mesh, resolution, band), band, Output::distance, {}, &statistics);
+            BOOST_TEST(!statistics.first_use);
+        }
     }
     // Tested again on request.
     Changed nothing;

@@ -36,17 +36,6 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::BlockPlans::make(
     if (!block.is_whole()) state_.stages->select(job.grid, scan::layout_of(job.grid, job.band, state_.sign), inputs);
     auto plan =
         std::make_unique<transform::GridPlan>(workshop_, std::move(inputs), job, [&] { running_.throw_if_stopped(); });
-    // Known only now: records made from kept frusta, by a kernel that must be tested.
-    if (plan->inputs.records->is_later) {
-        transform::TestCase found = state_.test_case_of(job);
-        found.is_later = true;
-        try {
-            state_.test(found, running_);
-        } catch (...) {
-            state_.context().drain();  // the set-up's commands use the plan's buffers
-            throw;
-        }
-    }
     workshop_.pool->trim();
     return plan;
 }

@@ -78,10 +78,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     transform::RunningCall running(call);
     running.throw_if_stopped();
     made.divide(targets, stages->mesh().box());
-    if (made.has_copies())
-        running.compile(1, [&](const device::BuildWatch& watch) {
-            return transform::ensure_store_tested(device, programs, watch);
-        });
+    if (made.has_copies()) test(transform::stored_boxes_subject(device, programs), running);
     for (const transform::Batch& batch : made.batches()) compile(batch.job, running);
     made.sign = sign;
     bool is_retry = false;

@@ -101,21 +101,14 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         running.throw_if_stopped();
         points::check_points(stages->mesh().box(), all);  // before anything is made
         if (stages->restriction() != nullptr) stages->restriction()->check(all, half_width);
-        const auto ensure_tested = [&](const transform::PointTestCase& test) {
-            running.compile(transform::point_test_steps, [&](const device::BuildWatch& builds) {
-                return transform::ensure_points_tested(device, programs, test, builds);
-            });
-        };
-        ensure_tested({});
+        test(transform::point_subject(device, programs, false), running);
         if (points::is_scan_worthwhile(programs, all.size(), stages->mesh().triangles().size()))
-            ensure_tested({.are_scanned = true});
+            test(transform::point_subject(device, programs, true), running);
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += all.size();
         const points::PointInputs inputs = point_inputs(outputs, all.size(), false);
         statistics.polyhedra_seconds = watch.seconds();
-        // Only the stages see whether records are made of kept frusta.
-        if (inputs.scanned && inputs.scanned->is_later) ensure_tested({.are_scanned = true, .is_later = true});
     }
     scan::OwnArrays own;
     std::size_t most = points::most_points;

@@ -1,7 +1,6 @@
 #include "transform/stored_boxes.hpp"
 
 #include "device/buffer_pool.hpp"
-#include "self_test/self_test.hpp"
 
 #include <fmt/format.h>
 
@@ -142,18 +141,19 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
 
 }  // namespace
 
-bool ensure_store_tested(const Device& device, const Programs& programs, const device::BuildWatch& watch) {
-    return device::guarded([&] {
-        device::Context& context = device::context_of(device);
-        const cl::Program program = programs.store.get(watch);
-        const auto test = [&]() -> std::optional<std::string> {
-            if (stores_right<std::uint8_t>(context, program) && stores_right<std::uint32_t>(context, program) &&
-                stores_right<std::uint64_t>(context, program))
-                return std::nullopt;
-            return "elements are stored in wrong places";
-        };
-        return test_once(device, {"stored boxes", [&] { return std::vector{program}; }}, test);
-    });
+TestSubject stored_boxes_subject(const Device& device, const Programs& programs) {
+    TestSubject subject;
+    subject.name = "stored boxes";
+    subject.build = [&programs](const device::BuildWatch& watch) { return std::vector{programs.store.get(watch)}; };
+    subject.difference = [&device, &programs](const device::BuildWatch&) -> std::optional<std::string> {
+        const device::Context& context = device::context_of(device);
+        if (stores_right<std::uint8_t>(context, programs.store) &&
+            stores_right<std::uint32_t>(context, programs.store) &&
+            stores_right<std::uint64_t>(context, programs.store))
+            return std::nullopt;
+        return "elements are stored in wrong places";
+    };
+    return subject;
 }
 
 }  // namespace clsdf::transform

@@ -6,6 +6,7 @@
 
 #include "launch/commands.hpp"
 #include "launch/programs.hpp"
+#include "self_test/self_test.hpp"
 #include "stored_box.h"
 
 #include <cstddef>
@@ -17,9 +18,8 @@ namespace clsdf::transform {
 
 using namespace scan;
 
-/// Builds the program that stores boxes and, the first time on this device and driver version, tests it. Returns
-/// whether it was tested here. Throws Error(wrong_results or device_failure).
-bool ensure_store_tested(const Device& device, const Programs& programs, const device::BuildWatch& watch);
+/// The program that stores boxes.
+TestSubject stored_boxes_subject(const Device& device, const Programs& programs);
 
 /// The samples that a block and a request have in common; nothing if there are none. `target`: with its strides set.
 std::optional<StoredBox> stored_box(const Grid& block, const Grid& request, const OutputArray& target);

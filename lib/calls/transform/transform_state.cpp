@@ -114,24 +114,10 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     plans.clear();
 }
 
-transform::TestCase DistanceTransform::State::test_case_of(const transform::Job& job) const {
-    const Layout layout = scan::layout_of(job.grid, job.band, sign);
-    transform::TestCase test_case;
-    test_case.body = programs.body;
-    test_case.variant = {job.outputs != OutputSet{}, job.counts, scan::has_long_bricks(job.grid)};
-    test_case.is_signed = sign != SignRule::none;
-    if (method)
-        test_case.method = device::guarded([&] { return method->tested_as(context(), layout, test_case.variant); });
-    else
-        test_case.is_wide = !scan::has_uniform_bounds(layout);
-    return test_case;
-}
-
-void DistanceTransform::State::test(const transform::TestCase& test_case, transform::RunningCall& running) const {
-    if (context().is_tested(test_case.name())) return;
-    running.compile(transform::step_count(test_case), [&](const device::BuildWatch& watch) {
-        return transform::ensure_tested(device, programs, test_case, watch);
-    });
+void DistanceTransform::State::test(const transform::TestSubject& subject, transform::RunningCall& running) const {
+    if (context().is_tested(subject.name)) return;
+    running.compile(subject.steps,
+                  [&](const device::BuildWatch& watch) { return transform::ensure_tested(device, subject, watch); });
 }
 
 void DistanceTransform::State::check(const transform::Job& job) const {
@@ -169,7 +155,12 @@ scan::DeviceTargets DistanceTransform::State::device_targets(
 
 void DistanceTransform::State::compile(const transform::Job& job, transform::RunningCall& running) const {
     context().require_usable();
-    test(test_case_of(job), running);
+    const scan::BrickVariant variant{job.outputs != OutputSet{}, job.counts, scan::has_long_bricks(job.grid)};
+    std::shared_ptr<const FieldMethod> tested;
+    if (method)
+        tested = device::guarded(
+            [&] { return method->tested_as(context(), scan::layout_of(job.grid, job.band, sign), variant); });
+    test(transform::field_subject(device, programs, tested, variant), running);
 }
 
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const transform::Job& job) {

@@ -139,8 +139,7 @@ private:
     void require_whole() const;
     /// For the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
-    transform::TestCase test_case_of(const transform::Job& job) const;
-    void test(const transform::TestCase& test_case, transform::RunningCall& running) const;
+    void test(const transform::TestSubject& subject, transform::RunningCall& running) const;
 
     /// For a query of `count` points. on_host: the host answers it.
     points::PointInputs point_inputs(OutputSet outputs, std::size_t count, bool on_host);

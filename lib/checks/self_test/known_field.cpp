@@ -192,11 +192,7 @@ std::vector<Vec3> positions_of(const Grid& grid) {
 }
 
 KnownField::KnownField(const KnownFieldKind& kind)
-    : kind_(kind),
-      mesh_(make_mesh()),
-      grid_(make_grid(kind)),
-      band_(make_band(kind, grid_.voxel())),
-      outputs_(mesh_, grid_) {}
+    : mesh_(make_mesh()), grid_(make_grid(kind)), band_(make_band(kind, grid_.voxel())), outputs_(mesh_, grid_) {}
 
 double KnownField::distance_to(std::uint32_t triangle, const Vec3& point) const {
     const Triangle& t = mesh_.triangles()[triangle];
@@ -204,8 +200,9 @@ double KnownField::distance_to(std::uint32_t triangle, const Vec3& point) const 
     return std::sqrt(squared_distance(to_vector(point), to_vector(v[t[0]]), to_vector(v[t[1]]), to_vector(v[t[2]])));
 }
 
-void KnownField::find_signs(std::vector<double>& signs) const {
+std::vector<double> KnownField::signs() const {
     const std::vector<Vec3>& v = mesh_.vertices();
+    std::vector<double> signs(grid_.sample_count(), 1);
     for (std::int64_t k = 0; k < grid_.size[2]; ++k)
         for (std::int64_t j = 0; j < grid_.size[1]; ++j) {
             const Vec3 row = grid_.position(0, j, k);
@@ -222,22 +219,21 @@ void KnownField::find_signs(std::vector<double>& signs) const {
                 if (winding != 0) signs[grid_.offset(i, j, k)] = -1;
             }
         }
+    return signs;
 }
 
 std::vector<double> KnownField::values() const {
-    std::vector<double> signs(grid_.sample_count(), 1);
-    if (kind_.is_signed) find_signs(signs);
     std::vector<std::array<Vector, 3>> corners;
     for (const Triangle& t : mesh_.triangles())
         corners.push_back(
             {to_vector(mesh_.vertices()[t[0]]), to_vector(mesh_.vertices()[t[1]]), to_vector(mesh_.vertices()[t[2]])});
-    std::vector<double> values(signs.size());
+    std::vector<double> values = signs();
     const std::vector<Vec3> positions = positions_of(grid_);
     for (std::size_t at = 0; at < values.size(); ++at) {
         double least = std::numeric_limits<double>::infinity();
         for (const auto& [a, b, c] : corners)
             least = std::min(least, squared_distance(to_vector(positions[at]), a, b, c));
-        values[at] = signs[at] * std::sqrt(least);
+        values[at] *= std::sqrt(least);
     }
     return values;
 }

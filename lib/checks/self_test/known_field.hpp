@@ -16,7 +16,6 @@ namespace clsdf::transform {
 /// Which of the known fields: what decides which kernels compute it.
 struct KnownFieldKind {
     bool wide = false;         ///< no band; else one of a few voxels, with other limits inside than outside
-    bool is_signed = true;     ///< negative inside
     bool long_bricks = false;  ///< samples farther apart along z
     bool later = false;        ///< a grid of another lattice, with samples on vertices and faces
     bool fine = false;         ///< a fine grid: no polyhedron overlaps one coarse brick inside and one outside
@@ -57,12 +56,11 @@ private:
     double limit(bool negative, const scan::HostArray& distance) const;
     double error() const;
     double distance_to(std::uint32_t triangle, const Vec3& point) const;
-    /// Negative inside, unless the field has no sign.
+    /// Negative inside.
     std::vector<double> values() const;
     /// 1 outside, -1 inside.
-    void find_signs(std::vector<double>& signs) const;
+    std::vector<double> signs() const;
 
-    KnownFieldKind kind_;
     Mesh mesh_;
     Grid grid_;
     Band band_;

@@ -43,7 +43,7 @@ public:
     virtual std::vector<cl::Program> build(device::Context& context, const scan::Programs& programs,
                                            const scan::BrickVariant& variant,
                                            const device::BuildWatch& watch) const = 0;
-    /// How many programs it builds and launches it tests, about.
+    /// How many programs build() builds.
     virtual std::size_t step_count() const = 0;
 };
 

@@ -101,7 +101,6 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
                               const std::shared_ptr<device::BufferPool>& pool, const PointMesh& point_mesh,
                               const polyhedra::Frusta& frusta, const scan::PreparedMesh& polyhedra) {
     ScannedMesh mesh;
-    mesh.is_later = polyhedra.is_later;
     const polyhedra::MeshTopology& topology = *point_mesh.topology;
     const std::size_t faces = topology.order.size(), vertices = topology.rings.vertex_count();
     const std::size_t records = faces + frusta.sites.size();

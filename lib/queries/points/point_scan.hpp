@@ -21,7 +21,6 @@ struct ScannedMesh {
     device::BufferPool::Lease ring_starts;    ///< of each vertex in ring_faces, and the end
     device::BufferPool::Lease ring_faces;     ///< the faces at each vertex
     device::BufferPool::Lease site_vertices;  ///< the vertex of each point site
-    bool is_later = false;                    ///< of the polyhedra, see PreparedMesh
 
     std::size_t device_bytes() const {
         return records.bytes() + neighbours.bytes() + ring_starts.bytes() + ring_faces.bytes() + site_vertices.bytes();
