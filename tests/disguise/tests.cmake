@@ -71,7 +71,7 @@ endfunction()
 clsdf_disguised(shapes test_transform_shapes)
 clsdf_disguised(streams test_transform_streams)
 clsdf_disguised(plans test_transform_plans)
-clsdf_disguised(request_plans test_transform_request_plans)
+clsdf_disguised(same_bytes test_transform_same_bytes)
 clsdf_disguised(kernel_frusta test_transform_kernel_frusta)
 clsdf_disguised(callers_memory test_transform_callers_memory)
 

@@ -1,25 +1,20 @@
-#include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/random_meshes.hpp"
 #include "support/throws.hpp"
 
-#include "device/context.hpp"
-
 #include <clsdf/tuning.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <vector>
 
-// Equal blocks of one lattice in one call: each has the bytes of a call of its own.
+// Equal blocks of one lattice in one call: any number of them, and arrays that are refused. That each has the bytes of
+// a call of its own: same_bytes.cpp.
 
 using namespace clsdf;
 using namespace clsdf::test;
 
 namespace {
-
-constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
 
 const Mesh& mesh() {
     static const Mesh shape = make_shape("knot");
@@ -44,105 +39,7 @@ std::vector<Index3> random_places(std::size_t count) {
     return places;
 }
 
-/// Whether values have the bytes of a block's output.
-template <typename Value>
-bool are_bytes_of(std::span<const Value> values, const Field& field, Output output) {
-    return std::ranges::equal(std::as_bytes(values), field.bytes(output));
-}
-
 }  // namespace
-
-BOOST_AUTO_TEST_CASE(packed_blocks_have_the_bytes_of_calls_of_their_own) {
-    const std::vector<Index3> places = random_places(50);
-    const Index3 size{9, 7, 5};
-    constexpr std::size_t samples = 9 * 7 * 5;
-    const OutputSet outputs = Output::triangle | Output::site | Output::closest | Output::gradient;
-    for (const KernelBody body : both_bodies) {
-        const DistanceTransform transform(test_device(), mesh(), {.body = body});
-        std::vector<float> distance(samples * places.size()), gradient(3 * distance.size());
-        std::vector<std::uint32_t> triangle(distance.size());
-        std::vector<std::uint8_t> site(distance.size());
-        std::vector<Vec3> closest(distance.size());
-        const TransformStatistics statistics = transform.compute(BlockSet{lattice(),
-                                                                          band(),
-                                                                          size,
-                                                                          places,
-                                                                          {{Output::distance, distance},
-                                                                           {Output::triangle, triangle},
-                                                                           {Output::site, site},
-                                                                           {Output::closest, closest},
-                                                                           {Output::gradient, gradient}}});
-        BOOST_TEST(statistics.slabs > 0U);
-        std::size_t in_band = 0;
-        for (std::size_t n = 0; n < places.size(); ++n) {
-            const Field field = transform.compute(lattice().block(places[n], size), band(), outputs);
-            const auto part = [&](const auto& values, std::size_t components = 1) {
-                using Value = typename std::remove_cvref_t<decltype(values)>::value_type;
-                return std::span<const Value>(values).subspan(n * components * samples, components * samples);
-            };
-            BOOST_TEST_CONTEXT("block " << n) {
-                BOOST_TEST(are_bytes_of(part(distance), field, Output::distance));
-                BOOST_TEST(are_bytes_of(part(triangle), field, Output::triangle));
-                BOOST_TEST(are_bytes_of(part(site), field, Output::site));
-                BOOST_TEST(are_bytes_of(part(closest), field, Output::closest));
-                BOOST_TEST(are_bytes_of(part(gradient, 3), field, Output::gradient));
-            }
-            in_band += samples - static_cast<std::size_t>(std::ranges::count(field.triangle(), no_triangle));
-        }
-        BOOST_TEST(in_band > 1000U);
-    }
-}
-
-// Blocks with ghost samples around them, which stay as they are; z runs fastest, and all x of a gradient lie before all
-// y.
-BOOST_AUTO_TEST_CASE(blocks_have_strides_and_a_stride_from_block_to_block) {
-    const std::vector<Index3> places = random_places(40);
-    const Index3 size{6, 5, 4};
-    const DistanceTransform transform(test_device(), mesh());
-    constexpr std::ptrdiff_t width = sizeof(float);
-    constexpr std::size_t padded = 8 * 7 * 6, before = 3 * padded;
-    constexpr float blank = -77;
-    const auto at = [](std::int64_t i, std::int64_t j, std::int64_t k) {
-        return static_cast<std::size_t>((k + 1) + 6 * ((j + 1) + 7 * (i + 1)));
-    };
-    std::vector<float> distance(before + places.size() * padded, blank);
-    std::vector<float> gradient(3 * places.size() * padded, blank);
-    for (const bool is_backwards : {false, true}) {
-        std::ranges::fill(distance, blank);
-        std::ranges::fill(gradient, blank);
-        OutputArray distances = distance, gradients = gradient;
-        for (OutputArray* array : {&distances, &gradients}) array->strides = {42 * width, 6 * width, width};
-        const std::size_t last = places.size() - 1;
-        const auto sign = is_backwards ? std::ptrdiff_t{-1} : std::ptrdiff_t{1};
-        distances.offset = sizeof(float) * (before + at(0, 0, 0) + (is_backwards ? last * padded : 0));
-        distances.block_stride = sign * static_cast<std::ptrdiff_t>(padded) * width;
-        gradients.offset = sizeof(float) * (at(0, 0, 0) + (is_backwards ? last * 3 * padded : 0));
-        gradients.block_stride = sign * static_cast<std::ptrdiff_t>(3 * padded) * width;
-        gradients.component_stride = static_cast<std::ptrdiff_t>(padded) * width;
-        transform.compute(
-            {lattice(), band(), size, places, {{Output::distance, distances}, {Output::gradient, gradients}}});
-        std::size_t written = 0, wrong = 0;
-        for (std::size_t n = 0; n < places.size(); ++n) {
-            const Field field = transform.compute(lattice().block(places[n], size), band(), Output::gradient);
-            const std::size_t place = is_backwards ? last - n : n;
-            for (std::int64_t k = 0; k < size[2]; ++k)
-                for (std::int64_t j = 0; j < size[1]; ++j)
-                    for (std::int64_t i = 0; i < size[0]; ++i, ++written) {
-                        const std::size_t sample = field.grid.offset(i, j, k);
-                        const auto differs = [&](const float& one, const float& other) {
-                            return std::memcmp(&one, &other, sizeof one) != 0 ? 1U : 0U;
-                        };
-                        wrong += differs(distance[before + place * padded + at(i, j, k)], field.distance()[sample]);
-                        for (std::size_t c = 0; c < 3; ++c)
-                            wrong += differs(gradient[(3 * place + c) * padded + at(i, j, k)],
-                                             field.gradient()[3 * sample + c]);
-                    }
-        }
-        BOOST_TEST(wrong == 0U);
-        BOOST_TEST(static_cast<std::size_t>(std::ranges::count(distance, blank)) == distance.size() - written);
-        BOOST_TEST(static_cast<std::size_t>(std::ranges::count(gradient, blank)) == gradient.size() - 3 * written);
-    }
-}
 
 // One sample each, in an order of their own.
 BOOST_AUTO_TEST_CASE(more_blocks_than_are_computed_at_once_have_the_bytes_of_the_whole) {
@@ -208,45 +105,6 @@ BOOST_AUTO_TEST_CASE(more_blocks_than_are_computed_at_once_have_the_bytes_of_the
         transform.compute({grid, narrow, {1, 1, 1}, places, distance});
     });
     BOOST_TEST(distance == before, boost::test_tools::per_element());
-}
-
-BOOST_AUTO_TEST_CASE(distances_of_blocks_may_be_doubles_and_their_arrays_of_unknown_size) {
-    const std::vector<Index3> places = random_places(20);
-    const Index3 size{5, 5, 5};
-    const DistanceTransform transform(test_device(), mesh());
-    std::vector<double> doubles(125 * places.size()), of_unknown_size(doubles.size()), expected(doubles.size());
-    transform.compute({lattice(), band(), size, places, doubles});
-    transform.compute({lattice(), band(), size, places, OutputArray(of_unknown_size.data())});
-    for (std::size_t n = 0; n < places.size(); ++n)
-        transform.compute(lattice().block(places[n], size), band(), std::span(expected).subspan(125 * n, 125));
-    BOOST_TEST(std::memcmp(doubles.data(), expected.data(), expected.size() * sizeof(double)) == 0);
-    BOOST_TEST(std::memcmp(of_unknown_size.data(), expected.data(), expected.size() * sizeof(double)) == 0);
-}
-
-BOOST_AUTO_TEST_CASE(blocks_may_go_to_memory_of_the_device) {
-    const std::vector<Index3> places = random_places(30);
-    const Index3 size{6, 5, 4};
-    constexpr std::size_t samples = 6 * 5 * 4;
-    for (const KernelBody body : both_bodies) {
-        const DistanceTransform transform(test_device(), mesh(), {.body = body});
-        const DeviceMemory distance(test_device().context(), samples * places.size()),
-            triangle(test_device().context(), samples * places.size());
-        transform.compute({lattice(),
-                           band(),
-                           size,
-                           places,
-                           {{Output::distance, distance.handle()}, {Output::triangle, triangle.handle()}}});
-        std::vector<float> expected(samples * places.size());
-        std::vector<std::uint32_t> triangles(expected.size());
-        transform.compute(
-            {lattice(), band(), size, places, {{Output::distance, expected}, {Output::triangle, triangles}}});
-        const cl::CommandQueue& queue = device::context_of(test_device()).queue();
-        BOOST_TEST((distance.read(queue) == bits_of(expected)));
-        BOOST_TEST((triangle.read(queue) == triangles));
-        const DeviceMemory planned(test_device().context(), samples * places.size());
-        transform.plan({lattice(), band(), size, places, planned.handle()}).enqueue(queue());
-        BOOST_TEST((planned.read(queue) == bits_of(expected)));
-    }
 }
 
 BOOST_AUTO_TEST_CASE(arrays_that_blocks_do_not_fit_are_refused) {

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
-#include <numeric>
 #include <span>
 #include <thread>
 #include <vector>
@@ -41,41 +40,6 @@ Grid around_mesh() {
 std::size_t samples_with_triangle(const Field& field) {
     return field.triangle().size() -
            static_cast<std::size_t>(std::count(field.triangle().begin(), field.triangle().end(), no_triangle));
-}
-
-/// Computes into arrays that begin at, and beside, lines of memory, between values that stay as they are.
-void check_places(const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
-    const Field expected = compute(mesh, grid, band, body);
-    check_exact(mesh, expected);
-    DistanceTransform transform(test_device(), mesh, {.body = body});
-    constexpr float guard = -12345.0F;
-    constexpr std::size_t line = 16;
-    const std::size_t count = grid.sample_count();
-    std::vector<float> distance(count + 3 * line);
-    std::vector<std::uint32_t> triangle(count + 3 * line);
-    const auto first_line = [](const auto& array) {
-        return line - reinterpret_cast<std::uintptr_t>(array.data()) / sizeof(float) % line;
-    };
-    for (const std::size_t past_line : {0U, 1U, 2U, 3U, 4U, 8U, 15U})
-        BOOST_TEST_CONTEXT("grid of " << grid.size[0] << " x " << grid.size[1] << " x " << grid.size[2] << ", "
-                                      << past_line << " values past a line") {
-            std::fill(distance.begin(), distance.end(), guard);
-            std::fill(triangle.begin(), triangle.end(), 77U);
-            const auto distances = std::span(distance).subspan(first_line(distance) + past_line, count);
-            const auto triangles = std::span(triangle).subspan(first_line(triangle) + past_line, count);
-            transform.compute(grid, band, {{Output::distance, distances}, {Output::triangle, triangles}});
-            BOOST_TEST((bits_of(distances) == bits_of(expected.distance())));
-            BOOST_TEST(std::equal(triangles.begin(), triangles.end(), expected.triangle().begin()));
-            BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), guard)) == 3 * line);
-            BOOST_TEST(
-                std::all_of(triangle.data(), triangles.data(), [](std::uint32_t value) { return value == 77U; }));
-            BOOST_TEST(std::all_of(triangles.data() + count, triangle.data() + triangle.size(),
-                                   [](std::uint32_t value) { return value == 77U; }));
-            std::fill(distance.begin(), distance.end(), guard);
-            transform.compute(grid, band, distances);
-            BOOST_TEST((bits_of(distances) == bits_of(expected.distance())));
-            BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), guard)) == 3 * line);
-        }
 }
 
 /// The memory of this process, by the system's account; 0 if there is none.
@@ -150,51 +114,6 @@ BOOST_AUTO_TEST_CASE(a_computation_stops_when_asked_and_begins_anew_when_asked) 
                  [&] { transform.compute(around_dense(), Band::full(), Output::distance, call); });
     BOOST_TEST(seen.size() == 2U);
     BOOST_TEST(same_bytes(expected, transform.compute(around_dense(), Band::full(), all_outputs())));
-}
-
-BOOST_AUTO_TEST_CASE(the_field_is_written_into_the_callers_arrays) {
-    const Grid grid = around_mesh();
-    const Field expected = compute(mesh(), grid, Band::full());
-    DistanceTransform transform(test_device(), mesh());
-    // Values before and behind them stay as they are.
-    constexpr float guard = -12345.0F;
-    std::vector<float> distance(grid.sample_count() + 14, guard);
-    std::vector<std::uint32_t> triangle(grid.sample_count() + 14, 77);
-    transform.compute(grid, Band::full(),
-                      {{Output::distance, std::span(distance).subspan(7, grid.sample_count())},
-                       {Output::triangle, std::span(triangle).subspan(7, grid.sample_count())}});
-    BOOST_TEST(std::equal(expected.distance().begin(), expected.distance().end(), distance.begin() + 7));
-    BOOST_TEST(std::equal(expected.triangle().begin(), expected.triangle().end(), triangle.begin() + 7));
-    BOOST_TEST(std::count(distance.begin(), distance.begin() + 7, guard) == 7);
-    BOOST_TEST(std::count(distance.end() - 7, distance.end(), guard) == 7);
-    BOOST_TEST(std::count(triangle.begin(), triangle.begin() + 7, 77U) == 7);
-    BOOST_TEST(std::count(triangle.end() - 7, triangle.end(), 77U) == 7);
-}
-
-// Runs of samples are stored by lines of memory.
-BOOST_AUTO_TEST_CASE(the_callers_arrays_begin_anywhere) {
-    for (const Index3& size : {Index3{71, 40, 33}, Index3{64, 24, 40}, Index3{9, 5, 70}}) {
-        Grid grid = around_mesh();
-        grid.first = {3, -5, 2};
-        grid.size = size;
-        for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
-            check_places(mesh(), grid, Band::symmetric(grid.voxel()), body);
-    }
-}
-
-// The same if whole rows of bricks are stored as runs.
-BOOST_AUTO_TEST_CASE(the_callers_arrays_begin_anywhere_for_small_triangles) {
-    const Mesh ball = tilted(make_shape("sphere5"));
-    for (const Index3& first : {Index3{-40, -32, -31}, Index3{-32, -30, -32}})
-        for (const std::int64_t size : {64, 61}) {
-            Grid grid = grid_around(ball, 48, 4);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                grid.origin[axis] = 0;  // the ball's centre
-                grid.first[axis] = first[axis];
-                grid.size[axis] = size;
-            }
-            check_places(ball, grid, Band::symmetric(4 * grid.voxel()), KernelBody::by_vector);
-        }
 }
 
 // One row's end and the next one's begin lie beside each other in memory, both in empty bricks, with different signs.

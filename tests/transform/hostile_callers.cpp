@@ -10,13 +10,11 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <random>
 #include <span>
 #include <string>
@@ -51,19 +49,6 @@ Mesh as_soup(const Mesh& mesh) {
 }
 
 }  // namespace
-
-BOOST_AUTO_TEST_CASE(a_device_whose_queue_is_out_of_order_computes_the_same_bytes) {
-    const Mesh mesh = make_shape("knot");
-    const Grid grid = grid_around(mesh, 64, 6);
-    const Band band = Band::symmetric(5 * grid.voxel());
-    const Field expected = compute(mesh, grid, band);
-    const device::Context& context = device::context_of(test_device());
-    const cl::CommandQueue queue(context.context(), context.device(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
-    const Device device = Device::from_handles(context.context()(), context.device()(), queue());
-    DistanceTransform transform(device, mesh);
-    for (int repetition = 0; repetition < 20; ++repetition)
-        BOOST_TEST(same_bytes(transform.compute(grid, band).slab(), expected.slab(), Output::distance));
-}
 
 BOOST_AUTO_TEST_CASE(a_callback_may_ask_the_device_while_it_compiles) {
     const Device device = Device::strongest();

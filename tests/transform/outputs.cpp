@@ -186,43 +186,6 @@ BOOST_AUTO_TEST_CASE(a_part_of_a_grid_has_the_outputs_of_the_whole) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(a_block_goes_into_a_larger_array_and_leaves_its_halo) {
-    const Mesh mesh = make_shape("torus");
-    const Grid grid = grid_around(mesh, 20, 3);
-    const Band band = Band::symmetric(3 * grid.voxel());
-    const Field expected = compute(mesh, grid, band);
-    // Two samples of halo on every side; vectors one component after the other.
-    const Index3 padded{grid.size[0] + 4, grid.size[1] + 4, grid.size[2] + 4};
-    const auto count = static_cast<std::size_t>(padded[0] * padded[1] * padded[2]);
-    const auto at = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-        return static_cast<std::size_t>(i + 2 + padded[0] * (j + 2 + padded[1] * (k + 2)));
-    };
-    constexpr float unwritten = -77;
-    std::vector<float> distance(count, unwritten), gradient(3 * count, unwritten);
-    const auto into = [&](OutputArray target) {
-        const auto row = static_cast<std::ptrdiff_t>(padded[0] * 4);
-        target.offset = at(0, 0, 0) * sizeof(float);
-        target.strides = {4, row, row * static_cast<std::ptrdiff_t>(padded[1])};
-        target.component_stride = static_cast<std::ptrdiff_t>(count * sizeof(float));
-        return target;
-    };
-    DistanceTransform transform(test_device(), mesh);
-    transform.compute(grid, band, {{Output::distance, into(distance)}, {Output::gradient, into(gradient)}});
-    std::size_t written = 0;
-    for (std::int64_t k = 0; k < grid.size[2]; ++k)
-        for (std::int64_t j = 0; j < grid.size[1]; ++j)
-            for (std::int64_t i = 0; i < grid.size[0]; ++i, ++written) {
-                const std::size_t sample = grid.offset(i, j, k);
-                BOOST_REQUIRE(distance[at(i, j, k)] == expected.distance()[sample]);
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    BOOST_REQUIRE(std::memcmp(&gradient[axis * count + at(i, j, k)],
-                                              &expected.gradient()[3 * sample + axis], sizeof(float)) == 0);
-            }
-    BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), unwritten)) == count - written);
-    BOOST_TEST(static_cast<std::size_t>(std::count(gradient.begin(), gradient.end(), unwritten)) ==
-               3 * (count - written));
-}
-
 BOOST_AUTO_TEST_CASE(the_closest_point_in_floats_is_the_offset_from_the_sample) {
     const Mesh mesh = shifted(make_shape("torus"), {1e6, -1e6, 1e6});
     const Grid grid = grid_around(mesh, 20, 3);

@@ -7,18 +7,15 @@
 #include <clsdf/tuning.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <vector>
 
-// Many boxes in one call: each has the bytes of a call of its own.
+// Many boxes in one call: what is shared, refused and told. That each has the bytes of a call of its own:
+// same_bytes.cpp.
 
 using namespace clsdf;
 using namespace clsdf::test;
 
 namespace {
-
-constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
 
 /// A field for each request, and the requests that write into them.
 struct Boxes {
@@ -35,51 +32,7 @@ struct Boxes {
     }
 };
 
-void check_each_alone(const DistanceTransform& transform, const Boxes& boxes) {
-    for (std::size_t n = 0; n < boxes.fields.size(); ++n) {
-        const Field& field = boxes.fields[n];
-        const Field alone = transform.compute(field.grid, field.band, field.outputs());
-        BOOST_TEST_CONTEXT("request " << n)
-        for (const OutputInfo& info : output_table())
-            BOOST_TEST(same_bytes(field.slab(), alone.slab(), info.output), info.name << " differs");
-    }
-}
-
-/// A box of up to 24 samples a side that begins anywhere in a grid, or up to 8 samples before it.
-Grid box_in(const Grid& grid, Random& random) {
-    Index3 first{}, size{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        size[axis] = 1 + static_cast<std::int64_t>(random.index(24));
-        first[axis] = grid.first[axis] - 8 +
-                      static_cast<std::int64_t>(random.index(static_cast<std::size_t>(grid.size[axis]) + 8));
-    }
-    return grid.block(first, size);
-}
-
 }  // namespace
-
-BOOST_AUTO_TEST_CASE(boxes_of_three_levels_have_the_bytes_of_calls_of_their_own) {
-    constexpr std::uint64_t seed = 20261122;
-    BOOST_TEST_MESSAGE("seed " << seed);
-    Random random(seed);
-    const Mesh mesh = make_shape("knot");
-    for (const KernelBody body : both_bodies) {
-        const DistanceTransform transform(test_device(), mesh, {.body = body});
-        const Grid coarse = grid_around(mesh, 40, 4);
-        Boxes boxes;
-        for (int n = 0; n < 60; ++n) {
-            const Grid level = n % 3 == 0 ? coarse : n % 3 == 1 ? coarse.refined(2) : coarse.refined_cells(4);
-            const Band band = n % 5 == 0 ? Band::full() : Band::symmetric(3 * level.voxel());
-            OutputSet outputs;
-            if (n % 4 == 0) outputs.insert(Output::triangle);
-            if (n % 7 == 0) outputs = outputs | Output::gradient | Output::closest;
-            boxes.add(box_in(level, random), band, outputs);
-        }
-        const TransformStatistics statistics = transform.compute(boxes.requests());
-        check_each_alone(transform, boxes);
-        BOOST_TEST(statistics.slabs < boxes.fields.size());
-    }
-}
 
 // The first of them get polyhedra of their own; later ones share those of the lattice, and select from them.
 BOOST_AUTO_TEST_CASE(small_grids_one_after_the_other_have_the_bytes_of_the_whole) {
@@ -100,17 +53,9 @@ BOOST_AUTO_TEST_CASE(small_grids_one_after_the_other_have_the_bytes_of_the_whole
                 first[axis] =
                     static_cast<std::int64_t>(random.index(static_cast<std::size_t>(grid.size[axis] - size[axis])));
             }
-            for (const DistanceTransform* transform : {&kept, &forgetful}) {
-                const Field part = transform->compute(grid.part(first, size), band, outputs);
-                std::size_t at = 0;
-                for (std::int64_t z = first[2]; z < first[2] + size[2]; ++z)
-                    for (std::int64_t y = first[1]; y < first[1] + size[1]; ++y)
-                        for (std::int64_t x = first[0]; x < first[0] + size[0]; ++x, ++at) {
-                            const std::size_t of_whole = grid.offset(x, y, z);
-                            BOOST_REQUIRE(std::memcmp(&part.distance()[at], &whole.distance()[of_whole], 4) == 0);
-                            BOOST_REQUIRE(part.triangle()[at] == whole.triangle()[of_whole]);
-                        }
-            }
+            const Grid part = grid.part(first, size);
+            for (const DistanceTransform* transform : {&kept, &forgetful})
+                BOOST_TEST(same_bytes(transform->compute(part, band, outputs), part_of(whole, part)));
         }
         BOOST_TEST(kept.memory().device_bytes > 280 * mesh.triangles().size());
         BOOST_TEST(forgetful.memory().device_bytes == 0U);
@@ -128,50 +73,6 @@ BOOST_AUTO_TEST_CASE(patches_that_fill_a_grid_are_computed_once) {
         for (std::int64_t y = 0; y < 64; y += 16)
             for (std::int64_t x = 0; x < 64; x += 16) boxes.add(grid.part({x, y, z}, {16, 16, 16}).grown(2), band);
     BOOST_TEST(transform.compute(boxes.requests()).slabs == 1U);
-    check_each_alone(transform, boxes);
-}
-
-// A block around them would have 10^14 samples.
-BOOST_AUTO_TEST_CASE(boxes_far_from_each_other_are_computed_apart) {
-    const Mesh mesh = make_shape("sphere3");
-    const DistanceTransform transform(test_device(), mesh);
-    const Grid lattice = grid_around(mesh, 20, 2);
-    Boxes boxes;
-    boxes.add(lattice, Band::symmetric(0.2));
-    boxes.add(lattice.block({50000, 50000, -50000}, {4, 5, 6}), Band::symmetric(0.2));
-    transform.compute(boxes.requests());
-    check_each_alone(transform, boxes);
-    for (const float distance : boxes.fields[1].distance()) BOOST_REQUIRE(distance == 0.2F);
-}
-
-// Each box goes to its place in one array with ghost samples around it, which stay as they are.
-BOOST_AUTO_TEST_CASE(boxes_are_written_into_blocks_of_larger_arrays) {
-    const Mesh mesh = make_shape("sphere3");
-    const DistanceTransform transform(test_device(), mesh);
-    const Grid grid = grid_around(mesh, 24, 2);
-    const Band band = Band::symmetric(4 * grid.voxel());
-    const Field whole = transform.compute(grid, band);
-    const std::ptrdiff_t row = grid.size[0] + 3, slice = row * (grid.size[1] + 2);
-    std::vector<float> array(static_cast<std::size_t>(slice * (grid.size[2] + 1)), 77);
-    std::vector<Request> requests;
-    constexpr std::int64_t side = 7;
-    for (std::int64_t z = 0; z < grid.size[2]; z += side)
-        for (std::int64_t y = 0; y < grid.size[1]; y += side)
-            for (std::int64_t x = 0; x < grid.size[0]; x += side) {
-                const Index3 size{std::min(side, grid.size[0] - x), std::min(side, grid.size[1] - y),
-                                  std::min(side, grid.size[2] - z)};
-                OutputArray target = array;
-                target.offset = sizeof(float) * static_cast<std::size_t>(x + y * row + z * slice);
-                target.strides = {4, 4 * row, 4 * slice};
-                requests.push_back({grid.part({x, y, z}, size), band, target});
-            }
-    transform.compute(requests);
-    std::size_t written = 0;
-    for (std::int64_t z = 0; z < grid.size[2]; ++z)
-        for (std::int64_t y = 0; y < grid.size[1]; ++y)
-            for (std::int64_t x = 0; x < grid.size[0]; ++x, ++written)
-                BOOST_REQUIRE(array[static_cast<std::size_t>(x + y * row + z * slice)] == whole.distance()[written]);
-    BOOST_TEST(static_cast<std::size_t>(std::count(array.begin(), array.end(), 77.0F)) == array.size() - written);
 }
 
 BOOST_AUTO_TEST_CASE(a_request_that_is_refused_is_named_and_nothing_is_computed) {

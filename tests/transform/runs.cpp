@@ -2,24 +2,21 @@
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/throws.hpp"
+#include "support/two_boxes.hpp"
 
 #include "device/context.hpp"
-#include "transform/runs.hpp"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
-// Runs of plans and calls that wait for the caller's events: events that fail, that stay pending, and threads beside
-// them.
+// Runs of plans and calls, and the caller's events: in what order they end, events that fail, that stay pending, and
+// threads beside them.
 namespace clsdf::test {
 namespace {
 
@@ -30,41 +27,153 @@ boost::test_tools::assertion_result takes_failing_events(boost::unit_test::test_
     return platform.getInfo<CL_PLATFORM_NAME>().find("Intel(R) OpenCL") == std::string::npos;
 }
 
+cl::CommandQueue callers_queue(cl_command_queue_properties properties = 0) {
+    const device::Context& context = device::context_of(test_device());
+    return {context.context(), context.device(), properties};
+}
+
 }  // namespace
+
+BOOST_AUTO_TEST_CASE(runs_begin_after_the_callers_events_and_follow_one_another) {
+    const Mesh mesh = make_shape("sphere4");
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 40, 4);
+    const cl::CommandQueue in_order = callers_queue(),
+                           out_of_order = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+    for (const bool is_in_order : {true, false}) {
+        const TwoBoxes boxes(grid);
+        const std::vector<Request> requests = boxes.requests();
+        Plan of_boxes = transform.plan(requests), of_grid = transform.plan(grid, requests[0].band);
+        cl::UserEvent gate(cl::Context(test_device().context(), true));
+        const std::array wait_list{gate()};
+        const cl_command_queue queue = is_in_order ? in_order() : out_of_order();
+        // They return although nothing can begin.
+        const cl::Event first = enqueue(of_boxes, queue, wait_list), second = enqueue(of_boxes, out_of_order()),
+                        third = enqueue(of_boxes, in_order());
+        const DeviceMemory distance(test_device().context(), grid.sample_count());
+        const cl::Event alone = enqueue(of_grid, queue, distance.handle(), wait_list);
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));  // many times what the fields take
+        for (const cl::Event* event : {&first, &second, &third, &alone})
+            BOOST_TEST(event->getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
+        if (!is_in_order) BOOST_TEST((distance.read(callers_queue()).front() == untouched));
+        gate.setStatus(CL_COMPLETE);
+        third.wait();
+        BOOST_TEST(first.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() == CL_COMPLETE);
+        BOOST_TEST(boxes.have_fields_of(transform));
+        alone.wait();
+        BOOST_TEST((distance.read(callers_queue()) == bits_of(transform.compute(grid, requests[0].band).distance())));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_call_for_device_memory_begins_after_the_callers_events) {
+    const Mesh mesh = make_shape("knot");
+    const DistanceTransform transform(test_device(), mesh);
+    const TwoBoxes boxes(grid_around(mesh, 40, 4));
+    const std::vector<Request> requests = boxes.requests();
+    const cl::Context context(test_device().context(), true);
+    for (const bool one_by_one : {false, true}) {
+        const cl::UserEvent gate(context);
+        const std::array wait_list{gate()};
+        std::atomic<bool> is_open = false;
+        std::thread opener([&] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            is_open = true;
+            cl::UserEvent(gate).setStatus(CL_COMPLETE);
+        });
+        if (one_by_one)
+            transform.compute(requests[0].grid, requests[0].band, requests[0].targets, {.wait_list = wait_list});
+        else
+            transform.compute(requests, {.wait_list = wait_list});
+        BOOST_TEST(is_open.load());
+        opener.join();
+        BOOST_TEST(boxes.have_fields_of(transform));
+    }
+    // One for the host waits for them, too.
+    const cl::UserEvent failed(context);
+    cl::UserEvent(failed).setStatus(-5);
+    const std::array wait_list{failed()};
+    std::vector<float> distance(requests[0].grid.sample_count());
+    check_throws(ErrorCode::device_failure, {},
+                 [&] { transform.compute(requests[0].grid, requests[0].band, distance, {.wait_list = wait_list}); });
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_without_requests_waits_for_the_callers_events) {
+    const DistanceTransform transform(test_device(), make_shape("tetrahedron"));
+    Plan plan = transform.plan(std::span<const Request>());
+    const cl::UserEvent before(cl::Context(test_device().context(), true));
+    const cl_event event = before();
+    const cl::CommandQueue queue = callers_queue();
+    const cl::Event end(enqueue(plan, queue(), {&event, 1}));
+    BOOST_TEST(end.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
+    cl::UserEvent(before).setStatus(CL_COMPLETE);
+    end.wait();
+}
+
+namespace {
+
+/// How many objects hold a queue: each event of its commands is one, with drivers that count them.
+cl_uint holders_of(const cl::CommandQueue& queue) {
+    return queue.getInfo<CL_QUEUE_REFERENCE_COUNT>();
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_run_whose_end_nobody_asks_for_leaves_no_event) {
+    constexpr cl_uint runs = 50;
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform transform(test_device(), mesh);
+    const TwoBoxes boxes(grid_around(mesh, 24, 3));
+    const cl::CommandQueue queue = callers_queue();
+    const cl::UserEvent before(cl::Context(test_device().context(), true));
+    cl::UserEvent(before).setStatus(CL_COMPLETE);
+    const std::array<cl_event, 1> wait_list{before()};
+    const auto enqueue_runs = [&](cl_event* done) {
+        Plan plan = transform.plan(boxes.requests());
+        for (cl_uint run = 0; run < runs; ++run) {
+            plan.enqueue(queue(), wait_list, done == nullptr ? nullptr : done + 2 * run);
+            plan.enqueue(queue(), boxes.targets(), {}, done == nullptr ? nullptr : done + 2 * run + 1);
+        }
+        queue.finish();
+    };
+    enqueue_runs(nullptr);
+    // A driver may keep a few of the last ones.
+    BOOST_TEST(holders_of(queue) < runs);
+    BOOST_TEST(before.getInfo<CL_EVENT_REFERENCE_COUNT>() == 1U);
+    // The events of the caller are seen.
+    std::array<cl_event, 2 * runs> ends{};
+    enqueue_runs(ends.data());
+    if (holders_of(queue) < 2 * runs) BOOST_TEST_MESSAGE("skipped: the driver does not count the events of a queue");
+    for (const cl_event end : ends) BOOST_TEST(clReleaseEvent(end) == CL_SUCCESS);
+    BOOST_TEST(holders_of(queue) < runs);
+}
 
 // A run that fails ends before those that it was to follow.
 BOOST_AUTO_TEST_CASE(a_run_that_fails_hides_no_run_that_is_under_way,
                      *boost::unit_test::precondition(takes_failing_events)) {
-    const device::Context& context = device::context_of(test_device());
-    const cl::CommandQueue queue(context.context(), context.device(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
-    cl::UserEvent pending(context.context()), failed(context.context());
-    transform::Runs runs;
-    const auto run_after = [&](const cl::Event& event) {
-        scan::CommandChain chain(queue, {event});
-        chain.then([](const auto& to, auto* wait, auto* end) { to.enqueueMarkerWithWaitList(wait, end); });
-        queue.flush();
-        runs.add(chain);
-        return chain.last();
-    };
-    const cl::Event first = run_after(pending), second = run_after(failed);
-    BOOST_TEST((runs.latest()() == second()));
-    failed.setStatus(-1);
-    BOOST_TEST((runs.latest()() == first()));
-    std::atomic<bool> has_ended = false;
-    std::thread device([&, pending]() mutable {
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-        has_ended = true;
-        pending.setStatus(CL_COMPLETE);
-    });
-    BOOST_TEST(runs.wait() == CL_SUCCESS);
-    BOOST_TEST(has_ended);
-    device.join();
-    BOOST_TEST((runs.latest()() == nullptr));
-    // A failure is an end, too.
-    cl::UserEvent fails(context.context());
-    run_after(fails);
-    fails.setStatus(-1);
-    BOOST_TEST(runs.wait() == CL_SUCCESS);
+    const DistanceTransform transform(test_device(), make_shape("sphere2"));
+    const cl::Context context(test_device().context(), true);
+    const TwoBoxes boxes(grid_around(make_shape("sphere2"), 24, 3));
+    const cl::CommandQueue queue = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+    for (const bool is_updated : {true, false}) {
+        std::optional<Plan> plan(transform.plan(boxes.requests()));
+        cl::UserEvent pending(context), failed(context);
+        const std::array first{pending()}, second{failed()};
+        const cl::Event end = enqueue(*plan, queue(), first);
+        plan->enqueue(queue(), second);
+        failed.setStatus(-1);
+        std::atomic<bool> has_begun = false;
+        std::thread device([&, pending]() mutable {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            has_begun = true;
+            pending.setStatus(CL_COMPLETE);
+        });
+        // Both wait for what is under way.
+        is_updated ? plan->update(transform) : plan.reset();
+        BOOST_TEST(has_begun);
+        device.join();
+        BOOST_TEST(end.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() == CL_COMPLETE);
+        BOOST_TEST(boxes.have_fields_of(transform));
+    }
 }
 
 // Commands of a failed run are listed in the events that they waited for and that are pending. If such an event ends
@@ -249,6 +358,29 @@ BOOST_AUTO_TEST_CASE(an_event_of_the_caller_that_fails_ends_the_run_and_nothing_
         for (std::size_t i = 0; i < values.size(); i += step) distance.push_back(values[i]);
         BOOST_TEST((bits_of(distance) == bits_of(expected.distance())));
     }
+}
+
+BOOST_AUTO_TEST_CASE(a_run_that_fails_stores_nothing_and_the_next_one_has_its_own_targets,
+                     *boost::unit_test::precondition(takes_failing_events)) {
+    const Mesh mesh = make_shape("sphere3");
+    const DistanceTransform transform(test_device(), mesh);
+    const TwoBoxes planned(grid_around(mesh, 40, 3)), other(grid_around(mesh, 40, 3));
+    Plan plan = transform.plan(planned.requests());
+    const cl::CommandQueue queue = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+    cl::UserEvent gate(cl::Context(test_device().context(), true));
+    const std::array wait_list{gate()};
+    const cl::Event failed = enqueue(plan, queue(), other.targets(), wait_list);
+    gate.setStatus(-5);
+    const cl_event handle = failed();
+    BOOST_TEST(clWaitForEvents(1, &handle) == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST);
+    check_throws(ErrorCode::device_failure, {"event 0 of the wait list's 1 has failed"},
+                 [&] { plan.enqueue(queue(), wait_list); });
+    BOOST_TEST(other.are_untouched());
+    enqueue(plan, queue()).wait();
+    BOOST_TEST(planned.have_fields_of(transform));
+    BOOST_TEST(other.are_untouched());
+    enqueue(plan, queue(), other.targets()).wait();
+    BOOST_TEST(other.have_fields_of(transform));
 }
 
 }  // namespace clsdf::test

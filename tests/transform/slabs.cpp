@@ -3,21 +3,15 @@
 #include "support/throws.hpp"
 
 #include "coarse.h"
-#include "device/context.hpp"
 
 #include <clsdf/tuning.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cstdlib>
-#include <limits>
 
 using namespace clsdf;
 using namespace clsdf::test;
 
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 const Mesh& mesh() {
     static const Mesh shape = [] {
@@ -34,42 +28,11 @@ Grid around_mesh(std::int64_t first_z) {
     return grid;
 }
 
-/// A closest point has more bytes than anything else that a sample has.
-constexpr std::size_t widest = 3 * sizeof(double);
-
 std::size_t slice_bytes(const Grid& grid, std::size_t sample_bytes) {
     return static_cast<std::size_t>(grid.size[0] * grid.size[1]) * sample_bytes;
 }
 
 }  // namespace
-
-// Slabs of several coarse bricks, of bricks, and of less than one.
-BOOST_AUTO_TEST_CASE(slabs_have_the_bytes_of_the_whole) {
-    for (const std::int64_t first : {0, -13}) {
-        const Grid grid = around_mesh(first);
-        for (const Band& band : {Band::symmetric(4 * grid.voxel()), Band{infinite, 2 * grid.voxel()}}) {
-            const Field whole = compute(mesh(), grid, band);
-            for (const std::size_t slices : {40U, 33U, 21U, 11U, 5U}) BOOST_TEST_CONTEXT(slices << " slices at most") {
-                    DistanceTransform transform(with_largest_allocation(slices * slice_bytes(grid, widest)), mesh());
-                    TransformStatistics statistics;
-                    BOOST_TEST(same_bytes(whole, transform.compute(grid, band, all_outputs(), {}, &statistics)));
-                    BOOST_TEST(statistics.slabs > 1U);
-                }
-        }
-    }
-}
-
-BOOST_AUTO_TEST_CASE(slabs_computed_by_groups_have_the_bytes_of_the_whole) {
-    const Grid grid = grid_around(mesh(), 60, 3);
-    const Band band = Band::symmetric(3 * grid.voxel());
-    const Field whole = compute(mesh(), grid, band, KernelBody::by_group);
-    std::size_t calls = 0;
-    DistanceTransform transform(with_largest_allocation(21 * slice_bytes(grid, widest)), mesh(),
-                                {.body = KernelBody::by_group});
-    const CallOptions counted{.progress = when_computing([&](double) { ++calls; })};
-    BOOST_TEST(same_bytes(whole, transform.compute(grid, band, all_outputs(), counted)));
-    BOOST_TEST(calls > 3U, "the grid was not divided");
-}
 
 BOOST_AUTO_TEST_CASE(progress_and_counts_run_over_all_slabs) {
     const Grid grid = around_mesh(0);

@@ -3,15 +3,11 @@
 #include "support/throws.hpp"
 
 #include "core/stopwatch.hpp"
-#include "device/context.hpp"
-#include "plan/slabs.hpp"
 
 #include <clsdf/tuning.hpp>
 
 #include <atomic>
 #include <chrono>
-#include <cstdlib>
-#include <optional>
 #include <thread>
 
 using namespace clsdf;
@@ -40,12 +36,10 @@ Band band_on(const Grid& grid) {
     return Band::symmetric(3 * grid.voxel());
 }
 
-/// The tests' device as if it allocated at most 40 of the grid's slices at once: distances, or closest points, which
-/// have more bytes than anything else.
-Device small_device(const Grid& grid, std::size_t sample_bytes = sizeof(float)) {
-    return with_largest_allocation(40 * static_cast<std::size_t>(grid.size[0] * grid.size[1]) * sample_bytes);
+/// The tests' device as if it allocated at most 40 of the grid's slices of distances at once.
+Device small_device(const Grid& grid) {
+    return with_largest_allocation(40 * static_cast<std::size_t>(grid.size[0] * grid.size[1]) * sizeof(float));
 }
-constexpr std::size_t widest = 3 * sizeof(double);
 
 /// A field that is put together from its slabs, which must be in order.
 struct Collected {
@@ -80,44 +74,6 @@ Collected collect(DistanceTransform& transform, const Grid& grid, OutputSet outp
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(a_field_in_slabs)
-
-BOOST_AUTO_TEST_CASE(has_the_bytes_of_the_whole) {
-    for (const std::int64_t first : {0, -13})
-        for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
-            for (const bool overlap : {true, false}) {
-                const Grid grid = long_grid(first);
-                const Field whole = compute(mesh(), grid, band_on(grid), body);
-                DistanceTransform transform(small_device(grid, widest), mesh(), {.body = body});
-                const Collected collected = collect(transform, grid, all_outputs(), {.sink_has_own_thread = overlap});
-                BOOST_TEST(same_bytes(whole, collected.field));
-                BOOST_TEST(collected.slabs >= 4U);
-                BOOST_TEST(collected.statistics.slabs == collected.slabs);
-            }
-}
-
-// Samples lie in buffers of the device, and are read by a queue of their own.
-BOOST_AUTO_TEST_CASE(comes_from_a_device_with_memory_of_its_own) {
-    const Grid grid = long_grid(-13);
-    const Field whole = compute(mesh(), grid, band_on(grid), KernelBody::by_group);
-    const Device device = small_device(grid, widest);
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): no other device is at hand
-    const_cast<device::Context::Capabilities&>(device::context_of(device).capabilities()).is_processor = false;
-    DistanceTransform transform(device, mesh());
-    TransformStatistics statistics;
-    BOOST_TEST(same_bytes(whole, transform.compute(grid, band_on(grid), all_outputs(), {}, &statistics)));
-    BOOST_TEST(statistics.slabs >= 4U);
-    const Collected collected = collect(transform, grid, all_outputs());
-    BOOST_TEST(same_bytes(whole, collected.field));
-    BOOST_TEST(collected.slabs >= 4U);
-    // Two slabs of all outputs are on the device.
-    BOOST_TEST(collected.statistics.device_bytes > collected.statistics.host_bytes);
-}
-
-BOOST_AUTO_TEST_CASE(has_no_triangles_unless_asked_for) {
-    const Grid grid = long_grid();
-    DistanceTransform transform(small_device(grid), mesh());
-    BOOST_TEST(collect(transform, grid, {}).field.triangle().empty());
-}
 
 // The first slab of the second grid is a slice shorter than the third, which takes its place. A sink on the calling
 // thread gets the only one.
@@ -251,73 +207,35 @@ BOOST_AUTO_TEST_SUITE(the_slabs_of_a_grid)
 
 namespace {
 
-constexpr std::size_t mebibyte = std::size_t{1} << 20;
-
-Grid cube_of(std::int64_t side, std::int64_t first_z = 0) {
+/// The slices of each slab.
+std::vector<std::int64_t> slabs_of_cube(std::int64_t side, std::int64_t first_z = 0) {
     Grid grid;
     grid.size = {side, side, side};
     grid.first[2] = first_z;
-    return grid;
-}
-
-device::Context::Capabilities processor(std::size_t largest_allocation) {
-    device::Context::Capabilities capabilities;
-    capabilities.is_processor = true;
-    capabilities.largest_allocation = largest_allocation;
-    capabilities.memory = std::size_t{1} << 40;
-    return capabilities;
-}
-
-std::vector<std::int64_t> stream_of(const Grid& grid, std::size_t largest_allocation = std::size_t{1} << 40) {
     std::vector<std::int64_t> slices;
-    for (const Grid& slab : scan::slabs_of(grid, scan::stream_limits_of(processor(largest_allocation))))
-        slices.push_back(slab.size[2]);
+    for (const Grid& slab : DistanceTransform::slabs_of(grid)) slices.push_back(slab.size[2]);
     return slices;
 }
 
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(are_of_64_mebibytes_or_a_coarse_brick_or_a_brick) {
-    BOOST_TEST(stream_of(cube_of(256)).size() == 1U);
-    BOOST_TEST((stream_of(cube_of(512)) == std::vector<std::int64_t>(8, 64)));
-    BOOST_TEST((stream_of(cube_of(1024)) == std::vector<std::int64_t>(32, 32)));
-    BOOST_TEST((stream_of(cube_of(2048)) == std::vector<std::int64_t>(128, 16)));
-    BOOST_TEST((stream_of(cube_of(4096)) == std::vector<std::int64_t>(512, 8)));
-    BOOST_TEST((stream_of(cube_of(1024), 128 * mebibyte) == std::vector<std::int64_t>(32, 32)));
-    BOOST_TEST(stream_of(cube_of(1024), 100 * mebibyte).front() == 24);
+    BOOST_TEST(slabs_of_cube(256).size() == 1U);
+    BOOST_TEST((slabs_of_cube(512) == std::vector<std::int64_t>(8, 64)));
+    BOOST_TEST((slabs_of_cube(1024) == std::vector<std::int64_t>(32, 32)));
+    BOOST_TEST((slabs_of_cube(2048) == std::vector<std::int64_t>(128, 16)));
+    BOOST_TEST((slabs_of_cube(4096) == std::vector<std::int64_t>(512, 8)));
 }
 
 BOOST_AUTO_TEST_CASE(end_at_boundaries_of_the_lattice) {
     for (const std::int64_t first : {-13, 0, 5}) {
-        const Grid grid = cube_of(512, first);
         std::int64_t at = first;
-        for (const std::int64_t slices : stream_of(grid)) {
+        for (const std::int64_t slices : slabs_of_cube(512, first)) {
             BOOST_TEST(((at == first) || at % 32 == 0));
             at += slices;
         }
         BOOST_TEST(at == first + 512);
     }
-}
-
-BOOST_AUTO_TEST_CASE(are_divided_at_boundaries_until_they_are_one_layer_of_bricks) {
-    for (const std::int64_t first : {-13, 0, 5, 7})
-        for (const std::int64_t size : {1, 2, 7, 8, 9, 17, 64, 100}) {
-            Grid grid = cube_of(9, first);
-            grid.size[2] = size;
-            const bool one_layer = (first + 800) / 8 == (first + size - 1 + 800) / 8;
-            BOOST_REQUIRE(scan::is_divisible(grid) == !one_layer);
-            if (one_layer) continue;
-            const auto [lower, upper] = scan::halves_of(grid);
-            BOOST_TEST(lower.size[2] + upper.size[2] == size);
-            BOOST_TEST(lower.first[2] == first);
-            BOOST_TEST(upper.first[2] == first + lower.size[2]);
-            BOOST_TEST(upper.first[2] % 8 == 0);
-            BOOST_TEST(lower.size[2] > 0);
-            BOOST_TEST(upper.size[2] > 0);
-        }
-    Grid grid = cube_of(9);
-    grid.size[2] = 128;
-    BOOST_TEST(scan::halves_of(grid).first.size[2] == 64);
 }
 
 BOOST_AUTO_TEST_SUITE_END()
