@@ -20,19 +20,14 @@ void run(transform::GridPlan& plan, const scan::OutputMemories& memories, transf
          double end) {
     const Stopwatch watch;
     const device::Context& context = device::context_of(plan.device);
-    device::guarded([&] {
-        try {
-            running.throw_if_stopped();
-            scan::CommandChain chain(context.queue(), {});
-            plan.enqueue(chain, memories.buffers, running.between(begin, end));
-            memories.enqueue_handover(context.queue());
-            context.queue().finish();
-            plan.read_back(context.queue());
-        } catch (...) {
-            // Commands that are still running write to the caller's memory.
-            context.drain();
-            throw;
-        }
+    // Its commands write to the caller's memory.
+    context.run_or_drain([&] {
+        running.throw_if_stopped();
+        scan::CommandChain chain(context.queue(), {});
+        plan.enqueue(chain, memories.buffers, running.between(begin, end));
+        memories.enqueue_handover(context.queue());
+        context.queue().finish();
+        plan.read_back(context.queue());
     });
     plan.statistics.field_seconds = watch.seconds();
 }

@@ -85,18 +85,16 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     const auto make = [&] {
         made.clear();
         if (std::exchange(is_retry, true) && made.has_own_pool) made.pool->release();
-        try {
+        // The set-up's commands use what is given back after an error.
+        context.run_or_drain([&] {
             made.make_room();
             BlockPlans block_plans(*this, made.pool, true, running);
             for (const transform::Block& block : made.blocks())
                 made.add(block, block_plans.make(block), targets, programs);
             keep_within_budget();
-        } catch (...) {
-            context.drain();  // the set-up's commands use what is given back
-            throw;
-        }
+        });
     };
-    transform::with_remedies(&running, {forgetting()}, [&] { device::guarded(make); });
+    transform::with_remedies(&running, {forgetting()}, make);
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
     if (made.has_own_pool) made.pool->release();
     made.complete(running.statistics, *stages);

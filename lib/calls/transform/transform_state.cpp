@@ -117,7 +117,7 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
 void DistanceTransform::State::test(const transform::TestSubject& subject, transform::RunningCall& running) const {
     if (context().is_tested(subject.name)) return;
     running.compile(subject.steps,
-                  [&](const device::BuildWatch& watch) { return transform::ensure_tested(device, subject, watch); });
+                    [&](const device::BuildWatch& watch) { return transform::ensure_tested(device, subject, watch); });
 }
 
 void DistanceTransform::State::check(const transform::Job& job) const {
