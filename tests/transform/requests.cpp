@@ -75,6 +75,36 @@ BOOST_AUTO_TEST_CASE(patches_that_fill_a_grid_are_computed_once) {
     BOOST_TEST(transform.compute(boxes.requests()).slabs == 1U);
 }
 
+// Each box goes to its place in one array with ghost samples around it, which stay as they are.
+BOOST_AUTO_TEST_CASE(boxes_are_written_into_blocks_of_larger_arrays) {
+    const Mesh mesh = make_shape("sphere3");
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 24, 2);
+    const Band band = Band::symmetric(4 * grid.voxel());
+    const Field whole = transform.compute(grid, band);
+    const std::ptrdiff_t row = grid.size[0] + 3, slice = row * (grid.size[1] + 2);
+    std::vector<float> array(static_cast<std::size_t>(slice * (grid.size[2] + 1)), 77);
+    std::vector<Request> requests;
+    constexpr std::int64_t side = 7;
+    for (std::int64_t z = 0; z < grid.size[2]; z += side)
+        for (std::int64_t y = 0; y < grid.size[1]; y += side)
+            for (std::int64_t x = 0; x < grid.size[0]; x += side) {
+                const Index3 size{std::min(side, grid.size[0] - x), std::min(side, grid.size[1] - y),
+                                  std::min(side, grid.size[2] - z)};
+                OutputArray target = array;
+                target.offset = sizeof(float) * static_cast<std::size_t>(x + y * row + z * slice);
+                target.strides = {4, 4 * row, 4 * slice};
+                requests.push_back({grid.part({x, y, z}, size), band, target});
+            }
+    transform.compute(requests);
+    std::size_t written = 0;
+    for (std::int64_t z = 0; z < grid.size[2]; ++z)
+        for (std::int64_t y = 0; y < grid.size[1]; ++y)
+            for (std::int64_t x = 0; x < grid.size[0]; ++x, ++written)
+                BOOST_REQUIRE(array[static_cast<std::size_t>(x + y * row + z * slice)] == whole.distance()[written]);
+    BOOST_TEST(static_cast<std::size_t>(std::count(array.begin(), array.end(), 77.0F)) == array.size() - written);
+}
+
 BOOST_AUTO_TEST_CASE(a_request_that_is_refused_is_named_and_nothing_is_computed) {
     const Mesh mesh = make_shape("sphere2");
     const DistanceTransform transform(test_device(), mesh);
