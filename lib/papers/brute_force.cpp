@@ -204,14 +204,14 @@ class BruteForce final : public FieldMethod {
 public:
     void check_outputs(OutputSet outputs) const override { check_distance_and_triangle(outputs, "by brute force"); }
 
-    std::shared_ptr<const scan::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
+    std::shared_ptr<const scan::PreparedMesh> prepare(transform::KeptMesh& kept_mesh, const Grid& grid,
                                                       const Layout&) const override {
         auto prepared = std::make_shared<scan::PreparedMesh>();
-        const UninitializedVector<Polyhedron> records = face_records(stages, scan::lattice_of(grid));
-        prepared->triangle_count = stages.mesh().triangles().size();
+        const UninitializedVector<Polyhedron> records = face_records(kept_mesh, scan::lattice_of(grid));
+        prepared->triangle_count = kept_mesh.mesh().triangles().size();
         prepared->record_count = prepared->polyhedron_count = records.size();
         prepared->polyhedra =
-            upload(stages, records.data(), records.size() * sizeof(Polyhedron), "triangles in their frames");
+            upload(kept_mesh, records.data(), records.size() * sizeof(Polyhedron), "triangles in their frames");
         return prepared;
     }
 

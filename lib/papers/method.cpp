@@ -49,36 +49,36 @@ public:
 
     void check_outputs(OutputSet outputs) const override { check_distance_and_triangle(outputs, "by slices"); }
 
-    std::shared_ptr<const PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
+    std::shared_ptr<const PreparedMesh> prepare(transform::KeptMesh& kept_mesh, const Grid& grid,
                                                 const Layout& layout) const override {
-        const Mesh& mesh = stages.mesh();
+        const Mesh& mesh = kept_mesh.mesh();
         const polyhedra::LatticeView lattice = scan::lattice_of(grid);
         const double half_width = half_width_for_slices(mesh, grid, layout);
         auto prepared = std::make_shared<PreparedPieces>();
         prepared->triangle_count = mesh.triangles().size();
         const auto upload_records = [&](std::span<const Polyhedron> records) {
             prepared->record_count = prepared->polyhedron_count = records.size();
-            prepared->polyhedra = upload(stages, records.data(), records.size_bytes(), "polyhedra");
+            prepared->polyhedra = upload(kept_mesh, records.data(), records.size_bytes(), "polyhedra");
         };
         std::size_t closed_gaps = 0;
         if (options_.polyhedra == Polyhedra::peikert_sigg) {
             const PeikertSiggPieces paper = peikert_sigg_pieces(mesh, lattice, half_width, options_.close_gaps, layout);
             upload_records(paper.polyhedra);
-            upload_pieces(stages, paper.pieces, *prepared);
+            upload_pieces(kept_mesh, paper.pieces, *prepared);
             closed_gaps = paper.closed_gaps;
         } else if (options_.polyhedra == Polyhedra::mauch) {
             const MauchPieces mauch = mauch_pieces(mesh, lattice, half_width, layout);
             upload_records(mauch.polyhedra);
-            upload_pieces(stages, mauch.pieces, *prepared);
+            upload_pieces(kept_mesh, mauch.pieces, *prepared);
             prepared->polyhedron_count = mauch.count();  // more than records
             prepared->boxes = mauch.boxes;
         } else {
-            const UninitializedVector<Polyhedron> records = leaned_records(stages, lattice);
+            const UninitializedVector<Polyhedron> records = leaned_records(kept_mesh, lattice);
             upload_records(records);
-            upload_pieces(stages,
+            upload_pieces(kept_mesh,
                           leaned_pieces(records, half_width, scan::base_slack + scan::slack_rate * half_width, layout),
                           *prepared);
-            const polyhedra::Frusta& frusta = stages.frusta();
+            const polyhedra::Frusta& frusta = kept_mesh.frusta();
             prepared->saddle_vertices = frusta.saddle_vertices;
             prepared->point_sites = frusta.sites.size();
             prepared->boxes = frusta.boxes;
@@ -110,20 +110,21 @@ public:
 private:
     bool has_one_pass() const { return options_.slice_minimum == SliceMinimum::one_pass; }
 
-    static UninitializedVector<Polyhedron> leaned_records(transform::Stages& stages,
+    static UninitializedVector<Polyhedron> leaned_records(transform::KeptMesh& kept_mesh,
                                                           const polyhedra::LatticeView& lattice) {
-        const polyhedra::Frusta& frusta = stages.frusta();
-        UninitializedVector<Polyhedron> records = face_records(stages, lattice);
+        const polyhedra::Frusta& frusta = kept_mesh.frusta();
+        UninitializedVector<Polyhedron> records = face_records(kept_mesh, lattice);
         const std::size_t faces = records.size();
         records.resize(faces + frusta.sites.size());
-        write_site_records(stages.topology(), frusta, lattice, 0, std::span(records).subspan(faces));
+        write_site_records(kept_mesh.topology(), frusta, lattice, 0, std::span(records).subspan(faces));
         return records;
     }
 
-    static void upload_pieces(const transform::Stages& stages, const ConvexPieces& pieces, PreparedPieces& prepared) {
-        prepared.pieces = upload(stages, pieces.pieces.data(), pieces.pieces.size() * sizeof(Piece), "pieces");
+    static void upload_pieces(const transform::KeptMesh& kept_mesh, const ConvexPieces& pieces,
+                              PreparedPieces& prepared) {
+        prepared.pieces = upload(kept_mesh, pieces.pieces.data(), pieces.pieces.size() * sizeof(Piece), "pieces");
         prepared.planes =
-            upload(stages, pieces.planes.data(), pieces.planes.size() * sizeof(PiecePlane), "planes of the pieces");
+            upload(kept_mesh, pieces.planes.data(), pieces.planes.size() * sizeof(PiecePlane), "planes of the pieces");
         prepared.slices.reserve(pieces.pieces.size());
         for (std::size_t i = 0; i < pieces.pieces.size(); ++i)
             prepared.slices.push_back({pieces.pieces[i].slice_begin, pieces.pieces[i].slice_end, pieces.costs[i]});
@@ -134,17 +135,18 @@ private:
 
 }  // namespace
 
-device::BufferPool::Lease papers::upload(const transform::Stages& stages, const void* values, std::size_t bytes,
+device::BufferPool::Lease papers::upload(const transform::KeptMesh& kept_mesh, const void* values, std::size_t bytes,
                                          const char* purpose) {
-    auto lease = stages.pool()->lease(bytes, purpose);
+    auto lease = kept_mesh.pool()->lease(bytes, purpose);
     if (bytes > 0)
-        device::guarded([&] { stages.context().queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values); });
+        device::guarded([&] { kept_mesh.context().queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values); });
     return lease;
 }
 
-UninitializedVector<Polyhedron> papers::face_records(transform::Stages& stages, const polyhedra::LatticeView& lattice) {
-    const polyhedra::MeshTopology& topology = stages.topology();
-    const polyhedra::Frusta& frusta = stages.frusta();
+UninitializedVector<Polyhedron> papers::face_records(transform::KeptMesh& kept_mesh,
+                                                     const polyhedra::LatticeView& lattice) {
+    const polyhedra::MeshTopology& topology = kept_mesh.topology();
+    const polyhedra::Frusta& frusta = kept_mesh.frusta();
     UninitializedVector<Polyhedron> records(topology.order.size());
     for_each_index(records.size(),
                    [&](std::size_t face) { write_face_record(topology, frusta, lattice, face, records[face]); });

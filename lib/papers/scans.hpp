@@ -23,11 +23,11 @@ inline std::size_t samples_of_slice(const Layout& layout) {
 }
 
 /// A buffer with the values.
-device::BufferPool::Lease upload(const transform::Stages& stages, const void* values, std::size_t bytes,
+device::BufferPool::Lease upload(const transform::KeptMesh& kept_mesh, const void* values, std::size_t bytes,
                                  const char* purpose);
 
 /// The records of all faces, in the order of the mesh's topology.
-UninitializedVector<Polyhedron> face_records(transform::Stages& stages, const polyhedra::LatticeView& lattice);
+UninitializedVector<Polyhedron> face_records(transform::KeptMesh& kept_mesh, const polyhedra::LatticeView& lattice);
 
 /// Throws Error(unsupported) that names the scan for any other output.
 void check_distance_and_triangle(OutputSet outputs, const char* scan);

@@ -8,15 +8,15 @@
 namespace clsdf {
 
 transform::Inputs DistanceTransform::State::BlockPlans::inputs_of(const transform::Job& job) const {
-    transform::Stages& stages = *state_.stages;
+    transform::KeptMesh& kept_mesh = *state_.kept_mesh;
     const SignRule sign = state_.sign;
     return transform::with_remedies(nullptr, {state_.forgetting()}, [&] {
-        transform::Inputs inputs = stages.inputs(job.grid, scan::layout_of(job.grid, job.band, sign), sign, lone_);
+        transform::Inputs inputs = kept_mesh.inputs(job.grid, scan::layout_of(job.grid, job.band, sign), sign, lone_);
         if (job.outputs == OutputSet{} || state_.method) return inputs;
         const bool has_normals = transform::takes_normals(job.outputs);
         inputs.sites =
-            stages.sites(transform::names_sites(job.outputs), has_normals && stages.may_meet_samples(job.grid));
-        inputs.is_inside_out = has_normals && state_.topology.balanced && stages.encloses_negative_volume();
+            kept_mesh.sites(transform::names_sites(job.outputs), has_normals && kept_mesh.may_meet_samples(job.grid));
+        inputs.is_inside_out = has_normals && state_.topology.balanced && kept_mesh.encloses_negative_volume();
         return inputs;
     });
 }
@@ -33,7 +33,7 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::BlockPlans::make(
         running_.throw_if_stopped();
     }
     transform::Inputs inputs = inputs_;
-    if (!block.is_whole()) state_.stages->select(job.grid, scan::layout_of(job.grid, job.band, state_.sign), inputs);
+    if (!block.is_whole()) state_.kept_mesh->select(job.grid, scan::layout_of(job.grid, job.band, state_.sign), inputs);
     auto plan =
         std::make_unique<transform::GridPlan>(workshop_, std::move(inputs), job, [&] { running_.throw_if_stopped(); });
     workshop_.pool->trim();

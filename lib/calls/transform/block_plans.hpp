@@ -10,11 +10,11 @@ namespace clsdf {
 /// each of its blocks gets the part that it needs.
 class DistanceTransform::State::BlockPlans {
 public:
-    /// All references must outlive this. pool: of the plans' buffers. lone: see Stages::inputs().
+    /// All references must outlive this. pool: of the plans' buffers. lone: see KeptMesh::inputs().
     BlockPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, transform::RunningCall& running)
         : state_(state), workshop_(state.with(std::move(pool))), lone_(lone), running_(running) {}
 
-    /// Throws what Stages::inputs() and GridPlan do, and what the caller's functions do.
+    /// Throws what KeptMesh::inputs() and GridPlan do, and what the caller's functions do.
     std::unique_ptr<transform::GridPlan> make(const transform::Block& block);
 
 private:

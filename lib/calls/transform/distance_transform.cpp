@@ -67,7 +67,7 @@ Device DistanceTransform::device() const {
 Box DistanceTransform::box() const {
     State& state = this->state();
     const std::scoped_lock lock(state.mutex);
-    return state.stages->mesh().box();
+    return state.kept_mesh->mesh().box();
 }
 DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions) const {
     return with_host_memory("to restrict the transform", [&] {
@@ -97,7 +97,7 @@ void DistanceTransform::set_motion(const std::array<Vec3, 3>& rotation, const Ve
 KeptMemory DistanceTransform::memory() const {
     State& state = this->state();
     const std::scoped_lock lock(state.mutex);
-    KeptMemory memory = state.stages->memory();
+    KeptMemory memory = state.kept_mesh->memory();
     memory.host_bytes += state.first_positions.size() * sizeof(Vec3);
     for (const auto& plan : state.plans) memory.device_bytes += state.bytes_of(*plan);
     return memory;
@@ -200,7 +200,7 @@ std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
 Field DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call,
                                  TransformStatistics* statistics) const {
     const State& state = this->state();
-    Field field({grid, band, state.sign, state.stages->mesh().name()}, scan::extras_of(outputs) | Output::distance);
+    Field field({grid, band, state.sign, state.kept_mesh->mesh().name()}, scan::extras_of(outputs) | Output::distance);
     try {
         const Request request{grid, band, field.targets()};
         const TransformStatistics made = compute({&request, 1}, call);

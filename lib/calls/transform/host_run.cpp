@@ -205,7 +205,7 @@ CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request
         if (const auto statistics = compute_kept(requests.front(), call)) return *statistics;
     const auto targets = transform::targets_of(requests, [&](const Request& request) { return host_targets(request); });
     const std::vector<Batch> batches =
-        transform::batches_of(requests, std::span(targets), stages->mesh().box(), call.count_work);
+        transform::batches_of(requests, std::span(targets), kept_mesh->mesh().box(), call.count_work);
     const HostRun::Store store = [&](const Block& block, const scan::HostArrays& values) {
         const std::vector<std::size_t>& chosen = block.batch->requests;
         constexpr std::size_t chunk = 8;

@@ -154,10 +154,10 @@ std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> 
     return targets;
 }
 
-void PlanState::complete(const CallStatistics& call, const Stages& stages) {
+void PlanState::complete(const CallStatistics& call, const KeptMesh& kept_mesh) {
     statistics = call;
     for (const Part& part : parts_) add_slab(statistics, part.plan->statistics);
-    statistics.device_bytes = own_bytes(stages);
+    statistics.device_bytes = own_bytes(kept_mesh);
     published = statistics.published();
     is_whole = true;
 }
@@ -172,7 +172,7 @@ void PlanState::clear() {
     statistics = {};
 }
 
-std::size_t PlanState::own_bytes(const Stages& stages) const {
+std::size_t PlanState::own_bytes(const KeptMesh& kept_mesh) const {
     std::size_t bytes = 0;
     for_each_output([&](const OutputInfo&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
                     samples_);
@@ -182,7 +182,7 @@ std::size_t PlanState::own_bytes(const Stages& stages) const {
         Inputs inputs = part.plan->inputs;
         if (inputs.records == counted.records) inputs.records = nullptr;
         if (inputs.sweep_mesh == counted.sweep_mesh) inputs.sweep_mesh = nullptr;
-        bytes += stages.bytes_beside(inputs);
+        bytes += kept_mesh.bytes_beside(inputs);
         counted = part.plan->inputs;
         for_each_output(
             [&](const OutputInfo&, const std::optional<BoxStore>& store) { bytes += store ? store->bytes() : 0; },

@@ -38,12 +38,12 @@ struct PlanState {
     void add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
              const Programs& programs);
     /// All blocks have been added. call: what the call that added them took, beside the blocks' plans.
-    void complete(const CallStatistics& call, const Stages& stages);
+    void complete(const CallStatistics& call, const KeptMesh& kept_mesh);
     /// Waits for all runs, also for those that fail, and gives back what depends on positions and places.
     void clear();
 
-    /// Device memory of this plan, without what the stages keep.
-    std::size_t own_bytes(const Stages& stages) const;
+    /// Device memory of this plan, without what the kept mesh counts.
+    std::size_t own_bytes(const KeptMesh& kept_mesh) const;
 
     /// Throws as Plan::enqueue() does if a run cannot write to these targets, one for each request.
     std::vector<DeviceTargets> targets_of(std::span<const OutputTargets> given) const;

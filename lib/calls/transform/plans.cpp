@@ -77,7 +77,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     const std::scoped_lock lock(mutex);
     transform::RunningCall running(call);
     running.throw_if_stopped();
-    made.divide(targets, stages->mesh().box());
+    made.divide(targets, kept_mesh->mesh().box());
     if (made.has_copies()) test(transform::stored_boxes_subject(device, programs), running);
     for (const transform::Batch& batch : made.batches()) compile(batch.job, running);
     made.sign = sign;
@@ -97,7 +97,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     transform::with_remedies(&running, {forgetting()}, make);
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
     if (made.has_own_pool) made.pool->release();
-    made.complete(running.statistics, *stages);
+    made.complete(running.statistics, *kept_mesh);
 }
 
 CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {

@@ -25,16 +25,16 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         inputs.mesh = kept_points->tree();
         const bool has_room = !on_host && !points_are_short_of_memory;
         const bool are_many =
-            has_room && points::is_scan_worthwhile(programs, count, stages->mesh().triangles().size());
+            has_room && points::is_scan_worthwhile(programs, count, kept_mesh->mesh().triangles().size());
         if (are_many) inputs.scanned = kept_points->scanned_mesh(programs.point_scan);
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
-                sign, has_room && points::are_sides_worthwhile(points_asked, stages->mesh().triangles().size()));
+                sign, has_room && points::are_sides_worthwhile(points_asked, kept_mesh->mesh().triangles().size()));
         const bool has_normals = transform::takes_normals(outputs);
-        inputs.sites = stages->sites(transform::names_sites(outputs), has_normals || inputs.sides != nullptr);
+        inputs.sites = kept_mesh->sites(transform::names_sites(outputs), has_normals || inputs.sides != nullptr);
         inputs.sign = sign;
         inputs.is_inside_out =
-            has_normals && sign != SignRule::none && topology.balanced && stages->encloses_negative_volume();
+            has_normals && sign != SignRule::none && topology.balanced && kept_mesh->encloses_negative_volume();
         if (!on_host) return inputs;
         // Only what these outputs need.
         scan::DeviceSites sites = *inputs.sites;
@@ -53,7 +53,7 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
     const auto check = [&](const Box& box) {
         running.throw_if_stopped();
         points::check_points(box, all);
-        if (stages->restriction() != nullptr) stages->restriction()->check(all, half_width);
+        if (kept_mesh->restriction() != nullptr) kept_mesh->restriction()->check(all, half_width);
     };
     if (std::optional<points::PointInputs> inputs = kept_points->inputs_of_few(outputs)) {
         check(inputs->mesh->box);
@@ -61,7 +61,7 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
     }
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    check(stages->mesh().box());  // before anything is made
+    check(kept_mesh->mesh().box());  // before anything is made
     pool->restart_peak();
     const Stopwatch watch;
     points::PointInputs inputs = point_inputs(outputs, all.size(), true);
@@ -94,15 +94,15 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
     const KeepsBudget keeps_budget(*this);
     transform::RunningCall running(call);
     CallStatistics& statistics = running.statistics;
-    statistics.triangles = stages->mesh().triangles().size();
+    statistics.triangles = kept_mesh->mesh().triangles().size();
     {
         const std::scoped_lock lock(mutex);
         device::context_of(device).require_usable();
         running.throw_if_stopped();
-        points::check_points(stages->mesh().box(), all);  // before anything is made
-        if (stages->restriction() != nullptr) stages->restriction()->check(all, half_width);
+        points::check_points(kept_mesh->mesh().box(), all);  // before anything is made
+        if (kept_mesh->restriction() != nullptr) kept_mesh->restriction()->check(all, half_width);
         test(transform::point_subject(device, programs, false), running);
-        if (points::is_scan_worthwhile(programs, all.size(), stages->mesh().triangles().size()))
+        if (points::is_scan_worthwhile(programs, all.size(), kept_mesh->mesh().triangles().size()))
             test(transform::point_subject(device, programs, true), running);
         pool->restart_peak();
         const Stopwatch watch;
@@ -207,7 +207,7 @@ void DistanceTransform::classify(std::span<const Box> boxes, double half_width, 
                 ErrorCode::invalid_argument,
                 fmt::format("{} boxes have {} places for their answers; give as many", boxes.size(), places.size()));
         points::check_boxes(boxes);
-        if (const auto* restriction = state.stages->restriction()) restriction->check(boxes, half_width);
+        if (const auto* restriction = state.kept_mesh->restriction()) restriction->check(boxes, half_width);
         const auto tree = [&] {
             const State::KeepsBudget keeps_budget(state);
             const std::scoped_lock lock(state.mutex);

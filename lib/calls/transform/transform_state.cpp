@@ -35,22 +35,22 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
     : Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)),
       topology(describe_vertices(mesh)),
       vertices(mesh, topology.coincident_vertices > 0) {
-    stages = std::make_unique<transform::Stages>(context(), pool, std::move(mesh),
-                                                 transform::Stages::Options{programs, method, options.kept_bytes});
-    kept_points = std::make_unique<points::KeptPoints>(*stages);
-    describe_edges(stages->mesh(), stages->topology().edges.are_paired, topology);
+    kept_mesh = std::make_unique<transform::KeptMesh>(
+        context(), pool, std::move(mesh), transform::KeptMesh::Options{programs, method, options.kept_bytes});
+    kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
+    describe_edges(kept_mesh->mesh(), kept_mesh->topology().edges.are_paired, topology);
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
     if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
 }
 
 DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
-                                std::unique_ptr<transform::Stages> own_stages)
+                                std::unique_ptr<transform::KeptMesh> own_mesh)
     : Workshop(other.with(own_pool)),
       topology(other.topology),
       vertices(other.vertices),
-      stages(std::move(own_stages)),
-      kept_points(std::make_unique<points::KeptPoints>(*stages)) {}
+      kept_mesh(std::move(own_mesh)),
+      kept_points(std::make_unique<points::KeptPoints>(*kept_mesh)) {}
 
 std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(std::vector<Region> regions) {
     if (regions.empty())
@@ -72,32 +72,32 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
     }
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    if (stages->restriction() != nullptr)
+    if (kept_mesh->restriction() != nullptr)
         throw Error(ErrorCode::unsupported, "the transform is restricted already; restrict the whole one");
     if (method)
         throw Error(ErrorCode::unsupported,
                     "a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
     auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    auto own_stages =
-        transform::with_remedies(nullptr, {forgetting()}, [&] { return stages->restricted(own_pool, regions, sign); });
-    return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_stages)));
+    auto own_mesh = transform::with_remedies(nullptr, {forgetting()},
+                                             [&] { return kept_mesh->restricted(own_pool, regions, sign); });
+    return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_mesh)));
 }
 
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    move_vertices(vertices.moved(stages->mesh(), positions));
+    move_vertices(vertices.moved(kept_mesh->mesh(), positions));
 }
 
 void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    move_vertices(transform::Vertices::moved(first_positions.empty() ? stages->mesh().vertices() : first_positions,
+    move_vertices(transform::Vertices::moved(first_positions.empty() ? kept_mesh->mesh().vertices() : first_positions,
                                              rotation, translation));
 }
 
 void DistanceTransform::State::require_whole() const {
-    if (stages->restriction() != nullptr)
+    if (kept_mesh->restriction() != nullptr)
         throw Error(
             ErrorCode::unsupported,
             "the transform is restricted, and triangles would come and go; set the positions of the whole one and "
@@ -106,8 +106,8 @@ void DistanceTransform::State::require_whole() const {
 
 void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     std::vector<Vec3> before;
-    if (first_positions.empty()) before = stages->mesh().vertices();
-    stages->move(std::move(positions));
+    if (first_positions.empty()) before = kept_mesh->mesh().vertices();
+    kept_mesh->move(std::move(positions));
     points_asked = 0;
     points_are_short_of_memory = false;
     if (first_positions.empty()) first_positions = std::move(before);
@@ -138,7 +138,7 @@ void DistanceTransform::State::check(const transform::Job& job) const {
                         "distances in double are computed from leaned frusta, scanned by bricks, alone; give the "
                         "distance an array of floats");
     }
-    stages->check(job.grid, job.band, sign);
+    kept_mesh->check(job.grid, job.band, sign);
 }
 
 scan::HostTargets DistanceTransform::State::host_targets(const Request& request) const {
@@ -181,12 +181,12 @@ void DistanceTransform::State::keep(std::unique_ptr<transform::GridPlan> plan) {
 }
 
 std::size_t DistanceTransform::State::bytes_of(const transform::GridPlan& plan) const {
-    return plan.own_bytes() + stages->bytes_beside(plan.inputs);
+    return plan.own_bytes() + kept_mesh->bytes_beside(plan.inputs);
 }
 
 void DistanceTransform::State::keep_within_budget() {
-    const std::size_t budget = stages->budget();
-    const std::size_t lattices = stages->device_bytes();
+    const std::size_t budget = kept_mesh->budget();
+    const std::size_t lattices = kept_mesh->device_bytes();
     std::size_t bytes = lattices;
     std::erase_if(plans, [&](const auto& plan) {
         const std::size_t more = bytes_of(*plan);
@@ -194,14 +194,14 @@ void DistanceTransform::State::keep_within_budget() {
         bytes += more;
         return false;
     });
-    if (lattices > budget) stages->keep_within(budget);
+    if (lattices > budget) kept_mesh->keep_within(budget);
 }
 
 bool DistanceTransform::State::forget() {
-    const std::size_t plans_before = plans.size(), bytes_before = stages->device_bytes();
+    const std::size_t plans_before = plans.size(), bytes_before = kept_mesh->device_bytes();
     plans.clear();
-    stages->release();
-    return pool->release() > 0 || plans_before > 0 || stages->device_bytes() < bytes_before;
+    kept_mesh->release();
+    return pool->release() > 0 || plans_before > 0 || kept_mesh->device_bytes() < bytes_before;
 }
 
 }  // namespace clsdf

@@ -7,7 +7,7 @@
 #include "launch/programs.hpp"
 #include "mesh/vertices.hpp"
 #include "plan/grid_plan.hpp"
-#include "plan/stages.hpp"
+#include "plan/kept_mesh.hpp"
 #include "points/kept_points.hpp"
 #include "points/point_query.hpp"
 #include "self_test/self_test.hpp"
@@ -71,7 +71,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
             state.keep_within_budget();
         }
     };
-    /// Device memory that a kept plan holds, beside what the stages keep themselves.
+    /// Device memory that a kept plan holds, beside what the kept mesh counts itself.
     std::size_t bytes_of(const transform::GridPlan& plan) const;
     /// Releases what is kept for later calls. Returns whether there was something.
     bool forget();
@@ -122,7 +122,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
     transform::Vertices vertices;
 
     transform::CallMutex mutex;  // for what follows, and for the work on the device
-    std::unique_ptr<transform::Stages> stages;
+    std::unique_ptr<transform::KeptMesh> kept_mesh;
     std::unique_ptr<points::KeptPoints> kept_points;
     std::list<std::unique_ptr<transform::GridPlan>> plans;  // of earlier calls; that was used last first
     std::vector<Vec3> first_positions;                      // of the transform's mesh, from the first move on
@@ -131,9 +131,9 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
     bool points_are_short_of_memory = false;
 
 private:
-    /// With the mesh of other stages.
+    /// With another mesh.
     State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
-          std::unique_ptr<transform::Stages> own_stages);
+          std::unique_ptr<transform::KeptMesh> own_mesh);
 
     /// Throws Error(unsupported) if the transform is restricted: its vertices are not the caller's.
     void require_whole() const;

@@ -75,8 +75,8 @@ OutputSet every_output() {
     return outputs;
 }
 
-/// Computes a known field from the values that the stages keep.
-std::optional<std::string> field_difference(const Workshop& workshop, Stages& stages, const KnownFieldKind& kind,
+/// Computes a known field from the values that the mesh keeps.
+std::optional<std::string> field_difference(const Workshop& workshop, KeptMesh& kept_mesh, const KnownFieldKind& kind,
                                             const BrickVariant& variant, const device::BuildWatch& watch) {
     if (watch.begins) watch.begins();
     const KnownField known(kind);
@@ -91,8 +91,8 @@ std::optional<std::string> field_difference(const Workshop& workshop, Stages& st
         own.for_samples(arrays_of(outputs, !kind.later && !kind.fine, is_finished), grid.sample_count());
     OutputMemories memories;
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
-    Inputs inputs = stages.inputs(grid, layout_of(grid, known.band(), workshop.sign), workshop.sign);
-    if (is_finished) inputs.sites = stages.sites(true, stages.may_meet_samples(grid));
+    Inputs inputs = kept_mesh.inputs(grid, layout_of(grid, known.band(), workshop.sign), workshop.sign);
+    if (is_finished) inputs.sites = kept_mesh.sites(true, kept_mesh.may_meet_samples(grid));
     GridPlan plan(workshop, std::move(inputs), {grid, known.band(), outputs, {}, variant.count}, {});
     if (watch.tests) watch.tests();
     CommandChain chain(context.queue(), {});
@@ -115,19 +115,19 @@ std::optional<std::string> point_difference(const Device& device, const Programs
     for (const bool is_later : {false, true}) {
         const KnownField known =
             is_later ? KnownField({.later = true}).within(limit) : KnownField(KnownFieldKind{.wide = true});
-        Stages stages(device::context_of(device), pool, known.mesh(), {programs});
-        if (is_later && are_scanned) stages.frusta();
-        points::KeptPoints kept(stages);
+        KeptMesh kept_mesh(device::context_of(device), pool, known.mesh(), {programs});
+        if (is_later && are_scanned) kept_mesh.frusta();
+        points::KeptPoints kept(kept_mesh);
         points::PointInputs inputs;
         inputs.mesh = kept.tree();
         inputs.sign = SignRule::nonzero;
         if (are_scanned) inputs.scanned = kept.scanned_mesh(programs.point_scan);
-        inputs.sites = stages.sites(true, true);
+        inputs.sites = kept_mesh.sites(true, true);
         if (is_later) inputs.sides = kept.face_sides(inputs.sign, true);
         const std::vector<Vec3> positions = positions_of(known.grid());
         OwnArrays own;
         const HostArrays arrays = own.for_samples(arrays_of(every_output(), !is_later, true), positions.size());
-        points::query_points(stages.context(), programs, pool, inputs, positions, known.band().outside, arrays, {});
+        points::query_points(kept_mesh.context(), programs, pool, inputs, positions, known.band().outside, arrays, {});
         if (auto difference = known.difference(arrays)) return difference;
     }
     return std::nullopt;
@@ -154,11 +154,11 @@ TestSubject field_subject(const Device& device, const Programs& programs, std::s
                           fields](const device::BuildWatch& watch) -> std::optional<std::string> {
         const Workshop workshop{device, std::make_shared<device::BufferPool>(device::shared_context_of(device)),
                                 programs, method, SignRule::nonzero};
-        Stages stages(workshop.context(), workshop.pool, KnownField({}).mesh(),
-                      {.programs = programs, .method = method, .is_whole = true});
+        KeptMesh kept_mesh(workshop.context(), workshop.pool, KnownField({}).mesh(),
+                           {.programs = programs, .method = method, .is_whole = true});
         for (KnownFieldKind kind : fields) {
             kind.long_bricks = variant.long_bricks;
-            if (auto difference = field_difference(workshop, stages, kind, variant, watch)) return difference;
+            if (auto difference = field_difference(workshop, kept_mesh, kind, variant, watch)) return difference;
         }
         return std::nullopt;
     };

@@ -4,7 +4,7 @@
 #include <clsdf/outputs.hpp>
 
 #include "launch/programs.hpp"
-#include "plan/stages.hpp"
+#include "plan/kept_mesh.hpp"
 #include "prepare/prepared_mesh.hpp"
 #include "scan/field_scan.hpp"
 
@@ -24,7 +24,7 @@ public:
     virtual void check_outputs(OutputSet outputs) const = 0;
 
     /// The mesh on the device for a grid, which is not kept for other grids.
-    virtual std::shared_ptr<const scan::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
+    virtual std::shared_ptr<const scan::PreparedMesh> prepare(transform::KeptMesh& kept_mesh, const Grid& grid,
                                                               const Layout& layout) const = 0;
 
     /// `inputs.mesh` is the result of prepare().

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "plan/job.hpp"
-#include "plan/stages.hpp"
+#include "plan/kept_mesh.hpp"
 #include "scan/field_scan.hpp"
 
 #include <functional>

@@ -39,7 +39,7 @@ public:
     std::shared_ptr<const scan::PreparedMesh> records{};
     std::shared_ptr<const scan::SweepMesh> sweep_mesh{};
     std::shared_ptr<const scan::SurfacePoints> points{};
-    std::optional<bool> may_meet_samples{};  ///< see Stages::may_meet_samples()
+    std::optional<bool> may_meet_samples{};  ///< see KeptMesh::may_meet_samples()
     /// Numbers of faces whose records, or triangles of the sweep, were made for small grids only.
     std::size_t faces_packed = 0;
     std::size_t faces_swept = 0;

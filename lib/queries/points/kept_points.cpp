@@ -5,30 +5,32 @@
 namespace clsdf::points {
 
 std::shared_ptr<const PointMesh> KeptPoints::tree() {
-    return stages_.prepare([&] {
+    return kept_mesh_.prepare([&] {
         return tree_.get_or([&] {
-            PointMesh made =
-                make_point_mesh(stages_.context(), stages_.pool(), stages_.mesh(), stages_.shared_topology());
-            made.is_part = stages_.restriction() != nullptr;
+            PointMesh made = make_point_mesh(kept_mesh_.context(), kept_mesh_.pool(), kept_mesh_.mesh(),
+                                             kept_mesh_.shared_topology());
+            made.is_part = kept_mesh_.restriction() != nullptr;
             return made;
         });
     });
 }
 
 std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh(const cl::Program& program) {
-    return stages_.prepare([&] {
+    return kept_mesh_.prepare([&] {
         return scanned_mesh_.get_or([&] {
-            const scan::PreparedMesh polyhedra = stages_.all_records(tree()->lattice);
-            return make_scanned_mesh(stages_.context(), program, stages_.pool(), *tree_, stages_.frusta(), polyhedra);
+            const scan::PreparedMesh polyhedra = kept_mesh_.all_records(tree()->lattice);
+            return make_scanned_mesh(kept_mesh_.context(), program, kept_mesh_.pool(), *tree_, kept_mesh_.frusta(),
+                                     polyhedra);
         });
     });
 }
 
 std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_found) {
     // In front of a part's faces there may be others that are missing.
-    if (!is_found || stages_.restriction() != nullptr) return face_sides_.get();
-    return stages_.prepare([&] {
-        return face_sides_.get_or([&] { return find_face_sides(stages_.context(), stages_.pool(), *tree(), sign); });
+    if (!is_found || kept_mesh_.restriction() != nullptr) return face_sides_.get();
+    return kept_mesh_.prepare([&] {
+        return face_sides_.get_or(
+            [&] { return find_face_sides(kept_mesh_.context(), kept_mesh_.pool(), *tree(), sign); });
     });
 }
 

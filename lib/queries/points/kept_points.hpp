@@ -1,6 +1,6 @@
 #pragma once
 
-#include "plan/stages.hpp"
+#include "plan/kept_mesh.hpp"
 #include "points/face_sides.hpp"
 #include "points/point_mesh.hpp"
 #include "points/point_query.hpp"
@@ -12,8 +12,8 @@
 
 namespace clsdf::points {
 
-/// The values that a transform keeps for points, beside those of its Stages, which must outlive this. Each is made when
-/// it is needed first, and forgotten when the vertices move or memory is short.
+/// The values that a transform keeps for points, beside those of its KeptMesh, which must outlive this. Each is made
+/// when it is needed first, and forgotten when the vertices move or memory is short.
 ///
 ///     points' tree   of the positions                    once points are asked for
 ///     face sides     + sign rule                         once about as many points are asked for
@@ -22,7 +22,7 @@ namespace clsdf::points {
 /// For one thread at a time.
 class KeptPoints {
 public:
-    explicit KeptPoints(transform::Stages& stages) : stages_(stages) {}
+    explicit KeptPoints(transform::KeptMesh& kept_mesh) : kept_mesh_(kept_mesh) {}
     KeptPoints(const KeptPoints&) = delete;
     KeptPoints& operator=(const KeptPoints&) = delete;
 
@@ -51,10 +51,10 @@ private:
     /// No thread gets the remembered inputs any more.
     void forget_inputs();
 
-    transform::Stages& stages_;
-    Kept<PointMesh> tree_{stages_.kept(), of_positions, by_points, [this] { forget_inputs(); }};
-    Kept<ScannedMesh> scanned_mesh_{stages_.kept(), of_positions, by_points};
-    Kept<FaceSides> face_sides_{stages_.kept(), of_positions, by_points};
+    transform::KeptMesh& kept_mesh_;
+    Kept<PointMesh> tree_{kept_mesh_.kept(), of_positions, by_points, [this] { forget_inputs(); }};
+    Kept<ScannedMesh> scanned_mesh_{kept_mesh_.kept(), of_positions, by_points};
+    Kept<FaceSides> face_sides_{kept_mesh_.kept(), of_positions, by_points};
 
     /// See remember().
     struct Remembered {

@@ -31,7 +31,7 @@ class FieldMethod;
 
 namespace clsdf::transform {
 
-// The stages are types of this namespace.
+// The inputs are types of this namespace.
 using namespace scan;
 
 /// The inputs of the computation of a grid.
@@ -58,7 +58,7 @@ struct Inputs {
 /// A grid that is small beside the mesh gets records of what is near it, which are not kept. If many such grids of a
 /// lattice are asked for, all records of the lattice are made and kept, and each grid gets a selection of them. The
 /// field has the same bytes either way. For one thread at a time.
-class Stages {
+class KeptMesh {
 public:
     struct Options {
         scan::Programs programs;
@@ -67,14 +67,14 @@ public:
         bool is_whole = false;                        ///< small grids, too, get records of the whole mesh
     };
 
-    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options);
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options);
 
-    Stages(const Stages&) = delete;
-    Stages& operator=(const Stages&) = delete;
+    KeptMesh(const KeptMesh&) = delete;
+    KeptMesh& operator=(const KeptMesh&) = delete;
 
-    /// Stages that keep only what samples and points of a box can need; see DistanceTransform::restrict_to().
-    std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
-                                       SignRule sign);
+    /// A mesh of only what samples and points of a box can need; see DistanceTransform::restrict_to().
+    std::unique_ptr<KeptMesh> restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
+                                         SignRule sign);
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_.get().get(); }
     /// Throws if a restricted mesh does not suffice for the field, or if the grid has more samples than kernels can
@@ -139,8 +139,8 @@ public:
     std::size_t record_bytes() const;
 
 private:
-    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
-           Restriction restriction, Options options);
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
+             Restriction restriction, Options options);
 
     /// With those of lattices: the mesh's own values come first, then the lattices, the last used first.
     KeptValues all_kept();

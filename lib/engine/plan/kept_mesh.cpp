@@ -1,4 +1,4 @@
-#include "plan/stages.hpp"
+#include "plan/kept_mesh.hpp"
 
 #include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
@@ -14,64 +14,64 @@
 
 namespace clsdf::transform {
 
-Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
     : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {}
 
-Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
-               Restriction restriction, Options options)
-    : Stages(context, std::move(pool), std::move(part.mesh), std::move(options)) {
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
+                   Restriction restriction, Options options)
+    : KeptMesh(context, std::move(pool), std::move(part.mesh), std::move(options)) {
     restriction_.set(std::make_shared<const Restriction>(std::move(restriction)));
     topology_.set(std::move(part.topology));
     frusta_.set(std::make_shared<const polyhedra::Frusta>(std::move(part.frusta)));
 }
 
-std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
-                                           SignRule sign) {
+std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
+                                               SignRule sign) {
     return prepare([&] {
         Restriction restriction(std::move(regions));
         polyhedra::MeshPart part = polyhedra::part_of(mesh_, topology(), frusta(), restriction.near(index(), sign));
         restriction.numbers = std::move(part.triangles);
         restriction.sample = surface_sample(topology(), frusta());
-        std::unique_ptr<Stages> stages(
-            new Stages(context_, std::move(pool), std::move(part), std::move(restriction), options_));
-        stages->encloses_negative_volume_.set(std::make_shared<const bool>(encloses_negative_volume()));
-        return stages;
+        std::unique_ptr<KeptMesh> kept_mesh(
+            new KeptMesh(context_, std::move(pool), std::move(part), std::move(restriction), options_));
+        kept_mesh->encloses_negative_volume_.set(std::make_shared<const bool>(encloses_negative_volume()));
+        return kept_mesh;
     });
 }
 
-void Stages::check(const Grid& grid, const Band& band, SignRule sign) const {
+void KeptMesh::check(const Grid& grid, const Band& band, SignRule sign) const {
     if (restriction_) restriction_->check(grid, band, sign);
     check_distance(mesh_, lattice_of(grid));
     layout_of(grid, band, sign);
 }
 
-void Stages::move(std::vector<Vec3> positions) {
+void KeptMesh::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
     polyhedra::move(mesh_, *topology_, std::move(positions));
     has_moved_ = true;
     forget_if([](const KeptValue& value) { return value.made_of == MadeOf::positions; });
 }
 
-void Stages::refuse_memory() const {
+void KeptMesh::refuse_memory() const {
     throw Error(ErrorCode::out_of_memory,
                 fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh",
                             mesh_.name(), mesh_.triangles().size()));
 }
 
-std::shared_ptr<const polyhedra::MeshTopology> Stages::shared_topology() {
+std::shared_ptr<const polyhedra::MeshTopology> KeptMesh::shared_topology() {
     return topology_.get_or([&] { return polyhedra::MeshTopology(mesh_); });
 }
 
-const polyhedra::Frusta& Stages::frusta() {
+const polyhedra::Frusta& KeptMesh::frusta() {
     if (!frusta_) make_frusta(nullptr);
     return *frusta_;
 }
 
-const std::shared_ptr<const DeviceFaces::Names>& Stages::names() {
+const std::shared_ptr<const DeviceFaces::Names>& KeptMesh::names() {
     return names_.get_or([&] { return device_names(set_up(), shared_topology()); });
 }
 
-std::optional<PreparedMesh> Stages::make_frusta(const polyhedra::LatticeView* lattice) {
+std::optional<PreparedMesh> KeptMesh::make_frusta(const polyhedra::LatticeView* lattice) {
     if (!suits_kernels(topology())) {
         frusta_.get_or([&] { return polyhedra::make_frusta(topology(), mesh_.vertices()); });
         return std::nullopt;
@@ -85,29 +85,29 @@ std::optional<PreparedMesh> Stages::make_frusta(const polyhedra::LatticeView* la
     return std::move(made.records);
 }
 
-const polyhedra::ClusterIndex& Stages::index() {
+const polyhedra::ClusterIndex& KeptMesh::index() {
     return *index_.get_or([&] { return polyhedra::ClusterIndex(topology(), frusta()); });
 }
 
-std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::LatticeView& lattice) {
+std::shared_ptr<const DeviceFaces> KeptMesh::device_faces(const polyhedra::LatticeView& lattice) {
     if (options_.method || !suits_kernels(topology()) || !is_plain(mesh_, lattice)) return nullptr;
     frusta();
     return faces_.get_or([&] { return scan::device_faces(set_up(), names(), frusta_.get()); });
 }
 
-PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
+PreparedMesh KeptMesh::all_records(const polyhedra::LatticeView& lattice) {
     if (!frusta_ && is_plain(mesh_, lattice))
         if (std::optional<PreparedMesh> first = make_frusta(&lattice)) return std::move(*first);
     return records(lattice, all_ranges());
 }
 
-PreparedMesh Stages::records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& ranges) {
+PreparedMesh KeptMesh::records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& ranges) {
     if (const auto faces = device_faces(lattice))
         return records_on_device(set_up(), *faces, topology(), frusta(), lattice, ranges.faces, ranges.sites);
     return records_by_host(context_, pool_, topology(), frusta(), lattice, ranges.faces, ranges.sites);
 }
 
-Lattice& Stages::lattice(const Grid& grid) {
+Lattice& KeptMesh::lattice(const Grid& grid) {
     const auto found = std::ranges::find_if(lattices_, [&](const Lattice& lattice) { return lattice.is_of(grid); });
     if (found != lattices_.end()) {
         lattices_.splice(lattices_.begin(), lattices_, found);
@@ -119,18 +119,18 @@ Lattice& Stages::lattice(const Grid& grid) {
     return lattices_.emplace_front(grid.origin, grid.spacing);
 }
 
-polyhedra::NearRecords Stages::all_ranges() {
+polyhedra::NearRecords KeptMesh::all_ranges() {
     const std::size_t faces = topology().order.size(), sites = frusta().sites.size();
     return {{{0, faces}}, {{0, sites}}, faces, sites};
 }
 
-const polyhedra::NearRecords& Stages::kept_ranges(const Grid& grid) {
+const polyhedra::NearRecords& KeptMesh::kept_ranges(const Grid& grid) {
     std::optional<polyhedra::NearRecords>& ranges = lattice(grid).record_ranges;
     if (!ranges) ranges = restriction_ ? restriction_->near_bricks(index(), grid) : all_ranges();
     return *ranges;
 }
 
-Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone) {
+Inputs KeptMesh::inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone) {
     return prepare([&] {
         Inputs inputs;
         if (options_.method)
@@ -142,31 +142,31 @@ Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, boo
     });
 }
 
-bool Stages::is_shared(bool is_kept, std::size_t packed, double most) {
+bool KeptMesh::is_shared(bool is_kept, std::size_t packed, double most) {
     if (!has_selections()) return false;
     return is_kept || (static_cast<double>(packed) > most && device_bytes() + record_bytes() <= budget());
 }
 
-std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box, std::size_t faces) {
+std::optional<polyhedra::NearRecords> KeptMesh::near_box(const Box& box, std::size_t faces) {
     if (options_.is_whole || !is_small(share_of(mesh_.box(), box))) return std::nullopt;
     polyhedra::NearRecords near = index().near(box);
     if (!is_small(static_cast<double>(near.face_count) / static_cast<double>(faces))) return std::nullopt;
     return near;
 }
 
-std::optional<polyhedra::NearRecords> Stages::near_bricks(const Grid& grid, const Layout& layout) {
+std::optional<polyhedra::NearRecords> KeptMesh::near_bricks(const Grid& grid, const Layout& layout) {
     const auto box = box_near_bricks(grid, layout);
     if (!box) return std::nullopt;
     return near_box(*box, restriction_ ? kept_ranges(grid).face_count : topology().order.size());
 }
 
-std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const Layout& layout) {
+std::optional<polyhedra::NearRecords> KeptMesh::near_rows(const Grid& grid, const Layout& layout) {
     if (!frusta_) return std::nullopt;
     auto near = near_box(box_near_rows(grid, layout), topology().order.size());
     return near && is_within_sweep(mesh_, grid) ? std::move(near) : std::nullopt;
 }
 
-void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
+void KeptMesh::set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
     const polyhedra::LatticeView view = lattice_of(grid);
     Lattice& kept = lattice(grid);
     const auto near = near_bricks(grid, layout);
@@ -189,7 +189,7 @@ void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inpu
     inputs.points = kept.points;
 }
 
-void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
+void KeptMesh::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
     Lattice& kept = lattice(grid);
     const auto near = near_rows(grid, layout);
     // A small grid stores three vertices per face; the whole mesh shares them, about half a vertex per face.
@@ -209,7 +209,7 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
     if (near) inputs.sweep_selection = select_triangles(context_, *near);
 }
 
-void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
+void KeptMesh::select(const Grid& part, const Layout& layout, Inputs& inputs) {
     if (!has_selections() || options_.method) return;
     prepare([&] {
         const Lattice& kept = lattice(part);
@@ -221,18 +221,18 @@ void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
     });
 }
 
-bool Stages::may_meet_samples(const Grid& grid) {
+bool KeptMesh::may_meet_samples(const Grid& grid) {
     Lattice& kept = lattice(grid);
     if (!kept.may_meet_samples)
         kept.may_meet_samples = polyhedra::may_meet_samples(topology(), frusta().positions, kept.origin, kept.spacing);
     return *kept.may_meet_samples;
 }
 
-bool Stages::encloses_negative_volume() {
+bool KeptMesh::encloses_negative_volume() {
     return *encloses_negative_volume_.get_or([&] { return clsdf::encloses_negative_volume(mesh_); });
 }
 
-std::shared_ptr<const DeviceSites> Stages::sites(bool with_names, bool with_normals) {
+std::shared_ptr<const DeviceSites> KeptMesh::sites(bool with_names, bool with_normals) {
     return prepare([&] {
         std::span<const std::uint32_t> numbers;
         if (restriction_) numbers = restriction_->numbers;
@@ -244,20 +244,20 @@ std::shared_ptr<const DeviceSites> Stages::sites(bool with_names, bool with_norm
     });
 }
 
-KeptValues Stages::all_kept() {
+KeptValues KeptMesh::all_kept() {
     KeptValues all = kept_;
     for (Lattice& lattice : lattices_) all.push_back(&lattice);
     return all;
 }
 
-void Stages::forget_if(bool (*condition)(const KeptValue&)) {
+void KeptMesh::forget_if(bool (*condition)(const KeptValue&)) {
     KeptValues all = all_kept();
     std::ranges::reverse(all);
     for (KeptValue* value : all)
         if (condition(*value)) value->forget();
 }
 
-std::size_t Stages::budget() {
+std::size_t KeptMesh::budget() {
     std::size_t of_points = 0, of_both = 0;
     for (const KeptValue* value : kept_) {
         if (value->used_by == UsedBy::points) of_points += value->memory().device_bytes;
@@ -267,7 +267,7 @@ std::size_t Stages::budget() {
     return options_.kept_bytes.value_or(std::max(2 * record_bytes() + of_points, std::size_t{1} << 28));
 }
 
-void Stages::keep_within(std::size_t budget) {
+void KeptMesh::keep_within(std::size_t budget) {
     for (KeptValue* value : all_kept()) {
         const std::size_t bytes = value->memory().device_bytes;
         if (bytes > budget)
@@ -277,11 +277,11 @@ void Stages::keep_within(std::size_t budget) {
     }
 }
 
-void Stages::release() {
+void KeptMesh::release() {
     forget_if([](const KeptValue& value) { return value.memory().device_bytes > 0 && !value.is_in_use(); });
 }
 
-KeptMemory Stages::memory() {
+KeptMemory KeptMesh::memory() {
     KeptMemory sum;
     for (const KeptValue* value : all_kept()) {
         const KeptMemory memory = value->memory();
@@ -291,7 +291,7 @@ KeptMemory Stages::memory() {
     return sum;
 }
 
-std::size_t Stages::bytes_beside(const Inputs& inputs) const {
+std::size_t KeptMesh::bytes_beside(const Inputs& inputs) const {
     std::size_t bytes = 0;
     if (inputs.records && std::ranges::find(lattices_, inputs.records, &Lattice::records) == lattices_.end())
         bytes += inputs.records->device_bytes();
@@ -300,7 +300,7 @@ std::size_t Stages::bytes_beside(const Inputs& inputs) const {
     return bytes;
 }
 
-std::size_t Stages::record_bytes() const {
+std::size_t KeptMesh::record_bytes() const {
     return (restriction_ ? restriction_->record_count : mesh_.triangles().size()) * sizeof(Polyhedron);
 }
 
