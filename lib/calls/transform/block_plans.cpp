@@ -29,6 +29,7 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::BlockPlans::make(
         inputs_ = {};
         inputs_ = inputs_of(block.batch->job);
         batch_ = block.batch;
+        if (inputs_.records->is_later) state_.test(job, transform::FieldKernels::of_later_lattices, running_);
         running_.statistics.polyhedra_seconds += watch.seconds();
         running_.throw_if_stopped();
     }

@@ -153,14 +153,21 @@ scan::DeviceTargets DistanceTransform::State::device_targets(
     return {request.targets, request.grid, context()};
 }
 
-void DistanceTransform::State::compile(const transform::Job& job, transform::RunningCall& running) const {
-    context().require_usable();
+void DistanceTransform::State::test(const transform::Job& job, transform::FieldKernels kernels,
+                                    transform::RunningCall& running) const {
     const scan::BrickVariant variant{job.outputs != OutputSet{}, job.counts, scan::has_long_bricks(job.grid)};
     std::shared_ptr<const FieldMethod> tested;
     if (method)
         tested = device::guarded(
             [&] { return method->tested_as(context(), scan::layout_of(job.grid, job.band, sign), variant); });
-    test(transform::field_subject(device, programs, tested, variant), running);
+    test(transform::field_subject(device, programs, tested, variant, kernels), running);
+}
+
+void DistanceTransform::State::compile(const transform::Job& job, transform::RunningCall& running) const {
+    context().require_usable();
+    test(job, transform::FieldKernels::of_all, running);
+    if (!method && !scan::has_uniform_bounds(scan::layout_of(job.grid, job.band, sign)))
+        test(job, transform::FieldKernels::of_wide_bands, running);
 }
 
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const transform::Job& job) {

@@ -23,16 +23,22 @@ namespace {
 // Part of the records' keys: with other known values, all is tested again.
 constexpr int known_values_number = 7;
 
-/// The fields that bricks must compute, and other methods the first of them. They are computed from the same kept
-/// values: the first lattice's records are made with the slopes of faces, those of the others by another kernel. In the
-/// fine field, the group body computes all bricks of a coarse brick that a polyhedron overlaps, and leaves the other
-/// coarse bricks to the fill.
-constexpr std::array known_fields{
-    KnownFieldKind{},
-    KnownFieldKind{.later = true},
-    KnownFieldKind{.fine = true},
-    KnownFieldKind{.wide = true},
+struct TestedField {
+    FieldKernels kernels;
+    KnownFieldKind kind;
 };
+
+/// In the fine field, the group body computes all bricks of a coarse brick that a polyhedron overlaps, and leaves the
+/// other coarse bricks to the fill. Bricks alone make the difference.
+constexpr std::array tested_fields{
+    TestedField{FieldKernels::of_all, {}},
+    TestedField{FieldKernels::of_all, {.fine = true}},
+    TestedField{FieldKernels::of_later_lattices, {.later = true}},
+    TestedField{FieldKernels::of_wide_bands, {.wide = true}},
+};
+
+/// By kernels.
+constexpr std::array names_of_kernels{"", ", later lattices", ", wide bands"};
 
 bool is_switched_off() {
     const char* const value = tuning_variable("CLSDF_SELF_TEST");
@@ -136,12 +142,15 @@ std::optional<std::string> point_difference(const Device& device, const Programs
 }  // namespace
 
 TestSubject field_subject(const Device& device, const Programs& programs, std::shared_ptr<const FieldMethod> method,
-                          const BrickVariant& variant) {
-    const auto fields = std::span(known_fields).first(method ? 1 : known_fields.size());
+                          const BrickVariant& variant, FieldKernels kernels) {
+    std::vector<KnownFieldKind> kinds;
+    for (const TestedField& field : tested_fields)
+        if (field.kernels == kernels && !(method && field.kind.fine)) kinds.push_back(field.kind);
+    const bool are_first = kernels == FieldKernels::of_all;
     TestSubject subject;
-    subject.name =
-        fmt::format("{} {}{}", device::name_of(programs.body), method ? method->name() : "bricks", options_of(variant));
-    subject.steps = Programs::field_programs + (method ? method->step_count() : 1) + 2 * fields.size();
+    subject.name = fmt::format("{} {}{}{}", device::name_of(programs.body), method ? method->name() : "bricks",
+                               options_of(variant), names_of_kernels[static_cast<std::size_t>(kernels)]);
+    subject.steps = (are_first ? Programs::field_programs + (method ? method->step_count() : 1) : 0) + 2 * kinds.size();
     subject.build = [&device, &programs, method, variant](const device::BuildWatch& watch) {
         device::Context& context = device::context_of(device);
         std::vector<cl::Program> all = programs.of_fields(watch);
@@ -150,13 +159,14 @@ TestSubject field_subject(const Device& device, const Programs& programs, std::s
             all.push_back(std::move(program));
         return all;
     };
-    subject.difference = [&device, &programs, method, variant,
-                          fields](const device::BuildWatch& watch) -> std::optional<std::string> {
+    subject.difference = [&device, &programs, method, variant, kinds,
+                          are_first](const device::BuildWatch& watch) -> std::optional<std::string> {
         const Workshop workshop{device, std::make_shared<device::BufferPool>(device::shared_context_of(device)),
                                 programs, method, SignRule::nonzero};
         KeptMesh kept_mesh(workshop.context(), workshop.pool, KnownField({}).mesh(),
                            {.programs = programs, .method = method, .is_whole = true});
-        for (KnownFieldKind kind : fields) {
+        if (!are_first) kept_mesh.frusta();  // which records of later lattices are made from
+        for (KnownFieldKind kind : kinds) {
             kind.long_bricks = variant.long_bricks;
             if (auto difference = field_difference(workshop, kept_mesh, kind, variant, watch)) return difference;
         }

@@ -12,8 +12,8 @@
 
 namespace clsdf::transform {
 
-/// Programs that are tested together, before a call uses any of their kernels, and the known values that the kernels
-/// must compute. What its functions use must outlive it.
+/// Kernels that are tested together, before a call gives a result of theirs, and the known values that they must
+/// compute. What its functions use must outlive it.
 struct TestSubject {
     std::string name;       ///< for messages and records, e.g. "by_vector bricks -DNEAREST"
     std::size_t steps = 1;  ///< how often ensure_tested() calls its watch if every program is compiled
@@ -23,10 +23,14 @@ struct TestSubject {
     std::function<std::optional<std::string>(const device::BuildWatch&)> difference{};
 };
 
-/// All that a field needs: with or without a sign, in narrow and in wide bands, in a transform's first and later calls.
+/// The kernels of a field that are tested together: those that every field runs, or those that only some run beside
+/// them. Compilers take a second for the latter.
+enum class FieldKernels { of_all, of_later_lattices, of_wide_bands };
+
 /// method: as FieldMethod::tested_as() gives it; null for bricks.
 TestSubject field_subject(const Device& device, const scan::Programs& programs,
-                          std::shared_ptr<const FieldMethod> method, const scan::BrickVariant& variant);
+                          std::shared_ptr<const FieldMethod> method, const scan::BrickVariant& variant,
+                          FieldKernels kernels);
 
 /// What a query of points needs. are_scanned: of many points.
 TestSubject point_subject(const Device& device, const scan::Programs& programs, bool are_scanned);
