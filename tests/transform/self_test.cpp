@@ -125,8 +125,8 @@ BOOST_AUTO_TEST_SUITE(the_known_field)
 BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
     for (const KnownFieldKind& kind :
          {KnownFieldKind{}, KnownFieldKind{.long_bricks = true}, KnownFieldKind{.wide = true},
-          KnownFieldKind{.later = true}, KnownFieldKind{.wide = true, .later = true},
-          KnownFieldKind{.long_bricks = true, .later = true}}) {
+          KnownFieldKind{.on_surface = true}, KnownFieldKind{.wide = true, .on_surface = true},
+          KnownFieldKind{.long_bricks = true, .on_surface = true}}) {
         const KnownField known(kind);
         DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
         TransformStatistics statistics;
@@ -145,7 +145,7 @@ BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
                 count += std::abs(field.distance()[i]) < 1e-8F && first <= field.site()[i] && field.site()[i] <= last;
             return count;
         };
-        BOOST_TEST((sites_on_surface(0, 6) > 0) == kind.later);
+        BOOST_TEST((sites_on_surface(0, 6) > 0) == kind.on_surface);
         if (kind.wide) continue;
         BOOST_TEST(has([&](float d) { return d == static_cast<float>(known.band().outside); }));
         BOOST_TEST(has([&](float d) { return d == -static_cast<float>(known.band().inside); }));

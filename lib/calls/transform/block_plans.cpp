@@ -25,13 +25,12 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::BlockPlans::make(
     const transform::Job job = block.batch->job.part(block.grid);
     if (batch_ != block.batch) {
         const Stopwatch watch;
-        batch_ = nullptr;
-        inputs_ = {};
+        release();
         inputs_ = inputs_of(block.batch->job);
-        batch_ = block.batch;
-        if (inputs_.records->is_later) state_.test(job, transform::FieldKernels::of_later_lattices, running_);
         running_.statistics.polyhedra_seconds += watch.seconds();
+        if (inputs_.records->is_later) state_.test(job, transform::FieldKernels::of_later_lattices, running_);
         running_.throw_if_stopped();
+        batch_ = block.batch;
     }
     transform::Inputs inputs = inputs_;
     if (!block.is_whole()) state_.kept_mesh->select(job.grid, scan::layout_of(job.grid, job.band, state_.sign), inputs);

@@ -16,6 +16,11 @@ public:
 
     /// Throws what KeptMesh::inputs() and GridPlan do, and what the caller's functions do.
     std::unique_ptr<transform::GridPlan> make(const transform::Block& block);
+    /// Gives back the inputs of the latest batch.
+    void release() {
+        batch_ = nullptr;
+        inputs_ = {};
+    }
 
 private:
     transform::Inputs inputs_of(const transform::Job& job) const;

@@ -45,6 +45,7 @@ public:
     HostRun(State& state, std::span<const Batch> batches, bool overlap, const Store& store, const CallOptions& call)
         : keeps_budget_{state},
           state_(state),
+          batches_(batches),
           store_(store),
           blocks_(
               transform::blocks_of(batches, scan::stream_limits_of(capabilities()), scan::limits_of(capabilities()))),
@@ -75,7 +76,6 @@ public:
                 *slot, block.batch->in_place
                            ? scan::SlabPipeline::HandOn()
                            : [this, block](const scan::HostArrays& values) { store_(block, values); });
-            if (!blocks_.empty()) running_.report({.fraction = done_});
         }
         return finish();
     }
@@ -86,8 +86,7 @@ private:
     void start() {
         const std::scoped_lock lock(state_.mutex);
         running_.throw_if_stopped();
-        for (auto block = blocks_.rbegin(); block != blocks_.rend(); ++block)
-            state_.compile(block->batch->job, running_);
+        for (const Batch& batch : batches_) state_.compile(batch.job, running_);
         state_.pool->restart_peak();
     }
 
@@ -110,10 +109,14 @@ private:
             block.batch->cost / cost_ * static_cast<double>(samples) / static_cast<double>(job.grid.sample_count());
         clsdf::run(*plan_, slot.memories, running_, done_, done_ + share);
         done_ += share;
+        if (blocks_.size() > 1) running_.report({.fraction = done_});
         add_slab(running_.statistics, plan_->statistics);
         if (block.is_whole()) state_.keep(std::move(plan_));
         plan_.reset();
-        if (block.is_whole()) state_.keep_within_budget();
+        if (block.is_whole()) {
+            plans_.release();  // it was the only block of its batch
+            state_.keep_within_budget();
+        }
     }
 
     /// Releases what the next block had, and what is kept for later calls.
@@ -149,6 +152,7 @@ private:
 
     KeepsBudget keeps_budget_;  // destroyed last, when the other members have released their memory
     State& state_;
+    std::span<const Batch> batches_;
     const Store& store_;
     std::vector<Block> blocks_;  ///< the next one is the last
     transform::RunningCall running_;

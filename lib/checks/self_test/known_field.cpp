@@ -114,13 +114,13 @@ Grid make_fine_grid(const KnownFieldKind& kind) {
     return grid;
 }
 
-/// The grid's sample (0, 0, 0) is the common corner of eight coarse bricks. Some samples of the later lattice lie a few
-/// 1e-9 beside vertices and faces of the second surface. They are so near that their gradient is the
+/// The grid's sample (0, 0, 0) is the common corner of eight coarse bricks. Some samples of the lattice on the surface
+/// lie a few 1e-9 beside vertices and faces of the second surface. They are so near that their gradient is the
 /// pseudonormal, and farther than the rounding of this arithmetic, so that their sign is certain.
 Grid make_grid(const KnownFieldKind& kind) {
     if (kind.fine) return make_fine_grid(kind);
     Grid grid;
-    if (kind.later) {
+    if (kind.on_surface) {
         grid.origin = {saddle[0] + 2e-9, saddle[1] + 5e-9, saddle[2] - 3e-9};
         grid.spacing = Vec3{fan_scale / 2, fan_scale / 2, fan_scale / 2};
         grid.first = {-15, -15, -13};

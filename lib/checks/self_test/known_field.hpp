@@ -17,7 +17,7 @@ namespace clsdf::transform {
 struct KnownFieldKind {
     bool wide = false;         ///< no band; else one of a few voxels, with other limits inside than outside
     bool long_bricks = false;  ///< samples farther apart along z
-    bool later = false;        ///< a grid of another lattice, with samples on vertices and faces
+    bool on_surface = false;   ///< a grid of another lattice, with samples on vertices and faces
     bool fine = false;         ///< a fine grid: no polyhedron overlaps one coarse brick inside and one outside
 };
 

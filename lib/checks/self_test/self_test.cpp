@@ -32,8 +32,9 @@ struct TestedField {
 /// other coarse bricks to the fill. Bricks alone make the difference.
 constexpr std::array tested_fields{
     TestedField{FieldKernels::of_all, {}},
+    TestedField{FieldKernels::of_all, {.on_surface = true}},
     TestedField{FieldKernels::of_all, {.fine = true}},
-    TestedField{FieldKernels::of_later_lattices, {.later = true}},
+    TestedField{FieldKernels::of_later_lattices, {.on_surface = true}},
     TestedField{FieldKernels::of_wide_bands, {.wide = true}},
 };
 
@@ -90,23 +91,24 @@ std::optional<std::string> field_difference(const Workshop& workshop, KeptMesh& 
     OutputSet outputs;
     if (variant.nearest) outputs = workshop.method ? OutputSet(Output::triangle) : every_output();
     device::Context& context = workshop.context();
-    // The plan, which waits for the device when it ends, is made after the memory that the device writes.
     OwnArrays own;
     const bool is_finished = variant.nearest && !workshop.method;
     const HostArrays arrays =
-        own.for_samples(arrays_of(outputs, !kind.later && !kind.fine, is_finished), grid.sample_count());
+        own.for_samples(arrays_of(outputs, !kind.on_surface && !kind.fine, is_finished), grid.sample_count());
     OutputMemories memories;
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
     Inputs inputs = kept_mesh.inputs(grid, layout_of(grid, known.band(), workshop.sign), workshop.sign);
     if (is_finished) inputs.sites = kept_mesh.sites(true, kept_mesh.may_meet_samples(grid));
     GridPlan plan(workshop, std::move(inputs), {grid, known.band(), outputs, {}, variant.count}, {});
     if (watch.tests) watch.tests();
-    CommandChain chain(context.queue(), {});
-    plan.enqueue(chain, memories.buffers, {});
-    memories.enqueue_handover(context.queue());
-    context.queue().finish();
-    memories.read(context, context.queue());
-    plan.read_back(context.queue());
+    context.run_or_drain([&] {
+        CommandChain chain(context.queue(), {});
+        plan.enqueue(chain, memories.buffers, {});
+        memories.enqueue_handover(context.queue());
+        context.queue().finish();
+        memories.read(context, context.queue());
+        plan.read_back(context.queue());
+    });
     std::optional<std::string> difference = known.difference(arrays);
     if (!difference && variant.count) difference = wrong_counts(known, arrays, plan.statistics);
     return difference;
@@ -120,7 +122,7 @@ std::optional<std::string> point_difference(const Device& device, const Programs
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     for (const bool is_later : {false, true}) {
         const KnownField known =
-            is_later ? KnownField({.later = true}).within(limit) : KnownField(KnownFieldKind{.wide = true});
+            is_later ? KnownField({.on_surface = true}).within(limit) : KnownField(KnownFieldKind{.wide = true});
         KeptMesh kept_mesh(device::context_of(device), pool, known.mesh(), {programs});
         if (is_later && are_scanned) kept_mesh.frusta();
         points::KeptPoints kept(kept_mesh);
@@ -145,7 +147,8 @@ TestSubject field_subject(const Device& device, const Programs& programs, std::s
                           const BrickVariant& variant, FieldKernels kernels) {
     std::vector<KnownFieldKind> kinds;
     for (const TestedField& field : tested_fields)
-        if (field.kernels == kernels && !(method && field.kind.fine)) kinds.push_back(field.kind);
+        if (field.kernels == kernels && !(method && (field.kind.fine || field.kind.on_surface)))
+            kinds.push_back(field.kind);
     const bool are_first = kernels == FieldKernels::of_all;
     TestSubject subject;
     subject.name = fmt::format("{} {}{}{}", device::name_of(programs.body), method ? method->name() : "bricks",
@@ -160,13 +163,14 @@ TestSubject field_subject(const Device& device, const Programs& programs, std::s
         return all;
     };
     subject.difference = [&device, &programs, method, variant, kinds,
-                          are_first](const device::BuildWatch& watch) -> std::optional<std::string> {
+                          kernels](const device::BuildWatch& watch) -> std::optional<std::string> {
         const Workshop workshop{device, std::make_shared<device::BufferPool>(device::shared_context_of(device)),
                                 programs, method, SignRule::nonzero};
-        KeptMesh kept_mesh(workshop.context(), workshop.pool, KnownField({}).mesh(),
-                           {.programs = programs, .method = method, .is_whole = true});
-        if (!are_first) kept_mesh.frusta();  // which records of later lattices are made from
         for (KnownFieldKind kind : kinds) {
+            KeptMesh kept_mesh(workshop.context(), workshop.pool, KnownField({}).mesh(),
+                               {.programs = programs, .method = method, .is_whole = true});
+            // Records of later lattices are made from kept frusta.
+            if (kernels == FieldKernels::of_later_lattices) kept_mesh.frusta();
             kind.long_bricks = variant.long_bricks;
             if (auto difference = field_difference(workshop, kept_mesh, kind, variant, watch)) return difference;
         }
@@ -195,10 +199,10 @@ TestSubject point_subject(const Device& device, const Programs& programs, bool a
 bool ensure_tested(const Device& device, const TestSubject& subject, const device::BuildWatch& watch) {
     device::Context& context = device::context_of(device);
     if (context.is_tested(subject.name)) return false;
-    const std::scoped_lock lock(context.test_mutex());
-    if (context.is_tested(subject.name)) return false;
     return device::guarded([&] {
-        const std::string key = key_of(context, subject, watch);
+        const std::string key = key_of(context, subject, watch);  // builds: other threads need not wait for that
+        const std::scoped_lock lock(context.test_mutex());
+        if (context.is_tested(subject.name)) return false;
         const device::Records records = context.records();
         const bool is_run = !is_switched_off() && !records.has(key);
         if (is_run) {

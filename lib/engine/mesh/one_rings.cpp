@@ -27,7 +27,10 @@ OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count
         });
 }
 
-CLSDF_SEVERAL_TARGETS RingMatches match_ring(const RingMatches::Numbers& next, const RingMatches::Numbers& previous,
+namespace {
+
+/// In a namespace without a name: compilers export the function that chooses a target, whatever the visibility.
+CLSDF_SEVERAL_TARGETS RingMatches matches_of(const RingMatches::Numbers& next, const RingMatches::Numbers& previous,
                                              std::size_t count) {
     RingMatches matches{};
     for (std::size_t j = 0; j < count; ++j)
@@ -37,6 +40,12 @@ CLSDF_SEVERAL_TARGETS RingMatches match_ring(const RingMatches::Numbers& next, c
             matches.leaving[i] += next[i] == next[j] ? 1U : 0U;
         }
     return matches;
+}
+
+}  // namespace
+
+RingMatches match_ring(const RingMatches::Numbers& next, const RingMatches::Numbers& previous, std::size_t count) {
+    return matches_of(next, previous, count);
 }
 
 }  // namespace clsdf

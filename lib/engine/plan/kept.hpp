@@ -12,7 +12,7 @@
 
 namespace clsdf::transform {
 
-/// What a kept value is made of: it is forgotten when this changes.
+/// The input of a kept value, which is forgotten when it changes.
 enum class MadeOf { triangles, positions };
 
 enum class UsedBy { grids, points, both };
@@ -24,7 +24,7 @@ public:
     virtual ~KeptValue() = default;
 
     virtual KeptMemory memory() const = 0;
-    /// Whether somebody else holds it, too. To forget it would free no memory.
+    /// Whether somebody else holds it, or a part of it, too.
     virtual bool is_in_use() const = 0;
     virtual void forget() = 0;
 
@@ -32,7 +32,8 @@ public:
     UsedBy used_by;
 };
 
-/// Those that are kept first if memory is short come first, and a value comes after those that it is made of.
+/// In order of priority: if memory is short, the first values are kept. A value comes after those whose memory it
+/// holds.
 using KeptValues = std::vector<KeptValue*>;
 
 template <class T>

@@ -258,13 +258,13 @@ void KeptMesh::forget_if(bool (*condition)(const KeptValue&)) {
 }
 
 std::size_t KeptMesh::budget() {
-    std::size_t of_points = 0, of_both = 0;
+    std::size_t point_bytes = 0, shared_bytes = 0;
     for (const KeptValue* value : kept_) {
-        if (value->used_by == UsedBy::points) of_points += value->memory().device_bytes;
-        if (value->used_by == UsedBy::both) of_both += value->memory().device_bytes;
+        if (value->used_by == UsedBy::points) point_bytes += value->memory().device_bytes;
+        if (value->used_by == UsedBy::both) shared_bytes += value->memory().device_bytes;
     }
-    if (of_points > 0) of_points += of_both;
-    return options_.kept_bytes.value_or(std::max(2 * record_bytes() + of_points, std::size_t{1} << 28));
+    if (point_bytes > 0) point_bytes += shared_bytes;
+    return options_.kept_bytes.value_or(std::max(2 * record_bytes() + point_bytes, std::size_t{1} << 28));
 }
 
 void KeptMesh::keep_within(std::size_t budget) {
@@ -278,6 +278,8 @@ void KeptMesh::keep_within(std::size_t budget) {
 }
 
 void KeptMesh::release() {
+    // Views of the host's arrays have no bytes of the device, but hold the names.
+    if (faces_.memory().device_bytes == 0 && !faces_.is_in_use()) faces_.forget();
     forget_if([](const KeptValue& value) { return value.memory().device_bytes > 0 && !value.is_in_use(); });
 }
 

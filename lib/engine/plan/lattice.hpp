@@ -13,7 +13,7 @@
 
 namespace clsdf::transform {
 
-/// What a transform keeps of its mesh for the grids of a lattice.
+/// The kept values of one lattice.
 class Lattice final : public KeptValue {
 public:
     Lattice(const Vec3& origin_in, const Vec3& spacing_in)
@@ -22,10 +22,10 @@ public:
 
     KeptMemory memory() const override {
         KeptMemory memory;
-        if (record_ranges) memory.host_bytes = record_ranges->host_bytes();
+        if (record_ranges) memory.host_bytes += record_ranges->host_bytes();
         if (records) memory.device_bytes += records->device_bytes();
         if (sweep_mesh) memory.device_bytes += sweep_mesh->device_bytes();
-        if (points) memory.device_bytes += points->size() * sizeof(SurfacePoint);
+        if (points) memory.host_bytes += points->size() * sizeof(SurfacePoint);
         return memory;
     }
     bool is_in_use() const override {
@@ -35,7 +35,7 @@ public:
 
     Vec3 origin;
     Vec3 spacing;
-    std::optional<polyhedra::NearRecords> record_ranges{};  ///< what `records` are of
+    std::optional<polyhedra::NearRecords> record_ranges{};  ///< the faces and sites in `records`
     std::shared_ptr<const scan::PreparedMesh> records{};
     std::shared_ptr<const scan::SweepMesh> sweep_mesh{};
     std::shared_ptr<const scan::SurfacePoints> points{};

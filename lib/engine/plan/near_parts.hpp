@@ -8,18 +8,18 @@
 
 namespace clsdf::transform {
 
-/// Triangles beyond it decide no sample of the grid's bricks. Nothing if all triangles may.
+/// The box outside which no triangle decides a sample of the grid's bricks; nothing if there is no such box.
 std::optional<Box> box_near_bricks(const Grid& grid, const Layout& layout);
 
-/// What the rows of the grid's bricks can cross on the way to the samples.
+/// The box of all triangles that rows of the grid's bricks can cross before their samples.
 Box box_near_rows(const Grid& grid, const Layout& layout);
 
-/// A selection is worth its while if it leaves most of the mesh out.
+/// Whether a selection of this share of the mesh pays off.
 inline bool is_small(double share) {
     return share < 0.5;
 }
 
-/// Which part of the mesh's box lies in another box.
+/// The fraction of the mesh's box that lies in another box, 0 to 1.
 double share_of(const Box& mesh, const Box& box);
 
 }  // namespace clsdf::transform

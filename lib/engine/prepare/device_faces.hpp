@@ -37,7 +37,7 @@ struct DeviceSetUp {
 
     /// Whether kernels use arrays of the host in place.
     bool shares_memory() const { return context.capabilities().is_processor; }
-    /// A buffer in an array of the host; it has no bytes of its own. It holds `owner`, whose the array is.
+    /// A buffer in an array of the host; it has no bytes of its own. It keeps `owner` alive, which has the array.
     template <class Values>
     device::BufferPool::Lease shared(const std::shared_ptr<const void>& owner, const Values& values,
                                      cl_mem_flags access = CL_MEM_READ_ONLY) const {

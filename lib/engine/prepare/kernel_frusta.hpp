@@ -27,8 +27,8 @@ struct FrustaSources {
 bool suits_kernels(const polyhedra::MeshTopology& topology);
 
 struct MadeFrusta {
-    std::shared_ptr<const polyhedra::Frusta>
-        frusta;  ///< whose arrays the faces share if device and host share their memory
+    /// The faces share its arrays if device and host share their memory.
+    std::shared_ptr<const polyhedra::Frusta> frusta;
     DeviceFaces faces;
     std::optional<PreparedMesh> records{};  ///< for the lattice, if there is one
 };

@@ -94,11 +94,11 @@ public:
     /// Returns when `to` holds the first `bytes` bytes of `from`, which have been computed. Throws cl::Error.
     void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const;
 
-    /// Which cases of the self-test (transform/self_test.hpp), by name, this process need not run any more.
-    bool is_tested(const std::string& test_case) const;
-    void set_tested(const std::string& test_case);
+    /// Which subjects of the self-test (self_test/self_test.hpp), by name, this process need not run any more.
+    bool is_tested(const std::string& subject) const;
+    void set_tested(const std::string& subject);
     void forget_records();
-    /// Held while a case is tested: other threads wait.
+    /// Held while a subject is tested: other threads wait.
     std::mutex& test_mutex() const { return test_mutex_; }
 
     /// True the first time that it is called with a kernel of that program. Compilers specialise a kernel at its first

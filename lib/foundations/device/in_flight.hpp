@@ -12,9 +12,10 @@ namespace clsdf::device {
 /// long as the process. As the last member of an object it is destroyed first: then no command uses the others.
 ///
 /// Commands may still use memory when an error ends a call. So each kind of memory has one owner:
-///     buffer                         BufferPool::Lease: given to later commands only, and to none if the device is
-///     lost host's memory under a buffer   buffer_in(): lives as long as the driver has the buffer host's memory that
-///     is copied   InFlight the caller's memory            Context::run_or_drain(), before the call returns
+/// - Buffers: BufferPool::Lease gives them to later commands only, and to none if the device is lost.
+/// - The host's memory under a buffer: buffer_in() keeps it as long as the driver has the buffer.
+/// - The host's memory that is copied: InFlight.
+/// - The caller's memory: Context::run_or_drain() waits before the call returns.
 template <class Value>
 class InFlight {
 public:

@@ -45,16 +45,16 @@ public:
 private:
     template <class T>
     using Kept = transform::Kept<T>;
-    static constexpr auto of_positions = transform::MadeOf::positions;
-    static constexpr auto by_points = transform::UsedBy::points;
+    using MadeOf = transform::MadeOf;
+    using UsedBy = transform::UsedBy;
 
     /// No thread gets the remembered inputs any more.
     void forget_inputs();
 
     transform::KeptMesh& kept_mesh_;
-    Kept<PointMesh> tree_{kept_mesh_.kept(), of_positions, by_points, [this] { forget_inputs(); }};
-    Kept<ScannedMesh> scanned_mesh_{kept_mesh_.kept(), of_positions, by_points};
-    Kept<FaceSides> face_sides_{kept_mesh_.kept(), of_positions, by_points};
+    Kept<PointMesh> tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points, [this] { forget_inputs(); }};
+    Kept<ScannedMesh> scanned_mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<FaceSides> face_sides_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
 
     /// See remember().
     struct Remembered {
