@@ -54,6 +54,11 @@ foreach(layer ${layers})
   endforeach()
 endforeach()
 
+# The engine's face: calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid, and
+# GridPlan, which plans and runs.
+set(allowed core device plan launch mesh targets points self_test transform)
+check_folder(${SOURCE}/lib/calls/transform)
+
 # Tools for meshes, beside the core.
 set(allowed core mesh)
 check_folder(${SOURCE}/lib/tools)

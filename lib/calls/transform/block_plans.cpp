@@ -1,7 +1,6 @@
 #include "transform/block_plans.hpp"
 
 #include "core/stopwatch.hpp"
-#include "prepare/layout_of.hpp"
 
 #include <utility>
 
@@ -11,7 +10,7 @@ transform::Inputs DistanceTransform::State::BlockPlans::inputs_of(const transfor
     transform::KeptMesh& kept_mesh = *state_.kept_mesh;
     const SignRule sign = state_.sign;
     return transform::with_remedies(nullptr, {state_.forgetting()}, [&] {
-        transform::Inputs inputs = kept_mesh.inputs(job.grid, scan::layout_of(job.grid, job.band, sign), sign, lone_);
+        transform::Inputs inputs = kept_mesh.inputs(job.grid, job.band, sign, lone_);
         if (job.outputs == OutputSet{} || state_.method) return inputs;
         const bool has_normals = transform::takes_normals(job.outputs);
         inputs.sites =
@@ -28,12 +27,13 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::BlockPlans::make(
         release();
         inputs_ = inputs_of(block.batch->job);
         running_.statistics.polyhedra_seconds += watch.seconds();
-        if (inputs_.records->is_later) state_.test(job, transform::FieldKernels::of_later_lattices, running_);
+        if (inputs_.records->is_later)
+            state_.test(transform::field_subject(state_, job, transform::FieldKernels::of_later_lattices), running_);
         running_.throw_if_stopped();
         batch_ = block.batch;
     }
     transform::Inputs inputs = inputs_;
-    if (!block.is_whole()) state_.kept_mesh->select(job.grid, scan::layout_of(job.grid, job.band, state_.sign), inputs);
+    if (!block.is_whole()) state_.kept_mesh->select(job.grid, job.band, state_.sign, inputs);
     auto plan =
         std::make_unique<transform::GridPlan>(workshop_, std::move(inputs), job, [&] { running_.throw_if_stopped(); });
     workshop_.pool->trim();

@@ -6,7 +6,6 @@
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
-#include "prepare/layout_of.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/output_targets.hpp"
 #include "transform/transform_access.hpp"
@@ -192,7 +191,6 @@ std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
     grid.validate();
     device::Context::Capabilities unlimited;
     unlimited.memory = unlimited.largest_allocation = std::numeric_limits<std::size_t>::max();
-    scan::layout_of(grid, Band::signs_only(), SignRule::none);  // which refuses grids that cannot be computed
     return with_host_memory("for the list of slabs",
                             [&] { return scan::slabs_of(grid, scan::stream_limits_of(unlimited)); });
 }

@@ -3,8 +3,6 @@
 #include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
-#include "prepare/layout_of.hpp"
-#include "scan/coarse_lists.hpp"
 
 #include <fmt/format.h>
 
@@ -153,21 +151,10 @@ scan::DeviceTargets DistanceTransform::State::device_targets(
     return {request.targets, request.grid, context()};
 }
 
-void DistanceTransform::State::test(const transform::Job& job, transform::FieldKernels kernels,
-                                    transform::RunningCall& running) const {
-    const scan::BrickVariant variant{job.outputs != OutputSet{}, job.counts, scan::has_long_bricks(job.grid)};
-    std::shared_ptr<const FieldMethod> tested;
-    if (method)
-        tested = device::guarded(
-            [&] { return method->tested_as(context(), scan::layout_of(job.grid, job.band, sign), variant); });
-    test(transform::field_subject(device, programs, tested, variant, kernels), running);
-}
-
 void DistanceTransform::State::compile(const transform::Job& job, transform::RunningCall& running) const {
     context().require_usable();
-    test(job, transform::FieldKernels::of_all, running);
-    if (!method && !scan::has_uniform_bounds(scan::layout_of(job.grid, job.band, sign)))
-        test(job, transform::FieldKernels::of_wide_bands, running);
+    for (const transform::FieldKernels kernels : transform::kernels_of(*this, job))
+        test(transform::field_subject(*this, job, kernels), running);
 }
 
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const transform::Job& job) {

@@ -140,7 +140,6 @@ private:
     /// For the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
     void test(const transform::TestSubject& subject, transform::RunningCall& running) const;
-    void test(const transform::Job& job, transform::FieldKernels kernels, transform::RunningCall& running) const;
 
     /// For a query of `count` points. on_host: the host answers it.
     points::PointInputs point_inputs(OutputSet outputs, std::size_t count, bool on_host);

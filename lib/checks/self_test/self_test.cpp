@@ -1,10 +1,12 @@
 #include "self_test/self_test.hpp"
 
 #include "core/tuning_variables.hpp"
+#include "plan/field_method.hpp"
 #include "plan/grid_plan.hpp"
 #include "points/kept_points.hpp"
 #include "points/point_query.hpp"
 #include "prepare/layout_of.hpp"
+#include "scan/coarse_lists.hpp"
 #include "self_test/known_field.hpp"
 
 #include <fmt/format.h>
@@ -97,7 +99,7 @@ std::optional<std::string> field_difference(const Workshop& workshop, KeptMesh& 
         own.for_samples(arrays_of(outputs, !kind.on_surface && !kind.fine, is_finished), grid.sample_count());
     OutputMemories memories;
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
-    Inputs inputs = kept_mesh.inputs(grid, layout_of(grid, known.band(), workshop.sign), workshop.sign);
+    Inputs inputs = kept_mesh.inputs(grid, known.band(), workshop.sign);
     if (is_finished) inputs.sites = kept_mesh.sites(true, kept_mesh.may_meet_samples(grid));
     GridPlan plan(workshop, std::move(inputs), {grid, known.band(), outputs, {}, variant.count}, {});
     if (watch.tests) watch.tests();
@@ -143,8 +145,23 @@ std::optional<std::string> point_difference(const Device& device, const Programs
 
 }  // namespace
 
-TestSubject field_subject(const Device& device, const Programs& programs, std::shared_ptr<const FieldMethod> method,
-                          const BrickVariant& variant, FieldKernels kernels) {
+std::vector<FieldKernels> kernels_of(const Workshop& workshop, const Job& job) {
+    std::vector<FieldKernels> kernels{FieldKernels::of_all};
+    if (!workshop.method && !has_uniform_bounds(layout_of(job.grid, job.band, workshop.sign)))
+        kernels.push_back(FieldKernels::of_wide_bands);
+    return kernels;
+}
+
+TestSubject field_subject(const Workshop& workshop, const Job& job, FieldKernels kernels) {
+    const Device& device = workshop.device;
+    const Programs& programs = workshop.programs;
+    const BrickVariant variant{job.outputs != OutputSet{}, job.counts, has_long_bricks(job.grid)};
+    std::shared_ptr<const FieldMethod> method;
+    if (workshop.method)
+        method = device::guarded([&] {
+            return workshop.method->tested_as(workshop.context(), layout_of(job.grid, job.band, workshop.sign),
+                                              variant);
+        });
     std::vector<KnownFieldKind> kinds;
     for (const TestedField& field : tested_fields)
         if (field.kernels == kernels && !(method && (field.kind.fine || field.kind.on_surface)))
@@ -164,15 +181,15 @@ TestSubject field_subject(const Device& device, const Programs& programs, std::s
     };
     subject.difference = [&device, &programs, method, variant, kinds,
                           kernels](const device::BuildWatch& watch) -> std::optional<std::string> {
-        const Workshop workshop{device, std::make_shared<device::BufferPool>(device::shared_context_of(device)),
-                                programs, method, SignRule::nonzero};
+        const Workshop tested{device, std::make_shared<device::BufferPool>(device::shared_context_of(device)), programs,
+                              method, SignRule::nonzero};
         for (KnownFieldKind kind : kinds) {
-            KeptMesh kept_mesh(workshop.context(), workshop.pool, KnownField({}).mesh(),
+            KeptMesh kept_mesh(tested.context(), tested.pool, KnownField({}).mesh(),
                                {.programs = programs, .method = method, .is_whole = true});
             // Records of later lattices are made from kept frusta.
             if (kernels == FieldKernels::of_later_lattices) kept_mesh.frusta();
             kind.long_bricks = variant.long_bricks;
-            if (auto difference = field_difference(workshop, kept_mesh, kind, variant, watch)) return difference;
+            if (auto difference = field_difference(tested, kept_mesh, kind, variant, watch)) return difference;
         }
         return std::nullopt;
     };

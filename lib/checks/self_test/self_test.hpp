@@ -1,7 +1,7 @@
 #pragma once
 
 #include "launch/programs.hpp"
-#include "plan/field_method.hpp"
+#include "plan/job.hpp"
 
 #include <cstddef>
 #include <functional>
@@ -27,10 +27,10 @@ struct TestSubject {
 /// them. Compilers take a second for the latter.
 enum class FieldKernels { of_all, of_later_lattices, of_wide_bands };
 
-/// method: as FieldMethod::tested_as() gives it; null for bricks.
-TestSubject field_subject(const Device& device, const scan::Programs& programs,
-                          std::shared_ptr<const FieldMethod> method, const scan::BrickVariant& variant,
-                          FieldKernels kernels);
+/// Those that a job runs whatever its transform keeps.
+std::vector<FieldKernels> kernels_of(const Workshop& workshop, const Job& job);
+
+TestSubject field_subject(const Workshop& workshop, const Job& job, FieldKernels kernels);
 
 /// What a query of points needs. are_scanned: of many points.
 TestSubject point_subject(const Device& device, const scan::Programs& programs, bool are_scanned);

@@ -130,7 +130,8 @@ const polyhedra::NearRecords& KeptMesh::kept_ranges(const Grid& grid) {
     return *ranges;
 }
 
-Inputs KeptMesh::inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone) {
+Inputs KeptMesh::inputs(const Grid& grid, const Band& band, SignRule sign, bool lone) {
+    const Layout layout = layout_of(grid, band, sign);
     return prepare([&] {
         Inputs inputs;
         if (options_.method)
@@ -209,8 +210,9 @@ void KeptMesh::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone,
     if (near) inputs.sweep_selection = select_triangles(context_, *near);
 }
 
-void KeptMesh::select(const Grid& part, const Layout& layout, Inputs& inputs) {
+void KeptMesh::select(const Grid& part, const Band& band, SignRule sign, Inputs& inputs) {
     if (!has_selections() || options_.method) return;
+    const Layout layout = layout_of(part, band, sign);
     prepare([&] {
         const Lattice& kept = lattice(part);
         if (inputs.records == kept.records)

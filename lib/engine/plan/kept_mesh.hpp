@@ -93,10 +93,10 @@ public:
 
     /// lone: a small grid gets inputs of its own, which contain only triangles near it. Throws Error(invalid_argument,
     /// unsupported or out_of_memory).
-    Inputs inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone = false);
+    Inputs inputs(const Grid& grid, const Band& band, SignRule sign, bool lone = false);
 
     /// Reduces a grid's inputs to those near a part of it, unless most of them are. Throws Error(out_of_memory).
-    void select(const Grid& part, const Layout& layout, Inputs& inputs);
+    void select(const Grid& part, const Band& band, SignRule sign, Inputs& inputs);
 
     /// Whether samples of the grid's lattice may lie on an edge or a vertex, so that gradients need pseudonormals.
     bool may_meet_samples(const Grid& grid);

@@ -55,6 +55,7 @@ SlabLimits stream_limits_of(const device::Context::Capabilities& device) {
 }
 
 std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest) {
+    layout_of(grid, Band::signs_only(), SignRule::none);
     const std::int64_t most = most_slices(grid, limits, widest);
     if (most >= grid.size[2]) return {grid};
     std::vector<Grid> slabs;

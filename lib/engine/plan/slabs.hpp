@@ -26,7 +26,7 @@ SlabLimits limits_of(const device::Context::Capabilities& device);
 SlabLimits stream_limits_of(const device::Context::Capabilities& device);
 
 /// Parts of the grid in the order of z, which together are the grid. widest: bytes that one sample has in the largest
-/// of the outputs.
+/// of the outputs. Throws Error(invalid_argument) for a grid that kernels cannot compute, see layout_of().
 std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest = sizeof(float));
 
 /// Whether a slab has brick boundaries within.
