@@ -12,22 +12,22 @@ auto RunningCall::pass_on(const Function& function, const Arguments&... argument
     try {
         return function(arguments...);
     } catch (...) {
-        has_thrown_ = true;
+        has_thrown = true;
         throw;
     }
 }
 
 void RunningCall::throw_if_stopped() {
-    if (options_.should_stop && pass_on(options_.should_stop))
+    if (options.should_stop && pass_on(options.should_stop))
         throw Error(ErrorCode::cancelled, "the computation was cancelled");
 }
 
 void RunningCall::report(const Progress& progress) {
-    if (options_.progress) pass_on(options_.progress, progress);
+    if (options.progress) pass_on(options.progress, progress);
 }
 
 std::function<void(double)> RunningCall::between(double begin, double end) {
-    if (!options_.progress && !options_.should_stop) return {};
+    if (!options.progress && !options.should_stop) return {};
     return [this, begin, end](double fraction) {
         throw_if_stopped();
         report({.fraction = begin + (end - begin) * fraction});
@@ -67,10 +67,10 @@ void RunningCall::compile(std::size_t expected, const std::function<bool(const d
     const Stopwatch watch;
     const auto report_as = [this, expected](Progress::Stage stage) {
         return [this, expected, stage] {
-            ++step_;
+            ++step;
             throw_if_stopped();
-            const std::size_t steps = std::max(expected, step_);
-            report({stage, static_cast<double>(step_ - 1) / static_cast<double>(steps), step_, steps});
+            const std::size_t steps = std::max(expected, step);
+            report({stage, static_cast<double>(step - 1) / static_cast<double>(steps), step, steps});
         };
     };
     statistics.first_use |= ensure({report_as(Progress::Stage::compiling), report_as(Progress::Stage::testing)});

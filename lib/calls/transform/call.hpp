@@ -17,11 +17,7 @@ namespace clsdf::transform {
 
 /// A call that runs: the functions of its options, and what it has taken so far. If one of the functions throws, the
 /// call ends: it does not try again with less memory, even if the error is out_of_memory.
-class RunningCall {
-public:
-    /// options: must outlive it.
-    explicit RunningCall(const CallOptions& options) : options_(options) {}
-
+struct RunningCall {
     /// Throws Error(cancelled) if the caller wants the call to stop.
     void throw_if_stopped();
     void report(const Progress& progress);
@@ -31,7 +27,7 @@ public:
 
     /// Whether the error means that the call needs more memory than there is.
     bool is_short_of_memory(const Error& error) const {
-        return error.code() == ErrorCode::out_of_memory && !has_thrown_;
+        return error.code() == ErrorCode::out_of_memory && !has_thrown;
     }
 
     /// ensure(watch) builds, loads or tests programs and returns whether it tested them. expected: about how many steps
@@ -41,15 +37,13 @@ public:
     /// Reports that all is done. Returns what it took.
     const CallStatistics& finish();
 
-    CallStatistics statistics;
-
-private:
     template <typename Function, typename... Arguments>
     auto pass_on(const Function& function, const Arguments&... arguments);
 
-    const CallOptions& options_;
-    bool has_thrown_ = false;  ///< one of its functions
-    std::size_t step_ = 0;     ///< of compiling
+    const CallOptions& options;
+    CallStatistics statistics{};
+    bool has_thrown = false;  ///< one of its functions
+    std::size_t step = 0;     ///< of compiling
 };
 
 /// The options of a part of a call, whose samples are [begin, end) of the call's. `call` must outlive them.

@@ -106,7 +106,7 @@ TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& ban
                                                const CallOptions& call) const {
     return with_host_memory("to compile", [&] {
         State& state = this->state();
-        transform::RunningCall running(call);
+        transform::RunningCall running{call};
         running.throw_if_stopped();
         const std::scoped_lock lock(state.mutex);
         const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};

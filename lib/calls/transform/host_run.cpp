@@ -49,7 +49,7 @@ public:
           store_(store),
           blocks_(
               transform::blocks_of(batches, scan::stream_limits_of(capabilities()), scan::limits_of(capabilities()))),
-          running_(call),
+          running_{call},
           plans_(state, state.pool, false, running_),
           pipeline_(state.context(), overlap) {
         std::ranges::reverse(blocks_);
@@ -164,11 +164,14 @@ private:
 };
 
 std::optional<CallStatistics> DistanceTransform::State::compute_kept(const Request& request, const CallOptions& call) {
-    const auto all = transform::targets_of({&request, 1},
-                                           [](const Request& any) { return scan::HostTargets(any.targets, any.grid); });
-    const scan::HostTargets& targets = all.front();
-    if (!targets.can_be_in_place()) return std::nullopt;
-    transform::RunningCall running(call);
+    request.grid.validate();
+    request.band.validate();
+    const scan::HostTargets targets(request.targets, request.grid);
+    std::vector<scan::WrittenArray> written;
+    targets.add_written(0, written);
+    scan::refuse_overlap(written);
+    if (!targets.are_packed) return std::nullopt;
+    transform::RunningCall running{call};
     {
         const std::scoped_lock lock(mutex);
         std::unique_ptr<transform::GridPlan> plan =
@@ -191,7 +194,8 @@ std::optional<CallStatistics> DistanceTransform::State::compute_kept(const Reque
         running.statistics.device_bytes = pool->peak();
         keep(std::move(plan));
     }
-    return running.finish();
+    running.report({.fraction = 1});
+    return running.statistics;
 }
 
 CallStatistics DistanceTransform::State::compute_slabs(const Job& job, const SlabSink& sink, const SlabOptions& options,

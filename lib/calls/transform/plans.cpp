@@ -75,7 +75,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     device::Context& context = this->context();
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    transform::RunningCall running(call);
+    transform::RunningCall running{call};
     running.throw_if_stopped();
     made.divide(targets, kept_mesh->mesh().box());
     if (made.has_copies()) test(transform::stored_boxes_subject(device, programs), running);
@@ -111,7 +111,7 @@ CallStatistics DistanceTransform::State::compute_on_device(std::span<const Reque
         if (call.count_work) plan->read_counters();
         plan->statistics.field_seconds = watch.seconds();
     });
-    transform::RunningCall(call).report({.fraction = 1});
+    transform::RunningCall{call}.report({.fraction = 1});
     return plan->statistics;
 }
 

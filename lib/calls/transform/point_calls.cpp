@@ -74,7 +74,7 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
 
 CallStatistics DistanceTransform::State::query_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
                                                    const scan::HostTargets& targets, const CallOptions& call) {
-    transform::RunningCall running(call);
+    transform::RunningCall running{call};
     CallStatistics& statistics = running.statistics;
     const points::PointInputs inputs = inputs_of_few(all, half_width, outputs, running);
     statistics.triangles = inputs.mesh->face_count();
@@ -92,7 +92,7 @@ CallStatistics DistanceTransform::State::query_few(std::span<const Vec3> all, do
 CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, double half_width, OutputSet outputs,
                                                     const scan::HostTargets& targets, const CallOptions& call) {
     const KeepsBudget keeps_budget(*this);
-    transform::RunningCall running(call);
+    transform::RunningCall running{call};
     CallStatistics& statistics = running.statistics;
     statistics.triangles = kept_mesh->mesh().triangles().size();
     {
@@ -164,7 +164,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
                                     half_width));
         check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
         if (points.count == 0) {  // vectors without elements have no memory
-            transform::RunningCall(call).report({.fraction = 1});
+            transform::RunningCall{call}.report({.fraction = 1});
             return CallStatistics().published();
         }
         for (const auto& [output, array] : targets.all())

@@ -20,7 +20,7 @@ constexpr std::size_t most_plans = 4;
 
 transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, KernelBody body,
                                 const CallOptions& call) {
-    transform::RunningCall(call).throw_if_stopped();
+    transform::RunningCall{call}.throw_if_stopped();
     scan::Programs programs = device::guarded([&] { return scan::Programs(device::context_of(device), body); });
     auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     return {std::move(device), std::move(pool), std::move(programs), std::move(method)};
