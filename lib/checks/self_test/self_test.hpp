@@ -13,7 +13,7 @@
 namespace clsdf::transform {
 
 /// Kernels that are tested together, before a call gives a result of theirs, and the known values that they must
-/// compute. What its functions use must outlive it.
+/// compute. Device and programs must outlive it.
 struct TestSubject {
     std::string name;       ///< for messages and records, e.g. "by_vector bricks -DNEAREST"
     std::size_t steps = 1;  ///< how often ensure_tested() calls its watch if every program is compiled

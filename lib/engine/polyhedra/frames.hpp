@@ -83,7 +83,7 @@ inline FaceLattice face_lattice(const LatticeView& lattice) {
 }
 
 /// The frame of kernels/common/polyhedron.h in double precision, in units of the lattice, as kernels have it, and what
-/// tests of edges take. What these read comes first, for the caches.
+/// tests of edges take. Members that these read come first, for the caches.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
 struct TriangleFrame {
     Vector normal;                  ///< Z
