@@ -1,8 +1,8 @@
 #include "core/large_memory.hpp"
+#include "core/parallel.hpp"
 #include "io/mesh_files.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -135,14 +135,17 @@ MeshArrays joined(std::span<const MeshArrays> parts) {
     MeshArrays mesh;
     resize_on_huge_pages(mesh.vertices, first_vertex.back());
     resize_on_huge_pages(mesh.triangles, first_triangle.back());
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-        std::ranges::copy(parts[i].vertices, mesh.vertices.data() + first_vertex[i]);
-        const auto first = static_cast<std::uint32_t>(first_vertex[i]);
-        std::ranges::transform(parts[i].triangles, mesh.triangles.data() + first_triangle[i],
-                               [first](const Triangle& triangle) -> Triangle {
-                                   return {first + triangle[0], first + triangle[1], first + triangle[2]};
-                               });
-    });
+    for_each_index(
+        parts.size(),
+        [&](std::size_t i) {
+            std::ranges::copy(parts[i].vertices, mesh.vertices.data() + first_vertex[i]);
+            const auto first = static_cast<std::uint32_t>(first_vertex[i]);
+            std::ranges::transform(parts[i].triangles, mesh.triangles.data() + first_triangle[i],
+                                   [first](const Triangle& triangle) -> Triangle {
+                                       return {first + triangle[0], first + triangle[1], first + triangle[2]};
+                                   });
+        },
+        1);
     return mesh;
 }
 
@@ -153,18 +156,22 @@ std::optional<MeshArrays> read_parts(const FileContent& file) {
     if (begins.size() == 1) return {};
     std::vector<MeshArrays> parts(begins.size());
     std::atomic<bool> all_fit = true;
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-        if (!all_fit) return;
-        TextScanner scanner(file.text().substr(begins[i]), file.path(), {});
-        const bool is_last = i + 1 == parts.size();
-        const std::size_t rest = is_last ? 0 : file.size() - begins[i + 1];
-        try {
-            const bool in_solid = read_solids(scanner, i > 0, is_last ? std::nullopt : std::optional(rest), parts[i]);
-            if (!is_last && (!in_solid || scanner.remaining() != rest)) all_fit = false;
-        } catch (const Error&) {
-            all_fit = false;
-        }
-    });
+    for_each_index(
+        parts.size(),
+        [&](std::size_t i) {
+            if (!all_fit) return;
+            TextScanner scanner(file.text().substr(begins[i]), file.path(), {});
+            const bool is_last = i + 1 == parts.size();
+            const std::size_t rest = is_last ? 0 : file.size() - begins[i + 1];
+            try {
+                const bool in_solid =
+                    read_solids(scanner, i > 0, is_last ? std::nullopt : std::optional(rest), parts[i]);
+                if (!is_last && (!in_solid || scanner.remaining() != rest)) all_fit = false;
+            } catch (const Error&) {
+                all_fit = false;
+            }
+        },
+        1);
     if (!all_fit) return {};
     return joined(parts);
 }

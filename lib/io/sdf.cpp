@@ -171,9 +171,12 @@ void read_values(InputFile& file, WordPieces& pieces, std::span<float> room) {
         ends_with_blank = is_blank(piece->text.back());
     };
     constexpr auto in_order = tbb::filter_mode::serial_in_order;
-    tbb::parallel_pipeline(slots.size(), tbb::make_filter<void, Piece*>(in_order, next) &
-                                             tbb::make_filter<Piece*, Piece*>(tbb::filter_mode::parallel, parse) &
-                                             tbb::make_filter<Piece*, void>(in_order, take));
+    tbb::task_group_context own(tbb::task_group_context::isolated);  // cancelled tasks of the caller do not end it
+    tbb::parallel_pipeline(slots.size(),
+                           tbb::make_filter<void, Piece*>(in_order, next) &
+                               tbb::make_filter<Piece*, Piece*>(tbb::filter_mode::parallel, parse) &
+                               tbb::make_filter<Piece*, void>(in_order, take),
+                           own);
     if (count < room.size()) file.fail("a value is missing; the file is truncated");
     // A number that is cut off is a number too.
     if (!ends_with_blank) file.fail("no line end follows the last value; the file is truncated");
@@ -266,10 +269,12 @@ public:
         };
         const auto write = [&](const Text* text) { file_.write(text->view()); };
         constexpr auto in_order = tbb::filter_mode::serial_in_order;
+        tbb::task_group_context own(tbb::task_group_context::isolated);  // cancelled tasks of the caller do not end it
         tbb::parallel_pipeline(texts_.size(),
                                tbb::make_filter<void, Chunk>(in_order, next) &
                                    tbb::make_filter<Chunk, Text*>(tbb::filter_mode::parallel, make_text) &
-                                   tbb::make_filter<Text*, void>(in_order, write));
+                                   tbb::make_filter<Text*, void>(in_order, write),
+                               own);
     }
 
     void finish() override { file_.commit(); }

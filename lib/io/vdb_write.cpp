@@ -1,3 +1,4 @@
+#include "core/parallel.hpp"
 #include "io/field_files.hpp"
 #include "io/vdb.hpp"
 
@@ -9,8 +10,6 @@
 #pragma GCC visibility push(default)
 #include <openvdb/tools/Prune.h>
 #pragma GCC visibility pop
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -124,9 +123,9 @@ public:
 
     void add(const Layer& layer, std::span<const float> distance, std::span<const std::byte> values) override {
         std::vector<Part> parts(layer.block_count());
-        tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t block) {
-            parts[block] = part_of(Block(layer, block), distance.data(), values.data());
-        });
+        for_each_index(
+            parts.size(),
+            [&](std::size_t block) { parts[block] = part_of(Block(layer, block), distance.data(), values.data()); }, 1);
         for (std::size_t block = 0; block < parts.size(); ++block) {
             if (parts[block].leaf) {
                 grid_->tree().addLeaf(parts[block].leaf.get());

@@ -1,11 +1,10 @@
 #include <clsdf/error.hpp>
 #include <clsdf/papers.hpp>
 
+#include "core/parallel.hpp"
 #include "papers/site_solids.hpp"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -251,13 +250,14 @@ SlabLists lists_of(const std::vector<SiteSolid>& solids, const Converter& conver
     SlabLists lists;
     lists.starts.assign(slabs + 1, 0);
     std::vector<std::pair<std::int32_t, std::int32_t>> ranges(solids.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, solids.size(), 4096), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-            if (solids[i].shape == SiteSolid::Shape::none) continue;
+    for_each_index(
+        solids.size(),
+        [&](std::size_t i) {
+            if (solids[i].shape == SiteSolid::Shape::none) return;
             const auto [begin, end] = converter.slices_of(solids[i]);
             if (begin < end) ranges[i] = {begin / slices_of_slab, (end - 1) / slices_of_slab + 1};
-        }
-    });
+        },
+        4096);
     for (const auto& [begin, end] : ranges)
         for (std::int32_t slab = begin; slab < end; ++slab) ++lists.starts[static_cast<std::size_t>(slab) + 1];
     for (std::size_t slab = 0; slab < slabs; ++slab) lists.starts[slab + 1] += lists.starts[slab];
@@ -274,13 +274,14 @@ void finish(const Grid& grid, float half_width, std::span<float> field) {
     const auto length = static_cast<std::size_t>(grid.size[0]);
     const std::size_t rows = field.size() / length;
     std::vector<float> signs(rows);  // sign of each row's first sample; 0 if no sample of the row has a distance
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows, 256), [&](const auto& range) {
-        for (std::size_t row = range.begin(); row != range.end(); ++row) {
+    for_each_index(
+        rows,
+        [&](std::size_t row) {
             const std::span<const float> values = field.subspan(row * length, length);
             const auto known = std::find_if(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
             signs[row] = known == values.end() ? 0.0F : std::copysign(1.0F, *known);
-        }
-    });
+        },
+        256);
     const auto height = static_cast<std::size_t>(grid.size[1]);
     for (std::size_t row = 0; row < rows; ++row) {
         if (signs[row] != 0) continue;
@@ -288,8 +289,9 @@ void finish(const Grid& grid, float half_width, std::span<float> field) {
         signs[row] = row % height > 0 ? signs[row - 1] : row > 0 ? signs[row - height] : 1.0F;
     }
     const auto voxel = static_cast<float>(grid.voxel());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows, 256), [&](const auto& range) {
-        for (std::size_t row = range.begin(); row != range.end(); ++row) {
+    for_each_index(
+        rows,
+        [&](std::size_t row) {
             float sign = signs[row];
             for (float& value : field.subspan(row * length, length)) {
                 if (std::isfinite(value)) {
@@ -299,8 +301,8 @@ void finish(const Grid& grid, float half_width, std::span<float> field) {
                     value = sign * half_width;
                 }
             }
-        }
-    });
+        },
+        256);
 }
 
 }  // namespace
@@ -327,23 +329,26 @@ SoftwareScanCounts software_scan(const Mesh& mesh, const Grid& grid, double half
         const SlabLists lists = lists_of(solids, Converter(grid, width, distance), slabs);
         std::atomic<std::size_t> intersections{0}, distances{0};
         const auto slice = static_cast<std::size_t>(grid.size[0] * grid.size[1]);
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, slabs, 1), [&](const auto& range) {
-            Converter converter(grid, width, distance);
-            SoftwareScanCounts counts;
-            for (std::size_t slab = range.begin(); slab != range.end(); ++slab) {
-                const auto first = static_cast<std::int32_t>(slab) * slices_of_slab;
-                const std::int32_t last = std::min(first + slices_of_slab, static_cast<std::int32_t>(grid.size[2]));
-                std::fill_n(distance.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(first) * slice),
-                            static_cast<std::size_t>(last - first) * slice, std::numeric_limits<float>::infinity());
-                for (std::size_t n = lists.starts[slab]; n < lists.starts[slab + 1]; ++n) {
-                    const SiteSolid& solid = solids[lists.solids[n]];
-                    const auto [begin, end] = converter.slices_of(solid);
-                    converter.convert(solid, std::max(begin, first), std::min(end, last), counts);
+        for_each_range(
+            slabs,
+            [&](std::size_t from, std::size_t to) {
+                Converter converter(grid, width, distance);
+                SoftwareScanCounts counts;
+                for (std::size_t slab = from; slab != to; ++slab) {
+                    const auto first = static_cast<std::int32_t>(slab) * slices_of_slab;
+                    const std::int32_t last = std::min(first + slices_of_slab, static_cast<std::int32_t>(grid.size[2]));
+                    std::fill_n(distance.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(first) * slice),
+                                static_cast<std::size_t>(last - first) * slice, std::numeric_limits<float>::infinity());
+                    for (std::size_t n = lists.starts[slab]; n < lists.starts[slab + 1]; ++n) {
+                        const SiteSolid& solid = solids[lists.solids[n]];
+                        const auto [begin, end] = converter.slices_of(solid);
+                        converter.convert(solid, std::max(begin, first), std::min(end, last), counts);
+                    }
                 }
-            }
-            intersections += counts.intersections;
-            distances += counts.distances;
-        });
+                intersections += counts.intersections;
+                distances += counts.distances;
+            },
+            1);
         total.intersections = intersections;
         total.distances = distances;
         finish(grid, static_cast<float>(half_width), distance);

@@ -1,8 +1,7 @@
 #include "picture/panel.hpp"
 
+#include "core/parallel.hpp"
 #include "picture/plane.hpp"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -44,11 +43,14 @@ std::uint32_t colour_of_pixel(const Frame& frame, const Colours& colours, int x,
 Raster colours_of(const Frame& frame, const Colours& colours) {
     Raster raster{static_cast<int>(frame.area.width), static_cast<int>(frame.area.height), {}};
     raster.pixels.resize(static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height));
-    tbb::parallel_for(0, raster.height, [&](int y) {
-        for (int x = 0; x < raster.width; ++x)
-            raster.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(raster.width) +
-                          static_cast<std::size_t>(x)] = colour_of_pixel(frame, colours, x, y);
-    });
+    for_each_index(
+        static_cast<std::size_t>(raster.height),
+        [&](std::size_t y) {
+            for (int x = 0; x < raster.width; ++x)
+                raster.pixels[y * static_cast<std::size_t>(raster.width) + static_cast<std::size_t>(x)] =
+                    colour_of_pixel(frame, colours, x, static_cast<int>(y));
+        },
+        1);
     return raster;
 }
 

@@ -1,4 +1,5 @@
 #include "core/lifetime.hpp"
+#include "core/parallel.hpp"
 #include "picture/canvas.hpp"
 #include "picture/panel.hpp"
 #include "picture/scene.hpp"
@@ -7,7 +8,6 @@
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -86,16 +86,19 @@ public:
         const std::size_t columns = width_ * rays;
         const std::size_t rows = hits.size() / columns;
         const double share = 1.0 / static_cast<double>(rays * rays);
-        tbb::parallel_for(std::size_t{0}, width_, [&](std::size_t x) {
-            for (std::size_t row = 0; row < rows; ++row) {
-                Light& sum = lights_[(static_cast<std::size_t>(first_row) + row) / rays * width_ + x];
-                for (std::size_t column = x * rays; column < (x + 1) * rays; ++column) {
-                    const Light light = light_of(hits[row * columns + column]);
-                    for (std::size_t i = 0; i < 3; ++i) sum.parts[i] += share * light.parts[i];
-                    sum.cover += share * light.cover;
+        for_each_index(
+            width_,
+            [&](std::size_t x) {
+                for (std::size_t row = 0; row < rows; ++row) {
+                    Light& sum = lights_[(static_cast<std::size_t>(first_row) + row) / rays * width_ + x];
+                    for (std::size_t column = x * rays; column < (x + 1) * rays; ++column) {
+                        const Light light = light_of(hits[row * columns + column]);
+                        for (std::size_t i = 0; i < 3; ++i) sum.parts[i] += share * light.parts[i];
+                        sum.cover += share * light.cover;
+                    }
                 }
-            }
-        });
+            },
+            1);
     }
 
     Raster raster(bool transparent) const {

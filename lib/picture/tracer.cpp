@@ -1,5 +1,6 @@
 #include "picture/tracer.hpp"
 
+#include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "picture/plane.hpp"
 
@@ -8,9 +9,6 @@
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,11 +26,10 @@ struct Range {
 };
 
 Range range_of(std::span<const float> values) {
-    using Block = tbb::blocked_range<std::size_t>;
-    return tbb::parallel_reduce(
-        Block(0, values.size()), Range{},
-        [&](const Block& block, Range range) {
-            for (std::size_t i = block.begin(); i < block.end(); ++i) {
+    return reduce_ranges(
+        values.size(), usual_grain, Range{},
+        [&](std::size_t begin, std::size_t end, Range range) {
+            for (std::size_t i = begin; i < end; ++i) {
                 const float value = values[i];
                 if (std::isnan(value)) range.first_not_a_number = std::min(range.first_not_a_number, i);
                 range.negative = range.negative || (std::signbit(value) && !std::isnan(value));
@@ -135,27 +132,30 @@ double TracedSamples::continued(std::int64_t i, std::int64_t j, std::int64_t k, 
 
 void TracedSamples::write(std::int64_t first, std::int64_t last, std::span<float> values) const {
     const auto& [nx, ny, nz] = field_.grid.size;
-    tbb::parallel_for(std::int64_t{0}, (last - first) * ny, [&, rows = ny, columns = nx](std::int64_t row) {
-        const std::int64_t j = row % rows;
-        const std::int64_t k = first + row / rows;
-        for (std::int64_t i = 0; i < columns; ++i) {
-            const float own = value(i, j, k);
-            const double drawn = within(own) ? static_cast<double>(own) : continued(i, j, k, own);
-            values[static_cast<std::size_t>(row * columns + i)] = static_cast<float>(drawn / voxel_);
-        }
-    });
+    for_each_index(
+        static_cast<std::size_t>((last - first) * ny),
+        [&, rows = ny, columns = nx](std::size_t index) {
+            const auto row = static_cast<std::int64_t>(index);
+            const std::int64_t j = row % rows;
+            const std::int64_t k = first + row / rows;
+            for (std::int64_t i = 0; i < columns; ++i) {
+                const float own = value(i, j, k);
+                const double drawn = within(own) ? static_cast<double>(own) : continued(i, j, k, own);
+                values[static_cast<std::size_t>(row * columns + i)] = static_cast<float>(drawn / voxel_);
+            }
+        },
+        1);
 }
 
 std::array<double, 3> TracedSamples::slopes(std::int64_t slices, std::span<const float> values) const {
-    using Block = tbb::blocked_range<std::int64_t>;
     using Slopes = std::array<double, 3>;
     const std::int64_t columns = field_.grid.size[0];
     const std::int64_t rows = field_.grid.size[1];
     const std::int64_t strides[] = {1, columns, columns * rows};
-    const Slopes steepest = tbb::parallel_reduce(
-        Block(0, slices * rows), Slopes{},
-        [&](const Block& block, Slopes found) {
-            for (std::int64_t row = block.begin(); row < block.end(); ++row) {
+    const Slopes steepest = reduce_ranges(
+        static_cast<std::size_t>(slices * rows), 1, Slopes{},
+        [&](std::size_t begin, std::size_t end, Slopes found) {
+            for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
                 const bool has_next[] = {false, row % rows + 1 < rows, row / rows + 1 < slices};
                 for (std::int64_t i = 0; i < columns; ++i)
                     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -1,11 +1,11 @@
 #include "core/outputs.hpp"
+#include "core/parallel.hpp"
 #include "judge.hpp"
 #include "true_samples.hpp"
 
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -193,15 +193,18 @@ std::vector<CheckReport> tally_parts(std::size_t count, std::size_t fields, cons
     const auto tallies_of = [&](std::size_t index) { return std::span(tallies).subspan(index * fields, fields); };
     std::atomic<std::size_t> done = 0;
     const std::thread::id caller = std::this_thread::get_id();
-    oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t index) {
-        const bool is_caller = std::this_thread::get_id() == caller;
-        if (is_caller && options.should_stop && options.should_stop())
-            throw Error(ErrorCode::cancelled, "the check was cancelled");
-        part(index, tallies_of(index));
-        const std::size_t parts = ++done;
-        if (is_caller && options.progress && parts < count)
-            options.progress(static_cast<double>(parts) / static_cast<double>(count));
-    });
+    for_each_index(
+        count,
+        [&](std::size_t index) {
+            const bool is_caller = std::this_thread::get_id() == caller;
+            if (is_caller && options.should_stop && options.should_stop())
+                throw Error(ErrorCode::cancelled, "the check was cancelled");
+            part(index, tallies_of(index));
+            const std::size_t parts = ++done;
+            if (is_caller && options.progress && parts < count)
+                options.progress(static_cast<double>(parts) / static_cast<double>(count));
+        },
+        1);
     if (options.progress) options.progress(1);
     std::vector<CheckReport> reports;
     for (std::size_t field = 0; field < fields; ++field) {

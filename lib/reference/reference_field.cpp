@@ -3,8 +3,7 @@
 #include <clsdf/reference.hpp>
 
 #include "core/outputs.hpp"
-
-#include <oneapi/tbb/parallel_for.h>
+#include "core/parallel.hpp"
 
 #include <algorithm>
 #include <span>
@@ -22,23 +21,27 @@ Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, Sign
     Field field(FieldDescription{grid, band, truth.sign(), mesh.name()}, outputs);
     const std::span<float> distances = field.distance();
     for (const OutputInfo& info : extra_outputs()) std::ranges::fill(field.bytes(info.output), std::byte{0xFF});
-    oneapi::tbb::parallel_for(std::int64_t{0}, grid.size[2], [&](std::int64_t k) {
-        std::vector<TrueSample> samples;
-        for (std::int64_t j = 0; j < grid.size[1]; ++j) {
-            truth.row(j, k, samples);
-            for (std::size_t i = 0; i < samples.size(); ++i) {
-                const TrueSample& sample = samples[i];
-                const Index3 index{static_cast<std::int64_t>(i), j, k};
-                const double width = half_width(band, truth.is_signed(), sample.inside);
-                const bool in_band = sample.distance <= width;
-                const double magnitude = in_band ? sample.distance : width;
-                const auto value = static_cast<float>(sample.inside ? -magnitude : magnitude);
-                const std::size_t offset = grid.offset(index[0], j, k);
-                distances[offset] = in_band && value == 0 ? 0.0F : value;
-                if (in_band) store_outputs({truth, sites, sample, index}, field, offset);
+    for_each_index(
+        static_cast<std::size_t>(grid.size[2]),
+        [&](std::size_t slice) {
+            const auto k = static_cast<std::int64_t>(slice);
+            std::vector<TrueSample> samples;
+            for (std::int64_t j = 0; j < grid.size[1]; ++j) {
+                truth.row(j, k, samples);
+                for (std::size_t i = 0; i < samples.size(); ++i) {
+                    const TrueSample& sample = samples[i];
+                    const Index3 index{static_cast<std::int64_t>(i), j, k};
+                    const double width = half_width(band, truth.is_signed(), sample.inside);
+                    const bool in_band = sample.distance <= width;
+                    const double magnitude = in_band ? sample.distance : width;
+                    const auto value = static_cast<float>(sample.inside ? -magnitude : magnitude);
+                    const std::size_t offset = grid.offset(index[0], j, k);
+                    distances[offset] = in_band && value == 0 ? 0.0F : value;
+                    if (in_band) store_outputs({truth, sites, sample, index}, field, offset);
+                }
             }
-        }
-    });
+        },
+        1);
     return field;
 }
 

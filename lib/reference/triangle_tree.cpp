@@ -1,9 +1,9 @@
 #include "triangle_tree.hpp"
 #include "aabb_tree.hpp"
+#include "core/parallel.hpp"
 #include "triangle.hpp"
 
 #include <CGAL/Simple_cartesian.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -171,10 +171,10 @@ TriangleTree::TriangleTree(const Mesh& mesh) : state_(new State{mesh, {}, {}, {}
 
     state_->frames.resize(count);
     state_->slots.resize(count);
-    oneapi::tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t slot) {
+    for_each_index(count, [&](std::size_t slot) {
         const std::uint32_t index = order.triangles[slot];
         const Triangle& triangle = mesh.triangles()[index];
-        state_->slots[index] = slot;
+        state_->slots[index] = static_cast<std::uint32_t>(slot);
         state_->frames[slot] =
             TriangleFrame(mesh.vertices()[triangle[0]], mesh.vertices()[triangle[1]], mesh.vertices()[triangle[2]]);
     });

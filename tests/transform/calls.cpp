@@ -4,6 +4,8 @@
 
 #include <clsdf/tuning.hpp>
 
+#include <tbb/task_group.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -74,6 +76,23 @@ BOOST_AUTO_TEST_CASE(transforms_on_threads_of_their_own_are_independent) {
         BOOST_TEST(differences[i] == 0);
         BOOST_TEST(same_bytes(together[i], field_of(i)));
     }
+}
+
+BOOST_AUTO_TEST_CASE(a_call_in_tasks_that_are_cancelled_is_complete) {
+    const Field expected = compute(dense(), around_dense(), Band::full());
+    const auto distances_by = [](const DistanceTransform& transform) {
+        std::vector<float> values(dense().vertices().size());
+        transform.query(dense().vertices(), 1, {{Output::distance, values}});
+        return values;
+    };
+    const std::vector<float> expected_distances = distances_by(DistanceTransform(test_device(), dense()));
+    tbb::task_group tasks;
+    tasks.run_and_wait([&] {
+        tasks.cancel();
+        const DistanceTransform transform(test_device(), dense());
+        BOOST_TEST(same_bytes(transform.compute(around_dense(), Band::full(), all_outputs()), expected));
+        BOOST_TEST((distances_by(transform) == expected_distances));
+    });
 }
 
 BOOST_AUTO_TEST_CASE(progress_runs_from_0_to_1) {

@@ -282,6 +282,26 @@ BOOST_AUTO_TEST_CASE(points_of_a_device_with_little_memory_have_the_same_bytes) 
     BOOST_TEST(kept < unlimited.memory().device_bytes, "memory was not short");
 }
 
+// A query that is short of memory releases what fields have kept, while others use it.
+BOOST_AUTO_TEST_CASE(queries_and_fields_on_two_threads_share_too_little_memory) {
+    const Mesh mesh = make_shape("sphere4");
+    const std::vector<Vec3> points = points_around(mesh, 20000, 79);
+    const Grid grid = grid_around(mesh, 40, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const DistanceTransform plenty(test_device(), mesh);
+    const Field expected = plenty.compute(grid, band), expected_answers = query(plenty, points);
+    const DistanceTransform transform(test_device().limited({.memory = 3'000'000}), mesh);
+    std::atomic<bool> is_answered = false;
+    std::atomic<int> differences = 0;
+    std::thread other([&] {
+        while (!is_answered) differences += same_bytes(transform.compute(grid, band), expected) ? 0 : 1;
+    });
+    for (int call = 0; call < 4; ++call) BOOST_TEST(same_bytes(query(transform, points), expected_answers));
+    is_answered = true;
+    other.join();
+    BOOST_TEST(differences == 0);
+}
+
 // Many points are scanned in groups, few are looked up one by one; many have signs by the sides of faces, few by
 // crossings. On a grid around a symmetric mesh many triangles are equally near.
 BOOST_AUTO_TEST_CASE(many_points_give_the_bytes_of_few) {

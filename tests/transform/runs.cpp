@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -357,6 +358,46 @@ BOOST_AUTO_TEST_CASE(an_event_of_the_caller_that_fails_ends_the_run_and_nothing_
         context.callers_queue().enqueueReadBuffer(memory, CL_TRUE, 0, values.size() * sizeof(float), values.data());
         for (std::size_t i = 0; i < values.size(); i += step) distance.push_back(values[i]);
         BOOST_TEST((bits_of(distance) == bits_of(expected.distance())));
+    }
+}
+
+// A command that fails takes those behind it in its queue along.
+BOOST_AUTO_TEST_CASE(a_call_behind_a_run_that_fails_is_computed,
+                     *boost::unit_test::precondition(takes_failing_events)) {
+    const Mesh mesh = make_shape("sphere3");
+    DistanceTransform transform(test_device(), mesh);
+    const device::Context& context = device::context_of(test_device());
+    const Grid grid = grid_around(mesh, 40, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Field expected = transform.compute(grid, band);
+    const std::vector<Vec3>& points = mesh.vertices();
+    const auto distances = [&] {
+        std::vector<float> values(points.size());
+        transform.query(points, 1, {{Output::distance, values}});
+        return values;
+    };
+    const std::vector<float> expected_distances = distances();
+    const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float));
+    Plan plan = transform.plan(Request{grid, band, OutputArray(memory())});
+    const auto is_kept = [&] { return same_bytes(transform.compute(grid, band), expected); };
+    const auto is_made_anew = [&] {
+        transform.set_motion({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {});
+        return is_kept();
+    };
+    const auto is_answered = [&] { return distances() == expected_distances; };
+    for (const std::function<bool()>& is_right : {std::function(is_kept), std::function(is_made_anew),
+                                                  std::function(is_made_anew), std::function(is_answered)}) {
+        cl::UserEvent gate(context.context());
+        const std::array wait_list{gate()};
+        const cl::Event failed(enqueue(plan, nullptr, wait_list));
+        std::thread device([&] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(200));
+            gate.setStatus(-5);
+        });
+        BOOST_TEST(is_right());
+        device.join();
+        BOOST_TEST(failed.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() < 0);
+        BOOST_TEST(is_right());
     }
 }
 

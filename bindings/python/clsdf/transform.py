@@ -204,9 +204,14 @@ class Transform:
         return band_on(parse_band(band), grid, extent)
 
     def _requests(self, requests: Iterable[Request]) -> list[Any]:
-        """Those whose band is a length or a text get a Band. All else is for the extension to refuse."""
+        """Those whose band is a length or a text get a Band. A dictionary of arrays is copied: a plan's arrays stay
+        even if the caller's dictionary changes. All else is for the extension to refuse."""
         return [
-            (request[0], self._band_on(request[0], request[1]), request[2])
+            (
+                request[0],
+                self._band_on(request[0], request[1]),
+                dict(request[2]) if isinstance(request[2], dict) else request[2],
+            )
             if isinstance(request, tuple) and len(request) == 3 and isinstance(request[0], Grid)
             else request
             for request in requests

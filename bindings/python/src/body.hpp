@@ -7,9 +7,32 @@
 #include <memory>
 #include <mutex>
 #include <shared_mutex>
+#include <string>
 #include <utility>
 
 namespace clsdf::python {
+
+/// An object's call, on this thread. A callback that uses the object of its own call would wait for itself: it gets an
+/// error.
+class AtWork {
+public:
+    AtWork(const void* object, const char* what) : before_(current), object_(object) {
+        check_process();
+        for (const AtWork* work = before_; work != nullptr; work = work->before_)
+            if (work->object_ == object)
+                refuse(std::string("a function that a call of this ") + what + " has called, as progress=, uses the " +
+                       what);
+        current = this;
+    }
+    ~AtWork() { current = before_; }
+    AtWork(const AtWork&) = delete;
+    AtWork& operator=(const AtWork&) = delete;
+
+private:
+    static thread_local const AtWork* current;
+    const AtWork* before_;
+    const void* object_;
+};
 
 /// A transform of the library for Python's threads: calls that read run side by side; a call that changes positions
 /// waits for them. The GIL is released during all of them.
@@ -23,41 +46,20 @@ public:
     /// Calls the function with the transform.
     template <typename Function>
     auto read(Function function) const {
-        const AtWork work(*this);
+        const AtWork work(this, "transform");
         const nb::gil_scoped_release no_gil;
         const std::shared_lock lock(*mutex_);
         return function(std::as_const(*transform_));
     }
     template <typename Function>
     auto change(Function function) {
-        const AtWork work(*this);
+        const AtWork work(this, "transform");
         const nb::gil_scoped_release no_gil;
         const std::unique_lock lock(*mutex_);
         return function(*transform_);
     }
 
 private:
-    // A callback that uses the transform of its own call would wait for itself: it gets an error.
-    class AtWork {
-    public:
-        explicit AtWork(const Body& body) : before_(current) {
-            check_process();
-            for (const AtWork* work = before_; work != nullptr; work = work->before_)
-                if (work->body_ == &body)
-                    refuse("a function that a call of this transform has called, as progress=, uses the transform");
-            body_ = &body;
-            current = this;
-        }
-        ~AtWork() { current = before_; }
-        AtWork(const AtWork&) = delete;
-        AtWork& operator=(const AtWork&) = delete;
-
-    private:
-        static thread_local const AtWork* current;
-        const AtWork* before_;
-        const Body* body_ = nullptr;
-    };
-
     PyDevice device_;
     Owner<DistanceTransform> transform_;
     std::unique_ptr<std::shared_mutex> mutex_ = std::make_unique<std::shared_mutex>();

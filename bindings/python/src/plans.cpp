@@ -17,11 +17,11 @@ namespace {
 class PyPlan {
 public:
     PyPlan(PyDevice device, Plan plan, nb::object requests)
-        : device_(std::move(device)), plan_(new Plan(std::move(plan))), requests_(std::move(requests)) {}
+        : device_(std::move(device)), requests_(std::move(requests)), plan_(new Plan(std::move(plan))) {}
 
     template <typename Function>
     auto use(Function function) const {
-        check_process();
+        const AtWork work(this, "plan");
         const nb::gil_scoped_release no_gil;
         const std::lock_guard lock(*mutex_);
         return function(*plan_);
@@ -32,8 +32,8 @@ public:
 
 private:
     PyDevice device_;
-    Owner<Plan> plan_;
     nb::object requests_;
+    Owner<Plan> plan_;  // its end waits for the runs, which write to the arrays
     std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
 };
 

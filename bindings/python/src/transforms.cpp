@@ -10,7 +10,7 @@
 
 namespace clsdf::python {
 
-thread_local const Body::AtWork* Body::AtWork::current = nullptr;
+thread_local const AtWork* AtWork::current = nullptr;
 
 namespace {
 

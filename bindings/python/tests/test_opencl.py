@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
@@ -92,6 +95,32 @@ def test_a_plan_of_requests_follows_the_body(solid, there, body, queue):
     plan.update(moving, requests=[clsdf.Request(grid, band, {"distance": large[0]})])
     plan.enqueue().wait()
     assert np.array_equal(large[0].get(), moving.field(grid, band=band).distance)
+
+
+def test_a_callback_may_not_use_its_plan(solid, queue):
+    body = clsdf.Transform(solid, device=queue)  # which has compiled nothing yet
+    grid = body.grid(16)
+    plan = body.plan(grid, band=0.2)
+    large = cl.array.zeros(queue, (*grid.shape, 2), np.float32)
+    strided = [clsdf.Request(grid, 0.2, {"distance": large[..., 0]})]
+    with pytest.raises(clsdf.Error, match="this plan.*progress="):
+        plan.update(body, requests=strided, progress=lambda stage, part: plan.device_bytes)
+    plan.update(body, requests=strided)
+    assert plan.device_bytes > 0
+
+
+def test_a_plan_keeps_its_arrays(there, body, queue):
+    expected = body.field(resolution=16)
+    out = {"distance": cl.array.zeros(queue, expected.grid.shape, np.float32)}
+    plan = there.plan([clsdf.Request(expected.grid, expected.band, out)])
+    first = weakref.ref(out["distance"])
+    out["distance"] = None
+    gc.collect()
+    plan.enqueue().wait()
+    assert np.array_equal(first().get(), expected.distance)
+    del plan
+    gc.collect()
+    assert first() is None
 
 
 def test_arrays_of_the_device_everywhere(solid, there, body, queue, points):

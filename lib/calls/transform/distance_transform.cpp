@@ -203,7 +203,7 @@ Field DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet o
         const Request request{grid, band, field.targets()};
         const TransformStatistics made = compute({&request, 1}, call);
         if (statistics != nullptr) *statistics = made;
-    } catch (const Error&) {
+    } catch (...) {
         if (state.context().is_lost()) keep_for_good(field);
         throw;
     }

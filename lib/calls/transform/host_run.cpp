@@ -27,6 +27,7 @@ void run(transform::GridPlan& plan, const scan::OutputMemories& memories, transf
         plan.enqueue(chain, memories.buffers, running.between(begin, end));
         memories.enqueue_handover(context.queue());
         context.queue().finish();
+        device::wait_for(chain.last());  // PoCL's queue finishes without an error if a command has failed
         plan.read_back(context.queue());
     });
     plan.statistics.field_seconds = watch.seconds();
@@ -124,7 +125,7 @@ private:
         const std::scoped_lock lock(state_.mutex);
         // Commands that are still running use the buffers.
         device::guarded([&] { state_.context().queue().finish(); });
-        pipeline_.take_back(slot);
+        pipeline_.discard(slot);
         plan_.reset();
         state_.forget();
     }
@@ -177,7 +178,7 @@ std::optional<CallStatistics> DistanceTransform::State::compute_kept(const Reque
         std::unique_ptr<transform::GridPlan> plan =
             take_plan({request.grid, request.band, scan::outputs_of(targets.arrays), {}, call.count_work});
         if (!plan) return std::nullopt;
-        context().require_usable();
+        context().begin_call();
         pool->restart_peak();
         scan::OutputMemories memories;
         try {

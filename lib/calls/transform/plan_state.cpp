@@ -212,23 +212,15 @@ void PlanState::read_counters() {
 
 cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
                              std::span<const DeviceTargets> targets) {
-    if (const cl::Event latest = runs_.latest(); latest() != nullptr) before.push_back(latest);
-    CommandChain chain(queue, std::move(before));
-    try {
-        if (parts_.empty())
-            chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
-        for (Part& part : parts_) {
-            const bool has_other = is_in_place(part.block) && !targets.empty();
-            const std::size_t first = part.block.batch->requests.front();
-            part.plan->enqueue(chain, has_other ? *targets[first].in_place : part.buffers, {});
-            enqueue_stores(part, chain, targets);
-        }
-    } catch (...) {
-        // The next run must follow these commands, too: all parts share memory.
-        if (chain.has_begun()) runs_.add(chain);
-        throw;
+    CommandChain& chain = runs_.begin(queue, std::move(before));
+    if (parts_.empty())
+        chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
+    for (Part& part : parts_) {
+        const bool has_other = is_in_place(part.block) && !targets.empty();
+        const std::size_t first = part.block.batch->requests.front();
+        part.plan->enqueue(chain, has_other ? *targets[first].in_place : part.buffers, {});
+        enqueue_stores(part, chain, targets);
     }
-    runs_.add(chain);
     queue.flush();
     return chain.last();
 }

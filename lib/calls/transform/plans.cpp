@@ -95,7 +95,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
         });
     };
     transform::with_remedies(&running, {forgetting()}, make);
-    device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
+    device::guarded([&] { context.queue().finish(); });
     if (made.has_own_pool) made.pool->release();
     made.complete(running.statistics, *kept_mesh);
 }

@@ -1,6 +1,7 @@
 #include "core/large_memory.hpp"
 #include "core/outputs.hpp"
 #include "core/stopwatch.hpp"
+#include "device/in_flight.hpp"
 #include "points/box_places.hpp"
 #include "points/face_sides.hpp"
 #include "points/few_points.hpp"
@@ -49,7 +50,7 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
 points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3> all, double half_width,
                                                             OutputSet outputs, transform::RunningCall& running) {
     mutex.check_thread();
-    device::context_of(device).require_usable();
+    context().require_usable();
     const auto check = [&](const Box& box) {
         running.throw_if_stopped();
         points::check_points(box, all);
@@ -62,6 +63,7 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
     check(kept_mesh->mesh().box());  // before anything is made
+    context().begin_call();
     pool->restart_peak();
     const Stopwatch watch;
     points::PointInputs inputs = point_inputs(outputs, all.size(), true);
@@ -97,7 +99,7 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
     statistics.triangles = kept_mesh->mesh().triangles().size();
     {
         const std::scoped_lock lock(mutex);
-        device::context_of(device).require_usable();
+        context().begin_call();
         running.throw_if_stopped();
         points::check_points(kept_mesh->mesh().box(), all);  // before anything is made
         if (kept_mesh->restriction() != nullptr) kept_mesh->restriction()->check(all, half_width);
@@ -110,7 +112,8 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         const points::PointInputs inputs = point_inputs(outputs, all.size(), false);
         statistics.polyhedra_seconds = watch.seconds();
     }
-    scan::OwnArrays own;
+    device::InFlight<scan::OwnArrays> own(context());
+    own.begin();
     std::size_t most = points::most_points;
     const auto fewer_than = [&most](std::size_t least) {
         return transform::Remedy{[&most, least] {
@@ -120,17 +123,24 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
                                  },
                                  true};
     };
+    const auto locked = [this](const transform::Remedy& remedy) {
+        return transform::Remedy{[this, remedy] {
+            const std::scoped_lock lock(mutex);
+            return remedy.apply();
+        }};
+    };
     const auto share = [&](std::size_t points) {
         return static_cast<double>(points) / static_cast<double>(all.size());
     };
     for (std::size_t begin = 0, count = 0; begin < all.size(); begin += count) {
         scan::HostArrays arrays;
         const auto times = transform::with_remedies(
-            &running, {forgetting(), fewer_than(std::size_t{1} << 15), without_tables(), fewer_than(256)}, [&] {
+            &running,
+            {locked(forgetting()), fewer_than(std::size_t{1} << 15), locked(without_tables()), fewer_than(256)}, [&] {
                 count = most = std::min(most, all.size() - begin);
                 const std::span<const Vec3> part = all.subspan(begin, count);
                 arrays = targets.are_packed ? scan::arrays_from(begin, targets.arrays)
-                                            : own.for_samples(targets.arrays, count);
+                                            : own->for_samples(targets.arrays, count);
                 const std::scoped_lock lock(mutex);
                 return points::query_points(device::context_of(device), programs, pool,
                                             point_inputs(outputs, all.size(), false), part, half_width, arrays,
@@ -140,6 +150,7 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         statistics.field_seconds += times.nearest;
         if (!targets.are_packed) targets.store(scan::row_of(count, begin), arrays);
     }
+    own.end();
     {
         const std::scoped_lock lock(mutex);
         pool->trim();
@@ -211,6 +222,7 @@ void DistanceTransform::classify(std::span<const Box> boxes, double half_width, 
         const auto tree = [&] {
             const State::KeepsBudget keeps_budget(state);
             const std::scoped_lock lock(state.mutex);
+            state.context().begin_call();
             return transform::with_remedies(nullptr, {state.forgetting()}, [&] { return state.kept_points->tree(); });
         }();
         points::find_places(*tree, state.sign, boxes, half_width, places);

@@ -75,6 +75,7 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
     if (method)
         throw Error(ErrorCode::unsupported,
                     "a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
+    context().begin_call();
     auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     auto own_mesh = transform::with_remedies(nullptr, {forgetting()},
                                              [&] { return kept_mesh->restricted(own_pool, regions, sign); });
@@ -152,7 +153,7 @@ scan::DeviceTargets DistanceTransform::State::device_targets(
 }
 
 void DistanceTransform::State::compile(const transform::Job& job, transform::RunningCall& running) const {
-    context().require_usable();
+    context().begin_call();
     for (const transform::FieldKernels kernels : transform::kernels_of(*this, job))
         test(transform::field_subject(*this, job, kernels), running);
 }

@@ -68,7 +68,11 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
         KeepsBudget& operator=(const KeepsBudget&) = delete;
         ~KeepsBudget() {
             const std::scoped_lock lock(state.mutex);
-            state.keep_within_budget();
+            try {
+                state.keep_within_budget();
+            } catch (const std::bad_alloc&) {
+                // What is kept stays until a later call.
+            }
         }
     };
     /// Device memory that a kept plan holds, beside what the kept mesh counts itself.

@@ -1,6 +1,7 @@
 #include "self_test/self_test.hpp"
 
 #include "core/tuning_variables.hpp"
+#include "device/in_flight.hpp"
 #include "plan/field_method.hpp"
 #include "plan/grid_plan.hpp"
 #include "points/kept_points.hpp"
@@ -93,10 +94,11 @@ std::optional<std::string> field_difference(const Workshop& workshop, KeptMesh& 
     OutputSet outputs;
     if (variant.nearest) outputs = workshop.method ? OutputSet(Output::triangle) : every_output();
     device::Context& context = workshop.context();
-    OwnArrays own;
+    device::InFlight<OwnArrays> own(context);
+    own.begin();
     const bool is_finished = variant.nearest && !workshop.method;
     const HostArrays arrays =
-        own.for_samples(arrays_of(outputs, !kind.on_surface && !kind.fine, is_finished), grid.sample_count());
+        own->for_samples(arrays_of(outputs, !kind.on_surface && !kind.fine, is_finished), grid.sample_count());
     OutputMemories memories;
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
     Inputs inputs = kept_mesh.inputs(grid, known.band(), workshop.sign);
@@ -111,6 +113,7 @@ std::optional<std::string> field_difference(const Workshop& workshop, KeptMesh& 
         memories.read(context, context.queue());
         plan.read_back(context.queue());
     });
+    own.end();
     std::optional<std::string> difference = known.difference(arrays);
     if (!difference && variant.count) difference = wrong_counts(known, arrays, plan.statistics);
     return difference;
@@ -135,9 +138,11 @@ std::optional<std::string> point_difference(const Device& device, const Programs
         inputs.sites = kept_mesh.sites(true, true);
         if (is_later) inputs.sides = kept.face_sides(inputs.sign, true);
         const std::vector<Vec3> positions = positions_of(known.grid());
-        OwnArrays own;
-        const HostArrays arrays = own.for_samples(arrays_of(every_output(), !is_later, true), positions.size());
+        device::InFlight<OwnArrays> own(kept_mesh.context());
+        own.begin();
+        const HostArrays arrays = own->for_samples(arrays_of(every_output(), !is_later, true), positions.size());
         points::query_points(kept_mesh.context(), programs, pool, inputs, positions, known.band().outside, arrays, {});
+        own.end();
         if (auto difference = known.difference(arrays)) return difference;
     }
     return std::nullopt;

@@ -46,15 +46,21 @@ void launch(const cl::CommandQueue& queue, cl::Kernel& kernel, const WorkItems& 
 class CommandChain {
 public:
     CommandChain(cl::CommandQueue queue, std::vector<cl::Event> wait_list)
-        : queue_(std::move(queue)), awaited_(std::move(wait_list)), previous_(awaited_) {}
+        : queue_(std::move(queue)), awaited_(std::move(wait_list)), previous_(awaited_) {
+        previous_.reserve(1);
+    }
 
     /// enqueue_command(queue, wait list or null, event)
     template <class Enqueue>
     void then(Enqueue&& enqueue_command) {
-        cl::Event event;
-        enqueue_command(queue_, previous_.empty() ? nullptr : &previous_, &event);
-        previous_.assign(1, event);
-        events_.push_back(std::move(event));
+        events_.emplace_back();  // first: a command that is enqueued must be known
+        try {
+            enqueue_command(queue_, previous_.empty() ? nullptr : &previous_, &events_.back());
+        } catch (...) {
+            events_.pop_back();
+            throw;
+        }
+        previous_.assign(1, events_.back());
     }
 
     void then_launch(const cl::Kernel& kernel, const WorkItems& items) {

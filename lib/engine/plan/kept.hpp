@@ -39,8 +39,8 @@ using KeptValues = std::vector<KeptValue*>;
 template <class T>
 class Kept final : public KeptValue {
 public:
-    /// all: gets the value, and must not be used any more when the value is destroyed. also_forget: is called when the
-    /// value is forgotten.
+    /// all: the list that this is added to; it must not be used any more when this is destroyed. also_forget: is called
+    /// when the value is forgotten.
     Kept(KeptValues& all, MadeOf made_of_in, UsedBy used_by_in = UsedBy::grids, std::function<void()> also_forget = {})
         : KeptValue(made_of_in, used_by_in), also_forget_(std::move(also_forget)) {
         all.push_back(this);

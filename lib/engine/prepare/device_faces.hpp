@@ -9,12 +9,10 @@
 #include "polyhedra/topology.hpp"
 #include "prepare/prepared_mesh.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <type_traits>
 #include <vector>
 
 namespace clsdf::scan {
@@ -49,11 +47,7 @@ struct DeviceSetUp {
     /// Copies values to the device, and does not wait.
     template <class Values>
     device::BufferPool::Lease upload(const Values& values, const char* purpose) const {
-        if (values.empty()) return {};
-        device::HostFilling filling(context, pool, values.size() * sizeof(values[0]), purpose);
-        std::copy(values.begin(), values.end(),
-                  static_cast<std::remove_cvref_t<decltype(values[0])>*>(filling.memory()));
-        return filling.finish();
+        return values.empty() ? device::BufferPool::Lease() : device::uploaded(context, pool, values, purpose);
     }
     /// Values of `owner` that kernels read: the host's own if it shares its memory, else a copy.
     template <class Values>

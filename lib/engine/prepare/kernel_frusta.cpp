@@ -7,6 +7,7 @@
 #include "launch/short_launches.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -103,22 +104,26 @@ private:
         device::InFlight<Read> read(job_.context, {frusta_, std::vector<std::uint8_t>(count_),
                                                    std::vector<std::uint8_t>(vertex_answer_bytes())});
         read.begin();
-        void* in_place = nullptr;
+        // After an error, too: a driver keeps a buffer that is mapped.
+        const auto unmap = [&](void* memory) {
+            clEnqueueUnmapMemObject(queue(), (*faces_.slopes)(), memory, 0, nullptr, nullptr);
+        };
+        std::unique_ptr<void, decltype(unmap)> in_place(nullptr, unmap);
         if (job_.shares_memory())
-            in_place = queue.enqueueMapBuffer(*faces_.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes());
+            in_place.reset(
+                queue.enqueueMapBuffer(*faces_.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes()));
         else
             queue.enqueueReadBuffer(*faces_.slopes, CL_FALSE, 0, slope_bytes(), frusta_->slopes.data());
         if (!read->vertex_answers.empty())
             queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, read->vertex_answers.size(),
                                     read->vertex_answers.data());
-        queue.enqueueReadBuffer(*face_answers_, CL_TRUE, 0, count_, read->face_answers.data());
+        cl::Event last;
+        queue.enqueueReadBuffer(*face_answers_, CL_FALSE, 0, count_, read->face_answers.data(), nullptr, &last);
+        last.wait();  // which fails if a kernel has failed; a blocking read by PoCL does not
         read.end();
         left_ = sources_->of_kernels->left_to_host(topology_, read->face_answers, read->vertex_answers);
         complete_frusta(topology_, box_, left_, *frusta_);
-        if (in_place != nullptr) {
-            queue.enqueueUnmapMemObject(*faces_.slopes, in_place);
-            return;
-        }
+        if (in_place) return;
         std::vector<polyhedra::FaceSlopes> written;
         for (const std::uint32_t face : left_.faces) written.push_back(frusta_->slopes[face]);
         place_items(job_, written, left_.faces, *faces_.slopes);

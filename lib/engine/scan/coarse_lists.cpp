@@ -221,7 +221,7 @@ CoarseLists make_coarse_lists(const ScanInputs& inputs) {
                                    ? make_lists_by_group(inputs, seconds_of_a_cluster(inputs.layout), lists)
                                    : ListsByVector(inputs).make(lists));
         inputs.queue().flush();
-        points.end();  // lists that are known follow the bounds
+        points.end();  // the host has read the lists' lengths, which were computed behind the copy
         return lists;
     });
 }

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -18,7 +19,8 @@ inline constexpr std::size_t usual_grain = 512;
 
 /// Calls f(begin, end) for ranges that cover [0, count), on all cores. Ranges of `grain` indices are not divided. f
 /// must write only elements of its own indices; then results are the same for any number of threads. A thread that
-/// waits here takes no other task: the caller's tasks might lock a mutex that this thread holds.
+/// waits here takes no other task: the caller's tasks might lock a mutex that this thread holds. If the caller's tasks
+/// are cancelled, the loop goes on to its end.
 template <typename Function>
 void for_each_range(std::size_t count, const Function& f, std::size_t grain = usual_grain) {
     if (count <= grain) {
@@ -26,8 +28,10 @@ void for_each_range(std::size_t count, const Function& f, std::size_t grain = us
         return;
     }
     tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                          [&f](const tbb::blocked_range<std::size_t>& range) { f(range.begin(), range.end()); });
+        tbb::task_group_context own(tbb::task_group_context::isolated);
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, count, grain),
+            [&f](const tbb::blocked_range<std::size_t>& range) { f(range.begin(), range.end()); }, own);
     });
 }
 
@@ -47,12 +51,13 @@ void for_each_index(std::size_t count, const Function& f, std::size_t grain = us
 template <typename Part, typename Function, typename Join>
 Part reduce_ranges(std::size_t count, std::size_t grain, const Part& none, const Function& f, const Join& join) {
     return tbb::this_task_arena::isolate([&] {
+        tbb::task_group_context own(tbb::task_group_context::isolated);
         return tbb::parallel_deterministic_reduce(
             tbb::blocked_range<std::size_t>(0, count, grain), none,
             [&f](const tbb::blocked_range<std::size_t>& range, Part part) {
                 return f(range.begin(), range.end(), std::move(part));
             },
-            join);
+            join, own);
     });
 }
 

@@ -100,7 +100,7 @@ std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {
 
 static constexpr std::size_t least_bytes = 64;  // of a buffer
 
-// Kept data has been released before.
+// Of errors that remain when what is kept has been released.
 static constexpr const char* remedy =
     "compute a smaller part of the grid or fewer points at a time, or a narrower band, and release plans";
 

@@ -2,11 +2,13 @@
 
 #include "device/context.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -154,5 +156,14 @@ private:
     bool is_mapped_ = false;
     std::unique_ptr<std::byte[]> array_;  // if the buffer is not mapped
 };
+
+/// A buffer with these values. Does not wait.
+template <class Values>
+BufferPool::Lease uploaded(const Context& context, const std::shared_ptr<BufferPool>& pool, const Values& values,
+                           const char* purpose) {
+    HostFilling filling(context, pool, values.size() * sizeof(values[0]), purpose);
+    std::copy(values.begin(), values.end(), static_cast<std::remove_cvref_t<decltype(values[0])>*>(filling.memory()));
+    return filling.finish();
+}
 
 }  // namespace clsdf::device

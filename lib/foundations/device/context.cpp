@@ -182,6 +182,11 @@ void Context::require_usable() const {
                                 device_.getInfo<CL_DEVICE_NAME>()));
 }
 
+void Context::begin_call() const {
+    require_usable();
+    guarded([&] { queue_.finish(); });
+}
+
 bool Context::drain() const noexcept {
     if (!lost_ && clFinish(queue_()) != CL_SUCCESS) lost_ = true;
     return !lost_;

@@ -124,6 +124,9 @@ public:
     bool is_lost() const noexcept { return lost_; }
     /// Throws Error(device_failure) if so.
     void require_usable() const;
+    /// The same, before the first command of a call that waits for its commands. Waits for what is in queue() already:
+    /// such a command may fail, because its wait list does, and drivers may then leave out those behind it in silence.
+    void begin_call() const;
 
     /// See Device::keep_records().
     void keep_records(const std::filesystem::path& folder);

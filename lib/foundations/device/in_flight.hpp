@@ -7,14 +7,14 @@
 
 namespace clsdf::device {
 
-/// Memory of the host that is copied to or from the device between begin() and end(). If it is destroyed in between,
-/// after an error, it waits for the queue. If the driver cannot tell that the commands have ended, the memory lives as
-/// long as the process. As the last member of an object it is destroyed first: then no command uses the others.
+/// Memory of the host that commands read or write between begin() and end(). If it is destroyed in between, after an
+/// error, it waits for the queue. If the driver cannot tell that the commands have ended, the memory lives as long as
+/// the process. As the last member of an object it is destroyed first: it waits before the others are destroyed.
 ///
 /// Commands may still use memory when an error ends a call. So each kind of memory has one owner:
 /// - Buffers: BufferPool::Lease gives them to later commands only, and to none if the device is lost.
 /// - The host's memory under a buffer: buffer_in() keeps it as long as the driver has the buffer.
-/// - The host's memory that is copied: InFlight.
+/// - Arrays of a call that are copied, or written in place: InFlight, SlabPipeline.
 /// - The caller's memory: Context::run_or_drain() waits before the call returns.
 template <class Value>
 class InFlight {

@@ -136,7 +136,7 @@ SlabPipeline::Slot& SlabPipeline::next() {
     return slot;
 }
 
-void SlabPipeline::take_back(Slot& slot) {
+void SlabPipeline::discard(Slot& slot) {
     slot = {};
     if (next_slot_ > 0) --next_slot_;
 }

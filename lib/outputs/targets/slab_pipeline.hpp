@@ -87,8 +87,8 @@ public:
 
     /// Waits until the slot's former samples have been handed on; throws what hand_on() threw.
     Slot& next();
-    /// The slot's samples have not been computed; next() gives the slot again.
-    void take_back(Slot& slot);
+    /// Releases the memory of a slot whose samples have not been computed. next() gives the slot again.
+    void discard(Slot& slot);
     /// The samples have been computed. hand_on: empty if they stay where they are.
     void deliver(Slot& slot, HandOn hand_on);
     /// Waits for all; throws what hand_on() threw.

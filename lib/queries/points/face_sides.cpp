@@ -307,9 +307,7 @@ FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device
     FaceSides result;
     result.known =
         static_cast<std::size_t>(std::count_if(sides.begin(), sides.end(), [](auto bits) { return bits != 0; }));
-    const std::size_t bytes = sides.size() * sizeof(std::uint16_t);
-    result.sides = pool->lease(bytes, "sides of faces");
-    device::guarded([&] { context.queue().enqueueWriteBuffer(*result.sides, CL_TRUE, 0, bytes, sides.data()); });
+    result.sides = device::uploaded(context, pool, sides, "sides of faces");
     return result;
 }
 

@@ -51,8 +51,10 @@ std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
 void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     const std::scoped_lock lock(mutex_);
     remembered_.mesh = inputs.mesh;
-    if (scan::names_sites(outputs)) remembered_.names = inputs.sites->names;
-    remembered_.renumbered = inputs.sites->renumbered;
+    if (scan::names_sites(outputs)) {
+        remembered_.names = inputs.sites->names;
+        remembered_.renumbered = inputs.sites->renumbered;
+    }
     remembered_.sign = inputs.sign;
     if (!scan::takes_normals(outputs)) return;
     remembered_.normals = inputs.sites->normals;

@@ -281,12 +281,8 @@ PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device
     result.leaves = leaves.finish();
     result.polyhedra = records.finish();
     result.faces = faces.finish();
-    const std::span<const PointNode> upper = std::span(result.nodes).subspan(result.tree.count[0]);
-    const std::size_t bytes = upper.size_bytes();
-    result.device_nodes = pool->lease(bytes, "nodes of the points' tree");
-    if (bytes > 0)
-        device::guarded(
-            [&] { context.queue().enqueueWriteBuffer(*result.device_nodes, CL_TRUE, 0, bytes, upper.data()); });
+    result.device_nodes = device::uploaded(context, pool, std::span(result.nodes).subspan(result.tree.count[0]),
+                                           "nodes of the points' tree");
     return result;
 }
 

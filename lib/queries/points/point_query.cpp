@@ -53,16 +53,16 @@ public:
           const PointInputs& inputs, std::span<const Vec3> points, double half_width)
         : context_(context),
           programs_(programs),
-          pool_(*pool),
+          pool_(pool),
           queue_(context.queue()),
           program_(programs.points),
           inputs_(inputs),
           callers_(points),
           half_width_(half_width),
-          device_faces_(pool_, points.size(), "nearest faces of points"),
-          device_squared_(pool_, points.size(), "squared distances of points") {
+          device_faces_(*pool_, points.size(), "nearest faces of points"),
+          device_squared_(*pool_, points.size(), "squared distances of points") {
         order();
-        device::HostFilling filling(context_, pool, count() * sizeof(Vec3), "points");
+        device::HostFilling filling(context_, pool_, count() * sizeof(Vec3), "points");
         const std::span<Vec3> in_units(static_cast<Vec3*>(filling.memory()), count());
         for_each_index(count(), [&](std::size_t i) { in_units[i] = inputs_.mesh->in_units(callers_[order_[i]]); });
         if (inputs_.scanned) groups_.emplace(group_points(in_units));
@@ -94,11 +94,10 @@ public:
 
     /// Signs and outputs. Returns the seconds spent on signs that the sides of faces do not tell.
     double finish(const scan::HostArrays& arrays) {
-        PointBuffer<std::uint32_t> places(pool_, count(), "order of points");
-        PointBuffer<std::uint8_t> signs(pool_, count(), "signs of points");
-        places.write(queue_, order_);
+        const auto places = device::uploaded(context_, pool_, order_, "order of points");
+        PointBuffer<std::uint8_t> signs(*pool_, count(), "signs of points");
         scan::OutputMemories memories;
-        memories.place(context_, pool_, arrays, count());
+        memories.place(context_, *pool_, arrays, count());
         const scan::OutputBuffers& outputs = memories.buffers;
         const scan::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
         cl::Kernel kernel(program_, "finish_points");
@@ -158,7 +157,7 @@ private:
 
     device::Context& context_;
     const scan::Programs& programs_;
-    device::BufferPool& pool_;
+    const std::shared_ptr<device::BufferPool>& pool_;
     cl::CommandQueue queue_;
     cl::Program program_;
     const PointInputs& inputs_;

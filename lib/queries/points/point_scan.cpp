@@ -71,14 +71,6 @@ Level level_of(std::size_t children, const ExtentOf& extent_of) {
     return level;
 }
 
-template <typename Value>
-device::BufferPool::Lease upload(const cl::CommandQueue& queue, device::BufferPool& pool, std::span<const Value> values,
-                                 const char* purpose) {
-    auto lease = pool.lease(std::max<std::size_t>(values.size_bytes(), 4), purpose);
-    if (!values.empty()) queue.enqueueWriteBuffer(*lease, CL_TRUE, 0, values.size_bytes(), values.data());
-    return lease;
-}
-
 FaceNeighbours neighbours_of(const polyhedra::MeshTopology& topology, std::size_t face) {
     FaceNeighbours neighbours{};
     const polyhedra::FaceEdges& edges = topology.edges.faces[face];
@@ -136,12 +128,9 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
             ring_faces[starts[v] + i] = topology.rings.corner(v, i).face;
     });
     for (std::size_t i = 0; i < site_vertices.size(); ++i) site_vertices[i] = frusta.sites[i].vertex;
-    device::guarded([&] {
-        const cl::CommandQueue& queue = context.queue();
-        mesh.ring_starts = upload<std::uint32_t>(queue, *pool, starts, "rings of vertices");
-        mesh.ring_faces = upload<std::uint32_t>(queue, *pool, ring_faces, "faces of rings");
-        mesh.site_vertices = upload<std::uint32_t>(queue, *pool, site_vertices, "vertices of point sites");
-    });
+    mesh.ring_starts = device::uploaded(context, pool, starts, "rings of vertices");
+    mesh.ring_faces = device::uploaded(context, pool, ring_faces, "faces of rings");
+    mesh.site_vertices = device::uploaded(context, pool, site_vertices, "vertices of point sites");
     return mesh;
 }
 
@@ -171,16 +160,16 @@ public:
     explicit Scan(const ScanJob& job) : job_(job), queue_(job.context.queue()), program_(job.programs.point_scan) {
         block_count_ = job.groups.blocks.size();
         superblock_count_ = job.groups.superblocks.size();
-        bricks_ = upload<PointGroup>(queue_, job.pool, job.groups.bricks, "bricks of points");
-        blocks_ = upload<PointGroup>(queue_, job.pool, job.groups.blocks, "blocks of points");
-        superblocks_ = upload<PointGroup>(queue_, job.pool, job.groups.superblocks, "superblocks of points");
+        bricks_ = device::uploaded(job.context, job.pool, job.groups.bricks, "bricks of points");
+        blocks_ = device::uploaded(job.context, job.pool, job.groups.blocks, "blocks of points");
+        superblocks_ = device::uploaded(job.context, job.pool, job.groups.superblocks, "superblocks of points");
     }
 
     /// The polyhedra that the blocks' points are looked up in.
     void mark_blocks(const std::function<void(double)>& between) {
-        const auto squares = job_.pool.lease(superblock_count_ * width * sizeof(float), "bounds of points");
+        const auto squares = job_.pool->lease(superblock_count_ * width * sizeof(float), "bounds of points");
         const std::size_t records = job_.scanned.counts.records;
-        marks_ = job_.pool.lease(superblock_count_ * records * sizeof(cl_ushort), "lists of blocks of points");
+        marks_ = job_.pool->lease(superblock_count_ * records * sizeof(cl_ushort), "lists of blocks of points");
         cl::Kernel bound(program_, "bound_blocks");
         scan::launch(queue_, bound, {superblock_count_, 1}, *superblocks_, cl_uint{0},
                      static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1),
@@ -201,10 +190,10 @@ public:
         const std::size_t items = std::min<std::size_t>(job_.context.capabilities().compute_units, block_count_),
                           records = job_.scanned.counts.records;
         const auto lists =
-            job_.pool.lease(items * 2 * (records + 1) * sizeof(cl_uint), "lists of polyhedra near points");
-        const auto marks = job_.pool.lease(items * records * sizeof(cl_ushort), "lists of bricks of points");
-        const auto memory = job_.pool.lease(items * sizeof(PointBrick), "bricks of points in work");
-        const auto next_block = job_.pool.lease(sizeof(cl_uint), "next block");
+            job_.pool->lease(items * 2 * (records + 1) * sizeof(cl_uint), "lists of polyhedra near points");
+        const auto marks = job_.pool->lease(items * records * sizeof(cl_ushort), "lists of bricks of points");
+        const auto memory = job_.pool->lease(items * sizeof(PointBrick), "bricks of points in work");
+        const auto next_block = job_.pool->lease(sizeof(cl_uint), "next block");
         cl::Kernel kernel(program_, "nearest_by_groups");
         scan::measured_launches(job_.context, block_count_, seconds_per_scanned_point * CLSDF_POINTS_OF_BLOCK, items,
                                 between, [&](std::size_t begin, std::size_t end) {

@@ -48,7 +48,7 @@ PointGroups group_points(std::span<const Vec3> in_units);
 struct ScanJob {
     device::Context& context;
     const scan::Programs& programs;
-    device::BufferPool& pool;
+    const std::shared_ptr<device::BufferPool>& pool;
     const PointMesh& mesh;
     const ScannedMesh& scanned;
     const PointGroups& groups;
