@@ -24,13 +24,15 @@ INLINE double distance_to_other_edges(__private const Nearest* nearest) {
 // The sign of a point by its side of the nearest face; CLSDF_POINT_UNDECIDED if it does not follow from that beyond all
 // rounding (docs/method.md, 'Sides of faces'). Lengths are in units.
 #define SQUARE_OF_LEAST_DISTANCE 1.0e-8
-#define LEAST_INSIDE_FACE 1.0e-6     // of the closest point to the face's edges
-#define LEAST_INSIDE_EDGE 1.0e-3     // the same on an edge, to the other two
-#define LEAST_COSINE 1.0e-3          // between an edge's pseudonormal and the way to the point
-#define LEAST_COSINE_AT_VERTEX 0.71  // the same of a vertex
+#define SQUARE_OF_MOST_DISTANCE 1.0e8  // farther away, distances are rounded by more than the proof allows
+#define LEAST_INSIDE_FACE 1.0e-6       // of the closest point to the face's edges
+#define LEAST_INSIDE_EDGE 1.0e-3       // the same on an edge, to the other two
+#define LEAST_COSINE 1.0e-3            // between an edge's pseudonormal and the way to the point
+#define LEAST_COSINE_AT_VERTEX 0.71    // the same of a vertex
 INLINE uint sign_by_sides(__private const Finishing* finishing, __private const Nearest* nearest, uint sides) {
     const double squared = scalar_product(nearest->from, nearest->from);
-    if (sides == 0 || squared <= SQUARE_OF_LEAST_DISTANCE) return CLSDF_POINT_UNDECIDED;
+    if (sides == 0 || squared <= SQUARE_OF_LEAST_DISTANCE || squared > SQUARE_OF_MOST_DISTANCE)
+        return CLSDF_POINT_UNDECIDED;
     double outward = nearest->from.z, least = LEAST_COSINE;
     if (nearest->frame_site != CLSDF_SITE_OF_FACE) {
         if (!(sides >> site_of_triangle(nearest->polyhedron, nearest->frame_site) & 1u)) return CLSDF_POINT_UNDECIDED;

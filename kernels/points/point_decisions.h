@@ -46,16 +46,16 @@ INLINE FaceDistance take_face(ScanMesh mesh, uint face, uint vector, int part, _
     return d;
 }
 
-// Takes all faces at a vertex for points whose nearest site it may be.
-static void take_vertex(ScanMesh mesh, uint vertex, uint vector, int part, uint lanes, __global PointBrick* brick) {
-    __global uint* done = brick->vertex + OF_VECTOR(part);
-    uint left = 0;
-    for (uint rest = lanes; rest; rest &= rest - 1) {
-        const uint lane = lowest_bit(rest);
-        left |= done[lane] != vertex;
-        done[lane] = vertex;
-    }
-    if (!left) return;
+#define BITS_OF(mask) lanes_to_bits(convert_intL(mask))
+
+// Takes all faces at a vertex for the points of a part, whose nearest site it may be. The vertices that were taken last
+// are known, the latest first: a vertex may have thousands of faces, each of which asks for it.
+static void take_vertex(ScanMesh mesh, uint vertex, uint vector, int part, __global PointBrick* brick) {
+    __global uint* latest = brick->vertex + OF_VECTOR(part);
+    const uint known = BITS_OF(load_lanes(0, latest) == (uintL)vertex);
+    for (uint i = known ? lowest_bit(known) : LANES - 1; i > 0; --i) latest[i] = latest[i - 1];
+    latest[0] = vertex;
+    if (known) return;
     for (uint i = mesh.ring_starts[vertex]; i < mesh.ring_starts[vertex + 1]; ++i)
         take_face(mesh, mesh.ring_faces[i], vector, part, brick);
 }
@@ -66,7 +66,7 @@ INLINE void take_across(ScanMesh mesh, __global const FaceNeighbours* neighbours
     const uint across = neighbours->across[edge];
     if (lanes == 0 || across == CLSDF_NONE_ACROSS) return;
     if (across == CLSDF_MANY_ACROSS)
-        take_vertex(mesh, neighbours->vertex[edge], vector, part, lanes, brick);
+        take_vertex(mesh, neighbours->vertex[edge], vector, part, brick);
     else
         take_face(mesh, across, vector, part, brick);
 }
@@ -75,14 +75,12 @@ INLINE uint three_after(uint first, uint steps) {
     return (first + steps) % 3u;
 }
 
-#define BITS_OF(mask) lanes_to_bits(convert_intL(mask))
-
 // Decides a candidate in double. If the nearest point lies on an edge or a vertex, other faces share it. They may be
 // missing from the list, and rounding decides between them, too. reach: how near, in units, an edge counts.
 static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes, float reach,
                    __global PointBrick* brick) {
     if (record >= mesh.counts.faces) {
-        take_vertex(mesh, mesh.site_vertices[record - mesh.counts.faces], vector, part, lanes, brick);
+        take_vertex(mesh, mesh.site_vertices[record - mesh.counts.faces], vector, part, brick);
         return;
     }
     __global const FaceNeighbours* neighbours = mesh.neighbours + record;
@@ -91,7 +89,7 @@ static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes
     lanes &= BITS_OF(d.squared <= squared + TIE_RATE * squared + TIE_SLACK);
     // In a face of less altitude than `reach`, a point may lie on all three edges: all faces at its vertices count.
     if (mesh.polyhedra[record].exact_altitude <= (double)reach) {
-        for (uint k = 0; k < 3 && lanes; ++k) take_vertex(mesh, neighbours->vertex[k], vector, part, lanes, brick);
+        for (uint k = 0; k < 3 && lanes; ++k) take_vertex(mesh, neighbours->vertex[k], vector, part, brick);
         return;
     }
     const uint left = BITS_OF(d.offsets.left) & lanes, right = lanes & ~left;
@@ -102,9 +100,9 @@ static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes
     const uint end = ((base & BITS_OF(d.offsets.beyond >= near)) | (slanted & BITS_OF(d.offsets.before >= near)));
     const uint apex = slanted & BITS_OF(d.offsets.past >= near);
     const uint first = mesh.records[record].flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
-    if (end & left) take_vertex(mesh, neighbours->vertex[first], vector, part, end & left, brick);
-    if (end & right) take_vertex(mesh, neighbours->vertex[three_after(first, 1)], vector, part, end & right, brick);
-    if (apex) take_vertex(mesh, neighbours->vertex[three_after(first, 2)], vector, part, apex, brick);
+    if (end & left) take_vertex(mesh, neighbours->vertex[first], vector, part, brick);
+    if (end & right) take_vertex(mesh, neighbours->vertex[three_after(first, 1)], vector, part, brick);
+    if (apex) take_vertex(mesh, neighbours->vertex[three_after(first, 2)], vector, part, brick);
     const uint edges = ~(end | apex);
     take_across(mesh, neighbours, first, vector, part, base & edges, brick);
     take_across(mesh, neighbours, three_after(first, 1), vector, part, slanted & right & edges, brick);

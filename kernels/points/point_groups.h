@@ -71,7 +71,7 @@ typedef struct PointBrick {
     float bound[CLSDF_POINTS_OF_BRICK];                    // of the squared distance
     clsdf_uint32 triangle[CLSDF_POINTS_OF_BRICK];          // the nearest, in the caller's order
     clsdf_uint32 face[CLSDF_POINTS_OF_BRICK];              // in the tree's
-    clsdf_uint32 vertex[CLSDF_POINTS_OF_BRICK];            // all whose faces have been looked at
+    clsdf_uint32 vertex[CLSDF_POINTS_OF_BRICK];            // whose faces were taken last; see take_vertex()
     float candidate[CLSDF_CANDIDATES][CLSDF_GROUP_WIDTH];  // squared distances, less their error
     clsdf_uint32 record[CLSDF_CANDIDATES];
     clsdf_uint32 vector[CLSDF_CANDIDATES];

@@ -101,6 +101,17 @@ BOOST_AUTO_TEST_CASE(the_sign_is_exact_up_to_the_limit_of_its_integers) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(without_a_band_every_sample_has_its_distance_or_the_grid_is_refused) {
+    const DistanceTransform transform(test_device(), make_shape("tetrahedron"), {.sign = SignRule::none});
+    Grid grid{{0.1, 0.1, 0.1}, {1, 1, 1e9}, {2, 2, 8}};
+    grid.first = {0, 0, 799'990};
+    const Field field = transform.compute(grid, Band::full());
+    BOOST_TEST(std::ranges::count_if(field.distance(), [](float d) { return !std::isfinite(d); }) == 0);
+    grid.first = {0, 0, 800'000};
+    check_throws(ErrorCode::invalid_argument, {"reaches 8e+14 voxels", "sample (0, 0, 0)", "move the origin nearer"},
+                 [&] { transform.compute(grid, Band::full()); });
+}
+
 BOOST_AUTO_TEST_CASE(a_mesh_beyond_the_signs_integers_is_refused) {
     for (const double size : {0x1p41, 0x1p44}) {
         const Mesh mesh = long_prism(size);

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <random>
@@ -280,6 +281,61 @@ BOOST_AUTO_TEST_CASE(points_of_a_device_with_little_memory_have_the_same_bytes) 
     const DistanceTransform unlimited(test_device(), mesh);
     query(unlimited, points);
     BOOST_TEST(kept < unlimited.memory().device_bytes, "memory was not short");
+}
+
+// At a great distance both sides of a thin wall are equally near.
+BOOST_AUTO_TEST_CASE(points_far_from_a_thin_wall_are_outside) {
+    const Mesh sphere = make_shape("sphere3");
+    std::vector<Vec3> vertices = sphere.vertices();
+    std::vector<Triangle> triangles = sphere.triangles();
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (std::uint32_t i = 0; i < first; ++i) {
+        Vec3 v = vertices[i];
+        for (double& x : v) x *= 1 - 4e-8;
+        vertices.push_back(v);
+    }
+    for (const Triangle& t : sphere.triangles()) triangles.push_back({first + t[0], first + t[2], first + t[1]});
+    const DistanceTransform transform(test_device(), Mesh(vertices, triangles, "thin wall"));
+    std::mt19937_64 generator(83);
+    std::normal_distribution<double> normal;
+    std::vector<Vec3> points;
+    for (const double distance : {1e2, 1e4, 1e6, 1e9, 1e11})
+        for (int i = 0; i < 4000; ++i) {
+            const Vec3 v{normal(generator), normal(generator), normal(generator)};
+            const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+            points.push_back({v[0] / length * distance, v[1] / length * distance, v[2] / length * distance});
+        }
+    for (int call = 0; call < 2; ++call) {  // the sides of faces are known in the second one
+        std::vector<float> distances(points.size());
+        transform.query(points, no_limit, {{Output::distance, distances}});
+        BOOST_TEST(std::ranges::count_if(distances, [](float d) { return !(d > 0); }) == 0);
+    }
+}
+
+// All faces at a vertex are nearly equally far from a point far away. If each of them asked for all others again, this
+// would take minutes.
+BOOST_AUTO_TEST_CASE(many_points_far_from_a_vertex_of_thousands_of_faces_are_as_fast_as_others) {
+    constexpr std::uint32_t sectors = 8000;
+    std::vector<Vec3> vertices{{0, 0, 64}, {0, 0, 0}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < sectors; ++i) {
+        const double angle = 2 * std::numbers::pi * i / sectors;
+        vertices.push_back({128 * std::cos(angle), 128 * std::sin(angle), 0});
+        const std::uint32_t a = 2 + i, b = 2 + (i + 1) % sectors;
+        triangles.push_back({0, a, b});
+        triangles.push_back({1, b, a});
+    }
+    const Mesh mesh(vertices, triangles, "cone");
+    std::mt19937_64 generator(85);
+    std::uniform_real_distribution<double> aside(-1e5, 1e5), above(5e5, 1e6);
+    std::vector<Vec3> points;
+    for (int i = 0; i < 17'000; ++i) points.push_back({aside(generator), aside(generator), above(generator)});
+    const DistanceTransform transform(test_device(), mesh);
+    const Field many = query(transform, points), few = query(transform, std::span(points).first(90));
+    for (const OutputInfo& info : output_table()) {
+        const std::span<const std::byte> bytes = few.bytes(info.output);
+        BOOST_TEST(std::ranges::equal(bytes, many.bytes(info.output).first(bytes.size())), info.name << " differs");
+    }
 }
 
 // A query that is short of memory releases what fields have kept, while others use it.

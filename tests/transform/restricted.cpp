@@ -331,6 +331,72 @@ BOOST_AUTO_TEST_CASE(each_of_several_regions_has_the_bytes_of_the_whole) {
 }
 
 // As the leaves of a forest are: small boxes beside each other, and so many that none may look at all of them.
+namespace {
+
+/// A cube of 256 units, its sides divided into cells, below y = 0, and a tetrahedron above, so that the mesh's box has
+/// room beside the cube's upper side.
+Mesh cube_below_a_tetrahedron() {
+    constexpr std::uint32_t cells = 64;
+    constexpr double half = 128;
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    const auto add_side = [&](const auto& place) {
+        const auto first = static_cast<std::uint32_t>(vertices.size());
+        const auto at = [](std::uint32_t i) { return half * (2.0 * i / cells - 1); };
+        for (std::uint32_t j = 0; j <= cells; ++j)
+            for (std::uint32_t i = 0; i <= cells; ++i) vertices.push_back(place(at(i), at(j)));
+        for (std::uint32_t j = 0; j < cells; ++j)
+            for (std::uint32_t i = 0; i < cells; ++i) {
+                const std::uint32_t a = first + j * (cells + 1) + i, d = a + cells + 1;
+                triangles.push_back({a, a + 1, d + 1});
+                triangles.push_back({a, d + 1, d});
+            }
+    };
+    add_side([](double u, double v) { return Vec3{u, 0, -v}; });
+    add_side([](double u, double v) { return Vec3{u, -2 * half, v}; });
+    add_side([](double u, double v) { return Vec3{u, v - half, half}; });
+    add_side([](double u, double v) { return Vec3{-u, v - half, -half}; });
+    add_side([](double u, double v) { return Vec3{half, v - half, -u}; });
+    add_side([](double u, double v) { return Vec3{-half, v - half, u}; });
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (const Vec3& v : {Vec3{0, 100, 0}, Vec3{1, 100, 0}, Vec3{0, 101, 0}, Vec3{0, 100, 1}}) vertices.push_back(v);
+    for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{0, 3, 2}, Triangle{1, 2, 3}})
+        triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    return Mesh(vertices, triangles, "cube below a tetrahedron");
+}
+
+}  // namespace
+
+// The surface between two regions is not in the part.
+BOOST_AUTO_TEST_CASE(points_and_boxes_of_regions_on_both_sides_of_a_surface_have_their_own_signs) {
+    const DistanceTransform whole(test_device(), cube_below_a_tetrahedron());
+    const std::array regions{Region{{{-1, -6.5, -1}, {1, -6, 1}}, 0.5, 0}, Region{{{-1, 6, -1}, {1, 6.5, 1}}, 0.5, 0}};
+    const DistanceTransform part = whole.restrict_to(regions);
+    const auto distances = [](const DistanceTransform& transform, const std::vector<Vec3>& points) {
+        std::vector<float> values(points.size());
+        transform.query(points, 0.5, {{Output::distance, values}});
+        return values;
+    };
+    std::vector<Vec3> points;
+    for (int i = 0; i < 100; ++i)  // more than few
+        for (const double y : {-6.2, 6.2}) points.push_back({0.01 * i, y, 0.2});
+    for (const std::size_t count : {std::size_t{2}, points.size()}) {
+        std::vector<Vec3> some(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count));
+        for (int way = 0; way < 2; ++way, std::ranges::reverse(some))
+            BOOST_TEST(distances(part, some) == distances(whole, some), boost::test_tools::per_element());
+    }
+    BOOST_TEST(distances(part, points)[0] == -0.5F);
+    BOOST_TEST(distances(part, points)[1] == 0.5F);
+    std::vector<Box> boxes{{{0, -6.3, 0}, {0.1, -6.2, 0.1}}, {{0, 6.2, 0}, {0.1, 6.3, 0.1}}};
+    for (int way = 0; way < 2; ++way, std::ranges::reverse(boxes)) {
+        std::array<BoxPlace, 2> of_part{}, of_whole{};
+        part.classify(boxes, 0.5, of_part);
+        whole.classify(boxes, 0.5, of_whole);
+        BOOST_TEST((of_part == of_whole));
+        BOOST_TEST((of_part[0] == (way == 0 ? BoxPlace::inside : BoxPlace::outside)));
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_hundred_thousand_regions_have_the_bytes_of_the_whole) {
     const Mesh mesh = make_shape("sphere4");
     const DistanceTransform whole(test_device(), mesh);

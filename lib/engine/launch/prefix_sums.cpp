@@ -55,7 +55,8 @@ PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
 std::size_t PrefixSums::total() {
     device::guarded([&] { device::wait_for(total_read_); });
     total_.end();
-    if (**total_ > std::numeric_limits<cl_uint>::max()) throw too_many(what_);
+    constexpr cl_ulong step = 4096;  // kernels go beyond the end by one
+    if (**total_ > std::numeric_limits<cl_uint>::max() - step) throw too_many(what_);
     return static_cast<std::size_t>(**total_);
 }
 

@@ -14,6 +14,8 @@ namespace {
 
 // Stands for an infinite half width: beyond any distance that a float can hold the square of with room to spare.
 constexpr double unbounded_half_width = 1e15;
+// How far samples may then lie from sample (0, 0, 0): the mesh may be farthest * sqrt(3) away on the other side.
+constexpr double farthest_sample = 8e14;
 // Differences of two indices are integers of 32 bits, also from where the coarse bricks that overlap a grid begin.
 constexpr std::int64_t index_limit = (std::int64_t{1} << 30) - std::int64_t{4} * CLSDF_COARSE;
 
@@ -52,6 +54,17 @@ float rounded_up(double value) {
     const auto rounded = static_cast<float>(value);
     return static_cast<double>(rounded) < value ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
                                                 : rounded;
+}
+
+/// How far samples may lie from sample (0, 0, 0).
+double reach_of(const Layout& layout, const Grid& grid) {
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double first = layout.first[axis], last = first + layout.size[axis] - 1;
+        const double length = std::max(std::abs(first), std::abs(last)) * grid.spacing[axis];
+        squared += length * length;
+    }
+    return std::sqrt(squared);
 }
 
 float squared_limit(double half_width) {
@@ -97,6 +110,11 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
         throw Error(
             ErrorCode::invalid_argument,
             fmt::format("the band's half width of {} is beyond 1e15 voxels; use an infinite one", band.widest()));
+    if (const double reach = reach_of(layout, grid) / unit; std::isinf(widest) && reach > farthest_sample)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the grid reaches {:.3g} voxels from its lattice's sample (0, 0, 0); without a band it "
+                                "may reach 8e14; move the origin nearer, or give the field a finite half width",
+                                reach));
     layout.half_width = rounded_up(std::min(widest, unbounded_half_width));
     layout.inside_squared = squared_limit(inside);
     layout.outside_squared = squared_limit(outside);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <limits>
 #include <numeric>
 
 namespace clsdf::scan {
@@ -106,8 +107,9 @@ private:
         cl::Kernel kernel(inputs_.programs.coarse_lists, "coarse_count");
         const double seconds = seconds_of_a_cluster(inputs_.layout) * static_cast<double>(clusters);
         const std::size_t expected =
-            std::min(expected_pairs(inputs_.layout, inputs_.programs.lanes) * records,
-                     inputs_.context.capabilities().largest_allocation / sizeof(ClusterPair) / 2);
+            std::min({expected_pairs(inputs_.layout, inputs_.programs.lanes) * records,
+                      inputs_.context.capabilities().largest_allocation / sizeof(ClusterPair) / 2,
+                      static_cast<std::size_t>(std::numeric_limits<cl_uint>::max())});
         // The first room is a guess. If there is no memory for it, the first pass only counts pairs.
         std::vector<cl_uint> room(parts_, static_cast<cl_uint>(expected / parts_));
         if (auto guess = inputs_.pool->lease_if_it_fits(bytes_of(room), pairs_purpose))

@@ -54,11 +54,13 @@ double squared_distance(const std::array<Vec3, 3>& corners, const Box& box, doub
 struct Reach {
     double squared;
     float squared_in_units;
+    double least_squared_in_units;  ///< smaller by as much
 
     Reach(double half_width, double unit)
         : squared(half_width * half_width * (1 + 1e-14)),
           squared_in_units(static_cast<float>(std::min(half_width / unit * (half_width / unit) * (1 + 4 * rounding),
-                                                       static_cast<double>(std::numeric_limits<float>::max())))) {}
+                                                       static_cast<double>(std::numeric_limits<float>::max())))),
+          least_squared_in_units(half_width / unit * (half_width / unit) * (1 - 4 * rounding)) {}
 };
 
 Squares all_infinite() {
@@ -154,6 +156,7 @@ void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxe
         Search search(mesh, boxes[i], reach);
         places[i] = search.finds_face() ? BoxPlace::within : has_sign ? BoxPlace::outside : BoxPlace::beyond;
         bounds[i] = search.lower_bound();
+        if (mesh.has_gaps) bounds[i] = std::min(bounds[i], reach.least_squared_in_units);
     });
     if (!has_sign) return;
 

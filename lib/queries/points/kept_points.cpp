@@ -9,7 +9,9 @@ std::shared_ptr<const PointMesh> KeptPoints::tree() {
         return tree_.get_or([&] {
             PointMesh made = make_point_mesh(kept_mesh_.context(), kept_mesh_.pool(), kept_mesh_.mesh(),
                                              kept_mesh_.shared_topology());
-            made.is_part = kept_mesh_.restriction() != nullptr;
+            const transform::Restriction* restriction = kept_mesh_.restriction();
+            made.is_part = restriction != nullptr;
+            made.has_gaps = made.is_part && restriction->regions.size() > 1;
             return made;
         });
     });
