@@ -156,7 +156,7 @@ void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxe
         Search search(mesh, boxes[i], reach);
         places[i] = search.finds_face() ? BoxPlace::within : has_sign ? BoxPlace::outside : BoxPlace::beyond;
         bounds[i] = search.lower_bound();
-        if (mesh.has_gaps) bounds[i] = std::min(bounds[i], reach.least_squared_in_units);
+        if (mesh.has_several_regions) bounds[i] = std::min(bounds[i], reach.least_squared_in_units);
     });
     if (!has_sign) return;
 

@@ -11,7 +11,7 @@ std::shared_ptr<const PointMesh> KeptPoints::tree() {
                                              kept_mesh_.shared_topology());
             const transform::Restriction* restriction = kept_mesh_.restriction();
             made.is_part = restriction != nullptr;
-            made.has_gaps = made.is_part && restriction->regions.size() > 1;
+            made.has_several_regions = made.is_part && restriction->regions.size() > 1;
             return made;
         });
     });

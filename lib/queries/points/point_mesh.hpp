@@ -36,9 +36,9 @@ inline bool contains(const Box& box, const Vec3& p) {
 /// follows from the triangles and the positions alone.
 struct PointMesh {
     polyhedra::LatticeView lattice;
-    Box box;                ///< of the mesh
-    bool is_part = false;   ///< faces that cross rows with greater x than those of the points may be missing
-    bool has_gaps = false;  ///< faces between points may be missing, too: the part has several regions
+    Box box;                           ///< of the mesh
+    bool is_part = false;              ///< faces that cross rows with greater x than those of the points may be missing
+    bool has_several_regions = false;  ///< a part: between points of two regions, any face may be missing
     std::shared_ptr<const polyhedra::MeshTopology> topology;  ///< whose faces the tree's faces are
     UninitializedVector<Vec3> positions;                      ///< of the vertices, numbered as in MeshTopology::faces
     PointTree tree{};

@@ -176,7 +176,7 @@ constexpr double longest_way = 16;
 
 Crossings crossings_of(const PointMesh& mesh, const Vec3& p, const Vec3& in_units, const KnownBalls::Found& known) {
     if (known.is_free) return known.ball->crossings;
-    if (known.distance < longest_way && !mesh.has_gaps) {
+    if (known.distance < longest_way && !mesh.has_several_regions) {
         UnitBox box(in_units);
         box.add(UnitBox(known.ball->centre));
         if (const auto crossings = crossings_along(mesh, known.ball->callers, p, box, known.ball->crossings))
