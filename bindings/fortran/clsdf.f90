@@ -171,7 +171,7 @@ module clsdf
 
   !> Options of one call. A procedure ends the call with a status that it sets to another number than 0, for instance
   !> CLSDF_CANCELLED; clsdf_set_last_error() sets the message. Its first argument is the options of the call: extend the
-  !> type to hand data on.
+  !> type to hand data on. A procedure must not make or use a transform or plan of the same device.
   type :: clsdf_call_options
     procedure(clsdf_progress_procedure), pointer :: progress => null()  !< called between launches
     procedure(clsdf_stop_procedure), pointer :: should_stop => null()   !< asked there, too

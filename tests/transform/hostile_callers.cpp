@@ -15,6 +15,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -61,6 +62,44 @@ BOOST_AUTO_TEST_CASE(a_callback_may_ask_the_device_while_it_compiles) {
     const DistanceTransform transform(device, make_shape("tetrahedron"), {}, call);
     transform.compile(unit_grid(), Band::full(), {}, call);
     BOOST_TEST(calls > 0U);
+}
+
+BOOST_AUTO_TEST_CASE(a_callback_that_uses_another_transform_of_the_device_does_not_wait_for_its_own_call) {
+    const Mesh mesh = make_shape("tetrahedron");
+    const Grid grid = unit_grid();
+    for (const Progress::Stage stage : {Progress::Stage::compiling, Progress::Stage::testing}) {
+        const Device device = Device::strongest();
+        const DistanceTransform transform(device, mesh), other(device, mesh);
+        CallOptions call;
+        call.progress = [&](const Progress& progress) {
+            if (progress.stage == stage) other.compute(grid, Band::full());
+        };
+        check_throws(ErrorCode::invalid_argument, {"a transform of the call's device", "when the call has returned"},
+                     [&] { transform.compute(grid, Band::full(), Output::distance, call); });
+        BOOST_TEST(transform.compute(grid, Band::full()).distance().size() == grid.sample_count());
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_call_on_another_thread_waits_while_programs_are_built_and_tested) {
+    const Mesh mesh = make_shape("tetrahedron");
+    const Grid grid = unit_grid();
+    for (const Progress::Stage stage : {Progress::Stage::compiling, Progress::Stage::testing}) {
+        const Device device = Device::strongest();
+        const DistanceTransform transform(device, mesh), other(device, mesh);
+        std::optional<Field> of_other;
+        std::jthread thread;
+        CallOptions call;
+        call.progress = [&](const Progress& progress) {
+            if (progress.stage != stage || thread.joinable()) return;
+            thread = std::jthread([&] { of_other = other.compute(grid, Band::full()); });
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        };
+        const Field field = transform.compute(grid, Band::full(), Output::distance, call);
+        BOOST_TEST_REQUIRE(thread.joinable());
+        thread.join();
+        BOOST_TEST_REQUIRE(of_other.has_value());
+        BOOST_TEST((bits_of(of_other->distance()) == bits_of(field.distance())));
+    }
 }
 
 #ifndef __SANITIZE_THREAD__  // oneTBB is not instrumented, and starts threads here

@@ -32,7 +32,8 @@
  * before the call returns. One that returns a number other than 0 ends the call, which returns that number unchanged: a
  * status of this header, as of a call that failed in the callback, or a number of the program's own from
  * CLSDF_OWN_STATUS on. Other numbers may become statuses of later versions. The message is that of the callback's last
- * failed call, or of its clsdf_set_last_error(). Callbacks must not use the transform or plan of the call.
+ * failed call, or of its clsdf_set_last_error(). Callbacks must not make or use a
+ * transform or plan of the same device: a call that would wait for theirs returns CLSDF_INVALID_ARGUMENT.
  */
 
 #include <math.h>

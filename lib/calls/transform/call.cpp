@@ -45,24 +45,6 @@ CallOptions part_of(const CallOptions& call, double begin, double end) {
     return part;
 }
 
-void CallMutex::check_thread() const {
-    if (owner_.load() == std::this_thread::get_id())
-        throw Error(ErrorCode::invalid_argument,
-                    "a function of a call's options used the transform that makes the call; use it when the call has "
-                    "returned");
-}
-
-void CallMutex::lock() {
-    check_thread();
-    mutex_.lock();
-    owner_ = std::this_thread::get_id();
-}
-
-void CallMutex::unlock() {
-    owner_ = std::thread::id();
-    mutex_.unlock();
-}
-
 void RunningCall::compile(std::size_t expected, const std::function<bool(const device::BuildWatch&)>& ensure) {
     const Stopwatch watch;
     const auto report_as = [this, expected](Progress::Stage stage) {

@@ -6,11 +6,8 @@
 #include "core/statistics.hpp"
 #include "device/context.hpp"
 
-#include <atomic>
 #include <cstddef>
 #include <functional>
-#include <mutex>
-#include <thread>
 #include <vector>
 
 namespace clsdf::transform {
@@ -78,19 +75,5 @@ auto with_remedies(const RunningCall* call, const std::vector<Remedy>& remedies,
         }
     }
 }
-
-/// A mutex that detects a second lock() by the same thread: a function of CallOptions uses the transform that called
-/// it. Then lock() throws Error(invalid_argument); it would wait for ever.
-class CallMutex {
-public:
-    void lock();
-    void unlock();
-    /// Throws if this thread has locked it.
-    void check_thread() const;
-
-private:
-    std::mutex mutex_;
-    std::atomic<std::thread::id> owner_{};
-};
 
 }  // namespace clsdf::transform

@@ -125,7 +125,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : transfor
     Topology topology;
     transform::Vertices vertices;
 
-    transform::CallMutex mutex;  // for what follows, and for the work on the device
+    CallMutex mutex{"the transform that makes the call"};  // for what follows, and for the work on the device
     std::unique_ptr<transform::KeptMesh> kept_mesh;
     std::unique_ptr<points::KeptPoints> kept_points;
     std::list<std::unique_ptr<transform::GridPlan>> plans;  // of earlier calls; that was used last first

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/call_mutex.hpp"
 #include "device/opencl.hpp"
 #include "device/pinned_reads.hpp"
 #include "device/prepared_programs.hpp"
@@ -99,7 +100,7 @@ public:
     void set_tested(const std::string& subject);
     void forget_records();
     /// Held while a subject is tested: other threads wait.
-    std::mutex& test_mutex() const { return test_mutex_; }
+    CallMutex& test_mutex() const { return test_mutex_; }
 
     /// True the first time that it is called with a kernel of that program. Compilers specialise a kernel at its first
     /// launch; after an empty launch, the next one does not wait for the compiler.
@@ -146,10 +147,12 @@ private:
         std::string key;
     };
 
+    static constexpr const char* transforms_of_device = "a transform of the call's device";
+
     /// A program that is built, or will be. The thread that builds it holds `building`, and no other mutex: callbacks
     /// of the caller run meanwhile.
     struct Slot {
-        std::mutex building;
+        CallMutex building{transforms_of_device};
         std::optional<Built> built;  // is set by the holder of both mutexes, and read by the holder of one
     };
 
@@ -169,7 +172,7 @@ private:
     Records records_{{}, {}};
     std::string identity_;
     TextEdit text_edit_;
-    mutable std::mutex test_mutex_;
+    mutable CallMutex test_mutex_{transforms_of_device};
     mutable std::mutex tested_mutex_;
     std::set<std::string> tested_;
     mutable std::atomic<bool> lost_ = false;

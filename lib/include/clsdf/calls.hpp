@@ -33,8 +33,8 @@ struct Progress {
 };
 
 /// Options of one call; constructors and plans take them, too. The functions are called until the call returns, and on
-/// the thread that called. They must not make or use transforms of the device: a call of the transform that is at work
-/// throws Error(invalid_argument). Their exceptions end the call and are passed on.
+/// the thread that called. They must not make or use transforms of the device: a call that would wait for the one at
+/// work throws Error(invalid_argument). Their exceptions end the call and are passed on.
 struct CallOptions {
     /// Called between launches of calls that compute, and before each step of building programs; with outputs in memory
     /// of the device only at the end. A plan's runs have no progress: they do not return to the host.
