@@ -2453,10 +2453,13 @@ contains
     character(*), intent(inout), optional :: errmsg
     type(c_mesh_arrays) :: c
     character(:), allocatable, target :: text
+    type(c_ptr) :: handle
     integer(c_int32_t) :: status
-    call self%release()
+    handle = c_null_ptr
     call mesh_for_c(vertices, triangles, name, c, text, status)
-    if (status == CLSDF_OK) status = c_mesh_create(c, self%handle)
+    if (status == CLSDF_OK) status = c_mesh_create(c, handle)
+    call self%release()  ! not before: the arrays may be its own
+    self%handle = handle
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
@@ -2647,7 +2650,7 @@ contains
     call clsdf_finish(c_mesh_index_base(self%handle, index_base), stat, errmsg)
   end function
 
-  !> The mesh's own memory: (3, vertices), as long as the mesh lives.
+  !> The mesh's own memory: (3, vertices), as long as the mesh lives. set_positions() writes the new positions there.
   subroutine mesh_vertices(self, vertices, stat, errmsg)
     class(clsdf_mesh), intent(in) :: self
     real(c_double), pointer, intent(out) :: vertices(:, :)
