@@ -218,6 +218,7 @@ module clsdf
     type(clsdf_grid) :: part
     type(c_ptr) :: values = c_null_ptr  ! clsdf_target[count] of C
     integer(c_int64_t) :: count = 0
+    integer(c_int32_t) :: index_base = 1  !< of its triangles: the transform's
   contains
     procedure, private :: slab_r4_3, slab_r4_4, slab_r8_3, slab_r8_4, slab_i4, slab_i1
     !> call slab%array(CLSDF_DISTANCE, phi): a pointer to the values of an output, with the lower bounds part%first.
@@ -512,6 +513,7 @@ module clsdf
   end type
   type :: slab_taker
     class(clsdf_slab_sink), pointer :: sink => null()
+    integer(c_int32_t) :: index_base = 1
   end type
   type :: request_list
     type(c_request), allocatable :: items(:)
@@ -2214,6 +2216,7 @@ contains
     call take_grid(part, slab%part)
     slab%values = values
     slab%count = count
+    slab%index_base = taker%index_base
     status = CLSDF_OK
     call taker%sink%take(slab, status)
   end function
@@ -3168,12 +3171,15 @@ contains
     type(c_slab_options), target :: slab_options
     type(slab_taker), target :: taker
     type(caller), target :: given
+    integer(c_int32_t) :: status
     taker%sink => sink
     slab_options%struct_size = c_sizeof(slab_options)
     if (present(own_thread)) slab_options%own_thread = merge(1, 0, own_thread)
-    call clsdf_finish(c_compute_slabs(self%handle, clsdf_grid_for_c(grid), band, clsdf_outputs_mask(outputs), &
-        c_funloc(on_slab), c_loc(taker), c_loc(slab_options), options_for_c(given, options), &
-        statistics_for_c(statistics)), stat, errmsg)
+    status = c_transform_index_base(self%handle, taker%index_base)
+    if (status == CLSDF_OK) status = c_compute_slabs(self%handle, clsdf_grid_for_c(grid), band, &
+        clsdf_outputs_mask(outputs), c_funloc(on_slab), c_loc(taker), c_loc(slab_options), options_for_c(given, options), &
+        statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
   end subroutine
 
   !> The field in memory of the library.
@@ -4118,33 +4124,36 @@ contains
     call clsdf_targets_of_samples(results, [count], 1, c, status)
     do i = 1, size(c)
       if (status /= CLSDF_OK) exit
-      call clsdf_pack_for_c(results(i)%array, c(i), status)
-      c(i)%array%count = count
+      call clsdf_pack_for_c(results(i)%array, count, c(i), status)
     end do
     if (status == CLSDF_OK) status = c_points_write(points, count, c, size(c, kind=c_int64_t), trim(path)//c_null_char, &
         clsdf_outputs_mask(results%output))
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  !> A packed array as C describes it, without strides. Triangles are uint32 in files.
-  subroutine clsdf_pack_for_c(array, c, status)
+  !> A packed array of `items` items as C describes it, without strides. Triangles are uint32 in files.
+  subroutine clsdf_pack_for_c(array, items, c, status)
     type(clsdf_array), intent(in) :: array
+    integer(c_int64_t), intent(in) :: items
     type(clsdf_c_target), intent(inout) :: c
     integer(c_int32_t), intent(inout) :: status
     integer(c_int64_t) :: packed
+    logical :: is_packed
     integer :: i
     packed = bytes_of(array%type)
+    is_packed = c%array%component_stride == 0 .or. c%array%component_stride == packed
     do i = 1, array%rank
-      if (array%strides(i) /= packed) then
-        status = refused('the array of the output '//clsdf_text(output_name(c%output))//' is not packed, with components '// &
-            'first; write a copy of it')
-        return
-      end if
+      is_packed = is_packed .and. array%strides(i) == packed
       packed = packed*array%shape(i)
     end do
+    if (items > 0 .and. .not. is_packed) then
+      status = refused('the array of the output '//clsdf_text(output_name(c%output))//' is not packed, with components '// &
+          'first; write a copy of it')
+      return
+    end if
     c%array%strides = 0
     c%array%component_stride = 0
-    c%array%count = product(array%shape(1:array%rank))
+    c%array%count = items
     if (c%array%type == CLSDF_INT32) c%array%type = CLSDF_UINT32
   end subroutine
 
