@@ -2177,7 +2177,9 @@ contains
     pointer = c_loc(given%c)
   end function
 
-  function on_progress(user, progress) bind(C) result(status)
+  ! name="": no global symbols. A program may have functions of these names.
+
+  function on_progress(user, progress) bind(C, name="") result(status)
     type(c_ptr), value :: user
     type(clsdf_progress), intent(in) :: progress
     integer(c_int32_t) :: status
@@ -2187,7 +2189,7 @@ contains
     call given%options%progress(progress, status)
   end function
 
-  function on_stop(user) bind(C) result(status)
+  function on_stop(user) bind(C, name="") result(status)
     type(c_ptr), value :: user
     integer(c_int32_t) :: status
     type(caller), pointer :: given
@@ -2196,7 +2198,7 @@ contains
     call given%options%should_stop(status)
   end function
 
-  function on_log(user, message) bind(C) result(status)
+  function on_log(user, message) bind(C, name="") result(status)
     type(c_ptr), value :: user, message
     integer(c_int32_t) :: status
     type(caller), pointer :: given
@@ -2205,7 +2207,7 @@ contains
     call given%options%log(clsdf_text(message), status)
   end function
 
-  function on_slab(user, part, values, count) bind(C) result(status)
+  function on_slab(user, part, values, count) bind(C, name="") result(status)
     type(c_ptr), value :: user, values
     type(clsdf_c_grid), intent(in) :: part
     integer(c_int64_t), value :: count

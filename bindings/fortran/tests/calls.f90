@@ -14,6 +14,16 @@ module collectors
   end type
 contains
 
+  ! Names that the module keeps to itself.
+  subroutine on_progress() bind(C, name='on_progress')
+  end subroutine
+  subroutine on_stop() bind(C, name='on_stop')
+  end subroutine
+  subroutine on_log() bind(C, name='on_log')
+  end subroutine
+  subroutine on_slab() bind(C, name='on_slab')
+  end subroutine
+
   subroutine take(sink, slab, status)
     class(collector), intent(inout) :: sink
     type(clsdf_slab), intent(in) :: slab
