@@ -2585,7 +2585,7 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  !> The mesh in which vertices of equal coordinates are one.
+  !> The mesh in which vertices of equal coordinates are one, with the same index base.
   subroutine mesh_weld(self, welded, stat, errmsg)
     class(clsdf_mesh), intent(in) :: self
     type(clsdf_mesh), intent(inout) :: welded
@@ -2594,7 +2594,6 @@ contains
     type(c_ptr) :: handle
     integer(c_int32_t) :: status
     status = c_mesh_weld(self%handle, handle)
-    if (status == CLSDF_OK) status = c_mesh_set_index_base(handle, 1_c_int32_t)
     call welded%release()
     welded%handle = handle
     call clsdf_finish(status, stat, errmsg)
@@ -2615,7 +2614,7 @@ contains
     status = CLSDF_OK
     if (present(colours)) then
       count = size(colours, 2, c_int64_t)
-      if (size(colours) > 0) first = c_loc(colours)
+      if (size(colours, kind=c_int64_t) > 0) first = c_loc(colours)
       if (size(colours, 1) /= 3) status = refused('the array of the colours has the shape '// &
           joined(shape(colours, c_int64_t))//'; give it (3, triangles)')
     end if
@@ -3298,7 +3297,7 @@ contains
       return
     end if
     if (points%rank == 0) then
-      allocate (copy(3, size(x)))
+      allocate (copy(3, size(x, kind=c_int64_t)))
       copy(1, :) = x
       copy(2, :) = y
       copy(3, :) = z
@@ -3338,7 +3337,7 @@ contains
       return
     end if
     if (points%rank == 0) then
-      allocate (copy(3, size(x)))
+      allocate (copy(3, size(x, kind=c_int64_t)))
       copy(1, :) = x
       copy(2, :) = y
       copy(3, :) = z

@@ -192,6 +192,9 @@ contains
     end block
     call own%weld(welded)
     call check(welded%index_base() == 1, 'a welded mesh')
+    call own%set_index_base(0)
+    call own%weld(welded)
+    call check(welded%index_base() == 0, 'a welded mesh has the index base of the mesh')
     colours = 100
     call own%write('fortran_mesh.ply', colours)
     call welded%read('fortran_mesh.ply')
