@@ -218,6 +218,7 @@ module clsdf
     type(clsdf_grid) :: part
     type(c_ptr) :: values = c_null_ptr  ! clsdf_target[count] of C
     integer(c_int64_t) :: count = 0
+    integer(c_int32_t) :: index_base = 1  !< of its triangles: the transform's
   contains
     procedure, private :: slab_r4_3, slab_r4_4, slab_r8_3, slab_r8_4, slab_i4, slab_i1
     !> call slab%array(CLSDF_DISTANCE, phi): a pointer to the values of an output, with the lower bounds part%first.
@@ -512,6 +513,7 @@ module clsdf
   end type
   type :: slab_taker
     class(clsdf_slab_sink), pointer :: sink => null()
+    integer(c_int32_t) :: index_base = 1
   end type
   type :: request_list
     type(c_request), allocatable :: items(:)
@@ -2175,7 +2177,9 @@ contains
     pointer = c_loc(given%c)
   end function
 
-  function on_progress(user, progress) bind(C) result(status)
+  ! name="": no global symbols. A program may have functions of these names.
+
+  function on_progress(user, progress) bind(C, name="") result(status)
     type(c_ptr), value :: user
     type(clsdf_progress), intent(in) :: progress
     integer(c_int32_t) :: status
@@ -2185,7 +2189,7 @@ contains
     call given%options%progress(progress, status)
   end function
 
-  function on_stop(user) bind(C) result(status)
+  function on_stop(user) bind(C, name="") result(status)
     type(c_ptr), value :: user
     integer(c_int32_t) :: status
     type(caller), pointer :: given
@@ -2194,7 +2198,7 @@ contains
     call given%options%should_stop(status)
   end function
 
-  function on_log(user, message) bind(C) result(status)
+  function on_log(user, message) bind(C, name="") result(status)
     type(c_ptr), value :: user, message
     integer(c_int32_t) :: status
     type(caller), pointer :: given
@@ -2203,7 +2207,7 @@ contains
     call given%options%log(clsdf_text(message), status)
   end function
 
-  function on_slab(user, part, values, count) bind(C) result(status)
+  function on_slab(user, part, values, count) bind(C, name="") result(status)
     type(c_ptr), value :: user, values
     type(clsdf_c_grid), intent(in) :: part
     integer(c_int64_t), value :: count
@@ -2214,6 +2218,7 @@ contains
     call take_grid(part, slab%part)
     slab%values = values
     slab%count = count
+    slab%index_base = taker%index_base
     status = CLSDF_OK
     call taker%sink%take(slab, status)
   end function
@@ -2453,10 +2458,13 @@ contains
     character(*), intent(inout), optional :: errmsg
     type(c_mesh_arrays) :: c
     character(:), allocatable, target :: text
+    type(c_ptr) :: handle
     integer(c_int32_t) :: status
-    call self%release()
+    handle = c_null_ptr
     call mesh_for_c(vertices, triangles, name, c, text, status)
-    if (status == CLSDF_OK) status = c_mesh_create(c, self%handle)
+    if (status == CLSDF_OK) status = c_mesh_create(c, handle)
+    call self%release()  ! not before: the arrays may be its own
+    self%handle = handle
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
@@ -2577,7 +2585,7 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  !> The mesh in which vertices of equal coordinates are one.
+  !> The mesh in which vertices of equal coordinates are one, with the same index base.
   subroutine mesh_weld(self, welded, stat, errmsg)
     class(clsdf_mesh), intent(in) :: self
     type(clsdf_mesh), intent(inout) :: welded
@@ -2586,7 +2594,6 @@ contains
     type(c_ptr) :: handle
     integer(c_int32_t) :: status
     status = c_mesh_weld(self%handle, handle)
-    if (status == CLSDF_OK) status = c_mesh_set_index_base(handle, 1_c_int32_t)
     call welded%release()
     welded%handle = handle
     call clsdf_finish(status, stat, errmsg)
@@ -2607,7 +2614,7 @@ contains
     status = CLSDF_OK
     if (present(colours)) then
       count = size(colours, 2, c_int64_t)
-      if (size(colours) > 0) first = c_loc(colours)
+      if (size(colours, kind=c_int64_t) > 0) first = c_loc(colours)
       if (size(colours, 1) /= 3) status = refused('the array of the colours has the shape '// &
           joined(shape(colours, c_int64_t))//'; give it (3, triangles)')
     end if
@@ -2647,7 +2654,7 @@ contains
     call clsdf_finish(c_mesh_index_base(self%handle, index_base), stat, errmsg)
   end function
 
-  !> The mesh's own memory: (3, vertices), as long as the mesh lives.
+  !> The mesh's own memory: (3, vertices), as long as the mesh lives. set_positions() writes the new positions there.
   subroutine mesh_vertices(self, vertices, stat, errmsg)
     class(clsdf_mesh), intent(in) :: self
     real(c_double), pointer, intent(out) :: vertices(:, :)
@@ -3165,12 +3172,15 @@ contains
     type(c_slab_options), target :: slab_options
     type(slab_taker), target :: taker
     type(caller), target :: given
+    integer(c_int32_t) :: status
     taker%sink => sink
     slab_options%struct_size = c_sizeof(slab_options)
     if (present(own_thread)) slab_options%own_thread = merge(1, 0, own_thread)
-    call clsdf_finish(c_compute_slabs(self%handle, clsdf_grid_for_c(grid), band, clsdf_outputs_mask(outputs), &
-        c_funloc(on_slab), c_loc(taker), c_loc(slab_options), options_for_c(given, options), &
-        statistics_for_c(statistics)), stat, errmsg)
+    status = c_transform_index_base(self%handle, taker%index_base)
+    if (status == CLSDF_OK) status = c_compute_slabs(self%handle, clsdf_grid_for_c(grid), band, &
+        clsdf_outputs_mask(outputs), c_funloc(on_slab), c_loc(taker), c_loc(slab_options), options_for_c(given, options), &
+        statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
   end subroutine
 
   !> The field in memory of the library.
@@ -3287,7 +3297,7 @@ contains
       return
     end if
     if (points%rank == 0) then
-      allocate (copy(3, size(x)))
+      allocate (copy(3, size(x, kind=c_int64_t)))
       copy(1, :) = x
       copy(2, :) = y
       copy(3, :) = z
@@ -3327,7 +3337,7 @@ contains
       return
     end if
     if (points%rank == 0) then
-      allocate (copy(3, size(x)))
+      allocate (copy(3, size(x, kind=c_int64_t)))
       copy(1, :) = x
       copy(2, :) = y
       copy(3, :) = z
@@ -4115,33 +4125,36 @@ contains
     call clsdf_targets_of_samples(results, [count], 1, c, status)
     do i = 1, size(c)
       if (status /= CLSDF_OK) exit
-      call clsdf_pack_for_c(results(i)%array, c(i), status)
-      c(i)%array%count = count
+      call clsdf_pack_for_c(results(i)%array, count, c(i), status)
     end do
     if (status == CLSDF_OK) status = c_points_write(points, count, c, size(c, kind=c_int64_t), trim(path)//c_null_char, &
         clsdf_outputs_mask(results%output))
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  !> A packed array as C describes it, without strides. Triangles are uint32 in files.
-  subroutine clsdf_pack_for_c(array, c, status)
+  !> A packed array of `items` items as C describes it, without strides. Triangles are uint32 in files.
+  subroutine clsdf_pack_for_c(array, items, c, status)
     type(clsdf_array), intent(in) :: array
+    integer(c_int64_t), intent(in) :: items
     type(clsdf_c_target), intent(inout) :: c
     integer(c_int32_t), intent(inout) :: status
     integer(c_int64_t) :: packed
+    logical :: is_packed
     integer :: i
     packed = bytes_of(array%type)
+    is_packed = c%array%component_stride == 0 .or. c%array%component_stride == packed
     do i = 1, array%rank
-      if (array%strides(i) /= packed) then
-        status = refused('the array of the output '//clsdf_text(output_name(c%output))//' is not packed, with components '// &
-            'first; write a copy of it')
-        return
-      end if
+      is_packed = is_packed .and. array%strides(i) == packed
       packed = packed*array%shape(i)
     end do
+    if (items > 0 .and. .not. is_packed) then
+      status = refused('the array of the output '//clsdf_text(output_name(c%output))//' is not packed, with components '// &
+          'first; write a copy of it')
+      return
+    end if
     c%array%strides = 0
     c%array%component_stride = 0
-    c%array%count = product(array%shape(1:array%rank))
+    c%array%count = items
     if (c%array%type == CLSDF_INT32) c%array%type = CLSDF_UINT32
   end subroutine
 

@@ -164,7 +164,7 @@ contains
   end subroutine
 
   !> The next slices, size(array, 3) of the distance, in ascending z: packed arrays of the announced outputs and of the
-  !> types that clsdf_output_describe() states.
+  !> types that clsdf_output_describe() states, components first. Triangles count from 1.
   subroutine writer_append(self, values, stat, errmsg)
     class(clsdf_field_writer), intent(inout) :: self
     type(clsdf_target), intent(in) :: values(:)
@@ -182,9 +182,9 @@ contains
     call clsdf_targets_of_samples(values, items, 3, c, status)
     do i = 1, size(values)
       if (status /= CLSDF_OK) exit
-      call clsdf_pack_for_c(values(i)%array, c(i), status)
+      call clsdf_pack_for_c(values(i)%array, product(items), c(i), status)
     end do
-    if (status == CLSDF_OK) call append_from_1(self, c, items(3), status)
+    if (status == CLSDF_OK) call append(self, c, items(3), 1_c_int32_t, status)
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
@@ -194,27 +194,32 @@ contains
     integer(c_int32_t), intent(inout) :: status
     type(clsdf_c_target), pointer :: values(:)
     call c_f_pointer(slab%values, values, [slab%count])
-    call append_from_1(sink, values, slab%part%size(3), status)
+    call append(sink, values, slab%part%size(3), slab%index_base, status)
   end subroutine
 
-  !> Triangles in files count from 0: a copy of them does.
-  subroutine append_from_1(self, values, slices, status)
+  !> Triangles in files count from 0: if those of `values` count from 1, a copy of them does.
+  subroutine append(self, values, slices, index_base, status)
     class(clsdf_field_writer), intent(inout) :: self
     type(clsdf_c_target), intent(in) :: values(:)
     integer(c_int64_t), intent(in) :: slices
+    integer(c_int32_t), intent(in) :: index_base
     integer(c_int32_t), intent(inout) :: status
     type(clsdf_c_target), target :: from_0(size(values))
     integer(c_int32_t), allocatable, target :: triangles(:)
-    integer(c_int32_t), pointer :: from_1(:)
+    integer(c_int32_t), pointer :: given(:)
+    logical :: is_copied
     integer :: i
     from_0 = values
-    do i = 1, size(values)
-      if (values(i)%output /= CLSDF_TRIANGLE) cycle
-      call c_f_pointer(values(i)%array%host, from_1, [values(i)%array%count])
-      allocate (triangles(size(from_1)))
-      triangles = from_1 - 1
+    ! C takes the last of several, and refuses other types and memory of the device.
+    i = findloc(values%output == CLSDF_TRIANGLE .and. values%array%type == CLSDF_UINT32, .true., dim=1, back=.true.)
+    is_copied = index_base == 1 .and. i > 0
+    if (is_copied) is_copied = c_associated(values(i)%array%host)
+    if (is_copied) then
+      call c_f_pointer(values(i)%array%host, given, [values(i)%array%count])
+      allocate (triangles(values(i)%array%count))
+      triangles = given - 1
       from_0(i)%array%host = c_loc(triangles)
-    end do
+    end if
     status = c_field_writer_append(self%handle, c_loc(from_0), size(values, kind=c_int64_t), slices)
   end subroutine
 

@@ -93,6 +93,7 @@ BOOST_AUTO_TEST_CASE(abandoned_files_leave_nothing_and_are_not_committed_any_mor
         std::atomic<bool> are_abandoned = false;
         std::thread([&] {
             abandon_unfinished_files();
+            abandon_unfinished_files();  // also returns
             are_abandoned = true;
             std::this_thread::sleep_for(std::chrono::milliseconds(300));
             ::_exit(7);

@@ -516,7 +516,7 @@ CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_
 CLSDF_API clsdf_status clsdf_mesh_shape(const char* name, clsdf_mesh** mesh);
 /* Reads .off, .obj, .stl or .ply; polygons become fans. CLSDF_UNREADABLE_INPUT names the line and the value. */
 CLSDF_API clsdf_status clsdf_mesh_read(const char* path, clsdf_mesh** mesh);
-/* The mesh in which vertices of equal coordinates are one. */
+/* The mesh in which vertices of equal coordinates are one, with the same index base. */
 CLSDF_API clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** welded);
 /* Writes by the file's ending, complete or not at all. `colours`: red, green, blue of each triangle, as uint8_t
  * [colour_count][3], or null and 0. Threads: any number. */
@@ -531,8 +531,8 @@ CLSDF_API const char* clsdf_shape_description(int64_t index);
 CLSDF_API clsdf_status clsdf_mesh_set_positions(clsdf_mesh* mesh, const clsdf_array* positions);
 /* Sets the index base that transforms of this mesh have from now on: 0 (as of files and shapes) or 1. Threads: one. */
 CLSDF_API clsdf_status clsdf_mesh_set_index_base(clsdf_mesh* mesh, int32_t index_base);
-/* The mesh's own memory: count[3] doubles, and count[3] indices from 0, whatever the index base. Threads: any number,
- * as in all that follow. */
+/* The mesh's own memory, as long as the mesh lives: count[3] doubles, and count[3] indices from 0, whatever the index
+ * base. clsdf_mesh_set_positions() writes the new positions there. Threads: any number, as in all that follow. */
 CLSDF_API clsdf_status clsdf_mesh_vertices(const clsdf_mesh* mesh, const double** vertices, int64_t* count);
 CLSDF_API clsdf_status clsdf_mesh_triangles(const clsdf_mesh* mesh, const uint32_t** triangles, int64_t* count);
 CLSDF_API clsdf_status clsdf_mesh_index_base(const clsdf_mesh* mesh, int32_t* index_base);

@@ -120,7 +120,7 @@ static void check_meshes(void) {
     clsdf_defects defects = CLSDF_DEFECTS_INIT;
     clsdf_mesh *own, *other;
     clsdf_box box;
-    const double* positions;
+    const double *positions, *again;
     const uint32_t* indices;
     const uint8_t colours[12] = {255, 0, 0};
     const char* name;
@@ -193,6 +193,9 @@ static void check_meshes(void) {
     OK(clsdf_mesh_set_positions(own, &array));
     OK(clsdf_mesh_box(own, &box));
     CHECK(box.upper[2] == 5 && box.upper[0] == 1);
+    CHECK(positions[11] == 5); /* the address is still the mesh's */
+    OK(clsdf_mesh_vertices(own, &again, NULL));
+    CHECK(again == positions);
     OK(clsdf_mesh_hash(own, &other_hash));
     CHECK(other_hash != hash);
     array.count = 3;

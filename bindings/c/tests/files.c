@@ -120,6 +120,8 @@ int main(void) {
     clsdf_transform_release(transform);
     clsdf_device_release(device);
     clsdf_mesh_release(mesh);
+    /* Nothing can be written from here on, and each call returns. */
+    clsdf_abandon_unfinished_files();
     clsdf_io_abandon_unfinished_files();
     return 0;
 }

@@ -14,6 +14,16 @@ module collectors
   end type
 contains
 
+  ! Names that the module keeps to itself.
+  subroutine on_progress() bind(C, name='on_progress')
+  end subroutine
+  subroutine on_stop() bind(C, name='on_stop')
+  end subroutine
+  subroutine on_log() bind(C, name='on_log')
+  end subroutine
+  subroutine on_slab() bind(C, name='on_slab')
+  end subroutine
+
   subroutine take(sink, slab, status)
     class(collector), intent(inout) :: sink
     type(clsdf_slab), intent(in) :: slab
@@ -145,10 +155,18 @@ contains
     integer(c_int8_t) :: colours(3, 3)
     character(:), allocatable :: warning
     real(8) :: x(3, 4)
-    real(8), pointer :: vertices(:, :)
+    real(8), pointer :: vertices(:, :), again(:, :)
     integer :: triangles(3, 4)
     call tetrahedron(x, triangles)
     call own%create(x, triangles(:, :3), 'open')
+    call own%vertices(vertices)
+    call own%set_positions(2*x)
+    call own%vertices(again)
+    call check(associated(vertices, again), 'new positions lie where the old ones did')
+    call own%create(vertices, triangles(:, :3), 'open')
+    call own%vertices(vertices)
+    call check(all(vertices == 2*x), 'a mesh of its own vertices')
+    call own%set_positions(x)
     topology = own%topology()
     call check(.not. topology%closed .and. topology%open_edges == 3 .and. size(topology%first_open) == 3, 'open edges')
     call check(maxval(abs(topology%first_open(1)%from - topology%first_open(1)%to)) == 1, 'an open edge')
@@ -174,6 +192,9 @@ contains
     end block
     call own%weld(welded)
     call check(welded%index_base() == 1, 'a welded mesh')
+    call own%set_index_base(0)
+    call own%weld(welded)
+    call check(welded%index_base() == 0, 'a welded mesh has the index base of the mesh')
     colours = 100
     call own%write('fortran_mesh.ply', colours)
     call welded%read('fortran_mesh.ply')

@@ -12,14 +12,14 @@ program files
   type(clsdf_band) :: band
   type(clsdf_field) :: field, other
   type(clsdf_field_writer) :: writer, copy
-  real(4), allocatable, target :: expected(:, :, :)
+  real(4), allocatable, target :: expected(:, :, :), vectors(:, :, :, :), last(:, :, :, :)
   integer, allocatable, target :: numbers(:, :, :)
-  real(4), pointer :: phi(:, :, :)
+  real(4), pointer :: phi(:, :, :), gradient(:, :, :, :)
   integer, pointer :: triangle(:, :, :)
   real(8), allocatable :: points(:, :)
-  real(4), target :: d(2)
+  real(4), target :: d(2), g(3, 2), turned(2, 3), row(7)
   character(:), allocatable :: text
-  integer :: stat, half
+  integer :: stat, half, file
   character(300) :: errmsg
   logical :: is_there
 
@@ -29,7 +29,8 @@ program files
   band = clsdf_band_symmetric(0.2d0)
   call grid%around(mesh, 24, band)
   allocate (expected(grid%size(1), grid%size(2), grid%size(3)), numbers(grid%size(1), grid%size(2), grid%size(3)))
-  call transform%compute(grid, band, expected, triangle=numbers)
+  allocate (vectors(3, grid%size(1), grid%size(2), grid%size(3)))
+  call transform%compute(grid, band, expected, triangle=numbers, gradient=vectors)
 
   ! A field of the library, and its triangles, from 1 on both ways.
   call transform%compute_field(grid, band, field, [CLSDF_DISTANCE, CLSDF_TRIANGLE])
@@ -59,14 +60,25 @@ program files
   call other%describe(mesh_name=text)
   call check(text == 'knot', 'the name of the mesh')
 
+  ! Slabs of a transform whose triangles count from 0: those in files always do.
+  call mesh%set_index_base(0)
+  call transform%create(device, mesh)
+  call writer%create('fortran_from_0.h5', grid, band, outputs=[CLSDF_DISTANCE, CLSDF_TRIANGLE])
+  call transform%compute_slabs(grid, band, writer, [CLSDF_DISTANCE, CLSDF_TRIANGLE])
+  call writer%finish()
+  call read_back('fortran_from_0.h5', 'slabs with triangles from 0')
+
   ! Slices of the program.
   half = size(expected, 3)/2
-  call writer%create('fortran_slices.nrrd', grid, band, outputs=[CLSDF_DISTANCE, CLSDF_TRIANGLE])
-  call writer%append([clsdf_target(CLSDF_DISTANCE, expected(:, :, :half)), clsdf_target(CLSDF_TRIANGLE, numbers(:, :, :half))])
+  call writer%create('fortran_slices.nrrd', grid, band, outputs=[CLSDF_DISTANCE, CLSDF_TRIANGLE, CLSDF_GRADIENT])
+  call writer%append([clsdf_target(CLSDF_DISTANCE, expected(:, :, :half)), &
+      clsdf_target(CLSDF_TRIANGLE, numbers(:, :, :half)), clsdf_target(CLSDF_GRADIENT, vectors(:, :, :, :half))])
   call writer%append([clsdf_target(CLSDF_DISTANCE, expected(:, :, half + 1:)), &
-      clsdf_target(CLSDF_TRIANGLE, numbers(:, :, half + 1:))])
+      clsdf_target(CLSDF_TRIANGLE, numbers(:, :, half + 1:)), clsdf_target(CLSDF_GRADIENT, vectors(:, :, :, half + 1:))])
   call writer%finish()
   call read_back('fortran_slices.nrrd', 'slices')
+  call other%array(CLSDF_GRADIENT, gradient)
+  call check(all(gradient == vectors .or. spread(numbers == 0, 1, 3)), 'slices: the gradients')
 
   ! Without finish() there is no file.
   call writer%create('fortran_never.nrrd', grid, band)
@@ -74,6 +86,11 @@ program files
   call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'distance is not packed')
   call writer%append([clsdf_target(CLSDF_DISTANCE, real(expected, 8))], stat, errmsg)
   call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'double')
+  call writer%release()
+  call writer%create('fortran_never.nrrd', grid, band, outputs=[CLSDF_DISTANCE, CLSDF_GRADIENT])
+  last = reshape(vectors, [shape(expected), 3])
+  call writer%append([clsdf_target(CLSDF_DISTANCE, expected), clsdf_target(CLSDF_GRADIENT, last)], stat, errmsg)
+  call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'gradient is not packed, with components first')
   call writer%release()
   inquire (file='fortran_never.nrrd', exist=is_there)
   call check(.not. is_there, 'no file without finish()')
@@ -90,6 +107,21 @@ program files
       'fortran_points.csv')
   call clsdf_points_read('fortran_points.csv', points)
   call check(all(points == reshape([1d0, 2d0, 3d0, 4d0, 5d0, 6d0], [3, 2])), 'points')
+  g = reshape([0.5, 1.0, 2.0, 4.0, 8.0, 16.0], [3, 2])
+  call clsdf_points_write(reshape([1d0, 2d0, 3d0, 4d0, 5d0, 6d0], [3, 2]), [clsdf_target(CLSDF_DISTANCE, d), &
+      clsdf_target(CLSDF_GRADIENT, g)], 'fortran_points.csv')
+  open (newunit=file, file='fortran_points.csv', action='read')
+  read (file, '(//)', advance='no')
+  read (file, *) row
+  close (file)
+  call check(all(row == [4.0, 5.0, 6.0, d(2), g(:, 2)]), 'gradients at points')
+  turned = transpose(g)
+  call clsdf_points_write(reshape([1d0, 2d0, 3d0, 4d0, 5d0, 6d0], [3, 2]), [clsdf_target(CLSDF_DISTANCE, d), &
+      clsdf_target(CLSDF_GRADIENT, turned)], 'fortran_points.csv', stat, errmsg)
+  call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'gradient is not packed, with components first')
+  call clsdf_points_write(points(:, 1:0), [clsdf_target(CLSDF_DISTANCE, d(1:0))], 'fortran_no_points.csv')
+  call clsdf_points_read('fortran_no_points.csv', points)
+  call check(size(points) == 0, 'no points')
   call clsdf_points_check_path('fortran_points.xyz', stat, errmsg)
   call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'fortran_points.xyz')
   call clsdf_io_abandon_unfinished_files()

@@ -121,7 +121,8 @@ void Mesh::set_positions(std::vector<Vec3> positions) {
                                                              "for each",
                                                              name_, vertices_.size(), positions.size()));
     box_ = check(positions, triangles_, name_);
-    vertices_ = std::move(positions);
+    // Not moved: the C interface promises that the address of the vertices stays.
+    std::ranges::copy(positions, vertices_.begin());
 }
 
 void Mesh::set_positions(const InputArray& positions) {

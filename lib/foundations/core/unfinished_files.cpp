@@ -125,8 +125,12 @@ void remove_stale_files(const fs::path& folder) noexcept {
 }
 
 void UnfinishedFiles::abandon() noexcept {
-    mutex.lock();  // for ever: nothing may be created or renamed from here on
-    for (const std::string& name : names) ::unlink(name.c_str());
+    // Once: libraries that share this list call it one after another.
+    static std::once_flag once;
+    std::call_once(once, [this] {
+        mutex.lock();  // for ever: nothing may be created or renamed from here on
+        for (const std::string& name : names) ::unlink(name.c_str());
+    });
 }
 
 }  // namespace clsdf
