@@ -70,13 +70,20 @@ auto classify(const Body& body, const Boxes& boxes, double half_width) {
     constexpr std::size_t part = 1 << 15;
     const Call call;
     body.read([&](const DistanceTransform& transform) {
-        std::size_t begin = 0;
-        do {
-            const std::size_t size = std::min(part, all.size() - begin);
-            transform.classify(all.subspan(begin, size), half_width, std::span(*places).subspan(begin, size));
-            call.options().should_stop();
-            begin += size;
-        } while (begin < all.size());
+        try {
+            std::size_t begin = 0;
+            do {
+                const std::size_t size = std::min(part, all.size() - begin);
+                transform.classify(all.subspan(begin, size), half_width, std::span(*places).subspan(begin, size));
+                call.options().should_stop();
+                begin += size;
+            } while (begin < all.size());
+        } catch (const Error& error) {
+            // The message numbers the boxes of a part. A call for all of them fails before any work, with the number
+            // among all.
+            if (error.code() == ErrorCode::invalid_argument) transform.classify(all, half_width, *places);
+            throw;
+        }
     });
     auto* const data = reinterpret_cast<std::uint8_t*>(places->data());
     const std::size_t count = places->size();

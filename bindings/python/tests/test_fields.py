@@ -111,6 +111,20 @@ def test_names_of_outputs_are_a_text_or_a_list(body):
         assert body.query((1, 2, 3), outputs).outputs == ("distance", "triangle", "gradient")
 
 
+def test_names_of_outputs_may_be_a_generator(body, monkeypatch):
+    from clsdf import _core
+
+    def names():
+        return (name for name in ("distance", "gradient"))
+
+    grid = body.grid(12)
+    monkeypatch.setattr(_core, "slabs_of", lambda whole: [whole, whole])
+    for fields in (body.fields([grid, grid], outputs=names()), list(body.slabs(grid, outputs=names()))):
+        assert [field.outputs for field in fields] == [("distance", "gradient")] * 2
+    with pytest.raises(clsdf.Error, match="outputs= names distance, gradient;"):
+        body.field(grid, outputs=names(), out=body.field(grid))
+
+
 def test_a_field_as_out_keeps_its_grid_and_band(body):
     field = body.field(resolution=20, band="3v")
     band, distance = field.band, field.distance.copy()
@@ -317,6 +331,15 @@ def test_many_boxes_are_classified_as_each(body, points):
     many = np.tile(boxes, (140, 1, 1))  # more than are classified at once
     assert np.array_equal(body.classify(many, 0.1), np.tile(body.classify(boxes, 0.1), 140))
     assert len(body.classify(np.empty((0, 2, 3)), 0.1)) == 0
+
+
+def test_a_box_that_is_refused_is_named_among_all(body):
+    boxes = np.zeros((50_000, 2, 3))
+    part = body.restrict_to(clsdf.Region((-1, -1, -1), (1, 1, 1), half_width=0.2))
+    for wrong in (np.nan, 3.0):
+        boxes[40_000] = wrong
+        with pytest.raises(clsdf.Error, match="box 40000 "):
+            part.classify(boxes, 0.1)
 
 
 def test_boxes_are_classified():

@@ -105,7 +105,7 @@ def test_other_threads_run_during_a_call(body):
 def test_progress_is_told(body):
     told = []
     body.field(resolution=150, band="full", progress=lambda stage, part: told.append((stage, part)))
-    assert told and {stage for stage, _ in told} <= {"compiling", "computing"}
+    assert told and {stage for stage, _ in told} <= {"compiling", "testing", "computing"}
     parts = [part for stage, part in told if stage == "computing"]
     assert parts == sorted(parts) and parts[-1] == pytest.approx(1)
 
