@@ -381,6 +381,11 @@ def test_what_a_transform_says_of_itself(body, solid):
     with pytest.raises(clsdf.Error) as error:
         clsdf.Transform(solid, device="no such device")
     assert error.value.code == "no_device"
+    with pytest.raises(clsdf.Error) as error:
+        clsdf.Device.select(-1)
+    assert error.value.code == "no_device"
+    if device.index is not None:
+        assert clsdf.Device.select(device.index).name == clsdf.Device.select(str(device.index)).name == device.name
     with pytest.raises(clsdf.Error, match="device: 2.5 is no clsdf.Device"):
         clsdf.Transform(solid, device=2.5)
     with pytest.raises(clsdf.Error, match="auto, nonzero, parity, none"):

@@ -136,6 +136,45 @@ def test_a_callback_may_not_use_its_transform(body, solid, points):
         body.field(resolution=150, progress=lambda stage, part: body.set_motion(np.eye(3), (0, 0, 0)))
 
 
+def test_a_callback_that_uses_another_transform_of_the_device_does_not_wait_for_its_own_call():
+    program = """
+import clsdf
+mesh = clsdf.make_shape("sphere1")
+for wanted in ("compiling", "testing"):
+    device = clsdf.Device.automatic()
+    body, other = clsdf.Transform(mesh, device=device), clsdf.Transform(mesh, device=device)
+    try:
+        body.field(resolution=16, progress=lambda stage, part: stage == wanted and other.field(resolution=16))
+    except clsdf.Error as error:
+        print(error.code, "a transform of the call's device" in str(error))
+    stages = set()
+    body.field(resolution=16, progress=lambda stage, part: stages.add(stage))
+    print(*sorted(stages))
+"""
+    result = run(program, environment={**os.environ, "CLSDF_CACHE_DIR": ""})
+    lines = ["invalid_argument True", "compiling computing testing"] * 2
+    assert result.stdout.splitlines() == lines, result.stdout + result.stderr
+
+
+DEVICES = {
+    "automatic": "None",
+    "index": "clsdf.Device.automatic().info().index",
+    "name": "clsdf.Device.automatic().name",
+    "share": "clsdf.Device.of_rank(0, 1)",
+}
+
+
+@pytest.mark.parametrize("choice", DEVICES)
+def test_records_are_kept_for_every_device(choice, tmp_path):
+    program = f"""
+import clsdf
+clsdf.Transform(clsdf.make_shape("sphere1"), device={DEVICES[choice]}).field(resolution=16)
+"""
+    result = run(program, environment={**os.environ, "CLSDF_CACHE_DIR": str(tmp_path)})
+    assert result.returncode == 0, result.stderr
+    assert list(tmp_path.rglob("*.tested"))
+
+
 def test_an_open_mesh_warns_on_the_callers_line(solid):
     vertices, faces = solid
     with pytest.warns(clsdf.MeshWarning, match="not closed") as warned:
