@@ -427,3 +427,8 @@ class Transform:
                 grid, own_band = self._grid_and_band(what, band)
                 return Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show))
             return Plan(_core.plan_of_requests(self._body, self._requests(what), show))
+
+    def plan_bytes(self, requests: Iterable[Request], *, progress: Progress = None) -> int:
+        """The device_bytes of a plan of these requests, which is made and given back: takes its time and its memory."""
+        with shown(progress) as show:
+            return self._body.plan_bytes(self._requests(requests), show)

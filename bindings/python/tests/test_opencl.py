@@ -95,7 +95,9 @@ def test_a_plan_of_requests_follows_the_body(solid, there, body, queue):
     large = cl.array.zeros(queue, (2, *grid.shape), np.float32)
     band = clsdf.Band(0.2, 0.2)
     moving = clsdf.Transform(solid, device=queue)
-    plan = moving.plan([clsdf.Request(grid, band, {"distance": large[n]}) for n in range(2)])
+    requests = [clsdf.Request(grid, band, {"distance": large[n]}) for n in range(2)]
+    plan = moving.plan(requests)
+    assert moving.plan_bytes(requests) == plan.device_bytes
     plan.enqueue().wait()
     expected = body.field(grid, band=band).distance
     assert np.array_equal(large.get(), [expected, expected])
