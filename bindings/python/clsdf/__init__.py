@@ -13,7 +13,7 @@ order x, y, z. Lengths are in the mesh's units.
 from __future__ import annotations
 
 from . import _core
-from ._core import Band, Device, DeviceInfo, Grid, Topology, devices, make_shape, shape_names
+from ._core import Band, Defects, Device, DeviceInfo, Grid, Topology, devices, make_shape, shape_names
 from ._error import Error, MeshWarning
 from ._values import Blocks, Points
 from .field import Field
@@ -24,7 +24,7 @@ from .transform import BoxPlace, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
 
-from ._meshes import mesh_hash, read_mesh  # noqa: E402
+from ._meshes import find_defects, mesh_hash, read_mesh, weld  # noqa: E402
 from . import trimesh  # noqa: E402
 
 #: The triangle and the site of a sample beyond the band.
@@ -36,6 +36,7 @@ __all__ = [
     "Band",
     "Blocks",
     "BoxPlace",
+    "Defects",
     "Device",
     "DeviceInfo",
     "Error",
@@ -51,6 +52,7 @@ __all__ = [
     "Topology",
     "Transform",
     "devices",
+    "find_defects",
     "make_shape",
     "mesh_hash",
     "no_site",
@@ -60,5 +62,6 @@ __all__ = [
     "shape_names",
     "slice_picture",
     "trimesh",
+    "weld",
     "write_field",
 ]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from typing import Any
 
-from . import _core
 from ._core import Device
 from ._error import Error
 
@@ -14,16 +13,11 @@ _default: Device | None = None
 
 
 def default_device() -> Device:
-    """Device.automatic(), opened once. As clsdf's command does, it keeps records of passed tests and takes prepared
-    programs from default_record_folder(); an empty CLSDF_CACHE_DIR turns that off."""
+    """Device.automatic(), opened once."""
     global _default
     with _lock:
         if _default is None:
-            device = Device.automatic()
-            folder = _core.default_record_folder()
-            device.keep_records(folder)
-            device.read_programs(folder)
-            _default = device
+            _default = Device.automatic()
         return _default
 
 

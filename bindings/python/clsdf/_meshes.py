@@ -82,3 +82,17 @@ def mesh_hash(mesh: Any) -> int:
     (invalid_mesh, unsupported)."""
     vertices, faces, _ = arrays_of(mesh)
     return _core.mesh_hash(vertices, faces)
+
+
+def weld(mesh: Any) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """The mesh in which vertices of equal coordinates are one vertex, as vertices (n, 3), float64, and faces (m, 3),
+    uint32, which keep their order. mesh: as for mesh_hash()."""
+    vertices, faces, _ = arrays_of(mesh)
+    return _core.weld(vertices, faces)
+
+
+def find_defects(mesh: Any) -> _core.Defects:
+    """Counts faces without area, duplicate faces and components; Transform.topology describes the edges. mesh: as for
+    mesh_hash()."""
+    vertices, faces, _ = arrays_of(mesh)
+    return _core.find_defects(vertices, faces)

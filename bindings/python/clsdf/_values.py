@@ -73,8 +73,8 @@ def given(out: Any, outputs: Outputs | None) -> dict[str, Any]:
         arrays = {"distance": out}
     if "distance" not in arrays:
         raise Error("out has no array of the distance, which is always computed")
-    if outputs is not None and wanted(outputs) != wanted(arrays):
-        raise Error(f"outputs= names {', '.join(wanted(outputs))}; out= has arrays of {', '.join(wanted(arrays))}")
+    if outputs is not None and (asked := wanted(outputs)) != wanted(arrays):
+        raise Error(f"outputs= names {', '.join(asked)}; out= has arrays of {', '.join(wanted(arrays))}")
     return arrays
 
 

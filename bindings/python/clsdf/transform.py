@@ -92,8 +92,9 @@ class Transform:
 
     Any number of threads may use a transform; calls that compute run side by side without the GIL, and those that set
     positions wait for them. Ctrl-C ends a call. Calls may take `progress`, True or a function of the stage
-    ('compiling', 'computing') and its fraction, and `wait_for`, pyopencl events after which arrays of the device are
-    used.
+    ('compiling', 'testing', 'computing') and its fraction, and `wait_for`, pyopencl events after which arrays of the
+    device are used. The function must not make or use a transform or a plan of the device; nor must a handler of
+    signals that comes during the call.
     """
 
     def __init__(
@@ -269,9 +270,10 @@ class Transform:
         """The fields of many grids of any lattices, in one call, which is cheaper than one call each; each has the
         bytes of a call of its own. band and outputs: as of field()."""
         fields = []
+        outputs = wanted(outputs)
         for grid in grids:
             grid, own_band = self._grid_and_band(grid, band)
-            arrays = new_samples(wanted(outputs), grid.shape)
+            arrays = new_samples(outputs, grid.shape)
             fields.append(Field(grid, own_band, self.sign, self.mesh_name, arrays))
         self.compute([Request(field.grid, field.band, field.arrays) for field in fields], progress=progress)
         return fields
@@ -331,6 +333,7 @@ class Transform:
         million samples at a time. Options: as of field(). Each slab is computed when it is asked for; the bytes are
         those of the whole."""
         whole, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
+        outputs = wanted(outputs)
         return (self.field(part, band=own_band, outputs=outputs) for part in _core.slabs_of(whole))
 
     def compile(
@@ -424,3 +427,8 @@ class Transform:
                 grid, own_band = self._grid_and_band(what, band)
                 return Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show))
             return Plan(_core.plan_of_requests(self._body, self._requests(what), show))
+
+    def plan_bytes(self, requests: Iterable[Request], *, progress: Progress = None) -> int:
+        """The device_bytes of a plan of these requests, which is made and given back: takes its time and its memory."""
+        with shown(progress) as show:
+            return self._body.plan_bytes(self._requests(requests), show)

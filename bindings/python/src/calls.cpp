@@ -19,10 +19,25 @@ void warn(const std::string& message) {
     if (PyErr_WarnEx(category.ptr(), message.c_str(), 2) != 0) throw nb::python_error();
 }
 
+const char* name_of(Progress::Stage stage) {
+    switch (stage) {
+        case Progress::Stage::compiling:
+            return "compiling";
+        case Progress::Stage::testing:
+            return "testing";
+        case Progress::Stage::computing:
+            break;
+    }
+    return "computing";
+}
+
 }  // namespace
 
 Call::Call(nb::object progress, nb::handle wait_for)
-    : progress_(std::move(progress)), events_(events_of(wait_for)), asked_(std::chrono::steady_clock::now()) {
+    : progress_(std::move(progress)),
+      wait_for_(wait_for.is_none() ? nb::object(nb::none()) : nb::object(nb::list(wait_for))),
+      events_(events_of(wait_for_)),
+      asked_(std::chrono::steady_clock::now()) {
     options_.should_stop = [this] {
         ask_for_signals();
         return false;
@@ -31,9 +46,8 @@ Call::Call(nb::object progress, nb::handle wait_for)
     options_.wait_list = events_;
     if (progress_.is_none()) return;
     options_.progress = [this](const Progress& progress) {
-        const bool computes = progress.stage == Progress::Stage::computing;
         const nb::gil_scoped_acquire gil;
-        progress_(computes ? "computing" : "compiling", progress.fraction);
+        progress_(name_of(progress.stage), progress.fraction);
     };
 }
 

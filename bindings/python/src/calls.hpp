@@ -11,8 +11,8 @@ namespace clsdf::python {
 /// with the GIL; the library calls it back without.
 class Call {
 public:
-    /// `progress` is None or a function of the stage ("compiling" or "computing") and the fraction of it that is done.
-    /// `wait_for` is None or a sequence of pyopencl's events.
+    /// `progress` is None or a function of the stage ("compiling", "testing" or "computing") and the fraction of it
+    /// that is done. `wait_for` is None or an iterable of pyopencl's events, which live as long as the call.
     explicit Call(nb::object progress = nb::none(), nb::handle wait_for = nb::none());
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
@@ -23,12 +23,13 @@ private:
     void ask_for_signals();
 
     nb::object progress_;
+    nb::object wait_for_;
     std::vector<cl_event> events_;
     std::chrono::steady_clock::time_point asked_;
     CallOptions options_;
 };
 
-/// The handles of pyopencl's events; empty for None.
+/// The handles of a list of pyopencl's events, which must outlive them; empty for None.
 std::vector<cl_event> events_of(nb::handle wait_for);
 
 }  // namespace clsdf::python

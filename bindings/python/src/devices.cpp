@@ -1,9 +1,12 @@
 #include "devices.hpp"
 
+#include <nanobind/stl/variant.h>
+
 #include <bit>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace clsdf::python {
@@ -23,12 +26,25 @@ auto without_gil(Function function) {
     return function();
 }
 
+// As clsdf's command does, every device keeps records of passed tests and takes prepared programs from the user's
+// folder.
+template <typename Function>
+PyDevice opened(Function open) {
+    return PyDevice(without_gil([&] {
+        Device device = open();
+        const std::string folder = Device::default_record_folder();
+        device.keep_records(folder);
+        device.read_programs(folder);
+        return device;
+    }));
+}
+
 PyDevice device_of_queue(nb::handle queue) {
     const auto handle = [](nb::handle object) { return nb::cast<std::uintptr_t>(object.attr("int_ptr")); };
     const auto context = std::bit_cast<cl_context>(handle(queue.attr("context")));
     const auto device = std::bit_cast<cl_device_id>(handle(queue.attr("device")));
     const auto own = std::bit_cast<cl_command_queue>(handle(queue));
-    return PyDevice(without_gil([&] { return Device::from_handles(context, device, own); }));
+    return opened([&] { return Device::from_handles(context, device, own); });
 }
 
 PyDevice limited(const PyDevice& device, std::optional<unsigned> compute_units, std::optional<std::size_t> memory) {
@@ -67,19 +83,25 @@ void add_devices(nb::module_& module) {
     nb::class_<PyDevice>(module, "Device",
                          "An OpenCL device with a context and a queue. Transforms of one device share its compiled "
                          "programs. Any number\n"
-                         "of threads may use it. Raises clsdf.Error (no_device, device_failure).")
+                         "of threads may use it. As clsdf's command does, it keeps records of passed tests and takes "
+                         "prepared programs\n"
+                         "from ~/.cache/clsdf, or from the folder that CLSDF_CACHE_DIR names; an empty one turns that "
+                         "off. Raises\n"
+                         "clsdf.Error (no_device, device_failure).")
         .def_static(
-            "automatic", [] { return PyDevice(without_gil([] { return Device::automatic(); })); },
+            "automatic", [] { return opened([] { return Device::automatic(); }); },
             "The device that CLSDF_DEVICE names, else the strongest GPU, else the strongest other device.")
         .def_static(
             "select",
-            [](const std::string& choice) { return PyDevice(without_gil([&] { return Device::select(choice); })); },
+            [](const std::variant<std::string, std::int64_t>& choice) {
+                const auto* const index = std::get_if<std::int64_t>(&choice);
+                const std::string text = index != nullptr ? std::to_string(*index) : std::get<std::string>(choice);
+                return opened([&] { return Device::select(text); });
+            },
             nb::arg("choice"), "An index in devices(), or a part of one device's name, in upper or lower case.")
         .def_static(
             "of_rank",
-            [](std::size_t rank, std::size_t ranks) {
-                return PyDevice(without_gil([&] { return Device::of_rank(rank, ranks); }));
-            },
+            [](std::size_t rank, std::size_t ranks) { return opened([&] { return Device::of_rank(rank, ranks); }); },
             nb::arg("rank"), nb::arg("ranks"),
             "The share of a process among those of this machine, 0 <= rank < ranks. GPUs are dealt out in turn; if\n"
             "there is none, or if CLSDF_DEVICE names a device, an equal part of a processor's compute units. Raises\n"
@@ -109,15 +131,16 @@ void add_devices(nb::module_& module) {
         .def(
             "keep_records",
             [](const PyDevice& device, const std::string& folder) { device.get().keep_records(folder); },
-            nb::arg("folder"), "Keeps records of passed tests there, so that later processes do not test again.")
+            nb::arg("folder"),
+            "Keeps records of passed tests there, so that later processes do not test again. An empty text: nowhere.")
         .def(
             "read_programs",
             [](const PyDevice& device, const std::string& folder) { device.get().read_programs(folder); },
-            nb::arg("folder"), "Takes compiled programs from a folder that `clsdf devices --prepare` wrote.")
+            nb::arg("folder"),
+            "Takes compiled programs from a folder that `clsdf devices --prepare` wrote. An empty text: from none.")
         .def("__repr__", [](const PyDevice& device) {
             return "<clsdf.Device " + device.get().name() + ", " + device.get().platform() + ">";
         });
-    module.def("default_record_folder", &Device::default_record_folder, "The folder of the command's records.");
     module.def(
         "devices", [] { return without_gil([] { return Device::all(); }); },
         "Every OpenCL device, also those that clsdf cannot use. Raises clsdf.Error (device_failure).");

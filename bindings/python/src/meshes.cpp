@@ -2,6 +2,9 @@
 #include "binding.hpp"
 
 #include <clsdf/mesh_files.hpp>
+#include <clsdf/topology.hpp>
+
+#include <fmt/format.h>
 
 #include <cstdint>
 #include <memory>
@@ -30,11 +33,25 @@ Mesh read(const std::string& path) {
     return read_mesh(path);
 }
 
-std::uint64_t hash_of_mesh(nb::handle vertices, nb::handle faces) {
+// Calls the function with a mesh of the arrays, without the GIL.
+template <typename Function>
+auto with_mesh(nb::handle vertices, nb::handle faces, Function function) {
     Arrays arrays;
     const MeshView view(arrays.triples(vertices, "vertices"), arrays.triples(faces, "faces"));
     const nb::gil_scoped_release no_gil;
-    return Mesh(view).hash();
+    return function(Mesh(view));
+}
+
+std::uint64_t hash_of_mesh(nb::handle vertices, nb::handle faces) {
+    return with_mesh(vertices, faces, [](const Mesh& mesh) { return mesh.hash(); });
+}
+
+auto welded(nb::handle vertices, nb::handle faces) {
+    return arrays_of(with_mesh(vertices, faces, [](const Mesh& mesh) { return weld(mesh); }));
+}
+
+Defects defects_of(nb::handle vertices, nb::handle faces) {
+    return with_mesh(vertices, faces, [](const Mesh& mesh) { return find_defects(mesh); });
 }
 
 nb::list list_of(const std::vector<Topology::Edge>& edges) {
@@ -62,16 +79,35 @@ void add_meshes(nb::module_& module) {
             nb::sig(
                 "def first_open_edges(self) -> list[tuple[tuple[float, float, float], tuple[float, float, float]]]"),
             "Up to five: two positions each.")
+        .def_prop_ro(
+            "first_unbalanced_edges", [](const Topology& topology) { return list_of(topology.first_unbalanced_edges); },
+            nb::sig("def first_unbalanced_edges(self) -> list[tuple[tuple[float, float, float], tuple[float, float, "
+                    "float]]]"),
+            "The same.")
         .def("__repr__", [](const Topology& topology) {
             return std::string("<clsdf.Topology: ") + (topology.closed ? "closed" : "open") +
                    (topology.balanced ? ", balanced" : ", not balanced") +
                    (topology.inside_out ? ", inside out>" : ">");
+        });
+    nb::class_<Defects>(module, "Defects",
+                        "Defects of a mesh other than those of its edges. Vertices of equal coordinates count as one. "
+                        "The distance is\n"
+                        "exact in spite of them.")
+        .def_ro("zero_area_faces", &Defects::zero_area_faces, "Three different vertices on one line, exactly.")
+        .def_ro("duplicate_faces", &Defects::duplicate_faces,
+                "Faces with the three different vertices of an earlier face, in any order.")
+        .def_ro("components", &Defects::components, "Parts of the mesh that share no vertex.")
+        .def("__repr__", [](const Defects& defects) {
+            return fmt::format("<clsdf.Defects: {} faces without area, {} duplicate faces, {} components>",
+                               defects.zero_area_faces, defects.duplicate_faces, defects.components);
         });
     module.def(
         "read_mesh", [](const std::string& path) { return arrays_of(read(path)); }, nb::arg("path"),
         "Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply. Raises clsdf.Error\n"
         "(unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));
+    module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"));
+    module.def("find_defects", &defects_of, nb::arg("vertices"), nb::arg("faces"));
     module.def(
         "make_shape", [](const std::string& name) { return arrays_of(make_shape(name)); }, nb::arg("name"),
         "Vertices and faces of a shape made by code: 'sphere0' to 'sphere9', 'torus', 'knot' and others, which\n"

@@ -43,6 +43,13 @@ void compute_many(const Body& body, const RequestList& requests, nb::object prog
     body.read([&](const DistanceTransform& transform) { transform.compute(boxes, call.options()); });
 }
 
+std::size_t plan_bytes(const Body& body, const RequestList& requests, nb::object progress) {
+    Arrays arrays;
+    const std::vector<Request> boxes = requests_of(requests, arrays);
+    const Call call(std::move(progress));
+    return body.read([&](const DistanceTransform& transform) { return transform.plan_bytes(boxes, call.options()); });
+}
+
 void compute_blocks(const Body& body, const Grid& lattice, const Band& band, const Index3& size,
                     const std::vector<Index3>& first, const ArraysByName& outputs, nb::object progress,
                     nb::handle wait_for) {
@@ -70,13 +77,20 @@ auto classify(const Body& body, const Boxes& boxes, double half_width) {
     constexpr std::size_t part = 1 << 15;
     const Call call;
     body.read([&](const DistanceTransform& transform) {
-        std::size_t begin = 0;
-        do {
-            const std::size_t size = std::min(part, all.size() - begin);
-            transform.classify(all.subspan(begin, size), half_width, std::span(*places).subspan(begin, size));
-            call.options().should_stop();
-            begin += size;
-        } while (begin < all.size());
+        try {
+            std::size_t begin = 0;
+            do {
+                const std::size_t size = std::min(part, all.size() - begin);
+                transform.classify(all.subspan(begin, size), half_width, std::span(*places).subspan(begin, size));
+                call.options().should_stop();
+                begin += size;
+            } while (begin < all.size());
+        } catch (const Error& error) {
+            // The message numbers the boxes of a part. A call for all of them fails before any work, with the number
+            // among all.
+            if (error.code() == ErrorCode::invalid_argument) transform.classify(all, half_width, *places);
+            throw;
+        }
     });
     auto* const data = reinterpret_cast<std::uint8_t*>(places->data());
     const std::size_t count = places->size();
@@ -149,6 +163,7 @@ void add_transforms(nb::module_& module) {
         .def("compute", &compute, nb::arg("grid"), nb::arg("band"), nb::arg("outputs"), nb::arg("progress").none(),
              nb::arg("wait_for").none())
         .def("compute_many", &compute_many, nb::arg("requests"), nb::arg("progress").none(), nb::arg("wait_for").none())
+        .def("plan_bytes", &plan_bytes, nb::arg("requests"), nb::arg("progress").none())
         .def("compute_blocks", &compute_blocks, nb::arg("lattice"), nb::arg("band"), nb::arg("size"), nb::arg("first"),
              nb::arg("outputs"), nb::arg("progress").none(), nb::arg("wait_for").none())
         .def("query", &query, nb::arg("points"), nb::arg("within"), nb::arg("outputs"), nb::arg("progress").none(),

@@ -295,6 +295,18 @@ def test_the_hash_of_a_mesh_is_that_of_cpp(tmp_path):
     assert clsdf.mesh_hash(path) == clsdf.mesh_hash(TETRAHEDRON)
 
 
+def test_a_mesh_is_welded_and_its_defects_are_counted(solid):
+    vertices, faces = solid
+    soup = vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)
+    welded, corners = clsdf.weld(soup)
+    assert len(welded) == len(vertices) and np.array_equal(welded[corners], vertices[faces])
+    defects = clsdf.find_defects((vertices, np.concatenate([faces, faces[:2, ::-1]])))
+    assert (defects.zero_area_faces, defects.duplicate_faces, defects.components) == (0, 2, 1)
+    assert "2 duplicate faces" in repr(defects)
+    doubled = clsdf.Transform(vertices, np.concatenate([faces, faces[:1]]), sign="none").topology
+    assert doubled.unbalanced_edges == len(doubled.first_unbalanced_edges) == 3
+
+
 def test_other_meshes_have_other_hashes(solid):
     vertices, faces = solid
     turned = np.roll(faces, 1, axis=1)

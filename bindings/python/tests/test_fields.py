@@ -111,6 +111,20 @@ def test_names_of_outputs_are_a_text_or_a_list(body):
         assert body.query((1, 2, 3), outputs).outputs == ("distance", "triangle", "gradient")
 
 
+def test_names_of_outputs_may_be_a_generator(body, monkeypatch):
+    from clsdf import _core
+
+    def names():
+        return (name for name in ("distance", "gradient"))
+
+    grid = body.grid(12)
+    monkeypatch.setattr(_core, "slabs_of", lambda whole: [whole, whole])
+    for fields in (body.fields([grid, grid], outputs=names()), list(body.slabs(grid, outputs=names()))):
+        assert [field.outputs for field in fields] == [("distance", "gradient")] * 2
+    with pytest.raises(clsdf.Error, match="outputs= names distance, gradient;"):
+        body.field(grid, outputs=names(), out=body.field(grid))
+
+
 def test_a_field_as_out_keeps_its_grid_and_band(body):
     field = body.field(resolution=20, band="3v")
     band, distance = field.band, field.distance.copy()
@@ -319,6 +333,15 @@ def test_many_boxes_are_classified_as_each(body, points):
     assert len(body.classify(np.empty((0, 2, 3)), 0.1)) == 0
 
 
+def test_a_box_that_is_refused_is_named_among_all(body):
+    boxes = np.zeros((50_000, 2, 3))
+    part = body.restrict_to(clsdf.Region((-1, -1, -1), (1, 1, 1), half_width=0.2))
+    for wrong in (np.nan, 3.0):
+        boxes[40_000] = wrong
+        with pytest.raises(clsdf.Error, match="box 40000 "):
+            part.classify(boxes, 0.1)
+
+
 def test_boxes_are_classified():
     # `within` counts from the boxes around triangles, so these are small.
     shape = clsdf.make_shape("sphere3")
@@ -358,6 +381,11 @@ def test_what_a_transform_says_of_itself(body, solid):
     with pytest.raises(clsdf.Error) as error:
         clsdf.Transform(solid, device="no such device")
     assert error.value.code == "no_device"
+    with pytest.raises(clsdf.Error) as error:
+        clsdf.Device.select(-1)
+    assert error.value.code == "no_device"
+    if device.index is not None:
+        assert clsdf.Device.select(device.index).name == clsdf.Device.select(str(device.index)).name == device.name
     with pytest.raises(clsdf.Error, match="device: 2.5 is no clsdf.Device"):
         clsdf.Transform(solid, device=2.5)
     with pytest.raises(clsdf.Error, match="auto, nonzero, parity, none"):

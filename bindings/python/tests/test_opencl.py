@@ -74,12 +74,30 @@ def test_a_plan_waits_for_events(there, body, queue):
     assert np.array_equal(out.get(queue), expected.distance)
 
 
+def test_events_of_a_generator_live_as_long_as_the_call(there, queue, points):
+    living = weakref.WeakSet()
+
+    class Event:
+        def __init__(self):
+            self.event = cl.enqueue_marker(queue)
+            self.int_ptr = self.event.int_ptr
+            living.add(self)
+
+    told = []
+    there.field(resolution=16, wait_for=(Event() for _ in range(3)), progress=lambda *_: told.append(len(living)))
+    assert told and set(told) == {3}
+    gc.collect()
+    assert not living
+
+
 def test_a_plan_of_requests_follows_the_body(solid, there, body, queue):
     grid = body.grid(16)
     large = cl.array.zeros(queue, (2, *grid.shape), np.float32)
     band = clsdf.Band(0.2, 0.2)
     moving = clsdf.Transform(solid, device=queue)
-    plan = moving.plan([clsdf.Request(grid, band, {"distance": large[n]}) for n in range(2)])
+    requests = [clsdf.Request(grid, band, {"distance": large[n]}) for n in range(2)]
+    plan = moving.plan(requests)
+    assert moving.plan_bytes(requests) == plan.device_bytes
     plan.enqueue().wait()
     expected = body.field(grid, band=band).distance
     assert np.array_equal(large.get(), [expected, expected])

@@ -105,7 +105,7 @@ def test_other_threads_run_during_a_call(body):
 def test_progress_is_told(body):
     told = []
     body.field(resolution=150, band="full", progress=lambda stage, part: told.append((stage, part)))
-    assert told and {stage for stage, _ in told} <= {"compiling", "computing"}
+    assert told and {stage for stage, _ in told} <= {"compiling", "testing", "computing"}
     parts = [part for stage, part in told if stage == "computing"]
     assert parts == sorted(parts) and parts[-1] == pytest.approx(1)
 
@@ -134,6 +134,45 @@ def test_a_callback_may_not_use_its_transform(body, solid, points):
         body.field(resolution=150, progress=lambda stage, part: body.query(points))
     with pytest.raises(clsdf.Error, match="progress="):
         body.field(resolution=150, progress=lambda stage, part: body.set_motion(np.eye(3), (0, 0, 0)))
+
+
+def test_a_callback_that_uses_another_transform_of_the_device_does_not_wait_for_its_own_call():
+    program = """
+import clsdf
+mesh = clsdf.make_shape("sphere1")
+for wanted in ("compiling", "testing"):
+    device = clsdf.Device.automatic()
+    body, other = clsdf.Transform(mesh, device=device), clsdf.Transform(mesh, device=device)
+    try:
+        body.field(resolution=16, progress=lambda stage, part: stage == wanted and other.field(resolution=16))
+    except clsdf.Error as error:
+        print(error.code, "a transform of the call's device" in str(error))
+    stages = set()
+    body.field(resolution=16, progress=lambda stage, part: stages.add(stage))
+    print(*sorted(stages))
+"""
+    result = run(program, environment={**os.environ, "CLSDF_CACHE_DIR": ""})
+    lines = ["invalid_argument True", "compiling computing testing"] * 2
+    assert result.stdout.splitlines() == lines, result.stdout + result.stderr
+
+
+DEVICES = {
+    "automatic": "None",
+    "index": "clsdf.Device.automatic().info().index",
+    "name": "clsdf.Device.automatic().name",
+    "share": "clsdf.Device.of_rank(0, 1)",
+}
+
+
+@pytest.mark.parametrize("choice", DEVICES)
+def test_records_are_kept_for_every_device(choice, tmp_path):
+    program = f"""
+import clsdf
+clsdf.Transform(clsdf.make_shape("sphere1"), device={DEVICES[choice]}).field(resolution=16)
+"""
+    result = run(program, environment={**os.environ, "CLSDF_CACHE_DIR": str(tmp_path)})
+    assert result.returncode == 0, result.stderr
+    assert list(tmp_path.rglob("*.tested"))
 
 
 def test_an_open_mesh_warns_on_the_callers_line(solid):
