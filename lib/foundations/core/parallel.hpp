@@ -8,8 +8,7 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
-#include <cstddef>
-#include <cstddef>  // for __GLIBC__
+#include <cstddef>  // also for __GLIBC__
 #include <utility>
 
 namespace clsdf {
