@@ -1,4 +1,5 @@
 #include "io/mesh_files.hpp"
+#include "io/polygons.hpp"
 #include "tools/text.hpp"
 
 #include <fmt/format.h>
@@ -400,7 +401,7 @@ void read_corners(Rows& rows, const PlyProperty& list, std::size_t vertex_count,
 }
 
 template <typename Rows>
-void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, MeshArrays& mesh) {
+void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, MeshArrays& mesh, Polygons& polygons) {
     mesh.triangles.reserve(element.count);
     std::vector<std::uint32_t> corners;
     for (std::size_t row = 0; row < element.count; ++row) {
@@ -411,22 +412,24 @@ void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, Mes
             else
                 skip_property(rows, element.properties[p]);
         rows.end_row();
-        mesh.add_polygon(corners);
+        polygons.add(mesh, corners);
     }
 }
 
 template <typename Rows>
 MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout) {
     MeshArrays mesh;
+    Polygons polygons;
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex") {
             read_vertices(rows, element, layout, mesh.vertices);
         } else if (element.name == "face") {
-            read_faces(rows, element, layout, mesh);
+            read_faces(rows, element, layout, mesh, polygons);
         } else {
             skip_rows(rows, element);
         }
     }
+    polygons.triangulate(mesh);
     return mesh;
 }
 
