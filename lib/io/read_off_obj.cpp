@@ -121,6 +121,9 @@ MeshArrays read_off(const FileContent& file) {
         read_face(scanner, counts.vertices, corners);
         polygons.add(mesh, corners);
     }
+    if (scanner.next_line())
+        scanner.fail(fmt::format("this line follows the {} vertices and {} faces that the header counts",
+                                 counts.vertices, counts.faces));
     polygons.triangulate(mesh);
     return mesh;
 }

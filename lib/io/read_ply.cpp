@@ -214,6 +214,11 @@ public:
     void end_row() {
         if (!scanner_.at_end_of_line()) scanner_.fail("the line has more values than the header has properties");
     }
+    void end(const PlyElement& last) {
+        if (scanner_.next_line())
+            scanner_.fail(fmt::format("this line follows the {} rows of {} that the header counts", last.count,
+                                      quoted(last.name)));
+    }
     double real(PlyType) { return scanner_.real("a number"); }
     std::int64_t integer(PlyType) { return scanner_.integer("an integer"); }
     void skip(PlyType) {
@@ -238,6 +243,15 @@ public:
         row_ = row;
     }
     void end_row() {}
+    void end(const PlyElement& last) const {
+        const auto is_blank = [](std::byte b) {
+            return b == std::byte{' '} || (b >= std::byte{'\t'} && b <= std::byte{'\r'});
+        };
+        if (!std::ranges::all_of(bytes_, is_blank))
+            throw Error(ErrorCode::unreadable_input,
+                        fmt::format("{}: {} bytes follow the {} rows of {} that the header counts", *path_,
+                                    bytes_.size(), last.count, quoted(last.name)));
+    }
     double real(PlyType type) { return read<double>(type); }
     std::int64_t integer(PlyType type) { return read<std::int64_t>(type); }
     void skip(PlyType type) { take(size_of(type)); }
@@ -375,12 +389,12 @@ template <typename Rows>
 std::vector<Vec3> read_points(Rows rows, const PlyHeader& header, const Layout& layout) {
     std::vector<Vec3> points;
     for (const PlyElement& element : header.elements) {
-        if (element.name == "vertex") {
+        if (element.name == "vertex")
             read_vertices(rows, element, layout, points);
-            break;
-        }
-        skip_rows(rows, element);
+        else
+            skip_rows(rows, element);
     }
+    rows.end(header.elements.back());
     return points;
 }
 
@@ -429,6 +443,7 @@ MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout) {
             skip_rows(rows, element);
         }
     }
+    rows.end(header.elements.back());
     polygons.triangulate(mesh);
     return mesh;
 }
