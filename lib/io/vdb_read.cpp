@@ -80,8 +80,12 @@ bool check_vdb_seal(InputFile& file) {
     if (!beginning.starts_with(magic)) file.fail("not a VDB file: it does not begin with \" BDV\"");
     if (beginning.size() < header_length) file.fail("the file is truncated in its header");
     const std::string_view uuid = std::string_view(beginning).substr(uuid_begin, uuid_length);
-    // If the first mark, the UUID, is damaged, the description is the second.
-    const bool is_ours = uuid.starts_with(uuid_of_ours) || beginning.find(R"("program": "clsdf )") != std::string::npos;
+    // If the first mark, the UUID, is damaged, the description is the second. OpenVDB keeps it if it saves the file
+    // again, and writes a random UUID, whose version is not ours.
+    constexpr std::size_t version = 14;
+    const bool is_ours =
+        uuid.starts_with(uuid_of_ours) ||
+        (uuid[version] == uuid_of_ours[version] && beginning.find(R"("program": "clsdf )") != std::string::npos);
     if (is_ours && uuid != expected_uuid(file)) file.fail("its checksum is wrong: the file is damaged or truncated");
     return is_ours;
 }
@@ -143,7 +147,7 @@ public:
     // The block of samples: as stated, or the box around all active voxels.
     void set_block(Grid& grid, const openvdb::FloatGrid& distance, const std::optional<Index3>& stated) const {
         const openvdb::CoordBBox active = distance.evalActiveVoxelBoundingBox();
-        if (stated && (active.empty() || (active.min() >= Coord(0) && fits(active.max(), *stated)))) {
+        if (stated && (active.empty() || fits(active, *stated))) {
             grid.size = *stated;
             return;
         }
@@ -170,8 +174,10 @@ public:
     }
 
 private:
-    static bool fits(const Coord& last, const Index3& size) {
-        return last[0] < size[0] && last[1] < size[1] && last[2] < size[2];
+    static bool fits(const openvdb::CoordBBox& box, const Index3& size) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (box.min()[axis] < 0 || box.max()[axis] >= size[axis]) return false;
+        return true;
     }
 
     InputFile& input_;
