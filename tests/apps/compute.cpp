@@ -59,6 +59,17 @@ BOOST_AUTO_TEST_CASE(refuses_what_the_computation_would_refuse) {
     BOOST_TEST(folder.file_count() == 1U);
 }
 
+BOOST_AUTO_TEST_CASE(refuses_a_band_without_end_whose_distances_exceed_a_float) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", "OFF\n4 1 0\n0 0 0\n1e39 0 0\n0 1e39 0\n0 0 1e39\n3 1 2 3\n");
+    const auto compute = [&](const std::string& band) {
+        return run_command({"compute", mesh, "-o", folder.file("a.nrrd"), "--resolution", "32", "--band", band});
+    };
+    check_refused(compute("full"), 2, {"diagonal", "beyond the floats"});
+    BOOST_TEST(folder.file_count() == 1U);
+    BOOST_TEST(compute("1%").status == 0);
+}
+
 BOOST_AUTO_TEST_CASE(lays_the_grid_out_as_the_options_say) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 2 1\n3 0 1 2\n");
