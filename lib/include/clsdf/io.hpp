@@ -70,9 +70,9 @@ private:
 /// threads, and prevents them from getting their final names. A thread that continues to write waits for ever, so the
 /// program must end now. May be called from any thread, but not from a signal handler.
 ///
-/// A process that is killed leaves unfinished files, ".clsdf-PID-N.part" in the folder of the final file. The first
-/// file that another process writes in the folder removes those without a lock, if they belong to the same user and the
-/// file system belongs to one machine (docs/formats.md lists these). On other file systems, such as NFS, they stay.
+/// A process that is killed leaves unfinished files, ".clsdf-MACHINE-PID-N.part" in the folder of the final file. The
+/// first file that another process writes there removes those without a lock, if they are of the same machine and user
+/// and the file system belongs to one machine (docs/formats.md lists these). On others, such as NFS, they stay.
 CLSDF_EXPORT void abandon_unfinished_files() noexcept;
 
 }  // namespace clsdf
