@@ -81,8 +81,13 @@ public:
         if (!has(info)) file_.fail(fmt::format("there is no dataset '/{}'", info.name));
         const Handle array = opened(info);
         const Handle creation(H5Dget_create_plist(array.get()), H5Pclose);
-        if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS || H5Pget_external_count(creation.get()) != 0)
-            fail(info, "its values are in chunks, compressed or in another file; save it contiguous");
+        if (H5Pget_external_count(creation.get()) != 0) fail(info, "its values are in another file; save them in this");
+        if (H5Pget_nfilters(creation.get()) != 0)
+            fail(info, "its values are compressed; save them without filters (h5repack -f NONE -l CONTI)");
+        if (H5Pget_layout(creation.get()) == H5D_CHUNKED)
+            fail(info, "its values are in chunks of HDF5's newer format; save it contiguous (h5repack -l CONTI)");
+        if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS)
+            fail(info, "its values are neither contiguous nor in chunks; save it contiguous (h5repack -l CONTI)");
         StoredArray stored;
         stored.shape = shape_of(array, info);
         stored.values = type_of(array, info);
