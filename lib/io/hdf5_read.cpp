@@ -240,7 +240,7 @@ void read_array(InputFile& file, const hdf5::Source& source, const OutputInfo& i
     }
 }
 
-Field read_source(InputFile& file, const hdf5::Source& source) {
+Field read_source(InputFile& file, const hdf5::Source& source, OutputSet wanted) {
     Field field;
     field.band = Band::full();
     field.sign = SignRule::automatic;
@@ -253,17 +253,17 @@ Field read_source(InputFile& file, const hdf5::Source& source) {
         field = parse_description(file.path() + ": attribute 'clsdf'", *text, field.grid).field;
     read_array(file, source, info_of(Output::distance), field);
     for (const OutputInfo& info : extra_outputs())
-        if (source.has(info)) read_array(file, source, info, field);
+        if (wanted.contains(info.output) && source.has(info)) read_array(file, source, info, field);
     return field;
 }
 
 }  // namespace
 
-Field read_h5(const std::string& path) {
+Field read_h5(const std::string& path, OutputSet wanted) {
     InputFile file(path);
-    if (version_of(file) < 2) return read_source(file, *hdf5::open_without_checksums(file));
+    if (version_of(file) < 2) return read_source(file, *hdf5::open_without_checksums(file), wanted);
     const hdf5::Session session;
-    return read_source(file, WithChecksums(file));
+    return read_source(file, WithChecksums(file), wanted);
 }
 
 }  // namespace clsdf

@@ -185,7 +185,7 @@ private:
     openvdb::io::File file_;
 };
 
-Field read_checked(InputFile& file, bool is_ours) {
+Field read_checked(InputFile& file, bool is_ours, OutputSet wanted) {
     initialise();
     VdbReader reader(file, is_ours);
     const openvdb::FloatGrid::Ptr distance = reader.distance();
@@ -210,7 +210,7 @@ Field read_checked(InputFile& file, bool is_ours) {
     const std::size_t samples = field.grid.sample_count();
     reader.copy(*distance, in_file, field.resize(Output::distance, samples));
     for (const OutputInfo& info : extra_outputs()) {
-        if (!reader.has(info.name)) continue;
+        if (!wanted.contains(info.output) || !reader.has(info.name)) continue;
         if (!fits_grid(info)) continue;
         std::vector<std::byte> wide(samples * sample_bytes_in_grid(info));
         if (is_whole(info.type))
@@ -226,11 +226,11 @@ Field read_checked(InputFile& file, bool is_ours) {
 
 }  // namespace
 
-Field read_vdb(const std::string& path) {
+Field read_vdb(const std::string& path, OutputSet wanted) {
     InputFile file(path);
     const bool is_ours = check_vdb_seal(file);
     try {
-        return read_checked(file, is_ours);
+        return read_checked(file, is_ours, wanted);
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {

@@ -430,7 +430,7 @@ const VtiArray& find_distance(const InputFile& file, const VtiDocument& document
 
 }  // namespace
 
-Field read_vti(const std::string& path) {
+Field read_vti(const std::string& path, OutputSet wanted) {
     InputFile file(path);
     const VtiDocument document = parse_vti(file);
     VtiValues values(file, document);
@@ -443,7 +443,8 @@ Field read_vti(const std::string& path) {
         field = parse_description(path + ": array 'clsdf'", values.text(*description), field.grid).field;
     values.read(find_distance(file, document), info_of(Output::distance), field);
     for (const OutputInfo& info : extra_outputs())
-        if (const VtiArray* array = find(document.point_arrays, info.name)) values.read(*array, info, field);
+        if (const VtiArray* array = find(document.point_arrays, info.name); array && wanted.contains(info.output))
+            values.read(*array, info, field);
     return field;
 }
 

@@ -21,6 +21,9 @@ namespace clsdf {
 /// Error(out_of_memory).
 CLSDF_EXPORT Field read_field(const std::string& path);
 
+/// The same without the outputs that are not wanted, which may be damaged. The distance is always read.
+CLSDF_EXPORT Field read_field(const std::string& path, OutputSet wanted);
+
 /// The files of outputs that the field's file names but that do not exist, for example after only one file was copied.
 /// read_field() leaves these outputs empty. Throws as read_field().
 CLSDF_EXPORT std::vector<std::string> missing_field_files(const std::string& path);
