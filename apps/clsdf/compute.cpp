@@ -337,7 +337,13 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
     const ComputeLayout layout{mesh,         options.mesh,    topology,          grid,        band, sign.rule,
                                sign.warning, request.outputs, request.polyhedra, request.scan};
+    if (band.has_signs_only && sign.rule == clsdf::SignRule::none)
+        throw Error(ErrorCode::invalid_argument,
+                    "--band 0 asks for the signs alone, and the field has no sign; give the band a width, or choose a "
+                    "sign rule");
     warn(report, sign.warning);
+    if (sign.rule == clsdf::SignRule::none && !options.band_inside.empty())
+        report.warn("--band-inside has no effect, because the field has no sign");
     warn(report, warning_of_polyhedra(layout));
     warn(report, warning_of_format(layout, options.output));
     if (!report.quiet) print_layout(layout);

@@ -9,6 +9,7 @@
 
 #include <unistd.h>
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -17,6 +18,13 @@
 namespace {
 
 namespace fs = std::filesystem;
+
+/// The ending of a file, in lower case.
+std::string ending_of(const std::string& path) {
+    std::string ending = fs::path(path).extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    return ending;
+}
 
 /// Bytes of all outputs of a sample.
 std::uint64_t sample_bytes(const ComputeLayout& layout) {
@@ -154,7 +162,7 @@ std::string warning_of_empty_band(const ComputeLayout& layout, const Computation
 }
 
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output) {
-    if (fs::path(output).extension() != ".sdf" || std::isinf(layout.band.widest())) return {};
+    if (ending_of(output) != ".sdf" || std::isinf(layout.band.widest())) return {};
     return fmt::format(
         "{} does not state its band: programs that read it take the band's limit for the distance of samples beyond "
         "it; use --band full, or another format",
@@ -164,13 +172,15 @@ std::string warning_of_format(const ComputeLayout& layout, const std::string& ou
 std::string warning_of_stale_outputs(const ComputeLayout& layout, const Computation& computation) {
     const fs::path output(computation.output);
     std::string warning;
+    // The other formats have all outputs in one file.
+    if (const std::string ending = ending_of(computation.output); ending != ".nrrd" && ending != ".npy") return warning;
     for (const clsdf::OutputInfo& info : extra_outputs()) {
         const fs::path file =
             output.parent_path() / (output.stem().string() + "_" + info.name + output.extension().string());
         std::error_code ignored;
         if (layout.outputs.contains(info.output) || !fs::exists(file, ignored)) continue;
-        warning += fmt::format("{}{} does not belong to this field, which has no {}; delete it",
-                               warning.empty() ? "" : "; ", file.string(), info.name);
+        warning += fmt::format("{}{} may be left from an earlier field; this field does not use it",
+                               warning.empty() ? "" : "; ", file.string());
     }
     return warning;
 }

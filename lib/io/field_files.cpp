@@ -112,9 +112,15 @@ void write_field(const Field& field, const std::string& path) {
 }
 
 Field read_field(const std::string& path) {
+    OutputSet all;
+    for (const OutputInfo& info : extra_outputs()) all.insert(info.output);
+    return read_field(path, all);
+}
+
+Field read_field(const std::string& path, OutputSet wanted) {
     const Format& format = format_of(path, ErrorCode::unsupported);
     try {
-        return format.read(path);
+        return format.read(path, wanted);
     } catch (const Error& error) {
         // An invalid grid, band or sign rule of the file is an error of the file, not of the caller.
         if (error.code() != ErrorCode::invalid_argument) throw;

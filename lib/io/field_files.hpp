@@ -36,8 +36,9 @@ struct Format {
     /// Throws Error(unsupported) for a field that the format cannot store. The grid and the band are valid.
     std::unique_ptr<FormatWriter> (*writer)(const std::string& path, const FieldDescription& field,
                                             OutputSet outputs) = nullptr;
-    /// Throws Error(unreadable_input), or Error(invalid_argument) if a value makes no sense.
-    Field (*read)(const std::string& path) = nullptr;
+    /// The distance, and of the other outputs in the file those in `wanted`. Throws Error(unreadable_input), or
+    /// Error(invalid_argument) if a value makes no sense.
+    Field (*read)(const std::string& path, OutputSet wanted) = nullptr;
     /// Whether the format stores other outputs than the distance.
     bool has_extras = true;
     /// Throws Error(unsupported) if this build lacks the format, or if the format cannot have such a name.
@@ -54,28 +55,28 @@ const Format& format_of(const std::string& path, ErrorCode code);
 void check_place_for(OutputSet outputs, const std::string& path, const Format& format);
 
 std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
-Field read_nrrd(const std::string& path);
+Field read_nrrd(const std::string& path, OutputSet wanted);
 std::map<std::string, std::string> files_of_nrrd(const std::string& path);
 
 std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
-Field read_npy(const std::string& path);
+Field read_npy(const std::string& path, OutputSet wanted);
 void check_npy(const std::string& path, OutputSet outputs);
 std::map<std::string, std::string> files_of_npy(const std::string& path);
 
 std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
-Field read_vti(const std::string& path);
+Field read_vti(const std::string& path, OutputSet wanted);
 
 std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
-Field read_h5(const std::string& path);
+Field read_h5(const std::string& path, OutputSet wanted);
 void check_h5(const std::string& path, OutputSet outputs);
 
 /// Defined in vdb_write.cpp and vdb_read.cpp; in a build without OpenVDB in vdb_absent.cpp.
 std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
-Field read_vdb(const std::string& path);
+Field read_vdb(const std::string& path, OutputSet wanted);
 void check_vdb(const std::string& path, OutputSet outputs);
 
 std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
-Field read_sdf(const std::string& path);
+Field read_sdf(const std::string& path, OutputSet wanted);
 
 /// The grid of a file, as a part of the lattice that the file states. A program that crops a field may move the first
 /// sample and keep metadata that it does not understand. So the lattice counts only if it contains exactly this first

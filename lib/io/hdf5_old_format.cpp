@@ -279,6 +279,8 @@ private:
     std::vector<Message> messages_of(const OutputInfo& info) const {
         const auto member = members_.find(info.name);
         if (member == members_.end()) file_.fail(fmt::format("there is no dataset '/{}'", info.name));
+        // A symbolic link has no object header.
+        if (member->second == nowhere) fail(info, "it is a link; store the array itself");
         return messages_of(member->second);
     }
 
@@ -294,7 +296,7 @@ private:
         return *message;
     }
 
-    /// The members of the file's root, with the addresses of their object headers.
+    /// The members of the file's root, with the addresses of their object headers; `nowhere` for links.
     void list_members() {
         const Message* table = find(root_, symbol_table);
         if (table == nullptr) file_.fail("HDF5: the root has no symbol table; save the field with default settings");

@@ -81,8 +81,13 @@ public:
         if (!has(info)) file_.fail(fmt::format("there is no dataset '/{}'", info.name));
         const Handle array = opened(info);
         const Handle creation(H5Dget_create_plist(array.get()), H5Pclose);
-        if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS || H5Pget_external_count(creation.get()) != 0)
-            fail(info, "its values are in chunks, compressed or in another file; save it contiguous");
+        if (H5Pget_external_count(creation.get()) != 0) fail(info, "its values are in another file; save them in this");
+        if (H5Pget_nfilters(creation.get()) != 0)
+            fail(info, "its values are compressed; save them without filters (h5repack -f NONE -l CONTI)");
+        if (H5Pget_layout(creation.get()) == H5D_CHUNKED)
+            fail(info, "its values are in chunks of HDF5's newer format; save it contiguous (h5repack -l CONTI)");
+        if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS)
+            fail(info, "its values are neither contiguous nor in chunks; save it contiguous (h5repack -l CONTI)");
         StoredArray stored;
         stored.shape = shape_of(array, info);
         stored.values = type_of(array, info);
@@ -235,7 +240,7 @@ void read_array(InputFile& file, const hdf5::Source& source, const OutputInfo& i
     }
 }
 
-Field read_source(InputFile& file, const hdf5::Source& source) {
+Field read_source(InputFile& file, const hdf5::Source& source, OutputSet wanted) {
     Field field;
     field.band = Band::full();
     field.sign = SignRule::automatic;
@@ -248,17 +253,17 @@ Field read_source(InputFile& file, const hdf5::Source& source) {
         field = parse_description(file.path() + ": attribute 'clsdf'", *text, field.grid).field;
     read_array(file, source, info_of(Output::distance), field);
     for (const OutputInfo& info : extra_outputs())
-        if (source.has(info)) read_array(file, source, info, field);
+        if (wanted.contains(info.output) && source.has(info)) read_array(file, source, info, field);
     return field;
 }
 
 }  // namespace
 
-Field read_h5(const std::string& path) {
+Field read_h5(const std::string& path, OutputSet wanted) {
     InputFile file(path);
-    if (version_of(file) < 2) return read_source(file, *hdf5::open_without_checksums(file));
+    if (version_of(file) < 2) return read_source(file, *hdf5::open_without_checksums(file), wanted);
     const hdf5::Session session;
-    return read_source(file, WithChecksums(file));
+    return read_source(file, WithChecksums(file), wanted);
 }
 
 }  // namespace clsdf

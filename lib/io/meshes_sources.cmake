@@ -8,6 +8,7 @@ target_sources(
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy_header.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_files.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/polygons.cpp
           ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_off_obj.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_ply.cpp

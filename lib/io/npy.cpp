@@ -106,7 +106,7 @@ std::map<std::string, std::string> files_of_npy(const std::string& path) {
     return read_description(sidecar_path(path)).files;
 }
 
-Field read_npy(const std::string& path) {
+Field read_npy(const std::string& path, OutputSet wanted) {
     InputFile file(path);
     const NpyHeader header = read_field_header(file);
     if (is_whole(header.values.type))
@@ -129,7 +129,7 @@ Field read_npy(const std::string& path) {
     read_output(file, header.values, info_of(Output::distance), field);
     for (const OutputInfo& info : extra_outputs()) {
         const auto name = description.files.find(info.name);
-        if (name == description.files.end()) continue;
+        if (name == description.files.end() || !wanted.contains(info.output)) continue;
         const std::string beside = path_beside(path, name->second);
         if (is_there(beside)) read_extra(beside, info, field);
     }

@@ -312,7 +312,7 @@ std::map<std::string, std::string> files_of_nrrd(const std::string& path) {
     return files_of(NrrdHeader(file));
 }
 
-Field read_nrrd(const std::string& path) {
+Field read_nrrd(const std::string& path, OutputSet wanted) {
     InputFile file(path);
     const NrrdHeader header(file);
     const RawValues values = header.values();
@@ -331,7 +331,7 @@ Field read_nrrd(const std::string& path) {
     const std::map<std::string, std::string> files = files_of(header);
     for (const OutputInfo& info : extra_outputs()) {
         const auto name = files.find(info.name);
-        if (name == files.end()) continue;
+        if (name == files.end() || !wanted.contains(info.output)) continue;
         const std::string beside = path_beside(path, name->second);
         if (is_there(beside)) read_extra(beside, info, field);
     }

@@ -1,4 +1,5 @@
 #include "io/mesh_files.hpp"
+#include "io/polygons.hpp"
 #include "tools/text.hpp"
 
 #include <fmt/format.h>
@@ -112,13 +113,18 @@ MeshArrays read_off(const FileContent& file) {
         const double z = scanner.real("a coordinate");
         mesh.vertices.push_back({x, y, z});
     }
+    Polygons polygons;
     std::vector<std::uint32_t> corners;
     for (std::size_t i = 0; i < counts.faces; ++i) {
         if (!scanner.next_line()) scanner.fail(fmt::format("the file ends after {} of {} faces", i, counts.faces));
         // A colour may follow on the line.
         read_face(scanner, counts.vertices, corners);
-        mesh.add_polygon(corners);
+        polygons.add(mesh, corners);
     }
+    if (scanner.next_line())
+        scanner.fail(fmt::format("this line follows the {} vertices and {} faces that the header counts",
+                                 counts.vertices, counts.faces));
+    polygons.triangulate(mesh);
     return mesh;
 }
 
@@ -168,6 +174,7 @@ MeshArrays read_obj(const FileContent& file) {
     TextScanner scanner(file.text(), file.path(), {.hash_comments = true, .line_continuation = true});
     MeshArrays mesh;
     ObjFaces faces;
+    Polygons polygons;
     std::vector<std::uint32_t> corners;
     while (scanner.next_line()) {
         const std::string_view keyword = scanner.word();
@@ -183,10 +190,11 @@ MeshArrays read_obj(const FileContent& file) {
                 corners.push_back(faces.read_corner(scanner, scanner.word(), mesh.vertices.size()));
             if (corners.size() < 3)
                 scanner.fail(fmt::format("a face needs three corners or more, not {}", corners.size()));
-            mesh.add_polygon(corners);
+            polygons.add(mesh, corners);
         }
     }
     faces.check(mesh.vertices.size());
+    polygons.triangulate(mesh);
     return mesh;
 }
 

@@ -1,4 +1,5 @@
 #include "io/mesh_files.hpp"
+#include "io/polygons.hpp"
 #include "tools/text.hpp"
 
 #include <fmt/format.h>
@@ -213,6 +214,11 @@ public:
     void end_row() {
         if (!scanner_.at_end_of_line()) scanner_.fail("the line has more values than the header has properties");
     }
+    void end(const PlyElement& last) {
+        if (scanner_.next_line())
+            scanner_.fail(fmt::format("this line follows the {} rows of {} that the header counts", last.count,
+                                      quoted(last.name)));
+    }
     double real(PlyType) { return scanner_.real("a number"); }
     std::int64_t integer(PlyType) { return scanner_.integer("an integer"); }
     void skip(PlyType) {
@@ -237,6 +243,15 @@ public:
         row_ = row;
     }
     void end_row() {}
+    void end(const PlyElement& last) const {
+        const auto is_blank = [](std::byte b) {
+            return b == std::byte{' '} || (b >= std::byte{'\t'} && b <= std::byte{'\r'});
+        };
+        if (!std::ranges::all_of(bytes_, is_blank))
+            throw Error(ErrorCode::unreadable_input,
+                        fmt::format("{}: {} bytes follow the {} rows of {} that the header counts", *path_,
+                                    bytes_.size(), last.count, quoted(last.name)));
+    }
     double real(PlyType type) { return read<double>(type); }
     std::int64_t integer(PlyType type) { return read<std::int64_t>(type); }
     void skip(PlyType type) { take(size_of(type)); }
@@ -374,12 +389,12 @@ template <typename Rows>
 std::vector<Vec3> read_points(Rows rows, const PlyHeader& header, const Layout& layout) {
     std::vector<Vec3> points;
     for (const PlyElement& element : header.elements) {
-        if (element.name == "vertex") {
+        if (element.name == "vertex")
             read_vertices(rows, element, layout, points);
-            break;
-        }
-        skip_rows(rows, element);
+        else
+            skip_rows(rows, element);
     }
+    rows.end(header.elements.back());
     return points;
 }
 
@@ -400,7 +415,7 @@ void read_corners(Rows& rows, const PlyProperty& list, std::size_t vertex_count,
 }
 
 template <typename Rows>
-void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, MeshArrays& mesh) {
+void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, MeshArrays& mesh, Polygons& polygons) {
     mesh.triangles.reserve(element.count);
     std::vector<std::uint32_t> corners;
     for (std::size_t row = 0; row < element.count; ++row) {
@@ -411,22 +426,25 @@ void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, Mes
             else
                 skip_property(rows, element.properties[p]);
         rows.end_row();
-        mesh.add_polygon(corners);
+        polygons.add(mesh, corners);
     }
 }
 
 template <typename Rows>
 MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout) {
     MeshArrays mesh;
+    Polygons polygons;
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex") {
             read_vertices(rows, element, layout, mesh.vertices);
         } else if (element.name == "face") {
-            read_faces(rows, element, layout, mesh);
+            read_faces(rows, element, layout, mesh, polygons);
         } else {
             skip_rows(rows, element);
         }
     }
+    rows.end(header.elements.back());
+    polygons.triangulate(mesh);
     return mesh;
 }
 

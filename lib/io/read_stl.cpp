@@ -1,6 +1,7 @@
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "io/mesh_files.hpp"
+#include "io/polygons.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +9,10 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace clsdf {
 
@@ -77,9 +80,16 @@ void read_facet(TextScanner& scanner, MeshArrays& mesh) {
     }
     const std::size_t corners = mesh.vertices.size() - first;
     if (corners < 3) scanner.fail(fmt::format("a facet needs three vertices or more, not {}", corners));
-    for (std::size_t k = 2; k < corners; ++k)
-        mesh.triangles.push_back({static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(first + k - 1),
-                                  static_cast<std::uint32_t>(first + k)});
+    const auto begin = static_cast<std::uint32_t>(first);
+    if (corners == 3) {
+        mesh.triangles.push_back({begin, begin + 1, begin + 2});
+    } else {
+        std::vector<std::uint32_t> polygon(corners);
+        std::iota(polygon.begin(), polygon.end(), begin);
+        Polygons polygons;
+        polygons.add(mesh, polygon);
+        polygons.triangulate(mesh);
+    }
     expect(scanner, "endfacet");
 }
 

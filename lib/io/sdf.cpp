@@ -184,7 +184,7 @@ void read_values(InputFile& file, WordPieces& pieces, std::span<float> room) {
 
 }  // namespace
 
-Field read_sdf(const std::string& path) {
+Field read_sdf(const std::string& path, OutputSet) {
     InputFile file(path);
     WordPieces pieces(file);
     Header header(file, pieces);

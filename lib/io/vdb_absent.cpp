@@ -24,7 +24,7 @@ std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDes
     refuse(path);
 }
 
-Field read_vdb(const std::string& path) {
+Field read_vdb(const std::string& path, OutputSet) {
     refuse(path);
 }
 

@@ -80,8 +80,12 @@ bool check_vdb_seal(InputFile& file) {
     if (!beginning.starts_with(magic)) file.fail("not a VDB file: it does not begin with \" BDV\"");
     if (beginning.size() < header_length) file.fail("the file is truncated in its header");
     const std::string_view uuid = std::string_view(beginning).substr(uuid_begin, uuid_length);
-    // If the first mark, the UUID, is damaged, the description is the second.
-    const bool is_ours = uuid.starts_with(uuid_of_ours) || beginning.find(R"("program": "clsdf )") != std::string::npos;
+    // If the first mark, the UUID, is damaged, the description is the second. OpenVDB keeps it if it saves the file
+    // again, and writes a random UUID, whose version is not ours.
+    constexpr std::size_t version = 14;
+    const bool is_ours =
+        uuid.starts_with(uuid_of_ours) ||
+        (uuid[version] == uuid_of_ours[version] && beginning.find(R"("program": "clsdf )") != std::string::npos);
     if (is_ours && uuid != expected_uuid(file)) file.fail("its checksum is wrong: the file is damaged or truncated");
     return is_ours;
 }
@@ -143,7 +147,7 @@ public:
     // The block of samples: as stated, or the box around all active voxels.
     void set_block(Grid& grid, const openvdb::FloatGrid& distance, const std::optional<Index3>& stated) const {
         const openvdb::CoordBBox active = distance.evalActiveVoxelBoundingBox();
-        if (stated && (active.empty() || (active.min() >= Coord(0) && fits(active.max(), *stated)))) {
+        if (stated && (active.empty() || fits(active, *stated))) {
             grid.size = *stated;
             return;
         }
@@ -170,8 +174,10 @@ public:
     }
 
 private:
-    static bool fits(const Coord& last, const Index3& size) {
-        return last[0] < size[0] && last[1] < size[1] && last[2] < size[2];
+    static bool fits(const openvdb::CoordBBox& box, const Index3& size) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (box.min()[axis] < 0 || box.max()[axis] >= size[axis]) return false;
+        return true;
     }
 
     InputFile& input_;
@@ -179,7 +185,7 @@ private:
     openvdb::io::File file_;
 };
 
-Field read_checked(InputFile& file, bool is_ours) {
+Field read_checked(InputFile& file, bool is_ours, OutputSet wanted) {
     initialise();
     VdbReader reader(file, is_ours);
     const openvdb::FloatGrid::Ptr distance = reader.distance();
@@ -204,7 +210,7 @@ Field read_checked(InputFile& file, bool is_ours) {
     const std::size_t samples = field.grid.sample_count();
     reader.copy(*distance, in_file, field.resize(Output::distance, samples));
     for (const OutputInfo& info : extra_outputs()) {
-        if (!reader.has(info.name)) continue;
+        if (!wanted.contains(info.output) || !reader.has(info.name)) continue;
         if (!fits_grid(info)) continue;
         std::vector<std::byte> wide(samples * sample_bytes_in_grid(info));
         if (is_whole(info.type))
@@ -220,11 +226,11 @@ Field read_checked(InputFile& file, bool is_ours) {
 
 }  // namespace
 
-Field read_vdb(const std::string& path) {
+Field read_vdb(const std::string& path, OutputSet wanted) {
     InputFile file(path);
     const bool is_ours = check_vdb_seal(file);
     try {
-        return read_checked(file, is_ours);
+        return read_checked(file, is_ours, wanted);
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {

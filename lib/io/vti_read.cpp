@@ -130,7 +130,9 @@ private:
     }
     static void on_text(void* self, const XML_Char* text, int length) noexcept {
         static_cast<VtiParser*>(self)->guarded([&](VtiParser& parser) {
-            if (parser.array_ != nullptr) parser.array_->text.append(text, static_cast<std::size_t>(length));
+            // Not the text of elements within the array, such as an InformationKey.
+            if (parser.array_ != nullptr && parser.path_.size() == parser.array_depth_)
+                parser.array_->text.append(text, static_cast<std::size_t>(length));
         });
     }
     static void on_doctype(void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) noexcept {
@@ -233,6 +235,7 @@ private:
         array.offset = static_cast<std::uint64_t>(offset);
         arrays->push_back(std::move(array));
         array_ = &arrays->back();
+        array_depth_ = path_.size();
     }
 
     void start_appended(Attributes attributes) {
@@ -245,7 +248,7 @@ private:
 
     void end() {
         path_.pop_back();
-        array_ = nullptr;
+        if (path_.size() < array_depth_) array_ = nullptr;
         ended_ = path_.empty();
     }
 
@@ -257,6 +260,7 @@ private:
     VtiDocument document_;
     std::vector<std::string> path_;
     VtiArray* array_ = nullptr;  // whose text is being read
+    std::size_t array_depth_ = 0;
     int pieces_ = 0;
     bool ended_ = false;
     bool stopped_ = false;
@@ -426,7 +430,7 @@ const VtiArray& find_distance(const InputFile& file, const VtiDocument& document
 
 }  // namespace
 
-Field read_vti(const std::string& path) {
+Field read_vti(const std::string& path, OutputSet wanted) {
     InputFile file(path);
     const VtiDocument document = parse_vti(file);
     VtiValues values(file, document);
@@ -439,7 +443,8 @@ Field read_vti(const std::string& path) {
         field = parse_description(path + ": array 'clsdf'", values.text(*description), field.grid).field;
     values.read(find_distance(file, document), info_of(Output::distance), field);
     for (const OutputInfo& info : extra_outputs())
-        if (const VtiArray* array = find(document.point_arrays, info.name)) values.read(*array, info, field);
+        if (const VtiArray* array = find(document.point_arrays, info.name); array && wanted.contains(info.output))
+            values.read(*array, info, field);
     return field;
 }
 

@@ -72,6 +72,10 @@ TracedSamples::TracedSamples(const Field& field)
                                 "follow; \"clsdf slice\" draws such fields",
                                 index % size[0], index / size[0] % size[1], index / size[0] / size[1]));
     }
+    // Infinite distances of both signs have a surface between them.
+    if (range.lower > range.upper && !range.negative)
+        throw Error(ErrorCode::invalid_argument,
+                    "field: none of its distances is finite, so there is no surface to follow");
     if (range.lower <= range.upper) {
         lower_ = static_cast<double>(range.lower);
         upper_ = static_cast<double>(range.upper);

@@ -45,8 +45,9 @@ BOOST_AUTO_TEST_CASE(refuses_what_the_computation_would_refuse) {
     const std::vector<std::vector<std::string>> refused{
         {"-o", folder.file("a.sdf"), "--spacing", "0.1,0.1,0.2"},
         {"-o", folder.file("a.nrrd"), "--band", "1e39", "--margin", "1"},
-        {"-o", folder.file("a.nrrd"), "--scan", "brute-force", "--with", "gradient"}};
-    const std::vector<std::string> fragments{"one spacing", "beyond the floats", "gradient"};
+        {"-o", folder.file("a.nrrd"), "--scan", "brute-force", "--with", "gradient"},
+        {"-o", folder.file("a.nrrd"), "--sign", "none", "--band", "0", "--margin", "1"}};
+    const std::vector<std::string> fragments{"one spacing", "beyond the floats", "gradient", "signs alone"};
     for (std::size_t i = 0; i < refused.size(); ++i)
         for (const bool is_dry : {false, true}) {
             std::vector<std::string> arguments{"compute", mesh};
@@ -57,6 +58,17 @@ BOOST_AUTO_TEST_CASE(refuses_what_the_computation_would_refuse) {
     check_refused(run_command({"compute", mesh, "--dry-run", "-o", folder.file(std::string(252, 'a') + ".npy")}), 5,
                   {"too long"});
     BOOST_TEST(folder.file_count() == 1U);
+}
+
+BOOST_AUTO_TEST_CASE(refuses_a_band_without_end_whose_distances_exceed_a_float) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", "OFF\n4 1 0\n0 0 0\n1e39 0 0\n0 1e39 0\n0 0 1e39\n3 1 2 3\n");
+    const auto compute = [&](const std::string& band) {
+        return run_command({"compute", mesh, "-o", folder.file("a.nrrd"), "--resolution", "32", "--band", band});
+    };
+    check_refused(compute("full"), 2, {"diagonal", "beyond the floats"});
+    BOOST_TEST(folder.file_count() == 1U);
+    BOOST_TEST(compute("1%").status == 0);
 }
 
 BOOST_AUTO_TEST_CASE(lays_the_grid_out_as_the_options_say) {
@@ -224,11 +236,24 @@ BOOST_AUTO_TEST_CASE(warns_where_no_sample_is_within_the_limits_and_names_both_b
 BOOST_AUTO_TEST_CASE(warns_that_a_format_cannot_carry_the_band) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);
-    for (const std::string band : {"10%", "full"}) {
-        const Outcome outcome = run_command(
-            {"compute", mesh, "-o", folder.file("a.sdf"), "--resolution", "12", "--band", band, "--json", "--quiet"});
+    for (const std::string name : {"a.sdf", "A.SDF"})
+        for (const std::string band : {"10%", "full"}) {
+            const Outcome outcome = run_command(
+                {"compute", mesh, "-o", folder.file(name), "--resolution", "12", "--band", band, "--json", "--quiet"});
+            BOOST_REQUIRE(outcome.status == 0);
+            BOOST_TEST(json::parse(outcome.out)["warnings"].size() == (band == "full" ? 0U : 1U));
+        }
+}
+
+BOOST_AUTO_TEST_CASE(warns_that_a_field_without_sign_has_no_band_inside) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    for (const std::string sign : {"none", "nonzero"}) {
+        const Outcome outcome =
+            run_command({"compute", mesh, "--sign", sign, "--band-inside", "1", "--dry-run", "--quiet"});
         BOOST_REQUIRE(outcome.status == 0);
-        BOOST_TEST(json::parse(outcome.out)["warnings"].size() == (band == "full" ? 0U : 1U));
+        BOOST_TEST(outcome.error.starts_with("warning: --band-inside has no effect") == (sign == "none"),
+                   outcome.error);
     }
 }
 
@@ -243,6 +268,12 @@ BOOST_AUTO_TEST_CASE(warns_that_triangles_of_an_earlier_field_lie_beside_the_new
     const Outcome outcome = run_command(plain);
     BOOST_TEST(outcome.status == 0);
     BOOST_TEST(outcome.error.find("warning: " + folder.file("a_triangle.npy")) == 0U);
+    // A file of that name beside a format that has all outputs in one file is another field.
+    BOOST_REQUIRE(run_command({"compute", mesh, "-o", folder.file("a_triangle.vti"), "--resolution", "9"}).status == 0);
+    const Outcome in_one_file =
+        run_command({"compute", mesh, "-o", folder.file("a.vti"), "--resolution", "9", "--quiet"});
+    BOOST_TEST(in_one_file.status == 0);
+    BOOST_TEST(in_one_file.error.empty(), in_one_file.error);
 }
 
 BOOST_AUTO_TEST_CASE(keeps_the_name_of_the_mesh_without_its_folder) {

@@ -13,6 +13,8 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstring>
+#include <filesystem>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -114,7 +116,7 @@ namespace {
 /// A process that writes half a file in the folder, and then waits to be killed.
 class HalfWriter {
 public:
-    explicit HalfWriter(const TemporaryFolder& folder) {
+    explicit HalfWriter(const TemporaryFolder& folder) : folder_(folder.file("")) {
         int ends[2];
         BOOST_REQUIRE(::pipe(ends) == 0);
         id_ = ::fork();
@@ -135,7 +137,15 @@ public:
     HalfWriter(const HalfWriter&) = delete;
     HalfWriter& operator=(const HalfWriter&) = delete;
 
-    std::string name() const { return ".clsdf-" + std::to_string(id_) + "-0.part"; }
+    /// ".clsdf-MACHINE-PID-0.part".
+    std::string name() const {
+        const std::string end = std::to_string(id_) + "-0.part";
+        for (const auto& entry : std::filesystem::directory_iterator(folder_))
+            if (const std::string name = entry.path().filename().string();
+                name.starts_with(".clsdf-") && name.ends_with(end))
+                return name;
+        return "none";
+    }
 
     void kill() {
         ::kill(id_, SIGKILL);
@@ -144,6 +154,7 @@ public:
     }
 
 private:
+    std::filesystem::path folder_;
     pid_t id_ = -1;
 };
 
@@ -155,16 +166,25 @@ BOOST_AUTO_TEST_CASE(a_later_file_in_the_folder_removes_what_a_killed_writer_lef
     HalfWriter killed(folder);
     const std::string left = killed.name();
     killed.kill();
-    for (const char* name : {".clsdf-notes.part", ".clsdf-1-.part", ".clsdf-1-2-3.part", "clsdf-1-0.part"})
-        folder.file(name, "somebody's");
-    std::filesystem::create_directory(folder.file(".clsdf-1-0.part"));
-    BOOST_REQUIRE(folder.file_count() == 7U);
+    const std::size_t machine_end = left.find('-', std::strlen(".clsdf-"));
+    BOOST_REQUIRE(machine_end == std::strlen(".clsdf-12345678"));
+    const std::string here = left.substr(0, machine_end);
+    for (const char* rest : {"-notes.part", "-1-.part", "-1-2-3.part", ".part"}) folder.file(here + rest, "somebody's");
+    for (const char* name : {"clsdf-1-0.part", ".clsdf-1-0.part"}) folder.file(name, "somebody's");
+    // A file server sees the files of its clients, and not their locks.
+    std::string of_another_machine = left;
+    char& digit = of_another_machine[machine_end - 1];
+    digit = digit == '0' ? '1' : '0';
+    folder.file(of_another_machine, "half a fie");
+    std::filesystem::create_directory(folder.file(here + "-1-0.part"));
+    BOOST_REQUIRE(folder.file_count() == 10U);
     BOOST_TEST(std::filesystem::exists(folder.file(left)));
 
     AtomicFile(folder.file("field.raw")).commit();
     BOOST_TEST(!std::filesystem::exists(folder.file(left)));
     BOOST_TEST(std::filesystem::exists(folder.file(living.name())));
-    BOOST_TEST(folder.file_count() == 7U);
+    BOOST_TEST(std::filesystem::exists(folder.file(of_another_machine)));
+    BOOST_TEST(folder.file_count() == 10U);
 }
 
 BOOST_AUTO_TEST_CASE(a_file_that_is_being_written_is_never_taken_for_a_stale_one) {

@@ -37,6 +37,8 @@ struct Settings {
     bool is_complete = true;
     bool is_compressed = false;
     int members = 0;  ///< groups beside the field's arrays
+    bool is_newer = false;
+    bool is_link = false;  ///< "distance" is a link to another array of the file
 };
 
 void add_attribute(hid_t object, const char* name, hid_t type, const Vec3& values) {
@@ -75,14 +77,15 @@ void add_array(hid_t file, const char* name, const Settings& settings, hid_t typ
 void write_by_hdf5(const std::string& path, const Settings& settings = {}) {
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     // The default of HDF5 1.
-    H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
+    H5Pset_libver_bounds(access, settings.is_newer ? H5F_LIBVER_LATEST : H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
     const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
     BOOST_REQUIRE(file >= 0);
     for (int i = 0; i < settings.members; ++i)
         H5Gclose(H5Gcreate2(file, ("level_" + std::to_string(i)).c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
     std::vector<float> distance(sample_count);
     for (std::size_t i = 0; i < sample_count; ++i) distance[i] = value_of(i);
-    add_array(file, "distance", settings, settings.type, H5T_NATIVE_FLOAT, distance);
+    add_array(file, settings.is_link ? "linked" : "distance", settings, settings.type, H5T_NATIVE_FLOAT, distance);
+    if (settings.is_link) H5Lcreate_soft("/linked", file, "distance", H5P_DEFAULT, H5P_DEFAULT);
     std::vector<std::uint32_t> triangle(sample_count);
     std::iota(triangle.begin(), triangle.end(), 0xFFFFF000U);
     if (settings.triangle_type >= 0)
@@ -91,7 +94,7 @@ void write_by_hdf5(const std::string& path, const Settings& settings = {}) {
     H5Pclose(access);
     std::ifstream in(path, std::ios::binary);
     in.seekg(8);
-    BOOST_REQUIRE(in.get() == 0);  // the superblock's version, that without checksums
+    BOOST_REQUIRE((in.get() == 0) != settings.is_newer);  // the superblock's version; 0 has no checksums
 }
 
 void check_read(const std::string& path, bool has_triangles) {
@@ -164,6 +167,10 @@ BOOST_AUTO_TEST_CASE(is_refused_with_the_remedy_if_it_is_compressed_incomplete_o
     refused({.type = H5T_STD_I32LE}, {"/distance", "neither floats"});
     refused({.type = H5T_STD_U32LE}, {"/distance", "of another type"});
     refused({.triangle_type = H5T_IEEE_F32LE}, {"/triangle", "of another type"});
+    refused({.is_link = true}, {"/distance", "is a link; store the array itself"});
+    refused({.chunk = {2, 3, 4}, .is_newer = true}, {"/distance", "in chunks", "h5repack -l CONTI"});
+    refused({.chunk = {2, 3, 4}, .is_compressed = true, .is_newer = true},
+            {"/distance", "compressed", "h5repack -f NONE"});
 }
 
 BOOST_AUTO_TEST_CASE(is_refused_wherever_it_is_cut_off) {

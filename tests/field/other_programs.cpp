@@ -57,6 +57,19 @@ BOOST_AUTO_TEST_CASE(is_read_with_its_extent_as_the_part_of_a_lattice) {
     BOOST_CHECK(field.sign == clsdf::SignRule::automatic);
 }
 
+// VTK writes the range of vectors into their array, after the values.
+BOOST_AUTO_TEST_CASE(is_read_with_elements_within_its_arrays) {
+    const TemporaryFolder folder;
+    std::string text = replaced(vti_text, "type=\"Float64\" format=\"appended\" offset=\"3\"/>",
+                                "type=\"Float32\" format=\"binary\">\nAAAAGAAAAAA/gAAAwAAAAEBgAAC+gAAADaJCYA==\n"
+                                "<InformationKey name=\"L2_NORM_RANGE\" location=\"vtkDataArray\" length=\"2\">\n"
+                                "<Value index=\"0\">0.99</Value>\n<Value index=\"1\">3.5</Value>\n"
+                                "</InformationKey>\n</DataArray>");
+    text = replaced(text, "<AppendedData encoding=\"raw\">\n _", "</VTKFile>\n");
+    const Field field = read_field(folder.file("a.vti", text));
+    BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
+}
+
 BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
     const TemporaryFolder folder;
     const auto refused = [&](const std::string& content, const std::string& fragment) {

@@ -145,6 +145,21 @@ BOOST_AUTO_TEST_CASE(is_read_without_its_triangles_where_their_file_was_left_beh
     });
 }
 
+BOOST_AUTO_TEST_CASE(is_read_with_only_the_outputs_that_are_wanted) {
+    for_each_format([](const TemporaryFolder& folder, const Format& format) {
+        const std::string path = folder.file("field" + format.ending);
+        const Field field = example_field(format);
+        write_field(field, path);
+        BOOST_CHECK(read_field(path, {}).outputs() == clsdf::OutputSet(Output::distance));
+        BOOST_CHECK(read_field(path, Output::triangle).outputs() == field.outputs());
+        if (!format.extras_beside) return;
+        const std::string damaged = folder.file("field_triangle" + format.ending);
+        std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) - 1);
+        BOOST_CHECK(same_bits(read_field(path, {}).distance(), field.distance()));
+        check_throws(clsdf::ErrorCode::unreadable_input, {"truncated"}, [&] { read_field(path); });
+    });
+}
+
 BOOST_AUTO_TEST_CASE(is_refused_with_the_triangles_of_another_grid) {
     for_each_format(&Format::extras_beside, [](const TemporaryFolder& folder, const Format& format) {
         const std::string path = folder.file("field" + format.ending);

@@ -91,6 +91,28 @@ BOOST_AUTO_TEST_CASE(that_is_damaged_has_a_wrong_checksum_wherever_the_damage_is
     refused(whole.substr(0, whole.size() - 1));
 }
 
+BOOST_AUTO_TEST_CASE(that_openvdb_saved_again_has_its_own_uuid_and_no_checksum) {
+    const TemporaryFolder folder;
+    const Field field = ball({0.2, 0.2});
+    write_field(field, folder.file("ball.vdb"));
+    std::string content = content_of(folder.file("ball.vdb"));
+    const std::string random = "3f0c7a9e-51d2-4b86-9e1f-0a2b4c6d8e9f";
+    content.replace(content.find("c15df000-0000-8000-"), random.size(), random);
+    const Field read = read_field(folder.file("saved.vdb", content));
+    BOOST_CHECK(same_bits(read.distance(), field.distance()));
+    BOOST_CHECK(read.grid == field.grid);
+    BOOST_CHECK(read.sign == field.sign);
+}
+
+BOOST_AUTO_TEST_CASE(with_damage_in_its_uuid_is_damaged) {
+    const TemporaryFolder folder;
+    write_field(ball({0.2, 0.2}), folder.file("ball.vdb"));
+    std::string content = content_of(folder.file("ball.vdb"));
+    content[content.find("c15df000-0000-8000-")] = 'a';
+    check_throws(ErrorCode::unreadable_input, {"damaged.vdb", "checksum"},
+                 [&] { read_field(folder.file("damaged.vdb", content)); });
+}
+
 BOOST_AUTO_TEST_SUITE_END()
 
 #else

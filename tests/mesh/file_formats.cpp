@@ -129,6 +129,8 @@ BOOST_AUTO_TEST_CASE(damaged_off_files_are_refused_with_the_line) {
     refused("3 0 2 3", "3000000000 0 2 3", unreadable, {"line 8", "line ends"});
     refused("3 0 2 3\n", "", unreadable, {"after 1 of 2 faces"});
     check_is_refused("a.off", with_line_ends(replaced(good, "3 0 2 3", "3 0 2 4"), "\r\n"), invalid, {"line 8"});
+    refused("# the end", "3 1 2 3", unreadable, {"line 9", "4 vertices and 2 faces"});
+    refused("4 2 5", "4 1 5", unreadable, {"line 8", "1 faces"});
     check_is_refused("a.off", "OFF", unreadable, {"number of vertices", "file ends"});
     check_is_refused("a.off", "OFF\n0 0 0\n", invalid, {"no triangle"});
 }
@@ -228,11 +230,15 @@ BOOST_AUTO_TEST_CASE(damaged_ply_files_are_refused_with_the_line_or_the_row) {
     refused("element face 1\nproperty list uchar int vertex_indices",
             "element tristrips 1\nproperty list uchar int vertex_indices", ErrorCode::unsupported, {"strips"});
     refused("element face 1\nproperty list uchar int vertex_indices\n", "", invalid, {"'face'"});
+    refused("4 0 1 2 3\n", "4 0 1 2 3\n\n3 1 2 3\n", unreadable, {"line 16", "1 rows of 'face'"});
+    check_is_square("a.ply", ply_square + " \n\n");
     check_is_refused("a.ply", "ply\nformat ascii 1.0\n", unreadable, {"header"});
 
     const std::string binary = binary_ply(std::endian::little);
     for (std::size_t cut = 1; cut < 30; ++cut)
         check_is_refused("a.ply", binary.substr(0, binary.size() - cut), unreadable, {});
+    check_is_refused("a.ply", binary + "\n ab", unreadable, {"4 bytes", "1 rows of 'face'"});
+    check_is_square("a.ply", binary + " \r\n");
     const std::size_t corner = binary.size() - 9 - 4;
     std::string far = binary;
     far[corner] = 'A';

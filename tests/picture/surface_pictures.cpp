@@ -8,8 +8,10 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <stop_token>
 #include <thread>
 
@@ -192,6 +194,10 @@ BOOST_AUTO_TEST_CASE(need_a_grid_whose_spacing_is_a_float_and_whose_samples_diff
         check_throws(ErrorCode::invalid_argument, {"spacing", "beyond the floats"},
                      [&] { SurfacePictures(strange, Device::strongest()); });
     }
+    Field endless = two_balls();
+    std::ranges::fill(endless.distance(), std::numeric_limits<float>::infinity());
+    check_throws(ErrorCode::invalid_argument, {"none of its distances is finite"},
+                 [&] { SurfacePictures(endless, Device::strongest()); });
     Field strange = two_balls();
     strange.grid.origin[1] = 1e20;
     check_throws(ErrorCode::invalid_argument, {"y = 1e+20", "same position"},

@@ -1,5 +1,6 @@
 #include "plan/kept_mesh.hpp"
 
+#include "mesh/box_index.hpp"
 #include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
 #include "plan/near_parts.hpp"
@@ -10,9 +11,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace clsdf::transform {
+
+namespace {
+
+/// Throws Error(invalid_argument) if no end of the band keeps distances within the range of a float.
+void check_unbounded_distances(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign) {
+    if (std::isfinite(sign == SignRule::none ? band.outside : band.widest())) return;
+    Box all = grid.box();
+    add(all, mesh.box());
+    const double diagonal =
+        std::hypot(all.upper[0] - all.lower[0], all.upper[1] - all.lower[1], all.upper[2] - all.lower[2]);
+    if (diagonal > static_cast<double>(std::numeric_limits<float>::max()))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("grid and mesh have a diagonal of {}, beyond the floats that distances are given in; "
+                                "scale the mesh, or give the band an end",
+                                diagonal));
+}
+
+}  // namespace
 
 KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
     : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {}
@@ -43,6 +64,7 @@ void KeptMesh::check(const Grid& grid, const Band& band, SignRule sign) const {
     if (restriction_) restriction_->check(grid, band, sign);
     check_distance(mesh_, lattice_of(grid));
     layout_of(grid, band, sign);
+    check_unbounded_distances(mesh_, grid, band, sign);
 }
 
 void KeptMesh::move(std::vector<Vec3> positions) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/utsname.h>
 #include <sys/vfs.h>
 
 #include <fcntl.h>
@@ -14,6 +15,8 @@
 #include <cerrno>
 #include <cstdint>
 #include <exception>
+#include <fstream>
+#include <functional>
 #include <string_view>
 #include <system_error>
 
@@ -37,10 +40,23 @@ bool is_of_one_machine(int descriptor) {
            std::ranges::count(file_systems_of_one_machine, static_cast<std::uint32_t>(status.f_type)) > 0;
 }
 
-/// ".clsdf-PID-N.part".
+/// What the names of this machine's unfinished files begin with: ".clsdf-MACHINE-". The machines that share a folder
+/// differ in it, because a machine does not see the locks of another one.
+const std::string& beginning_here() {
+    static const std::string& kept = *new std::string([] {
+        std::string identity;
+        std::ifstream("/etc/machine-id") >> identity;  // systemd's; empty if there is none
+        utsname system{};
+        if (::uname(&system) == 0) identity.append("@").append(system.nodename);
+        return fmt::format("{}{:08x}-", beginning, std::hash<std::string>()(identity) & 0xFFFFFFFFU);
+    }());
+    return kept;
+}
+
+/// ".clsdf-MACHINE-PID-N.part" of this machine.
 bool is_name_of_unfinished(std::string_view name) {
-    if (!name.starts_with(beginning) || !name.ends_with(ending)) return false;
-    name.remove_prefix(beginning.size());
+    if (!name.starts_with(beginning_here()) || !name.ends_with(ending)) return false;
+    name.remove_prefix(beginning_here().size());
     name.remove_suffix(ending.size());
     return std::ranges::count(name, '-') == 1 && name.front() != '-' && name.back() != '-' &&
            name.find_first_not_of("0123456789-") == std::string_view::npos;
@@ -93,7 +109,7 @@ int create_unfinished_file(const fs::path& folder, std::string& name) {
     const std::lock_guard lock(files.mutex);
     for (unsigned attempt = 0;; ++attempt) {
         // Not derived from the target's name, which may already have the greatest length.
-        name = (folder / fmt::format("{}{}-{}{}", beginning, ::getpid(), attempt, ending)).string();
+        name = (folder / fmt::format("{}{}-{}{}", beginning_here(), ::getpid(), attempt, ending)).string();
         const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (descriptor < 0 && errno == EEXIST) continue;
         if (descriptor < 0) return descriptor;

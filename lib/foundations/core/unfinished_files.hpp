@@ -28,15 +28,15 @@ struct UnfinishedFiles {
     CLSDF_EXPORT void abandon() noexcept;
 };
 
-/// Creates and locks a file ".clsdf-PID-N.part" in the folder, and lists it in UnfinishedFiles. Returns its descriptor
-/// and sets `name` to its path; returns a negative number, with errno, if it cannot be created. The file is not locked
-/// on a file system that machines share.
+/// Creates and locks a file ".clsdf-MACHINE-PID-N.part" in the folder, and lists it in UnfinishedFiles. Returns its
+/// descriptor and sets `name` to its path; returns a negative number, with errno, if it cannot be created. The file is
+/// not locked on a file system that machines share.
 ///
 /// The process's first file in a folder also removes the stale ones there.
 CLSDF_EXPORT int create_unfinished_file(const std::filesystem::path& folder, std::string& name);
 
-/// Removes the unfinished files of this user in the folder whose writers have ended. Removes none on NFS, or on any
-/// other file system that is not known to belong to one machine and to support locks.
+/// Removes the unfinished files in the folder that this machine and user began and whose writers have ended. Removes
+/// none on NFS, or on any other file system that is not known to belong to one machine and to support locks.
 CLSDF_EXPORT void remove_stale_files(const std::filesystem::path& folder) noexcept;
 
 }  // namespace clsdf

@@ -21,6 +21,9 @@ namespace clsdf {
 /// Error(out_of_memory).
 CLSDF_EXPORT Field read_field(const std::string& path);
 
+/// The same without the outputs that are not wanted, which may be damaged. The distance is always read.
+CLSDF_EXPORT Field read_field(const std::string& path, OutputSet wanted);
+
 /// The files of outputs that the field's file names but that do not exist, for example after only one file was copied.
 /// read_field() leaves these outputs empty. Throws as read_field().
 CLSDF_EXPORT std::vector<std::string> missing_field_files(const std::string& path);
@@ -70,9 +73,9 @@ private:
 /// threads, and prevents them from getting their final names. A thread that continues to write waits for ever, so the
 /// program must end now. May be called from any thread, but not from a signal handler.
 ///
-/// A process that is killed leaves unfinished files, ".clsdf-PID-N.part" in the folder of the final file. The first
-/// file that another process writes in the folder removes those without a lock, if they belong to the same user and the
-/// file system belongs to one machine (docs/formats.md lists these). On other file systems, such as NFS, they stay.
+/// A process that is killed leaves unfinished files, ".clsdf-MACHINE-PID-N.part" in the folder of the final file. The
+/// first file that another process writes there removes those without a lock, if they are of the same machine and user
+/// and the file system belongs to one machine (docs/formats.md lists these). On others, such as NFS, they stay.
 CLSDF_EXPORT void abandon_unfinished_files() noexcept;
 
 }  // namespace clsdf

@@ -15,9 +15,10 @@
 
 namespace clsdf {
 
-/// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders); polygons are triangulated as
-/// fans, and vertices of equal coordinates in an STL file become one. Throws Error(unreadable_input or invalid_mesh)
-/// that names the file, the line or element and the value; Error(unsupported) for an unknown ending.
+/// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders). A polygon becomes a fan
+/// around its first corner; if the fan would leave a concave polygon, the polygon is cut into ears. A polygon that
+/// crosses itself stays a fan. Vertices of equal coordinates in an STL file become one. Throws Error(unreadable_input
+/// or invalid_mesh) that names the file, the line or element and the value; Error(unsupported) for an unknown ending.
 CLSDF_EXPORT Mesh read_mesh(const std::string& path);
 
 /// Red, green and blue, sRGB.
