@@ -703,6 +703,15 @@ BOOST_AUTO_TEST_CASE(points_may_be_1e14_voxels_from_the_box) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(points_whose_distance_may_be_beyond_the_floats_are_refused) {
+    const DistanceTransform transform(test_device(), cube(1e30));
+    std::vector<Vec3> points{{5e37, 0, 0}};
+    BOOST_TEST(std::isfinite(query(transform, points).distance()[0]));
+    points[0][0] = 1e40;
+    check_throws(ErrorCode::invalid_argument, {"point 0", "1e+40", "beyond the floats", "leave it out"},
+                 [&] { query(transform, points); });
+}
+
 BOOST_AUTO_TEST_CASE(errors_name_the_point_and_the_argument) {
     const Mesh mesh = cube(1);
     const DistanceTransform transform(test_device(), mesh);

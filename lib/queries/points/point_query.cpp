@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -180,7 +181,9 @@ double search_limit(const PointMesh& mesh, double half_width) {
 
 void check_points(const Box& box, std::span<const Vec3> points) {
     const double longest = box.longest_side();
-    const double far = scan::farthest * (longest > 0 ? longest / 256 : 1);
+    const double far_voxels = scan::farthest * (longest > 0 ? longest / 256 : 1);
+    constexpr double most = std::numeric_limits<float>::max() / 4;  // distances of a point and a mesh in it are floats
+    const double far = std::min(far_voxels, most);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec3& p = points[i];
         bool is_usable = true;
@@ -188,10 +191,12 @@ void check_points(const Box& box, std::span<const Vec3> points) {
             is_usable = is_usable && p[axis] >= box.lower[axis] - far && p[axis] <= box.upper[axis] + far;
         if (is_usable) continue;
         const bool is_finite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("point {} at ({}, {}, {}) {}; leave it out", i, p[0], p[1], p[2],
-                                is_finite ? "lies more than 1e14 voxels from the mesh, a voxel being 1/256 of the mesh"
-                                          : "is not finite"));
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("point {} at ({}, {}, {}) {}; leave it out", i, p[0], p[1], p[2],
+                        !is_finite   ? "is not finite"
+                        : far < most ? "lies more than 1e14 voxels from the mesh, a voxel being 1/256 of the mesh"
+                                     : "lies so far from the mesh that its distance may be beyond the floats"));
     }
 }
 
