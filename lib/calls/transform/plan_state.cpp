@@ -212,6 +212,8 @@ void PlanState::read_counters() {
 
 cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
                              std::span<const DeviceTargets> targets) {
+    device::Context& context = device::context_of(device);
+    if (queue() == context.queue()() && !before.empty()) context.add_waiting_run();
     CommandChain& chain = runs_.begin(queue, std::move(before));
     if (parts_.empty())
         chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });

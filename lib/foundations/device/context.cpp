@@ -184,7 +184,10 @@ void Context::require_usable() const {
 
 void Context::begin_call() const {
     require_usable();
+    const std::size_t runs = waiting_runs_;
+    if (runs == ended_runs_) return;
     guarded([&] { queue_.finish(); });
+    ended_runs_ = runs;
 }
 
 bool Context::drain() const noexcept {

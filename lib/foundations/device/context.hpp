@@ -125,9 +125,11 @@ public:
     bool is_lost() const noexcept { return lost_; }
     /// Throws Error(device_failure) if so.
     void require_usable() const;
-    /// The same, before the first command of a call that waits for its commands. Waits for what is in queue() already:
-    /// such a command may fail, because its wait list does, and drivers may then leave out those behind it in silence.
+    /// The same, before the first command of a call that waits for its commands. Waits for waiting runs: such a run
+    /// fails if an event of its wait list does, and drivers may then leave out the commands behind it in silence.
     void begin_call() const;
+    /// A run in queue() that waits for events of the caller was enqueued.
+    void add_waiting_run() { ++waiting_runs_; }
 
     /// See Device::keep_records().
     void keep_records(const std::filesystem::path& folder);
@@ -176,6 +178,8 @@ private:
     mutable std::mutex tested_mutex_;
     std::set<std::string> tested_;
     mutable std::atomic<bool> lost_ = false;
+    std::atomic<std::size_t> waiting_runs_ = 0;
+    mutable std::atomic<std::size_t> ended_runs_ = 0;  // of those: begin_call() has waited for so many
 };
 
 /// For the library's stages. Throws Error(invalid_argument) if the device was moved from.
