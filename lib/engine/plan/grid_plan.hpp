@@ -10,8 +10,8 @@
 
 namespace clsdf::transform {
 
-/// A job's buffers and launches. `between_launches` of the set-up may throw. Whoever
-/// destroys it has waited for its commands, unless the device is lost.
+/// A job's buffers and launches. `between_launches` of the set-up may throw. A plan is destroyed when its commands have
+/// ended, unless the device is lost.
 struct GridPlan {
     GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in,
              const std::function<void()>& between_launches);
