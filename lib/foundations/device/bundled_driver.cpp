@@ -90,7 +90,7 @@ const BundledDriver& bundled_driver() {
 
 bool is_bundled(const cl::Device& device) {
     const cl_platform_id bundled = opened;
-    return bundled != nullptr && device.getInfo<CL_DEVICE_PLATFORM>() == bundled;
+    return bundled != nullptr && cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>())() == bundled;
 }
 
 fs::path bundled_programs(const cl::Device& device) {
