@@ -5,9 +5,9 @@
 #ifndef CLSDF_BRICK_DISTANCE_H
 #define CLSDF_BRICK_DISTANCE_H
 
-#include "blocks.h"
 #include "distance.h"
 #include "lane_offsets.h"
+#include "overlap.h"
 #include "subblocks.h"
 
 // Displacements of the centres of a brick's sub-blocks from its own, along the axes of LANES polyhedra's frames. Each

@@ -2,8 +2,8 @@
 #ifndef CLSDF_BRICK_LISTS_H
 #define CLSDF_BRICK_LISTS_H
 
-#include "blocks.h"
 #include "lane_polyhedra.h"
+#include "overlap.h"
 #include "subblocks.h"
 
 // One bit per lane.

@@ -7,7 +7,7 @@
 #ifndef CLSDF_BRICK_MASKS_H
 #define CLSDF_BRICK_MASKS_H
 
-#include "blocks.h"
+#include "overlap.h"
 #include "simd.h"
 
 // Returns the square of the least distance from the feet of altitudes in the list, points of the surface, to the centre

@@ -18,9 +18,9 @@
 // and finishes what else is asked for (finish.h); LONG_BRICKS if spacing is so unequal that distances take double
 // (distance.h); COUNT counts work. LANES is 1: a work-item is a lane.
 
-#include "blocks.h"
 #include "brick_masks.h"
 #include "distance.h"
+#include "overlap.h"
 #include "sample_values.h"
 #include "simd.h"
 #ifdef NEAREST

@@ -10,7 +10,7 @@
 #include "subblocks.h"
 
 #ifdef COUNT
-#include "blocks.h"
+#include "overlap.h"
 #endif
 
 // Samples of a coarse brick: x + 32 y + 1024 z. When a row begins with MOST_SAMPLES of them, they are evaluated.

@@ -4,7 +4,7 @@
 //
 // Vectors are explicit. On a processor, compilers do not vectorise a loop over work-items around an inner loop, so a
 // work-item handles LANES samples or blocks at once: 16 or 8, by the device's width. On a GPU a work-item is a lane:
-// LANES is 1. So it is on the host, which compiles some headers of kernels (lib/engine/polyhedra/one_lane.hpp).
+// LANES is 1. So it is on the host, which compiles some headers of kernels (lib/engine/frusta/one_lane.hpp).
 #ifndef CLSDF_SIMD_H
 #define CLSDF_SIMD_H
 

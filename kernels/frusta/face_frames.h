@@ -1,6 +1,6 @@
 // Frames of LANES faces at once, one a lane (the frame is that of polyhedron.h, in double), and records of them.
 //
-// The host compiles this file with one lane (lib/engine/polyhedra/one_lane.hpp) and adds special cases. Records have
+// The host compiles this file with one lane (lib/engine/frusta/one_lane.hpp) and adds special cases. Records have
 // the same bytes on every device: quotients and roots of doubles are rounded correctly by all, and nothing is
 // contracted.
 #ifndef CLSDF_FACE_FRAMES_H

@@ -1,5 +1,5 @@
 // Structs of the frames of LANES faces at once, one a lane: the frame is that of polyhedron.h, in double. The host has
-// them with one lane (lib/engine/polyhedra/frames.hpp).
+// them with one lane (lib/engine/frusta/frames.hpp).
 #ifndef CLSDF_LANE_FRAMES_H
 #define CLSDF_LANE_FRAMES_H
 

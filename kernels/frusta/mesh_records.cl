@@ -222,7 +222,7 @@ __kernel void place_items(uint count, uint words, __global const uint* written, 
     for (uint i = 0; i < words; ++i) items[(size_t)places[n] * words + i] = written[(size_t)n * words + i];
 }
 
-// The vertices of the sign's sweep, as lib/engine/prepare/sweep_mesh.cpp snaps them to multiples of 1 / scale samples.
+// The vertices of the sign's sweep, as lib/engine/sign/sweep_mesh.cpp snaps them to multiples of 1 / scale samples.
 // None is far from the lattice's sample (0, 0, 0).
 __kernel void sweep_vertices(FaceLattice lattice, double scale_y, double scale_z, uint begin, uint end,
                              __global const double* positions, __global SweepVertex* vertices) {

@@ -10,7 +10,7 @@
 #define CERTAIN_PRODUCT 1.0e-9
 // Vectors of steeper slopes, at sharp edges, would be longer than ten.
 #define STEEPEST_SLOPE 8.0
-// A direction that is rejected by less counts as covered: rejection_margin of lib/engine/polyhedra/gaps.hpp, but for
+// A direction that is rejected by less counts as covered: rejection_margin of lib/engine/frusta/gaps.hpp, but for
 // the rounding of the conditions.
 #define SURE_MARGIN (0.99 * 5.0e-6)
 

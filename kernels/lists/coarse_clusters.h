@@ -11,7 +11,7 @@
 #ifndef CLSDF_COARSE_CLUSTERS_H
 #define CLSDF_COARSE_CLUSTERS_H
 
-#include "blocks.h"
+#include "overlap.h"
 
 #if LANES > 1
 #include "lane_polyhedra.h"

@@ -1,5 +1,5 @@
 // Points anywhere: the nearest triangle of each by a search in a tree, and the outputs. The host computes few points by
-// the same functions (lib/queries/points/few_points.cpp).
+// the same functions (lib/points/few_points.cpp).
 
 #define REAL double
 #define TRUTH long

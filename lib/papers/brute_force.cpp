@@ -1,7 +1,7 @@
 #include "papers/scans.hpp"
 
 #include "core/parallel.hpp"
-#include "prepare/layout_of.hpp"
+#include "lattice/layout_of.hpp"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 #include <clsdf/papers.hpp>
 
 #include "core/parallel.hpp"
+#include "frusta/slopes.hpp"
+#include "frusta/topology.hpp"
 #include "mesh/topology.hpp"
 #include "papers/gap_tests.hpp"
-#include "polyhedra/slopes.hpp"
-#include "polyhedra/topology.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "polyhedra/frames.hpp"
+#include "frusta/frames.hpp"
 
 #include <cstddef>
 #include <cstdint>

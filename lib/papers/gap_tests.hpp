@@ -1,7 +1,7 @@
 #pragma once
 
-#include "polyhedra/frames.hpp"
-#include "polyhedra/topology.hpp"
+#include "frusta/frames.hpp"
+#include "frusta/topology.hpp"
 
 #include <clsdf/papers.hpp>
 

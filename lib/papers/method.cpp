@@ -1,12 +1,12 @@
 #include <clsdf/error.hpp>
 #include <clsdf/papers.hpp>
 
+#include "calls/transform_access.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
+#include "lattice/layout_of.hpp"
 #include "papers/pieces.hpp"
 #include "papers/scans.hpp"
-#include "prepare/layout_of.hpp"
-#include "transform/transform_access.hpp"
 
 #include <fmt/format.h>
 

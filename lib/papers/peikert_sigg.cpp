@@ -1,9 +1,9 @@
 #include "papers/pieces.hpp"
 
 #include "core/parallel.hpp"
+#include "frusta/frames.hpp"
+#include "frusta/slopes.hpp"
 #include "papers/gap_tests.hpp"
-#include "polyhedra/frames.hpp"
-#include "polyhedra/slopes.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/parallel.hpp"
+#include "frusta/frames.hpp"
+#include "frusta/records.hpp"
 #include "papers/convex_polyhedron.hpp"
-#include "polyhedra/frames.hpp"
-#include "polyhedra/records.hpp"
 
 #include "piece.h"
 

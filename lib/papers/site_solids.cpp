@@ -1,7 +1,7 @@
 #include "papers/site_solids.hpp"
 
 #include "core/parallel.hpp"
-#include "polyhedra/frames.hpp"
+#include "frusta/frames.hpp"
 
 #include <clsdf/error.hpp>
 

@@ -2,12 +2,12 @@
 #include <clsdf/papers.hpp>
 
 #include "core/parallel.hpp"
+#include "frusta/frusta.hpp"
+#include "frusta/gaps.hpp"
+#include "frusta/slopes.hpp"
 #include "mesh/box_index.hpp"
 #include "papers/convex_polyhedron.hpp"
 #include "papers/pieces.hpp"
-#include "polyhedra/frusta.hpp"
-#include "polyhedra/gaps.hpp"
-#include "polyhedra/slopes.hpp"
 
 #include <fmt/format.h>
 

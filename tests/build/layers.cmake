@@ -1,15 +1,14 @@
 # SOURCE: the source tree.
 #
-# border(<layer> <folder>...): a file of lib/<layer>/<folder> includes only files of the folders of its own layer up to
-# its own, and of the layers before it. The build keeps the borders between layers, too: it gives a layer the include
-# folders of those that it may see. Between the folders of a layer this test alone does.
+# Files of the core include only files of their own folder and of the folders before it. The build keeps a part of these
+# borders, too: it gives foundations and the engine no other include folders.
 cmake_minimum_required(VERSION 3.25)
 
 set(allowed "")
 set(found 0)
-set(layers "")
 
-# check_folder(<folder>): in `allowed` are the names of folders that its files may include.
+# check_folder(<folder>): in `allowed` are the names of folders, or of files, that its files may include. Other names are
+# an error if they are in `known`.
 function(check_folder folder)
   file(GLOB files ${folder}/*.[ch]pp ${folder}/*.h ${folder}/*.cl)
   foreach(file ${files})
@@ -26,41 +25,37 @@ function(check_folder folder)
   set(found ${found} PARENT_SCOPE)
 endfunction()
 
-file(GLOB known RELATIVE ${SOURCE}/lib ${SOURCE}/lib/*/*)
+# The core's folders, in order.
+set(folders foundations/core foundations/device)
+foreach(stage launch mesh lattice frusta tree lists sign finish bricks plan)
+  list(APPEND folders engine/${stage})
+endforeach()
+list(APPEND folders targets points checks calls)
+
+# What is in lib, and the folders beside the core.
+file(GLOB all RELATIVE ${SOURCE}/lib LIST_DIRECTORIES true ${SOURCE}/lib/* ${SOURCE}/lib/foundations/* ${SOURCE}/lib/engine/*)
+list(FILTER all EXCLUDE REGEX "^(CMakeLists.txt|foundations|engine|include|io|papers|picture|reference|tools)$")
+foreach(folder ${all})
+  if(NOT folder IN_LIST folders)
+    message(SEND_ERROR "lib/${folder} is not among the folders of ${CMAKE_CURRENT_LIST_FILE}")
+  endif()
+endforeach()
+
+set(known ${folders} foundations engine io papers picture reference tools)
 list(TRANSFORM known REPLACE ".*/" "")
-
-macro(border layer)
-  list(APPEND layers ${layer})
-  foreach(folder ${ARGN})
-    list(APPEND allowed ${folder})
-    check_folder(${SOURCE}/lib/${layer}/${folder})
-  endforeach()
-endmacro()
-
-border(foundations core device)
-border(engine mesh polyhedra launch prepare scan plan)
-border(outputs targets)
-border(queries points)
-border(checks self_test)
-border(calls transform)
-
-# The list names every folder of the core.
-foreach(layer ${layers})
-  file(GLOB folders RELATIVE ${SOURCE}/lib/${layer} ${SOURCE}/lib/${layer}/*)
-  foreach(folder ${folders})
-    if(NOT folder IN_LIST allowed)
-      message(SEND_ERROR "lib/${layer}/${folder} is in no border of ${CMAKE_CURRENT_LIST_FILE}")
-    endif()
-  endforeach()
+foreach(folder ${folders})
+  get_filename_component(name ${folder} NAME)
+  list(APPEND allowed ${name})
+  check_folder(${SOURCE}/lib/${folder})
 endforeach()
 
 # The engine's face: calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid, and
 # GridPlan, which plans and runs.
-set(allowed core device plan launch mesh targets points self_test transform)
-check_folder(${SOURCE}/lib/calls/transform)
+set(allowed core device plan launch mesh targets points checks calls)
+check_folder(${SOURCE}/lib/calls)
 
 # Tools for meshes, beside the core.
-set(allowed core mesh)
+set(allowed core mesh tools)
 check_folder(${SOURCE}/lib/tools)
 
 # The kernels' folders, whose files are included by their names alone.

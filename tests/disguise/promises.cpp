@@ -7,11 +7,11 @@
 #include <clsdf/papers.hpp>
 #include <clsdf/tuning.hpp>
 
+#include "bricks/brick_scan.hpp"
 #include "core/parallel.hpp"
 #include "device/buffer_pool.hpp"
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
-#include "scan/brick_scan.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
+#include "lattice/layout_of.hpp"
 #include "papers/exact.hpp"
 #include "papers/pieces.hpp"
-#include "prepare/layout_of.hpp"
 #include "support/hostile_meshes.hpp"
 
 #include <clsdf/tuning.hpp>

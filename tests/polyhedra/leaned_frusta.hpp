@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/parallel.hpp"
-#include "polyhedra/records.hpp"
+#include "frusta/records.hpp"
 
 #include <clsdf/mesh.hpp>
 

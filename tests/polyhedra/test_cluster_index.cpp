@@ -1,4 +1,4 @@
-#include "polyhedra/cluster_index.hpp"
+#include "frusta/cluster_index.hpp"
 
 #include "awkward_meshes.hpp"
 #include "support/hostile_meshes.hpp"

@@ -1,4 +1,4 @@
-#include "polyhedra/gaps.hpp"
+#include "frusta/gaps.hpp"
 #include "support/random_meshes.hpp"
 
 #include <boost/test/unit_test.hpp>

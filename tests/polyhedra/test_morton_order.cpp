@@ -1,4 +1,4 @@
-#include "polyhedra/face_order.hpp"
+#include "frusta/face_order.hpp"
 #include "support/random_meshes.hpp"
 
 #include <tbb/global_control.h>

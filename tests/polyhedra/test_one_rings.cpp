@@ -1,6 +1,6 @@
 #include "coverage.hpp"
-#include "polyhedra/slopes.hpp"
-#include "polyhedra/topology.hpp"
+#include "frusta/slopes.hpp"
+#include "frusta/topology.hpp"
 #include "stress_points.hpp"
 #include "support/test_meshes.hpp"
 

@@ -1,6 +1,6 @@
+#include "frusta/face_order.hpp"
+#include "frusta/frames.hpp"
 #include "pointwise.hpp"
-#include "polyhedra/face_order.hpp"
-#include "polyhedra/frames.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 

@@ -3,8 +3,8 @@
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 
+#include "checks/self_test.hpp"
 #include "device/context.hpp"
-#include "self_test/self_test.hpp"
 
 #include <clsdf/papers.hpp>
 #include <clsdf/tuning.hpp>

@@ -1,7 +1,7 @@
-#include "prepare/kernel_frusta.hpp"
+#include "frusta/kernel_frusta.hpp"
+#include "lattice/layout_of.hpp"
 #include "launch/programs.hpp"
 #include "polyhedra/awkward_meshes.hpp"
-#include "prepare/layout_of.hpp"
 #include "support/device_memory.hpp"
 #include "support/random_meshes.hpp"
 

@@ -5,9 +5,9 @@
 #include <clsdf/papers.hpp>
 #include <clsdf/tuning.hpp>
 
+#include "checks/known_field.hpp"
 #include "core/outputs.hpp"
 #include "device/context.hpp"
-#include "self_test/known_field.hpp"
 
 #include <algorithm>
 #include <functional>

@@ -3,10 +3,10 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/outputs.hpp>
 
+#include "bricks/field_scan.hpp"
+#include "frusta/prepared_mesh.hpp"
 #include "launch/programs.hpp"
 #include "plan/kept_mesh.hpp"
-#include "prepare/prepared_mesh.hpp"
-#include "scan/field_scan.hpp"
 
 #include <memory>
 #include <string>

@@ -2,10 +2,10 @@
 
 #include "core/stopwatch.hpp"
 #include "device/opencl.hpp"
+#include "lattice/layout_of.hpp"
 #include "launch/programs.hpp"
 #include "plan/field_method.hpp"
-#include "prepare/layout_of.hpp"
-#include "scan/sign_sweep.hpp"
+#include "sign/sign_sweep.hpp"
 
 namespace clsdf::transform {
 

@@ -1,12 +1,12 @@
 #include "plan/kept_mesh.hpp"
 
+#include "finish/sites.hpp"
+#include "lattice/layout_of.hpp"
+#include "lists/coarse_lists.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/topology.hpp"
 #include "plan/field_method.hpp"
 #include "plan/near_parts.hpp"
-#include "polyhedra/sites.hpp"
-#include "prepare/layout_of.hpp"
-#include "scan/coarse_lists.hpp"
 
 #include <fmt/format.h>
 

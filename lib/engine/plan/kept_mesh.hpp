@@ -5,19 +5,19 @@
 #include <clsdf/mesh.hpp>
 
 #include "device/buffer_pool.hpp"
+#include "finish/finishing.hpp"
+#include "frusta/cluster_index.hpp"
+#include "frusta/device_faces.hpp"
+#include "frusta/frusta.hpp"
+#include "frusta/kernel_frusta.hpp"
+#include "frusta/prepared_mesh.hpp"
+#include "frusta/topology.hpp"
 #include "launch/programs.hpp"
 #include "layout.h"
 #include "plan/kept.hpp"
 #include "plan/lattice.hpp"
 #include "plan/restriction.hpp"
-#include "polyhedra/cluster_index.hpp"
-#include "polyhedra/frusta.hpp"
-#include "polyhedra/topology.hpp"
-#include "prepare/device_faces.hpp"
-#include "prepare/finishing.hpp"
-#include "prepare/kernel_frusta.hpp"
-#include "prepare/prepared_mesh.hpp"
-#include "prepare/sweep_mesh.hpp"
+#include "sign/sweep_mesh.hpp"
 
 #include <list>
 #include <memory>

@@ -2,10 +2,11 @@
 
 #include <clsdf/grid.hpp>
 
+#include "frusta/cluster_index.hpp"
+#include "frusta/prepared_mesh.hpp"
+#include "lists/surface_points.hpp"
 #include "plan/kept.hpp"
-#include "polyhedra/cluster_index.hpp"
-#include "prepare/prepared_mesh.hpp"
-#include "prepare/sweep_mesh.hpp"
+#include "sign/sweep_mesh.hpp"
 
 #include <cstddef>
 #include <memory>

@@ -5,9 +5,10 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
+#include "frusta/cluster_index.hpp"
+#include "frusta/prepared_mesh.hpp"
+#include "lists/surface_points.hpp"
 #include "mesh/box_index.hpp"
-#include "polyhedra/cluster_index.hpp"
-#include "prepare/prepared_mesh.hpp"
 
 #include <cstdint>
 #include <span>

@@ -1,7 +1,7 @@
 #include "plan/slabs.hpp"
 
+#include "lattice/layout_of.hpp"
 #include "layout.h"
-#include "prepare/layout_of.hpp"
 
 #include <algorithm>
 

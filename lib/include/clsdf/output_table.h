@@ -1,5 +1,5 @@
 // The outputs: one table for callers, the library and the kernels. A new output is an enumerator and a row here, a
-// function in kernels/outputs/finish.h, and a value and a contract in lib/reference/output_contracts.cpp.
+// function in kernels/finish/finish.h, and a value and a contract in lib/reference/output_contracts.cpp.
 #ifndef CLSDF_OUTPUT_TABLE_H
 #define CLSDF_OUTPUT_TABLE_H
 

@@ -1,0 +1,213 @@
+#include <clsdf/distance_transform.hpp>
+
+#include "calls/transform_access.hpp"
+#include "calls/transform_state.hpp"
+#include "core/large_memory.hpp"
+#include "core/lifetime.hpp"
+#include "core/outputs.hpp"
+#include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
+#include "plan/slabs.hpp"
+#include "targets/mapped_memory.hpp"
+#include "targets/output_targets.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace clsdf {
+
+DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, const TransformOptions& options,
+                                     const CallOptions& call)
+    : state_(with_host_memory("for the mesh", [&] {
+          device::wait_for(device::context_of(device), call.wait_list);
+          return std::make_unique<State>(std::move(device), mesh, options, call);
+      })) {}
+DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, const TransformOptions& options,
+                                     const CallOptions& call) {
+    with_host_memory("for the mesh", [&] {
+        device::MappedMemory memory(device::context_of(device));
+        memory.add(mesh.vertices(), "vertices");
+        memory.add(mesh.triangles(), "triangles");
+        memory.map(call.wait_list);
+        Mesh copy(MeshView(memory.on_host(mesh.vertices()), memory.on_host(mesh.triangles())));
+        memory.unmap();
+        state_ = std::make_unique<State>(std::move(device), std::move(copy), options, call);
+    });
+}
+DistanceTransform::DistanceTransform(std::unique_ptr<State> state) : state_(std::move(state)) {}
+DistanceTransform::DistanceTransform(DistanceTransform&&) noexcept = default;
+DistanceTransform& DistanceTransform::operator=(DistanceTransform&&) noexcept = default;
+DistanceTransform::~DistanceTransform() = default;
+
+DistanceTransform detail::TransformAccess::make(Device device, const Mesh& mesh,
+                                                std::shared_ptr<const FieldMethod> method,
+                                                const TransformOptions& options, const CallOptions& call) {
+    return with_host_memory("for the mesh", [&] {
+        return DistanceTransform(
+            std::make_unique<DistanceTransform::State>(std::move(device), mesh, options, call, std::move(method)));
+    });
+}
+
+DistanceTransform::State& DistanceTransform::state() const {
+    return held_by(state_, "DistanceTransform");
+}
+
+const Topology& DistanceTransform::topology() const {
+    return state().topology;
+}
+SignRule DistanceTransform::sign() const {
+    return state().sign;
+}
+Device DistanceTransform::device() const {
+    return state().device;
+}
+Box DistanceTransform::box() const {
+    State& state = this->state();
+    const std::scoped_lock lock(state.mutex);
+    return state.kept_mesh->mesh().box();
+}
+DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions) const {
+    return with_host_memory("to restrict the transform", [&] {
+        return DistanceTransform(state().restricted({regions.begin(), regions.end()}));
+    });
+}
+void DistanceTransform::set_positions(const InputArray& positions, const CallOptions& call) {
+    with_host_memory("for the positions", [&] {
+        State& state = this->state();
+        check_array(positions, ArrayKind::positions, "positions", ErrorCode::invalid_argument);
+        device::MappedMemory memory(device::context_of(state.device));
+        memory.add(positions, "positions");
+        memory.map(call.wait_list);
+        const PositionArray array(memory.on_host(positions));
+        std::vector<Vec3> copy;
+        if (positions.device != nullptr) {
+            copy.assign(array.get().begin(), array.get().end());
+            memory.unmap();  // which may fail, before anything has moved
+        }
+        state.set_positions(copy.empty() ? array.get() : copy);
+    });
+}
+void DistanceTransform::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+    with_host_memory("for the positions", [&] { state().set_motion(rotation, translation); });
+}
+
+KeptMemory DistanceTransform::memory() const {
+    State& state = this->state();
+    const std::scoped_lock lock(state.mutex);
+    KeptMemory memory = state.kept_mesh->memory();
+    memory.host_bytes += state.first_positions.size() * sizeof(Vec3);
+    for (const auto& plan : state.plans) memory.device_bytes += state.bytes_of(*plan);
+    return memory;
+}
+
+TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& band, OutputSet outputs,
+                                               const CallOptions& call) const {
+    return with_host_memory("to compile", [&] {
+        State& state = this->state();
+        transform::RunningCall running{call};
+        running.throw_if_stopped();
+        const std::scoped_lock lock(state.mutex);
+        const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
+        state.check(job);
+        state.compile(job, running);
+        return running.statistics.published();
+    });
+}
+
+TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
+                                               const CallOptions& call) const {
+    const Request request{grid, band, targets};
+    return compute({&request, 1}, call);
+}
+
+TransformStatistics DistanceTransform::compute(std::span<const Request> requests, const CallOptions& call) const {
+    return with_host_memory("for the computation; compute less at once",
+                            [&] { return state().compute(requests, call).published(); });
+}
+
+TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const CallOptions& call) const {
+    return with_host_memory("for the blocks; compute fewer at once", [&] {
+        // As requests they take over 200 bytes each. Neighbours in the list are mostly neighbours in space.
+        constexpr std::size_t most = std::size_t{1} << 15, checked = std::size_t{1} << 10;
+        State& state = this->state();
+        const std::size_t count = blocks.first.size();
+        if (count > most) {  // else the only part is checked as a whole
+            const bool on_device = scan::are_on_device(blocks.targets);
+            const auto on_host = [&](const Request& request) { return state.host_targets(request); };
+            const auto in_buffers = [&](const Request& request) { return state.device_targets(request); };
+            std::vector<scan::WrittenArray> written;
+            for (std::size_t begin = 0; begin < count; begin += checked) {
+                std::size_t n = begin;
+                for (const Request& request : transform::requests_of(blocks, begin, std::min(begin + checked, count))) {
+                    if (on_device)
+                        transform::targets_of(request, n, count, in_buffers, written);
+                    else
+                        transform::targets_of(request, n, count, on_host, written);
+                    ++n;
+                }
+            }
+            scan::refuse_overlap(written);
+        }
+        CallStatistics total;
+        const auto share = [&](std::size_t part) { return static_cast<double>(part) / static_cast<double>(count); };
+        for (std::size_t begin = 0; begin < count; begin += most) {
+            const std::size_t end = std::min(begin + most, count);
+            try {
+                add_call(total, state.compute(transform::requests_of(blocks, begin, end),
+                                              transform::part_of(call, share(begin), share(end))));
+            } catch (const Error& error) {
+                if (count <= most || error.code() != ErrorCode::invalid_argument) throw;
+                throw Error(error.code(), fmt::format("of the blocks {} to {}: {}", begin, end - 1, error.what()),
+                            error.opencl_code());
+            }
+        }
+        return total.published();
+    });
+}
+
+CallStatistics DistanceTransform::State::compute(std::span<const Request> requests, const CallOptions& call) {
+    const bool on_device = !requests.empty() && scan::are_on_device(requests.front().targets);
+    return on_device ? compute_on_device(requests, call) : compute_on_host(requests, call);
+}
+
+TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs,
+                                               const SlabSink& sink, const SlabOptions& options,
+                                               const CallOptions& call) const {
+    return with_host_memory("for the slabs; compute a part of the grid", [&] {
+        State& state = this->state();
+        grid.validate();
+        grid.sample_count();
+        const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
+        state.check(job);
+        if (!sink) throw Error(ErrorCode::invalid_argument, "a field in slabs needs a sink, and it is empty");
+        device::wait_for(state.context(), call.wait_list);
+        return state.compute_slabs(job, sink, options, call).published();
+    });
+}
+
+std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
+    grid.validate();
+    device::Context::Capabilities unlimited;
+    unlimited.memory = unlimited.largest_allocation = std::numeric_limits<std::size_t>::max();
+    return with_host_memory("for the list of slabs",
+                            [&] { return scan::slabs_of(grid, scan::stream_limits_of(unlimited)); });
+}
+
+Field DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call,
+                                 TransformStatistics* statistics) const {
+    const State& state = this->state();
+    Field field({grid, band, state.sign, state.kept_mesh->mesh().name()}, scan::extras_of(outputs) | Output::distance);
+    try {
+        const Request request{grid, band, field.targets()};
+        const TransformStatistics made = compute({&request, 1}, call);
+        if (statistics != nullptr) *statistics = made;
+    } catch (...) {
+        if (state.context().is_lost()) keep_for_good(field);
+        throw;
+    }
+    return field;
+}
+
+}  // namespace clsdf

@@ -1,0 +1,229 @@
+#include "calls/block_plans.hpp"
+#include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
+#include "plan/slabs.hpp"
+#include "targets/slab_pipeline.hpp"
+
+#include <algorithm>
+#include <functional>
+
+namespace clsdf {
+
+namespace {
+
+using transform::Batch;
+using transform::Block;
+using transform::Job;
+
+/// Computes a plan's samples, which are [begin, end) of the call's work, and returns when they are there.
+void run(transform::GridPlan& plan, const scan::OutputMemories& memories, transform::RunningCall& running, double begin,
+         double end) {
+    const Stopwatch watch;
+    const device::Context& context = device::context_of(plan.device);
+    // Its commands write to the caller's memory.
+    context.run_or_drain([&] {
+        running.throw_if_stopped();
+        scan::CommandChain chain(context.queue(), {});
+        plan.enqueue(chain, memories.buffers, running.between(begin, end));
+        memories.enqueue_handover(context.queue());
+        context.queue().finish();
+        device::wait_for(chain.last());  // PoCL's queue finishes without an error if a command has failed
+        plan.read_back(context.queue());
+    });
+    plan.statistics.field_seconds = watch.seconds();
+}
+
+}  // namespace
+
+/// Computes blocks one after another, each in the arrays of its request or in memory that is handed on to store(). If
+/// memory is short, a block is divided; one that cannot be divided is tried once more when what is kept for later calls
+/// has been released.
+class DistanceTransform::State::HostRun {
+public:
+    using Store = std::function<void(const Block& block, const scan::HostArrays& values)>;
+
+    /// All arguments that are references must outlive this. overlap: the next block is computed while one is stored.
+    HostRun(State& state, std::span<const Batch> batches, bool overlap, const Store& store, const CallOptions& call)
+        : keeps_budget_{state},
+          state_(state),
+          batches_(batches),
+          store_(store),
+          blocks_(
+              transform::blocks_of(batches, scan::stream_limits_of(capabilities()), scan::limits_of(capabilities()))),
+          running_{call},
+          plans_(state, state.pool, false, running_),
+          pipeline_(state.context(), overlap) {
+        std::ranges::reverse(blocks_);
+        for (const Batch& batch : batches) cost_ += batch.cost;
+    }
+
+    CallStatistics run() {
+        start();
+        while (!blocks_.empty()) {
+            scan::SlabPipeline::Slot* slot = &pipeline_.next();
+            const auto divide = [&] {
+                make_room(*slot);
+                slot = &pipeline_.next();
+                return divide_next();
+            };
+            // The length of a block's lists is known only when they are made.
+            transform::with_remedies(&running_, {{divide, true}, {[] { return true; }}}, [&] {
+                const std::scoped_lock lock(state_.mutex);
+                compute(*slot);
+            });
+            const Block block = blocks_.back();
+            blocks_.pop_back();
+            pipeline_.deliver(
+                *slot, block.batch->in_place
+                           ? scan::SlabPipeline::HandOn()
+                           : [this, block](const scan::HostArrays& values) { store_(block, values); });
+        }
+        return finish();
+    }
+
+private:
+    const device::Context::Capabilities& capabilities() const { return state_.context().capabilities(); }
+
+    void start() {
+        const std::scoped_lock lock(state_.mutex);
+        running_.throw_if_stopped();
+        for (const Batch& batch : batches_) state_.compile(batch.job, running_);
+        state_.pool->restart_peak();
+    }
+
+    /// Computes the next block, by the plan of an earlier call if there is one.
+    void compute(scan::SlabPipeline::Slot& slot) {
+        const Block& block = blocks_.back();
+        const Job& job = block.batch->job;
+        const scan::HostArrays& arrays = block.batch->arrays;
+        const std::size_t samples = block.grid.sample_count();
+        const std::size_t first = job.grid.offset(0, 0, block.grid.first[2] - job.grid.first[2]);
+        device::guarded([&] {
+            slot.memories.place(
+                state_.context(), *state_.pool,
+                block.batch->in_place ? scan::arrays_from(first, arrays) : slot.own.for_samples(arrays, samples),
+                samples);
+        });
+        if (!plan_ && block.is_whole()) plan_ = state_.take_plan(job);
+        if (!plan_) plan_ = plans_.make(block);
+        const double share =
+            block.batch->cost / cost_ * static_cast<double>(samples) / static_cast<double>(job.grid.sample_count());
+        clsdf::run(*plan_, slot.memories, running_, done_, done_ + share);
+        done_ += share;
+        if (blocks_.size() > 1) running_.report({.fraction = done_});
+        add_slab(running_.statistics, plan_->statistics);
+        if (block.is_whole()) state_.keep(std::move(plan_));
+        plan_.reset();
+        if (block.is_whole()) {
+            plans_.release();  // it was the only block of its batch
+            state_.keep_within_budget();
+        }
+    }
+
+    /// Releases what the next block had, and what is kept for later calls.
+    void make_room(scan::SlabPipeline::Slot& slot) {
+        const std::scoped_lock lock(state_.mutex);
+        // Commands that are still running use the buffers.
+        device::guarded([&] { state_.context().queue().finish(); });
+        pipeline_.discard(slot);
+        plan_.reset();
+        state_.forget();
+    }
+
+    /// Returns whether the next block was divided.
+    bool divide_next() {
+        const Block block = blocks_.back();
+        if (!scan::is_divisible(block.grid)) return false;
+        const auto [lower, upper] = scan::halves_of(block.grid);
+        blocks_.back().grid = upper;
+        blocks_.push_back({block.batch, lower});
+        return true;
+    }
+
+    /// Waits until all blocks are stored.
+    const CallStatistics& finish() {
+        pipeline_.finish();
+        {
+            const std::scoped_lock lock(state_.mutex);
+            running_.statistics.device_bytes = state_.pool->peak();
+            running_.statistics.host_bytes = pipeline_.host_bytes();
+        }
+        return running_.finish();
+    }
+
+    KeepsBudget keeps_budget_;  // destroyed last, when the other members have released their memory
+    State& state_;
+    std::span<const Batch> batches_;
+    const Store& store_;
+    std::vector<Block> blocks_;  ///< the next one is the last
+    transform::RunningCall running_;
+    BlockPlans plans_;
+    std::unique_ptr<transform::GridPlan> plan_;  ///< of the next block
+    scan::SlabPipeline pipeline_;
+    double cost_ = 0;  ///< of all batches
+    double done_ = 0;  ///< which share of it has been computed
+};
+
+std::optional<CallStatistics> DistanceTransform::State::compute_kept(const Request& request, const CallOptions& call) {
+    request.grid.validate();
+    request.band.validate();
+    const scan::HostTargets targets(request.targets, request.grid);
+    std::vector<scan::WrittenArray> written;
+    targets.add_written(0, written);
+    scan::refuse_overlap(written);
+    if (!targets.are_packed) return std::nullopt;
+    transform::RunningCall running{call};
+    {
+        const std::scoped_lock lock(mutex);
+        std::unique_ptr<transform::GridPlan> plan =
+            take_plan({request.grid, request.band, scan::outputs_of(targets.arrays), {}, call.count_work});
+        if (!plan) return std::nullopt;
+        context().begin_call();
+        pool->restart_peak();
+        scan::OutputMemories memories;
+        try {
+            device::guarded([&] { memories.place(context(), *pool, targets.arrays, request.grid.sample_count()); });
+        } catch (const Error& error) {
+            if (!running.is_short_of_memory(error)) throw;
+            keep(std::move(plan));
+            return std::nullopt;
+        }
+        clsdf::run(*plan, memories, running, 0, 1);
+        device::guarded([&] { memories.read(context(), context().queue()); });
+        running.statistics = plan->statistics;
+        running.statistics.slabs = 1;
+        running.statistics.device_bytes = pool->peak();
+        keep(std::move(plan));
+    }
+    running.report({.fraction = 1});
+    return running.statistics;
+}
+
+CallStatistics DistanceTransform::State::compute_slabs(const Job& job, const SlabSink& sink, const SlabOptions& options,
+                                                       const CallOptions& call) {
+    const Batch batch{.job = job, .arrays = scan::arrays_for(job.outputs)};
+    const HostRun::Store hand_on = [&](const Block& block, const scan::HostArrays& values) {
+        sink(block.grid, scan::slab_of(values, block.grid.sample_count()));
+    };
+    return HostRun(*this, {&batch, 1}, options.sink_has_own_thread, hand_on, call).run();
+}
+
+CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request> requests, const CallOptions& call) {
+    device::wait_for(context(), call.wait_list);
+    if (requests.size() == 1)
+        if (const auto statistics = compute_kept(requests.front(), call)) return *statistics;
+    const auto targets = transform::targets_of(requests, [&](const Request& request) { return host_targets(request); });
+    const std::vector<Batch> batches =
+        transform::batches_of(requests, std::span(targets), kept_mesh->mesh().box(), call.count_work);
+    const HostRun::Store store = [&](const Block& block, const scan::HostArrays& values) {
+        const std::vector<std::size_t>& chosen = block.batch->requests;
+        constexpr std::size_t chunk = 8;
+        for_each_chunk(chosen.size(), chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n) targets[chosen[n]].store(block.grid, values);
+        });
+    };
+    // On a processor the next block would take the cores that store the one before.
+    return HostRun(*this, batches, !context().capabilities().is_processor, store, call).run();
+}
+
+}  // namespace clsdf

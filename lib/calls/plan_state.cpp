@@ -1,0 +1,230 @@
+#include "calls/plan_state.hpp"
+
+#include "core/lifetime.hpp"
+#include "device/opencl.hpp"
+#include "launch/programs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace clsdf::transform {
+
+namespace {
+
+/// A block that is a part of a batch has no buffer of its own among the targets.
+bool is_in_place(const Block& block) {
+    return block.batch->in_place && block.is_whole();
+}
+
+}  // namespace
+
+PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, bool is_own_pool)
+    : device(std::move(device_in)), has_own_pool(is_own_pool), pool(std::move(pool_in)) {}
+
+PlanState::~PlanState() {
+    if (runs_.wait() == CL_SUCCESS) return;
+    keep_for_good(samples_);
+    keep_for_good(parts_);
+}
+
+void PlanState::divide(std::span<const DeviceTargets> targets, const Box& box) {
+    const device::Context::Capabilities& capabilities = device::context_of(device).capabilities();
+    const std::size_t largest = capabilities.largest_allocation;
+    batches_ = batches_of(requests, targets, box, counts);
+    blocks_ = blocks_of(batches_, stream_limits_of(capabilities), {largest, largest, largest});
+}
+
+bool PlanState::has_copies() const {
+    return !std::ranges::all_of(blocks_, is_in_place);
+}
+
+void PlanState::make_room() {
+    PerOutput<std::size_t> most{};
+    for (const Block& block : blocks_) {
+        if (is_in_place(block)) continue;
+        for_each_output(
+            [&](const OutputInfo& row, const HostArray& array, std::size_t& bytes) {
+                if (!array.is_wanted) return;
+                bytes = std::max(bytes, block.grid.sample_count() * sample_bytes(row, array.in_double));
+            },
+            block.batch->arrays, most);
+    }
+    for_each_output(
+        [&](const OutputInfo&, std::size_t bytes, device::BufferPool::Lease& lease) {
+            if (bytes > 0) lease = pool->lease(bytes, "samples of a plan's blocks");
+        },
+        most, samples_);
+}
+
+void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
+                    const Programs& programs) {
+    const DeviceTargets& first = targets[block.batch->requests.front()];
+    Part part{block, std::move(plan), first.targets};
+    if (is_in_place(block)) {
+        part.buffers = *first.in_place;
+        parts_.push_back(std::move(part));
+        return;
+    }
+    device::Context& context = device::context_of(device);
+    const cl::Program program = programs.store.get();
+    PerOutput<std::vector<Place>> all_places = places_of(part, targets);
+    for_each_output(
+        [&](const OutputInfo& row, const HostArray& array, const device::BufferPool::Lease& lease,
+            std::vector<Place>& places, std::optional<BoxStore>& store, cl::Buffer& buffer) {
+            if (!array.is_wanted) return;
+            buffer = *lease;
+            if (array.in_double) part.buffers.in_double |= bit_of(row);
+            const StoredElements elements{row.components, sample_bytes(row, array.in_double) / row.components};
+            if (!places.empty()) store.emplace(context, program, block.grid, elements, *lease, std::move(places));
+        },
+        block.batch->arrays, samples_, all_places, part.stores, part.buffers);
+    parts_.push_back(std::move(part));
+}
+
+PerOutput<std::vector<Place>> PlanState::places_of(const Part& part, std::span<const DeviceTargets> targets) const {
+    PerOutput<std::vector<Place>> all_places;
+    const Batch& batch = *part.block.batch;
+    for (const std::size_t n : batch.requests)
+        for_each_output(
+            [&](const OutputInfo&, const OutputArray& target, const HostArray& array, std::vector<Place>& places) {
+                if (!array.is_wanted) return;
+                if (const auto box = stored_box(part.block.grid, requests[n].grid, target))
+                    places.push_back({target.device, *box});
+            },
+            targets[n].targets, batch.arrays, all_places);
+    // A launch stores what goes to one buffer: the buffers in the order of the requests.
+    for_each_output(
+        [](const OutputInfo&, std::vector<Place>& places) {
+            std::map<cl_mem, std::size_t> numbers;
+            for (const Place& place : places) numbers.emplace(place.memory, numbers.size());
+            std::ranges::stable_sort(places, {}, [&](const Place& place) { return numbers.at(place.memory); });
+        },
+        all_places);
+    return all_places;
+}
+
+void PlanState::check(const Part& part, const DeviceTargets& target) const {
+    const bool in_place = is_in_place(part.block);
+    for_each_output(
+        [&](const OutputInfo& row, const HostArray& planned, const HostArray& given, const OutputArray& like,
+            const OutputArray& other) {
+            if (given.is_wanted != planned.is_wanted)
+                throw Error(ErrorCode::invalid_argument,
+                            planned.is_wanted
+                                ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
+                                              "memory, or plan without",
+                                              row.name)
+                                : fmt::format("the output {0} has a target, and the plan was made without; "
+                                              "leave the target out, or make the plan with {0}",
+                                              row.name));
+            // Distances in double are other work.
+            const bool is_fixed = !in_place || row.output == Output::distance;
+            if (is_fixed && other.type != like.type)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} has {}s, another type of elements than planned; "
+                                        "make the plan of a request with such a target",
+                                        row.name, name_of(other.type)));
+        },
+        part.block.batch->arrays, target.arrays, part.like, target.targets);
+    if (in_place && !target.in_place)
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("the target of the output {}, but this plan writes to its targets directly and cannot copy; "
+                        "make it of a request with such a target",
+                        target.why_not_in_place));
+}
+
+std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> given) const {
+    if (given.size() != requests.size())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the plan has {} requests, and the targets of {} are given; give each request its "
+                                "targets",
+                                requests.size(), given.size()));
+    std::vector<Request> others = requests;
+    for (std::size_t n = 0; n < given.size(); ++n) others[n].targets = given[n];
+    auto targets = transform::targets_of(others, [&](const Request& request) {
+        return DeviceTargets(request.targets, request.grid, device::context_of(device));
+    });
+    for (const Part& part : parts_)
+        for (const std::size_t n : part.block.batch->requests)
+            for_request(n, requests.size(), [&] { check(part, targets[n]); });
+    return targets;
+}
+
+void PlanState::complete(const CallStatistics& call, const KeptMesh& kept_mesh) {
+    statistics = call;
+    for (const Part& part : parts_) add_slab(statistics, part.plan->statistics);
+    statistics.device_bytes = own_bytes(kept_mesh);
+    published = statistics.published();
+    is_whole = true;
+}
+
+void PlanState::clear() {
+    device::guarded([&] {
+        if (const cl_int code = runs_.wait(); code != CL_SUCCESS) throw cl::Error(code, "clWaitForEvents");
+    });
+    is_whole = false;
+    parts_.clear();
+    samples_ = {};
+    statistics = {};
+}
+
+std::size_t PlanState::own_bytes(const KeptMesh& kept_mesh) const {
+    std::size_t bytes = 0;
+    for_each_output([&](const OutputInfo&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
+                    samples_);
+    Inputs counted;  // the parts of a batch follow one another, and share them
+    for (const Part& part : parts_) {
+        bytes += part.plan->own_bytes();
+        Inputs inputs = part.plan->inputs;
+        if (inputs.records == counted.records) inputs.records = nullptr;
+        if (inputs.sweep_mesh == counted.sweep_mesh) inputs.sweep_mesh = nullptr;
+        bytes += kept_mesh.bytes_beside(inputs);
+        counted = part.plan->inputs;
+        for_each_output(
+            [&](const OutputInfo&, const std::optional<BoxStore>& store) { bytes += store ? store->bytes() : 0; },
+            part.stores);
+    }
+    return bytes;
+}
+
+void PlanState::enqueue_stores(Part& part, CommandChain& chain, std::span<const DeviceTargets> targets) const {
+    if (is_in_place(part.block)) return;
+    PerOutput<std::vector<Place>> all_places;
+    if (!targets.empty()) all_places = places_of(part, targets);
+    for_each_output(
+        [&](const OutputInfo&, std::optional<BoxStore>& store, const std::vector<Place>& places) {
+            if (store) store->enqueue(chain, places);
+        },
+        part.stores, all_places);
+}
+
+void PlanState::read_counters() {
+    for (const auto count : device_counts) statistics.*count = 0;
+    for (const Part& part : parts_) {
+        part.plan->read_back(device::context_of(device).queue());
+        for (const auto count : device_counts) statistics.*count += part.plan->statistics.*count;
+    }
+}
+
+cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
+                             std::span<const DeviceTargets> targets) {
+    device::Context& context = device::context_of(device);
+    if (queue() == context.queue()() && !before.empty()) context.add_waiting_run();
+    CommandChain& chain = runs_.begin(queue, std::move(before));
+    if (parts_.empty())
+        chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
+    for (Part& part : parts_) {
+        const bool has_other = is_in_place(part.block) && !targets.empty();
+        const std::size_t first = part.block.batch->requests.front();
+        part.plan->enqueue(chain, has_other ? *targets[first].in_place : part.buffers, {});
+        enqueue_stores(part, chain, targets);
+    }
+    queue.flush();
+    return chain.last();
+}
+
+}  // namespace clsdf::transform

@@ -1,0 +1,195 @@
+#include "calls/requests.hpp"
+
+#include "core/outputs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <numeric>
+#include <tuple>
+
+namespace clsdf::transform {
+
+namespace {
+
+// Nanoseconds on two cores. A call has launches and waits; a sample beyond the band is filled; a sample of the band
+// costs its distances.
+constexpr double cost_of_call = 5e5;
+constexpr double cost_of_sample = 0.7;
+constexpr double cost_of_band_sample = 5;
+
+double samples_of(const Grid& grid) {
+    return static_cast<double>(grid.size[0]) * static_cast<double>(grid.size[1]) * static_cast<double>(grid.size[2]);
+}
+
+/// The smallest block of the lattice that holds all of them.
+Grid block_around(std::span<const Request> requests, std::span<const std::size_t> chosen) {
+    Grid block = requests[chosen.front()].grid;
+    for (const std::size_t n : chosen) {
+        const Grid& grid = requests[n].grid;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int64_t begin = std::min(block.first[axis], grid.first[axis]);
+            const std::int64_t end = std::max(block.first[axis] + block.size[axis], grid.first[axis] + grid.size[axis]);
+            block.first[axis] = begin;
+            block.size[axis] = end - begin;
+        }
+    }
+    return block;
+}
+
+/// Divides requests of one lattice, band and set of outputs.
+class Division {
+public:
+    Division(std::span<const Request> requests, const Box& box) : requests_(requests) {
+        const Vec3 sides = box.extent();
+        area_ = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
+    }
+
+    /// The cheaper of one block and the best of two halves, which lie on both sides of the median along the block's
+    /// longest axis. Changes their order.
+    std::vector<Batch> divide(std::span<std::size_t> chosen) const {
+        Batch whole;
+        whole.job.grid = block_around(requests_, chosen);
+        whole.cost = cost(whole.job.grid, chosen);
+        std::vector<Batch> batches;
+        if (chosen.size() > 1) {
+            const Index3& size = whole.job.grid.size;
+            const auto axis = static_cast<std::size_t>(std::max_element(size.begin(), size.end()) - size.begin());
+            const auto middle = chosen.begin() + static_cast<std::ptrdiff_t>(chosen.size() / 2);
+            std::nth_element(chosen.begin(), middle, chosen.end(),
+                             [&](std::size_t a, std::size_t b) { return place(a, axis) < place(b, axis); });
+            batches = divide({chosen.begin(), middle});
+            std::vector<Batch> upper = divide({middle, chosen.end()});
+            std::move(upper.begin(), upper.end(), std::back_inserter(batches));
+        }
+        const double cost_of_parts = std::accumulate(batches.begin(), batches.end(), 0.0,
+                                                     [](double sum, const Batch& batch) { return sum + batch.cost; });
+        if (!batches.empty() && cost_of_parts < whole.cost) return batches;
+        whole.requests.assign(chosen.begin(), chosen.end());
+        return {std::move(whole)};
+    }
+
+private:
+    /// Ties are broken by the index, so that the division depends on the requests alone.
+    std::pair<std::int64_t, std::size_t> place(std::size_t n, std::size_t axis) const {
+        const Grid& grid = requests_[n].grid;
+        return {2 * grid.first[axis] + grid.size[axis], n};
+    }
+
+    double cost(const Grid& block, std::span<const std::size_t> chosen) const {
+        const double all = samples_of(block);
+        double asked = 0;
+        for (const std::size_t n : chosen) asked += samples_of(requests_[n].grid);
+        const Band& band = requests_[chosen.front()].band;
+        const double of_mesh =
+            area_ * (band.inside + band.outside) / (block.spacing[0] * block.spacing[1] * block.spacing[2]);
+        const double in_vain = std::max(0.0, 1 - asked / all);
+        return cost_of_call + cost_of_sample * all + cost_of_band_sample * std::min(all, of_mesh) * in_vain;
+    }
+
+    std::span<const Request> requests_;
+    double area_ = 0;
+};
+
+std::size_t element_bytes(const OutputInfo& info, const OutputArray& array) {
+    return bytes_of(array.type == ElementType::automatic ? info.type : array.type);
+}
+
+/// Bytes from a block's first value to that of the next block.
+std::ptrdiff_t block_stride(const OutputInfo& info, const OutputArray& array, std::size_t samples, std::size_t blocks) {
+    const bool is_packed = array.strides == ArrayLayout().strides && array.component_stride == 0;
+    if (array.block_stride == 0 && !is_packed && blocks > 1)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the array of the output {} has strides and no block stride; set it, too", info.name));
+    const std::size_t packed = samples * info.components * element_bytes(info, array);
+    if (array.block_stride == 0 && is_packed && array.host != nullptr && array.bytes != ArrayLayout::unknown_size &&
+        array.bytes != array.offset + blocks * packed)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{} blocks of {} samples take {} bytes of the output {}, and its array holds {}",
+                                blocks, samples, blocks * packed, info.name, array.bytes - array.offset));
+    return array.block_stride != 0 ? array.block_stride : static_cast<std::ptrdiff_t>(packed);
+}
+
+/// The properties that the requests of a batch share.
+auto kind_of(const Request& request, const HostArrays& arrays) {
+    std::uint32_t in_double = 0;
+    for (const OutputInfo& row : extra_outputs()) in_double |= arrays[row.output].in_double ? bit_of(row) : 0;
+    return std::tuple(request.grid.origin, request.grid.spacing, request.band.inside, request.band.outside,
+                      outputs_of(arrays).bits(), in_double);
+}
+
+}  // namespace
+
+std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std::size_t end) {
+    Grid block = blocks.lattice;
+    block.first = {};
+    block.size = blocks.size;
+    block.validate();
+    const std::size_t samples = block.sample_count(), count = blocks.first.size();
+    std::vector<std::ptrdiff_t> strides;
+    for (const OutputTarget& target : blocks.targets.all()) {
+        const OutputInfo& info = info_of(target.output);
+        strides.push_back(block_stride(info, target.array, samples, count));
+        if (count > 0 && strides.back() < 0 &&
+            static_cast<double>(target.array.offset) <
+                -static_cast<double>(strides.back()) * static_cast<double>(count - 1))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the block stride of the output {} is {}, which leads before its memory; let the "
+                                    "offset name the first block",
+                                    info.name, strides.back()));
+    }
+    std::vector<Request> requests;
+    requests.reserve(end - begin);
+    for (std::size_t n = begin; n < end; ++n) {
+        Request& request = requests.emplace_back(Request{block, blocks.band, {}});
+        request.grid.first = blocks.first[n];
+        std::size_t number = 0;
+        for (const OutputTarget& target : blocks.targets.all()) {
+            OutputArray& array = request.targets[target.output];
+            array = target.array;
+            array.block_stride = 0;
+            array.offset += static_cast<std::size_t>(strides[number++] * static_cast<std::ptrdiff_t>(n));
+            // An array with an offset may be larger than what is written to it.
+            if (array.offset == 0 && array.strides == ArrayLayout().strides && array.component_stride == 0 &&
+                array.bytes != ArrayLayout::unknown_size)
+                array.component_stride =
+                    static_cast<std::ptrdiff_t>(element_bytes(info_of(target.output), target.array));
+        }
+    }
+    return requests;
+}
+
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box,
+                              bool counts) {
+    if (requests.empty()) return {};
+    std::map<decltype(kind_of(requests.front(), arrays.front())), std::vector<std::size_t>> kinds;
+    for (std::size_t n = 0; n < requests.size(); ++n) kinds[kind_of(requests[n], arrays[n])].push_back(n);
+    std::vector<Batch> batches;
+    for (auto& [kind, chosen] : kinds) {
+        std::vector<Batch> of_kind = Division(requests, box).divide(chosen);
+        std::move(of_kind.begin(), of_kind.end(), std::back_inserter(batches));
+    }
+    for (Batch& batch : batches) {
+        const std::size_t first = batch.requests.front();
+        batch.job.band = requests[first].band;
+        batch.job.outputs = outputs_of(arrays[first]);
+        batch.arrays = arrays[first];
+        batch.job.counts = counts;
+        if (batch.requests.size() > 1)
+            for (const std::size_t n : batch.requests) batch.job.wanted.push_back(requests[n].grid);
+    }
+    return batches;
+}
+
+std::vector<Block> blocks_of(std::span<const Batch> batches, const SlabLimits& limits,
+                             const SlabLimits& limits_in_place) {
+    std::vector<Block> blocks;
+    for (const Batch& batch : batches)
+        for (const Grid& slab :
+             slabs_of(batch.job.grid, batch.in_place ? limits_in_place : limits, widest_of(batch.arrays)))
+            blocks.push_back({&batch, slab});
+    return blocks;
+}
+
+}  // namespace clsdf::transform

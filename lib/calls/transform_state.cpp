@@ -1,0 +1,202 @@
+#include "calls/transform_state.hpp"
+
+#include "mesh/topology.hpp"
+#include "plan/field_method.hpp"
+#include "points/box_places.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace clsdf {
+
+namespace {
+
+/// For the grids of a time step. More would keep the memory that the next one needs.
+constexpr std::size_t most_plans = 4;
+
+transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, KernelBody body,
+                                const CallOptions& call) {
+    transform::RunningCall{call}.throw_if_stopped();
+    scan::Programs programs = device::guarded([&] { return scan::Programs(device::context_of(device), body); });
+    auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    return {std::move(device), std::move(pool), std::move(programs), std::move(method)};
+}
+
+}  // namespace
+
+DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
+                                std::shared_ptr<const FieldMethod> method_in)
+    : Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)),
+      topology(describe_vertices(mesh)),
+      vertices(mesh, topology.coincident_vertices > 0) {
+    kept_mesh = std::make_unique<transform::KeptMesh>(
+        context(), pool, std::move(mesh), transform::KeptMesh::Options{programs, method, options.kept_bytes});
+    kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
+    describe_edges(kept_mesh->mesh(), kept_mesh->topology().edges.are_paired, topology);
+    const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
+    sign = resolved.rule;
+    if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
+}
+
+DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
+                                std::unique_ptr<transform::KeptMesh> own_mesh)
+    : Workshop(other.with(own_pool)),
+      topology(other.topology),
+      vertices(other.vertices),
+      kept_mesh(std::move(own_mesh)),
+      kept_points(std::make_unique<points::KeptPoints>(*kept_mesh)) {}
+
+std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(std::vector<Region> regions) {
+    if (regions.empty())
+        throw Error(ErrorCode::invalid_argument, "a transform is restricted to regions, and there is none; give one");
+    for (std::size_t n = 0; n < regions.size(); ++n) {
+        const auto& [box, half_width, spacing] = regions[n];
+        points::check_box(box, fmt::format("the box of region {} of {}", n, regions.size()));
+        if (!(half_width > 0 && std::isfinite(half_width)))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("region {} of {} has the half width {}, which must be positive and finite: "
+                                    "give the largest one that is asked for; for fields without a band use the whole "
+                                    "transform",
+                                    n, regions.size(), half_width));
+        if (!(spacing >= 0 && std::isfinite(spacing)))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("region {} of {} has the spacing {}; give the largest one of its grids, or 0 if "
+                                    "there are none",
+                                    n, regions.size(), spacing));
+    }
+    const KeepsBudget keeps_budget(*this);
+    const std::scoped_lock lock(mutex);
+    if (kept_mesh->restriction() != nullptr)
+        throw Error(ErrorCode::unsupported, "the transform is restricted already; restrict the whole one");
+    if (method)
+        throw Error(ErrorCode::unsupported,
+                    "a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
+    context().begin_call();
+    auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    auto own_mesh = transform::with_remedies(nullptr, {forgetting()},
+                                             [&] { return kept_mesh->restricted(own_pool, regions, sign); });
+    return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_mesh)));
+}
+
+void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
+    const std::scoped_lock lock(mutex);
+    require_whole();
+    move_vertices(vertices.moved(kept_mesh->mesh(), positions));
+}
+
+void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+    const std::scoped_lock lock(mutex);
+    require_whole();
+    move_vertices(transform::Vertices::moved(first_positions.empty() ? kept_mesh->mesh().vertices() : first_positions,
+                                             rotation, translation));
+}
+
+void DistanceTransform::State::require_whole() const {
+    if (kept_mesh->restriction() != nullptr)
+        throw Error(
+            ErrorCode::unsupported,
+            "the transform is restricted, and triangles would come and go; set the positions of the whole one and "
+            "restrict it again");
+}
+
+void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
+    std::vector<Vec3> before;
+    if (first_positions.empty()) before = kept_mesh->mesh().vertices();
+    kept_mesh->move(std::move(positions));
+    points_asked = 0;
+    points_are_short_of_memory = false;
+    if (first_positions.empty()) first_positions = std::move(before);
+    plans.clear();
+}
+
+void DistanceTransform::State::test(const transform::TestSubject& subject, transform::RunningCall& running) const {
+    if (context().is_tested(subject.name)) return;
+    running.compile(subject.steps,
+                    [&](const device::BuildWatch& watch) { return transform::ensure_tested(device, subject, watch); });
+}
+
+void DistanceTransform::State::check(const transform::Job& job) const {
+    for (const double width : {job.band.inside, job.band.outside})
+        if (width > 0 && static_cast<float>(width) == 0)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the band's half width {} is below the range of floats, in which distances are "
+                                    "given; scale the mesh and the grid up",
+                                    width));
+    if (job.band.has_signs_only && sign == SignRule::none)
+        throw Error(ErrorCode::invalid_argument,
+                    "a field of signs alone is asked for, and the transform has no sign; give the band a width, or "
+                    "make the transform of a closed mesh with a sign rule");
+    if (method) {
+        method->check_outputs(job.outputs);
+        if (job.outputs.contains(Output::distance))
+            throw Error(ErrorCode::unsupported,
+                        "distances in double are computed from leaned frusta, scanned by bricks, alone; give the "
+                        "distance an array of floats");
+    }
+    kept_mesh->check(job.grid, job.band, sign);
+}
+
+scan::HostTargets DistanceTransform::State::host_targets(const Request& request) const {
+    check({request.grid, request.band, scan::outputs_of(request.targets)});
+    return {request.targets, request.grid};
+}
+
+scan::DeviceTargets DistanceTransform::State::device_targets(
+    const Request& request, const std::optional<OutputSet>& outputs_without_targets) const {
+    check({request.grid, request.band, outputs_without_targets.value_or(scan::outputs_of(request.targets))});
+    if (outputs_without_targets) return {*outputs_without_targets, request.grid};
+    return {request.targets, request.grid, context()};
+}
+
+void DistanceTransform::State::compile(const transform::Job& job, transform::RunningCall& running) const {
+    context().begin_call();
+    for (const transform::FieldKernels kernels : transform::kernels_of(*this, job))
+        test(transform::field_subject(*this, job, kernels), running);
+}
+
+std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const transform::Job& job) {
+    const auto found = std::ranges::find(
+        plans, job, [](const auto& plan) -> const auto& { return plan->job; });
+    if (found == plans.end()) return nullptr;
+    std::unique_ptr<transform::GridPlan> plan = std::move(*found);
+    plans.erase(found);
+    // The time of its set-up belongs to the call that made it.
+    plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
+    return plan;
+}
+
+void DistanceTransform::State::keep(std::unique_ptr<transform::GridPlan> plan) {
+    if (!method) plans.push_front(std::move(plan));
+    plan.reset();
+    if (plans.size() > most_plans) plans.pop_back();
+}
+
+std::size_t DistanceTransform::State::bytes_of(const transform::GridPlan& plan) const {
+    return plan.own_bytes() + kept_mesh->bytes_beside(plan.inputs);
+}
+
+void DistanceTransform::State::keep_within_budget() {
+    const std::size_t budget = kept_mesh->budget();
+    const std::size_t lattices = kept_mesh->device_bytes();
+    std::size_t bytes = lattices;
+    std::erase_if(plans, [&](const auto& plan) {
+        const std::size_t more = bytes_of(*plan);
+        if (bytes + more > budget) return true;
+        bytes += more;
+        return false;
+    });
+    if (lattices > budget) kept_mesh->keep_within(budget);
+}
+
+bool DistanceTransform::State::forget() {
+    const std::size_t plans_before = plans.size(), bytes_before = kept_mesh->device_bytes();
+    plans.clear();
+    kept_mesh->release();
+    return pool->release() > 0 || plans_before > 0 || kept_mesh->device_bytes() < bytes_before;
+}
+
+}  // namespace clsdf

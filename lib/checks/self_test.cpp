@@ -1,0 +1,245 @@
+#include "checks/self_test.hpp"
+
+#include "checks/known_field.hpp"
+#include "core/tuning_variables.hpp"
+#include "device/in_flight.hpp"
+#include "lattice/layout_of.hpp"
+#include "lists/coarse_lists.hpp"
+#include "plan/field_method.hpp"
+#include "plan/grid_plan.hpp"
+#include "points/kept_points.hpp"
+#include "points/point_query.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string_view>
+#include <utility>
+
+namespace clsdf::transform {
+
+namespace {
+
+// Part of the records' keys: with other known values, all is tested again.
+constexpr int known_values_number = 7;
+
+struct TestedField {
+    FieldKernels kernels;
+    KnownFieldKind kind;
+};
+
+/// In the fine field, the group body computes all bricks of a coarse brick that a polyhedron overlaps, and leaves the
+/// other coarse bricks to the fill. Bricks alone make the difference.
+constexpr std::array tested_fields{
+    TestedField{FieldKernels::of_all, {}},
+    TestedField{FieldKernels::of_all, {.on_surface = true}},
+    TestedField{FieldKernels::of_all, {.fine = true}},
+    TestedField{FieldKernels::of_later_lattices, {.on_surface = true}},
+    TestedField{FieldKernels::of_wide_bands, {.wide = true}},
+};
+
+/// By kernels.
+constexpr std::array names_of_kernels{"", ", later lattices", ", wide bands"};
+
+bool is_switched_off() {
+    const char* const value = tuning_variable("CLSDF_SELF_TEST");
+    return value != nullptr && std::string_view(value) == "0";
+}
+
+/// The counters that a counting variant must agree with the field in.
+std::optional<std::string> wrong_counts(const KnownField& known, const HostArrays& found,
+                                        const CallStatistics& statistics) {
+    const std::size_t in_band = known.band_samples(found);
+    if (statistics.band_samples == in_band && statistics.samples_covered >= in_band &&
+        statistics.lanes_evaluated >= statistics.samples_covered)
+        return std::nullopt;
+    return fmt::format("{} samples of the band were counted, {} covered and {} evaluated, and the field has {}",
+                       statistics.band_samples, statistics.samples_covered, statistics.lanes_evaluated, in_band);
+}
+
+/// All that the results of a test depend on.
+std::string key_of(const device::Context& context, const TestSubject& subject, const device::BuildWatch& watch) {
+    std::string key = fmt::format("{}known values {} {}\n", context.identity(), known_values_number, subject.name);
+    for (const cl::Program& program : subject.build(watch)) key += context.key_of(program) + '\n';
+    return key;
+}
+
+/// On the first lattice the values that may be floats or doubles have the type of fields, on the others the other type,
+/// which other code stores. Only finishing makes distances in double.
+HostArrays arrays_of(OutputSet outputs, bool is_first, bool is_finished) {
+    HostArrays arrays = arrays_for(outputs);
+    for_each_output(
+        [&](const OutputInfo& row, HostArray& array) {
+            if (is_real(row) && (is_finished || row.output != Output::distance)) array.in_double ^= !is_first;
+        },
+        arrays);
+    return arrays;
+}
+
+OutputSet every_output() {
+    OutputSet outputs;
+    for (const OutputInfo& info : extra_outputs()) outputs.insert(info.output);
+    return outputs;
+}
+
+/// Computes a known field from the values that the mesh keeps.
+std::optional<std::string> field_difference(const Workshop& workshop, KeptMesh& kept_mesh, const KnownFieldKind& kind,
+                                            const BrickVariant& variant, const device::BuildWatch& watch) {
+    if (watch.begins) watch.begins();
+    const KnownField known(kind);
+    const Grid& grid = known.grid();
+    OutputSet outputs;
+    if (variant.nearest) outputs = workshop.method ? OutputSet(Output::triangle) : every_output();
+    device::Context& context = workshop.context();
+    device::InFlight<OwnArrays> own(context);
+    own.begin();
+    const bool is_finished = variant.nearest && !workshop.method;
+    const HostArrays arrays =
+        own->for_samples(arrays_of(outputs, !kind.on_surface && !kind.fine, is_finished), grid.sample_count());
+    OutputMemories memories;
+    memories.place(context, *workshop.pool, arrays, grid.sample_count());
+    Inputs inputs = kept_mesh.inputs(grid, known.band(), workshop.sign);
+    if (is_finished) inputs.sites = kept_mesh.sites(true, kept_mesh.may_meet_samples(grid));
+    GridPlan plan(workshop, std::move(inputs), {grid, known.band(), outputs, {}, variant.count}, {});
+    if (watch.tests) watch.tests();
+    context.run_or_drain([&] {
+        CommandChain chain(context.queue(), {});
+        plan.enqueue(chain, memories.buffers, {});
+        memories.enqueue_handover(context.queue());
+        context.queue().finish();
+        memories.read(context, context.queue());
+        plan.read_back(context.queue());
+    });
+    own.end();
+    std::optional<std::string> difference = known.difference(arrays);
+    if (!difference && variant.count) difference = wrong_counts(known, arrays, plan.statistics);
+    return difference;
+}
+
+/// Looks up the samples of known fields as points: those of the first lattice without a limit, with signs by crossings;
+/// those of the later one within a limit, with signs by the sides of faces, and from records of the kernel that makes
+/// them after the first call.
+std::optional<std::string> point_difference(const Device& device, const Programs& programs, bool are_scanned) {
+    constexpr double limit = 2.5;
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    for (const bool is_later : {false, true}) {
+        const KnownField known =
+            is_later ? KnownField({.on_surface = true}).within(limit) : KnownField(KnownFieldKind{.wide = true});
+        KeptMesh kept_mesh(device::context_of(device), pool, known.mesh(), {programs});
+        if (is_later && are_scanned) kept_mesh.frusta();
+        points::KeptPoints kept(kept_mesh);
+        points::PointInputs inputs;
+        inputs.mesh = kept.tree();
+        inputs.sign = SignRule::nonzero;
+        if (are_scanned) inputs.scanned = kept.scanned_mesh(programs.point_scan);
+        inputs.sites = kept_mesh.sites(true, true);
+        if (is_later) inputs.sides = kept.face_sides(inputs.sign, true);
+        const std::vector<Vec3> positions = positions_of(known.grid());
+        device::InFlight<OwnArrays> own(kept_mesh.context());
+        own.begin();
+        const HostArrays arrays = own->for_samples(arrays_of(every_output(), !is_later, true), positions.size());
+        points::query_points(kept_mesh.context(), programs, pool, inputs, positions, known.band().outside, arrays, {});
+        own.end();
+        if (auto difference = known.difference(arrays)) return difference;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<FieldKernels> kernels_of(const Workshop& workshop, const Job& job) {
+    std::vector<FieldKernels> kernels{FieldKernels::of_all};
+    if (!workshop.method && !has_uniform_bounds(layout_of(job.grid, job.band, workshop.sign)))
+        kernels.push_back(FieldKernels::of_wide_bands);
+    return kernels;
+}
+
+TestSubject field_subject(const Workshop& workshop, const Job& job, FieldKernels kernels) {
+    const Device& device = workshop.device;
+    const Programs& programs = workshop.programs;
+    const BrickVariant variant{job.outputs != OutputSet{}, job.counts, has_long_bricks(job.grid)};
+    std::shared_ptr<const FieldMethod> method;
+    if (workshop.method)
+        method = device::guarded([&] {
+            return workshop.method->tested_as(workshop.context(), layout_of(job.grid, job.band, workshop.sign),
+                                              variant);
+        });
+    std::vector<KnownFieldKind> kinds;
+    for (const TestedField& field : tested_fields)
+        if (field.kernels == kernels && !(method && (field.kind.fine || field.kind.on_surface)))
+            kinds.push_back(field.kind);
+    const bool are_first = kernels == FieldKernels::of_all;
+    TestSubject subject;
+    subject.name = fmt::format("{} {}{}{}", device::name_of(programs.body), method ? method->name() : "bricks",
+                               options_of(variant), names_of_kernels[static_cast<std::size_t>(kernels)]);
+    subject.steps = (are_first ? Programs::field_programs + (method ? method->step_count() : 1) : 0) + 2 * kinds.size();
+    subject.build = [&device, &programs, method, variant](const device::BuildWatch& watch) {
+        device::Context& context = device::context_of(device);
+        std::vector<cl::Program> all = programs.of_fields(watch);
+        for (cl::Program& program : method ? method->build(context, programs, variant, watch)
+                                           : std::vector{programs.bricks(context, variant, watch)})
+            all.push_back(std::move(program));
+        return all;
+    };
+    subject.difference = [&device, &programs, method, variant, kinds,
+                          kernels](const device::BuildWatch& watch) -> std::optional<std::string> {
+        const Workshop tested{device, std::make_shared<device::BufferPool>(device::shared_context_of(device)), programs,
+                              method, SignRule::nonzero};
+        for (KnownFieldKind kind : kinds) {
+            KeptMesh kept_mesh(tested.context(), tested.pool, KnownField({}).mesh(),
+                               {.programs = programs, .method = method, .is_whole = true});
+            // Records of later lattices are made from kept frusta.
+            if (kernels == FieldKernels::of_later_lattices) kept_mesh.frusta();
+            kind.long_bricks = variant.long_bricks;
+            if (auto difference = field_difference(tested, kept_mesh, kind, variant, watch)) return difference;
+        }
+        return std::nullopt;
+    };
+    return subject;
+}
+
+TestSubject point_subject(const Device& device, const Programs& programs, bool are_scanned) {
+    TestSubject subject;
+    subject.name = fmt::format("{} {}points", device::name_of(programs.body), are_scanned ? "many " : "");
+    subject.steps = are_scanned ? 3 : 1;
+    subject.build = [&programs, are_scanned](const device::BuildWatch& watch) {
+        std::vector<cl::Program> built{programs.points.get(watch)};
+        if (!are_scanned) return built;
+        built.push_back(programs.mesh_records.get(watch));
+        built.push_back(programs.point_scan.get(watch));
+        return built;
+    };
+    subject.difference = [&device, &programs, are_scanned](const device::BuildWatch&) {
+        return point_difference(device, programs, are_scanned);
+    };
+    return subject;
+}
+
+bool ensure_tested(const Device& device, const TestSubject& subject, const device::BuildWatch& watch) {
+    device::Context& context = device::context_of(device);
+    if (context.is_tested(subject.name)) return false;
+    return device::guarded([&] {
+        const std::string key = key_of(context, subject, watch);  // builds: other threads need not wait for that
+        const std::scoped_lock lock(context.test_mutex());
+        if (context.is_tested(subject.name)) return false;
+        const device::Records records = context.records();
+        const bool is_run = !is_switched_off() && !records.has(key);
+        if (is_run) {
+            if (const std::optional<std::string> difference = subject.difference(watch))
+                throw Error(ErrorCode::wrong_results,
+                            fmt::format("{} computes wrong fields, so it is not used. In a small known field, computed "
+                                        "by the kernels \"{}\", {}. The OpenCL compiler or driver is at fault: update "
+                                        "it, or take another device (\"clsdf devices\" lists them, --device or "
+                                        "CLSDF_DEVICE chooses)",
+                                        context.description(), subject.name, *difference));
+            records.note(key);
+        }
+        context.set_tested(subject.name);
+        return is_run;
+    });
+}
+
+}  // namespace clsdf::transform

@@ -1,0 +1,227 @@
+#include "bricks/brick_scan.hpp"
+
+#include "core/outputs.hpp"
+#include "device/buffer_pool.hpp"
+#include "lattice/layout_of.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+#include <vector>
+
+namespace clsdf::scan {
+
+namespace {
+
+constexpr double seconds_per_filled_sample = 1e-9;  // of a core, rounded up
+
+// On a processor. PoCL compiles a kernel anew for each size of a group: one size for nearly all grids, and another one
+// where so many slices would take too long.
+constexpr std::size_t slices_of_a_group = 32;
+
+/// A value as the fill kernel stores it: a double, or two floats.
+cl_ulong pattern_of(double value) {
+    return std::bit_cast<cl_ulong>(value);
+}
+cl_ulong pattern_of(float value) {
+    return std::bit_cast<cl_ulong>(std::array{value, value});
+}
+
+/// On a GPU: as many as there are bricks in a row, up to a power of two.
+std::size_t pieces_of_a_group(const Layout& layout) {
+    return std::min(std::bit_ceil(static_cast<std::size_t>(layout.bricks[0])), common_group);
+}
+
+/// The first marks of a part's bricks: 0 for those that overlap wanted blocks of the lattice.
+std::vector<cl_uchar> marks_of(const Layout& layout, std::span<const Grid> wanted) {
+    std::vector<cl_uchar> marks(brick_count(layout), CLSDF_UNWANTED_BRICK);
+    for (const Grid& block : wanted) {
+        const Layout of_block = bricks_of(block);
+        std::array<std::int32_t, 3> begin{}, end{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int32_t first = of_block.brick_first[axis] - layout.brick_first[axis];
+            begin[axis] = std::max(first, 0);
+            end[axis] = std::min(first + of_block.bricks[axis], layout.bricks[axis]);
+        }
+        for (std::int32_t z = begin[2]; z < end[2]; ++z)
+            for (std::int32_t y = begin[1]; y < end[1]; ++y) {
+                const auto row = marks.begin() + (std::ptrdiff_t{z} * layout.bricks[1] + y) * layout.bricks[0];
+                if (begin[0] < end[0]) std::fill(row + begin[0], row + end[0], cl_uchar{0});
+            }
+    }
+    return marks;
+}
+
+bool is_by_group(const ScanInputs& inputs) {
+    return inputs.programs.body == KernelBody::by_group;
+}
+
+// In a launch. Each has 64 groups of 128 work-items, and some drivers count work-items in 32 bits.
+constexpr cl_uint most_coarse_bricks = 1U << 17;
+
+}  // namespace
+
+std::vector<BrickLaunch> launches_of(const CoarseLists& lists, const LaunchWork& most) {
+    std::vector<BrickLaunch> launches;
+    double before = 0, pairs = 0;
+    cl_uint begin = 0;
+    const auto count = static_cast<cl_uint>(lists.order.size());
+    const double all = static_cast<double>(lists.pairs) + most.pairs_of_a_brick * static_cast<double>(count);
+    for (cl_uint i = 0; i < count; ++i) {
+        pairs += lists.lengths[i] + most.pairs_of_a_brick;
+        if (pairs < most.pairs && i + 1 - begin < most_coarse_bricks && i + 1 < count) continue;
+        launches.push_back({begin, i + 1, before / all});
+        before += pairs;
+        pairs = 0;
+        begin = i + 1;
+    }
+    return launches;
+}
+
+BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
+    : lists_(make_coarse_lists({inputs.context, inputs.programs, inputs.pool, inputs.layout, inputs.mesh,
+                                inputs.launches, inputs.selection, inputs.points})),
+      launches_(launches_of(lists_, most)),
+      computed_(inputs.pool->lease(brick_count(inputs.layout), "marks of the computed bricks")),
+      layout_(inputs.layout),
+      bricks_(brick_count(layout_)),
+      // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
+      fill_group_pieces_(is_by_group(inputs) ? pieces_of_a_group(layout_) : 1),
+      fill_group_slices_(is_by_group(inputs) ? common_group / fill_group_pieces_ : slices_of_a_group),
+      fill_pieces_(
+          is_by_group(inputs) ? in_whole_groups(static_cast<std::size_t>(layout_.bricks[0]), fill_group_pieces_) : 1),
+      fill_kernel_(inputs.programs.fill, "fill_empty_bricks"),
+      leave_kernel_(inputs.programs.fill, "leave_empty_bricks"),
+      finishing_(inputs.finishing),
+      fill_outputs_(set_arguments(fill_kernel_, 0, layout_, *computed_, inputs.sign_bits)),
+      leave_outputs_(set_arguments(leave_kernel_, 0, layout_, *computed_)) {
+    if (!lists_.order.empty()) order_ = device::copied(inputs.context, lists_.order);
+    if (!inputs.wanted.empty()) first_marks_ = device::copied(inputs.context, marks_of(layout_, inputs.wanted));
+    const double slice = static_cast<double>(layout_.size[0]) * static_cast<double>(layout_.size[1]);
+    const std::size_t most_slices = inputs.launches.most(seconds_per_filled_sample * slice);
+    if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
+    slices_per_fill_ = most_slices / fill_group_slices_ * fill_group_slices_;
+    if (inputs.context.is_first_use_of(fill_kernel_)) specialise_fill(inputs);
+}
+
+/// Has the kernels that end a field compiled before the bricks', which another process may be compiling. Launches a
+/// group of each behind the last slice, where it fills nothing.
+void BrickScan::specialise_fill(const ScanInputs& inputs) {
+    const cl_int behind = layout_.size[2];
+    const cl::NDRange group(fill_group_pieces_, 1, fill_group_slices_);
+    set_arguments(fill_kernel_, fill_outputs_, *computed_, cl_int{1}, cl_ulong{0}, cl_ulong{0}, behind);
+    inputs.queue().enqueueNDRangeKernel(fill_kernel_, cl::NullRange, group, group);
+    if (!inputs.variant.nearest) return;
+    set_arguments(leave_kernel_, leave_outputs_, *computed_, cl_int{1}, behind);
+    inputs.queue().enqueueNDRangeKernel(leave_kernel_, cl::NullRange, group, group);
+}
+
+void BrickScan::make_counters(const ScanInputs& inputs, std::size_t sets) {
+    if (!inputs.variant.count) return;
+    counter_sets_ = sets;
+    counters_ = inputs.pool->lease(sets * CLSDF_COUNTERS * sizeof(cl_ulong), "counters");
+}
+
+void BrickScan::set_outputs(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
+    cl_uint next = set_arguments(kernel, first, outputs[Output::distance]);
+    if (finishing_ != nullptr) next = finishing_->set_arguments(kernel, next, outputs);
+    if (counter_sets_ > 0) kernel.setArg(next, *counters_);
+}
+
+void BrickScan::enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) {
+    if (first_marks_() == nullptr)
+        chain.then_fill(*computed_, bricks_);
+    else
+        chain.then([&](auto& queue, auto* wait, auto* event) {
+            queue.enqueueCopyBuffer(first_marks_, *computed_, 0, 0, bricks_, wait, event);
+        });
+    chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
+    enqueue_reset(chain, outputs);
+    outputs_ = outputs;
+}
+
+void BrickScan::enqueue_end(CommandChain& chain) {
+    const bool in_double = (outputs_.in_double & OutputSet(Output::distance).bits()) != 0;
+    const cl_int words = in_double ? 2 : 1;
+    const auto [inside, outside] =
+        in_double ? std::pair(pattern_of(finishing_->inside_fill()), pattern_of(finishing_->outside_fill()))
+                  : std::pair(pattern_of(layout_.inside_fill), pattern_of(layout_.outside_fill));
+    enqueue_slices(chain, fill_kernel_,
+                   set_arguments(fill_kernel_, fill_outputs_, outputs_[Output::distance], words, inside, outside),
+                   in_groups(slices_per_fill_ / static_cast<std::size_t>(words)));
+    for (const OutputInfo& row : extra_outputs()) {
+        const cl::Buffer& buffer = outputs_[row.output];
+        if (buffer() == nullptr) continue;
+        const std::size_t bytes = sample_bytes(row, (outputs_.in_double & bit_of(row)) != 0);
+        enqueue_slices(chain, leave_kernel_,
+                       set_arguments(leave_kernel_, leave_outputs_, buffer, static_cast<cl_int>(bytes)),
+                       in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
+    }
+    outputs_ = {};
+}
+
+void BrickScan::describe(CallStatistics& statistics) const {
+    statistics.coarse_pairs = lists_.pairs;
+    statistics.coarse_bricks = lists_.order.size();
+    if (first_marks_() != nullptr) statistics.device_bytes += computed_.bytes();
+    statistics.device_bytes += counters_.bytes() + lists_.bounds.bytes() + lists_.starts.bytes() +
+                               lists_.entries.bytes() + lists_.order.size() * sizeof(cl_uint) + computed_.bytes();
+}
+
+void BrickScan::read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const {
+    if (counter_sets_ == 0) return;
+    std::vector<cl_ulong> sets(counter_sets_ * CLSDF_COUNTERS);
+    queue.enqueueReadBuffer(*counters_, CL_TRUE, 0, sets.size() * sizeof(cl_ulong), sets.data());
+    std::array<std::size_t, CLSDF_COUNTERS> sums{};
+    for (std::size_t i = 0; i < sets.size(); ++i) sums[i % CLSDF_COUNTERS] += sets[i];
+    statistics.brick_pairs = sums[CLSDF_COUNT_BRICK_PAIRS];
+    statistics.lanes_evaluated = sums[CLSDF_COUNT_LANES];
+    statistics.samples_covered = sums[CLSDF_COUNT_COVERED];
+    statistics.band_samples = sums[CLSDF_COUNT_BAND];
+}
+
+/// Enqueues all slices of the empty bricks, in whole groups, at most `most` slices a launch. The kernel's argument
+/// `last_argument` is a launch's first slice.
+void BrickScan::enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most) const {
+    const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]);
+    // The kernel skips slices beyond the last one.
+    const std::size_t slices = in_whole_groups(static_cast<std::size_t>(layout_.size[2]), fill_group_slices_);
+    const cl::NDRange group(fill_group_pieces_, 1, fill_group_slices_);
+    divided({fill_pieces_, brick_rows, slices}, {most_groups, std::min(most, most_groups * fill_group_slices_)},
+            [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
+                // An argument: PoCL compiles a kernel once more for offsets that are not 0.
+                kernel.setArg(last_argument, static_cast<cl_int>(z));
+                chain.then([&](auto& target, auto* wait, auto* event) {
+                    target.enqueueNDRangeKernel(kernel, cl::NDRange(0, y, 0), items, group, wait, event);
+                });
+            });
+}
+
+/// Whole groups of no more slices, but one at least.
+std::size_t BrickScan::in_groups(std::size_t slices) const {
+    return std::max<std::size_t>(slices / fill_group_slices_, 1) * fill_group_slices_;
+}
+
+std::unique_ptr<FieldScan> make_brick_scan(const ScanInputs& inputs) {
+    return is_by_group(inputs) ? make_bricks_by_group(inputs) : make_bricks_by_vector(inputs);
+}
+
+}  // namespace clsdf::scan
+
+namespace clsdf {
+
+void tuning::compile_bricks(const Device& device, OutputSet outputs) {
+    device::Context& context = device::context_of(device);
+    outputs.erase(Output::distance);
+    const scan::BrickVariant variant{.nearest = !outputs.empty()};
+    device::guarded([&] {
+        const scan::Programs programs(context, KernelBody::automatic);
+        if (programs.body == KernelBody::by_vector)
+            scan::specialise_bricks_by_vector(context, programs, variant);
+        else
+            programs.bricks(context, variant);
+    });
+}
+
+}  // namespace clsdf

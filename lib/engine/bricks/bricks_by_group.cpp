@@ -1,0 +1,79 @@
+#include "bricks/brick_scan.hpp"
+#include "device/buffer_pool.hpp"
+
+namespace clsdf::scan {
+
+namespace {
+
+// A launch ends within a fifth of a second on a small GPU, for which ten million pairs of a polyhedron and a coarse
+// brick a second are assumed. 64 groups test each pair.
+constexpr double pairs_per_group_launch = 2e6;
+constexpr std::size_t groups_per_coarse_brick = CLSDF_COARSE_BRICKS;
+// Groups that share a coarse brick's list: a narrow band has few coarse bricks, and a GPU many multiprocessors.
+constexpr std::size_t mask_groups = 8;
+
+class BricksByGroup final : public BrickScan {
+public:
+    BricksByGroup(const ScanInputs& inputs)
+        : BrickScan(inputs, {pairs_per_group_launch}),
+          group_size_(inputs.programs.group_size),
+          program_(inputs.programs.bricks(inputs.context, inputs.variant)),
+          bounds_(inputs.pool->lease_for_list(lists_.order.size() * groups_per_coarse_brick * sizeof(float),
+                                              "bounds of the bricks")),
+          masks_(inputs.pool->lease_for_list(lists_.pairs * sizeof(cl_ulong), "masks of the coarse lists' bricks")),
+          kernel_(program_, "bricks_by_group") {
+        make_counters(inputs, lists_.order.size() * groups_per_coarse_brick);
+        kernel_.setArg(0, inputs.layout);  // 1: enqueue_launch()
+        first_output_ =
+            set_arguments(kernel_, 2, order_, *lists_.starts, static_cast<cl_uint>(lists_.parts), *lists_.entries,
+                          *bounds_, *masks_, *inputs.mesh.polyhedra, inputs.sign_bits, *computed_);
+        enqueue_masks(inputs);
+    }
+
+    void describe(CallStatistics& statistics) const override {
+        BrickScan::describe(statistics);
+        statistics.device_bytes += bounds_.bytes() + masks_.bytes();
+    }
+
+    void enqueue_reset(CommandChain&, const OutputBuffers& outputs) override {
+        set_outputs(kernel_, first_output_, outputs);
+    }
+
+    void enqueue_launch(CommandChain& chain, std::size_t launch) override {
+        kernel_.setArg(1, launches_[launch].begin);
+        const std::size_t groups = (launches_[launch].end - launches_[launch].begin) * groups_per_coarse_brick;
+        chain.then_launch(kernel_, {groups * group_size_, group_size_});
+    }
+
+private:
+    /// Enqueues bounds and masks, which the bricks read; once for all computations.
+    void enqueue_masks(const ScanInputs& inputs) const {
+        cl::Kernel bounds(program_, "brick_bounds"), masks(program_, "brick_masks");
+        for (const BrickLaunch& launch : launches_) {
+            const std::size_t items = (launch.end - launch.begin) * group_size_;
+            cl_uint next = 0;
+            for (cl::Kernel* kernel : {&bounds, &masks})
+                next = set_arguments(*kernel, 0, inputs.layout, launch.begin, order_, *lists_.starts,
+                                     static_cast<cl_uint>(lists_.parts), *lists_.entries, *lists_.bounds,
+                                     *inputs.mesh.polyhedra, *bounds_);
+            set_arguments(masks, next, static_cast<cl_uint>(mask_groups), *masks_);
+            scan::launch(inputs.queue(), bounds, {items, group_size_});
+            scan::launch(inputs.queue(), masks, {mask_groups * items, group_size_});
+        }
+    }
+
+    std::size_t group_size_;
+    cl::Program program_;
+    device::BufferPool::Lease bounds_;  ///< float a brick of the coarse bricks in their order
+    device::BufferPool::Lease masks_;   ///< of each entry, the bricks that the polyhedron overlaps
+    cl::Kernel kernel_;
+    cl_uint first_output_;
+};
+
+}  // namespace
+
+std::unique_ptr<FieldScan> make_bricks_by_group(const ScanInputs& inputs) {
+    return std::make_unique<BricksByGroup>(inputs);
+}
+
+}  // namespace clsdf::scan

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/outputs.hpp>
+
+#include "core/outputs.hpp"
+#include "device/buffer_pool.hpp"
+#include "frusta/frames.hpp"
+#include "frusta/topology.hpp"
+#include "layout.h"
+#include "outputs.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace clsdf::scan {
+
+/// The buffers of a computation's outputs; null for outputs that are not asked for.
+struct OutputBuffers : PerOutput<cl::Buffer> {
+    std::uint32_t in_double = 0;  ///< bits of outputs (bit_of): the elements are doubles
+};
+
+/// Whether an output tells sites by their names.
+inline bool names_sites(OutputSet outputs) {
+    return (outputs.bits() & CLSDF_OUTPUTS_BY_NAME) != 0;
+}
+
+/// Whether an output takes pseudonormals.
+inline bool takes_normals(OutputSet outputs) {
+    return (outputs.bits() & CLSDF_OUTPUTS_BY_NORMAL) != 0;
+}
+
+/// The data of a mesh's sites on the device (polyhedra/sites.hpp).
+struct DeviceSites {
+    std::shared_ptr<const device::BufferPool::Lease> names;    ///< null unless an output names sites
+    std::shared_ptr<const device::BufferPool::Lease> normals;  ///< null unless pseudonormals are needed
+    std::size_t renumbered = 0;  ///< of a part of a mesh: its triangles; behind `names` are their numbers in the whole
+};
+
+/// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh.
+device::BufferPool::Lease site_names(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                                     const polyhedra::MeshTopology& topology, std::span<const std::uint32_t> numbers);
+device::BufferPool::Lease site_normals(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                                       const polyhedra::MeshTopology& topology, std::span<const Vec3> positions);
+
+/// The arguments with which brick kernels finish the samples of a grid (kernels/finish/finish.h).
+class Finishing {
+public:
+    /// is_inside_out: the mesh is, and the field has a sign.
+    Finishing(const Grid& grid, const Band& band, const Layout& layout, std::shared_ptr<const DeviceSites> sites,
+              bool is_inside_out);
+
+    /// For points, in units of a lattice.
+    Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
+
+    /// The struct for kernels. wanted, in_double: bits of outputs (bit_of).
+    Finish finish(std::uint32_t wanted, std::uint32_t in_double) const;
+
+    /// The arguments of the macro FINISHING_PARAMETERS. Returns the number of the next one.
+    cl_uint set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const;
+
+    /// The distances in double beyond the band.
+    double inside_fill() const { return finish_.inside_fill; }
+    double outside_fill() const { return finish_.outside_fill; }
+
+private:
+    Finish finish_{};
+    std::shared_ptr<const DeviceSites> sites_;
+};
+
+}  // namespace clsdf::scan

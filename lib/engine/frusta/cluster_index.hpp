@@ -1,0 +1,75 @@
+#pragma once
+
+#include "frusta/frusta.hpp"
+#include "frusta/records.hpp"
+#include "frusta/topology.hpp"
+
+#include <clsdf/mesh.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace clsdf::polyhedra {
+
+/// Consecutive faces, or point sites: neighbours, because both are in Morton order.
+struct RecordRange {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+};
+
+/// The records near a box, in whole groups (record_group).
+struct NearRecords {
+    std::vector<RecordRange> faces;  ///< ascending; each begins at a multiple of record_group
+    std::vector<RecordRange> sites;
+    std::size_t face_count = 0;
+    std::size_t site_count = 0;
+
+    std::size_t host_bytes() const { return (faces.size() + sites.size()) * sizeof(RecordRange); }
+};
+
+/// Boxes around clusters of faces and of point sites, and around blocks of clusters.
+///
+/// A cluster's box, in the mesh's units, holds a ball around each of its faces: its centre is the foot of the altitude
+/// on the longest edge, and it holds the face. The kernels test the same balls; a box includes their rounding.
+class ClusterIndex {
+public:
+    /// Faces of a cluster, and clusters of a block.
+    static constexpr std::size_t cluster = 4 * record_group;
+    static constexpr std::size_t block = 16;
+
+    ClusterIndex(const MeshTopology& topology, const Frusta& frusta);
+
+    /// Clusters whose boxes overlap one of the given ones.
+    NearRecords near(std::span<const Box> boxes) const;
+    NearRecords near(const Box& box) const { return near({&box, 1}); }
+
+    std::size_t host_bytes() const { return (clusters_.size() + blocks_.size() + sites_.size()) * sizeof(Box); }
+
+private:
+    std::size_t face_count_;
+    std::size_t site_count_;
+    std::vector<Box> clusters_;
+    std::vector<Box> blocks_;
+    std::vector<Box> sites_;  // of record_group point sites each
+};
+
+/// A part of a mesh's triangles, with the polyhedra that they have in the whole mesh.
+struct MeshPart {
+    Mesh mesh;                             ///< its triangles and vertices ascend as in the whole, and it has its box
+    std::vector<std::uint32_t> triangles;  ///< of each triangle, its index in the whole
+    std::shared_ptr<const MeshTopology> topology;
+    Frusta frusta;
+};
+
+/// Whole clusters of faces (ClusterIndex) and whole groups of point sites, so that clusters and groups of the part are
+/// those of the whole. Ranges of faces may overlap; those of the point sites' vertices are added. `mesh`: with its
+/// present positions.
+MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near);
+
+/// As mesh.set_positions(), without a look at the triangles. `topology`: the mesh's.
+void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions);
+
+}  // namespace clsdf::polyhedra

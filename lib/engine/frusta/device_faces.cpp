@@ -1,0 +1,125 @@
+#include "frusta/device_faces.hpp"
+
+#include "core/parallel.hpp"
+#include "launch/programs.hpp"
+#include "launch/short_launches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace clsdf::scan {
+
+namespace {
+
+void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyhedra::LatticeView& lattice,
+                   const std::vector<cl_uint>& groups, const cl::Buffer& records) {
+    const auto group_numbers = job.upload(groups, "numbers of the faces");
+    cl::Kernel kernel(job.programs.mesh_records, "face_records");
+    ShortLaunches(job.context, {})
+        .over(groups.size(), seconds_per_face * polyhedra::record_group, [&](std::size_t begin, std::size_t end) {
+            const std::size_t first = begin * polyhedra::record_group, last = end * polyhedra::record_group;
+            launch(job.context.queue(), kernel, job.items_of(last - first), polyhedra::face_lattice(lattice),
+                   static_cast<cl_uint>(first), static_cast<cl_uint>(last),
+                   static_cast<cl_uint>(faces.names->face_count()), static_cast<cl_uint>(job.item_faces()),
+                   *group_numbers, *faces.names->triangles, *faces.positions, *faces.slopes, *faces.names->names,
+                   records);
+        });
+}
+
+}  // namespace
+
+DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology) {
+    const std::size_t count = topology->order.size();
+    job.pool->check_size(count * sizeof(Triangle), "triangles");
+    device::HostFilling filling(job.context, job.pool, count * sizeof(cl_uint), "numbers of the triangles");
+    auto* const names = static_cast<cl_uint*>(filling.memory());
+    for_each_index(count, [&](std::size_t face) {
+        names[face] = topology->order[face] | (topology->edges.is_non_manifold(face) ? CLSDF_NAME_NON_MANIFOLD : 0U);
+    });
+    auto triangles = job.input(topology, topology->faces.triangles, "triangles");
+    return {std::move(topology), std::move(triangles), filling.finish()};
+}
+
+DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+                         const std::shared_ptr<const polyhedra::Frusta>& frusta) {
+    return {std::move(names), job.input(frusta, frusta->positions, "vertices"),
+            job.input(frusta, frusta->slopes, "slopes of the polyhedra")};
+}
+
+void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
+                 std::size_t item_words, const cl::Buffer& items) {
+    cl::Kernel kernel(job.programs.mesh_records, "place_items");
+    launch(job.context.queue(), kernel, {count}, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words), written,
+           places, items);
+}
+
+void WrittenRecords::add_faces(const polyhedra::RecordRange& range, std::size_t record) {
+    const auto add = [&](std::uint32_t face, std::size_t place) {
+        written_faces_.push_back(face);
+        face_places_.push_back(static_cast<cl_uint>(record + place - range.begin));
+    };
+    const auto end = std::lower_bound(faces_.begin(), faces_.end(), range.end);
+    for (auto face = std::lower_bound(faces_.begin(), faces_.end(), range.begin); face != end; ++face)
+        add(*face, *face);
+    if (faces_.empty() || faces_.back() + 1 != range.end) return;
+    for (std::size_t place = range.end; place % polyhedra::record_group != 0; ++place) add(faces_.back(), place);
+}
+
+void WrittenRecords::add_sites(const polyhedra::RecordRange& range, std::size_t record) {
+    const std::size_t size = range.end - range.begin, first = sites_.size();
+    sites_.resize(first + size);
+    write_site_records(topology_, frusta_, lattice_, range.begin, std::span(sites_).subspan(first, size));
+    for (std::size_t i = 0; i < size; ++i) site_places_.push_back(static_cast<cl_uint>(record + i));
+}
+
+void WrittenRecords::place(const DeviceSetUp& job, const cl::Buffer& records) const {
+    std::vector<Polyhedron> faces(written_faces_.size());
+    for_each_index(faces.size(), [&](std::size_t i) {
+        write_face_record(topology_, frusta_, lattice_, written_faces_[i], faces[i]);
+    });
+    place_items(job, faces, face_places_, records);
+    place_items(job, sites_, site_places_, records);
+}
+
+bool is_plain(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
+    double greatest_side = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double low = mesh.box().lower[axis], high = mesh.box().upper[axis];
+        const double reach = std::max(std::abs(low - lattice.origin[axis]), std::abs(high - lattice.origin[axis]));
+        if (!(reach / lattice.unit <= polyhedra::LatticeView::far / 2)) return false;
+        greatest_side = std::max(greatest_side, high - low);
+    }
+    return std::isfinite(1 / lattice.unit) && lattice.unit <= 1e20 * greatest_side;
+}
+
+PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
+                               const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                               const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
+                               std::span<const polyhedra::RecordRange> of_sites) {
+    constexpr std::size_t group = polyhedra::record_group;
+    WrittenRecords written(topology, frusta, lattice, frusta.slivers);
+    std::vector<cl_uint> groups;
+    for (const polyhedra::RecordRange& range : of_faces) {
+        written.add_faces(range, groups.size() * group);
+        for (std::size_t face = range.begin; face < range.end; face += group)
+            groups.push_back(static_cast<cl_uint>(face / group));
+    }
+    PreparedMesh prepared;
+    prepared.is_later = true;
+    prepared.record_count = groups.size() * group;
+    for (const polyhedra::RecordRange& range : of_sites) {
+        written.add_sites(range, prepared.record_count);
+        prepared.record_count += range.end - range.begin;
+    }
+    prepared.polyhedra = job.pool->lease(prepared.record_count * sizeof(Polyhedron), "polyhedra");
+    set_counts(topology, frusta, prepared);
+    device::guarded([&] {
+        if (!groups.empty()) enqueue_faces(job, faces, lattice, groups, *prepared.polyhedra);
+        written.place(job, *prepared.polyhedra);
+    });
+    return prepared;
+}
+
+}  // namespace clsdf::scan

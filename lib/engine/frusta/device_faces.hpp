@@ -1,0 +1,135 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+#include "face_sources.h"
+#include "frusta/cluster_index.hpp"
+#include "frusta/frusta.hpp"
+#include "frusta/prepared_mesh.hpp"
+#include "frusta/topology.hpp"
+#include "launch/commands.hpp"
+#include "launch/programs.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace clsdf::scan {
+
+/// An upper estimate of a core's time for the record or the slopes of a face; it limits the work of a launch.
+inline constexpr double seconds_per_face = 1e-6;
+
+/// Makes data of a mesh on the device, by the program of kernels/frusta/mesh_records.cl.
+struct DeviceSetUp {
+    device::Context& context;
+    const std::shared_ptr<device::BufferPool>& pool;
+    const Programs& programs;
+
+    /// Faces of a work-item.
+    std::size_t item_faces() const { return programs.mesh_lanes() == 1 ? 1 : 256; }
+    /// The launch of a kernel for so many faces.
+    WorkItems items_of(std::size_t faces) const {
+        return {(faces + item_faces() - 1) / item_faces(), item_faces() == 1 ? common_group : 1};
+    }
+
+    /// Whether kernels use arrays of the host in place.
+    bool shares_memory() const { return context.capabilities().is_processor; }
+    /// A buffer in an array of the host; it has no bytes of its own. It keeps `owner` alive, which has the array.
+    template <class Values>
+    device::BufferPool::Lease shared(const std::shared_ptr<const void>& owner, const Values& values,
+                                     cl_mem_flags access = CL_MEM_READ_ONLY) const {
+        if (values.empty()) return {};
+        const std::shared_ptr<const void> memory(owner, values.data());
+        const std::size_t bytes = values.size() * sizeof(values[0]);
+        return {nullptr, device::guarded([&] { return device::buffer_in(context, memory, bytes, access); }), 0};
+    }
+    /// Copies values to the device, and does not wait.
+    template <class Values>
+    device::BufferPool::Lease upload(const Values& values, const char* purpose) const {
+        return values.empty() ? device::BufferPool::Lease() : device::uploaded(context, pool, values, purpose);
+    }
+    /// Values of `owner` that kernels read: the host's own if it shares its memory, else a copy.
+    template <class Values>
+    device::BufferPool::Lease input(const std::shared_ptr<const void>& owner, const Values& values,
+                                    const char* purpose) const {
+        return shares_memory() ? shared(owner, values) : upload(values, purpose);
+    }
+};
+
+/// The faces of a mesh on the device. Records and the vertices of the sign's sweep are made of them there, for each
+/// lattice. If device and host share their memory, the arrays are those of the topology and of the frusta.
+struct DeviceFaces {
+    /// The data that moving vertices leave as they are.
+    struct Names {
+        std::shared_ptr<const polyhedra::MeshTopology> topology;
+        device::BufferPool::Lease triangles;  ///< Triangle, numbers of vertices as in MeshTopology::faces
+        device::BufferPool::Lease names;      ///< see face_sources.h
+
+        std::size_t face_count() const { return topology->order.size(); }
+        std::size_t device_bytes() const { return triangles.bytes() + names.bytes(); }
+    };
+
+    std::shared_ptr<const Names> names;
+    device::BufferPool::Lease positions;  ///< Vec3 of each vertex
+    device::BufferPool::Lease slopes;     ///< polyhedra::FaceSlopes of each face
+
+    /// Without the names.
+    std::size_t device_bytes() const { return positions.bytes() + slopes.bytes(); }
+};
+
+DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology);
+DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+                         const std::shared_ptr<const polyhedra::Frusta>& frusta);
+
+/// Whether the kernels' plain arithmetic suffices for a lattice: the mesh is not far from its sample (0, 0, 0), and not
+/// vanishingly small beside a voxel. It is a function of mesh and lattice alone.
+bool is_plain(const Mesh& mesh, const polyhedra::LatticeView& lattice);
+
+void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
+                 std::size_t item_words, const cl::Buffer& items);
+/// Enqueues a copy of items that the host wrote to their places in an array on the device.
+template <class T>
+void place_items(const DeviceSetUp& job, const std::vector<T>& written, const std::vector<cl_uint>& places,
+                 const cl::Buffer& items) {
+    static_assert(sizeof(T) % sizeof(cl_uint) == 0);
+    if (places.empty()) return;
+    const auto values = job.upload(written, "data that the host writes");
+    const auto numbers = job.upload(places, "their places");
+    place_words(job, *values, *numbers, places.size(), sizeof(T) / sizeof(cl_uint), items);
+}
+
+/// Records that the host writes into those on the device: of faces that are nearly degenerate, and of point sites.
+class WrittenRecords {
+public:
+    /// `faces`: those of the host, ascending.
+    WrittenRecords(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                   const polyhedra::LatticeView& lattice, std::span<const std::uint32_t> faces)
+        : topology_(topology), frusta_(frusta), lattice_(lattice), faces_(faces) {}
+
+    /// Adds a range of faces, whose records begin at `record`. The last face of the mesh fills up its
+    /// group.
+    void add_faces(const polyhedra::RecordRange& range, std::size_t record);
+    void add_sites(const polyhedra::RecordRange& range, std::size_t record);
+
+    /// Enqueues their way to their places.
+    void place(const DeviceSetUp& job, const cl::Buffer& records) const;
+
+private:
+    const polyhedra::MeshTopology& topology_;
+    const polyhedra::Frusta& frusta_;
+    const polyhedra::LatticeView& lattice_;
+    std::span<const std::uint32_t> faces_;
+    std::vector<std::uint32_t> written_faces_;
+    std::vector<cl_uint> face_places_;
+    std::vector<Polyhedron> sites_;
+    std::vector<cl_uint> site_places_;
+};
+
+/// The records of ranges of faces, each of which begins with a group (polyhedra::record_group), and of point sites.
+PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
+                               const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                               const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
+                               std::span<const polyhedra::RecordRange> of_sites);
+
+}  // namespace clsdf::scan

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "frusta/frames.hpp"
+#include "frusta/slopes.hpp"
+#include "frusta/topology.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf::polyhedra {
+
+/// The frustum of a vertex by itself, at a gap between those of its faces.
+struct SiteFrustum {
+    std::uint32_t vertex = 0;  ///< its number in MeshTopology::faces
+    std::uint32_t face = 0;    ///< place in the list: the vertex' face that comes first in the caller's order
+    Vector normal;             ///< its frame's
+    FaceSlopes slopes{};
+};
+
+/// The exact bounding polyhedra of a mesh (docs/method.md, 'Leaned frusta'), for every lattice and every band: frames
+/// follow from the positions, and slopes have no unit. Together they are exact: every point y lies in the polyhedron of
+/// a triangle at the distance dist(y, mesh), if tests widen them by a slack of 1e-3 + 2e-5 d units or more, d the
+/// distance in units, which must exceed the tests' rounding, too.
+struct Frusta {
+    UninitializedVector<Vec3> positions;     ///< of the vertices, numbered as in MeshTopology::faces
+    UninitializedVector<FaceSlopes> slopes;  ///< of each face
+    std::vector<SiteFrustum> sites;          ///< ascending by vertex
+    std::vector<std::uint32_t> slivers;      ///< ascending: faces so thin that their frames may be special cases
+    std::size_t saddle_vertices = 0;  ///< with convex and concave edges (kernels: flat up to rounding is neither)
+    std::size_t boxes = 0;            ///< faces so degenerate that their polyhedron is a box
+
+    std::size_t host_bytes() const;
+};
+
+/// Steps that tests switch off to show that they are needed.
+struct FrustaOptions {
+    bool lean = true;         ///< obtuse corners lean their neighbours' planes outward
+    bool point_sites = true;  ///< gaps at saddle vertices get a polyhedron of their own
+};
+
+/// Decisions that kernels leave to the host (KernelTopology::left_to_host()).
+struct LeftToHost {
+    std::vector<std::uint32_t> faces{};     ///< ascending: their slopes
+    std::vector<std::uint32_t> vertices{};  ///< ascending: whether they leave gaps, and are saddle vertices
+    std::size_t saddles_elsewhere = 0;      ///< saddle vertices among the other vertices
+};
+
+/// A lattice for frusta alone. Lengths are of the order of one, so that their squares do not leave a double's range.
+/// `box`: of the vertices in use.
+LatticeView view_of(const Box& box);
+
+/// The positions of the mesh's vertices, numbered as in MeshTopology::faces.
+UninitializedVector<Vec3> ordered_positions(const MeshTopology& topology, std::span<const Vec3> positions);
+
+/// The frusta of all faces by the host alone, with exact predicates: the specification of what the kernels make.
+/// `positions`: of the mesh's vertices, as the mesh numbers them.
+Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FrustaOptions& options = {});
+
+/// Completes frusta that have their positions, and slopes of the other faces, by the same means. `box`: of the
+/// positions.
+void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta,
+                     const FrustaOptions& options = {});
+
+/// The frustum of a vertex by itself: it holds the vertex' whole normal cone. `order`, `vertices`: the caller's indices
+/// of the faces and of the vertices.
+SiteFrustum point_site(const MeshFaces& faces, std::span<const std::uint32_t> order,
+                       std::span<const std::uint32_t> vertices, const OneRings& rings, std::uint32_t vertex);
+
+}  // namespace clsdf::polyhedra

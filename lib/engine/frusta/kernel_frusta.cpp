@@ -1,0 +1,186 @@
+#include "frusta/kernel_frusta.hpp"
+#include "launch/commands.hpp"
+
+#include "core/parallel.hpp"
+#include "device/in_flight.hpp"
+#include "launch/programs.hpp"
+#include "launch/short_launches.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace clsdf::scan {
+
+namespace {
+
+// An upper estimate for one core; it limits the work of a launch.
+constexpr double seconds_per_fan_item = CLSDF_FAN_ITEM * 1e-6;
+
+/// Room for the point sites of most meshes: one of 240 faces needs one on a noisy scan, one of 1600 on a smooth one.
+std::size_t spare_records(std::size_t faces) {
+    return 64 + faces / 128;
+}
+
+/// The shortest side that is not taken for a sliver's, in units; the same for all lattices, up to their unit.
+double least_length(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
+    return 1e-30 * mesh.box().longest_side() / lattice.unit;
+}
+
+class KernelFrusta {
+public:
+    KernelFrusta(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
+                 std::shared_ptr<const FrustaSources> sources, const Mesh& mesh, const polyhedra::LatticeView* lattice)
+        : job_(job),
+          sources_(std::move(sources)),
+          topology_(*names->topology),
+          box_(mesh.box()),
+          count_(names->face_count()),
+          records_of_(lattice) {
+        frusta_->positions = ordered_positions(topology_, mesh.vertices());
+        frusta_->slopes.resize(count_);
+        view_ = lattice != nullptr ? *lattice : polyhedra::view_of(mesh.box());
+        least_length_ = least_length(mesh, view_);
+        faces_.names = names;
+        faces_.positions = job.input(frusta_, frusta_->positions, "vertices");
+        faces_.slopes = job.shares_memory() ? job.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE)
+                                            : job.pool->lease(slope_bytes(), "slopes of the polyhedra");
+        signs_ = job.pool->lease(3 * count_ * sizeof(float), "signs of the edges");
+        face_answers_ = job.pool->lease(count_, "answers about faces");
+        vertex_answers_ = job.pool->lease(vertex_answer_bytes(), "answers about vertices");
+        if (lattice != nullptr)
+            records_ =
+                job.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron), "polyhedra");
+    }
+
+    MadeFrusta make() {
+        enqueue_slopes();
+        if (!sources_->of_kernels->fan_items.empty()) enqueue_fans();
+        complete();
+        std::optional<PreparedMesh> records;
+        if (records_of_ != nullptr) records = finish_records();
+        return {std::move(frusta_), std::move(faces_), std::move(records)};
+    }
+
+private:
+    std::size_t slope_bytes() const { return count_ * sizeof(polyhedra::FaceSlopes); }
+    std::size_t vertex_answer_bytes() const { return sources_->of_kernels->fan_items.size() * CLSDF_FAN_ITEM; }
+
+    void enqueue_slopes() const {
+        cl::Kernel kernel(job_.programs.mesh_records, "face_slopes");
+        const std::size_t all = in_record_groups(count_);
+        const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
+        ShortLaunches(job_.context, {})
+            .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
+                const std::size_t last = std::min(end * unit, all);
+                launch(job_.context.queue(), kernel, job_.items_of(last - begin * unit), polyhedra::face_lattice(view_),
+                       cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
+                       static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()), *faces_.names->triangles,
+                       *sources_->opposite, *faces_.positions, *faces_.names->names, *faces_.slopes, *signs_,
+                       *face_answers_, *records_);
+            });
+    }
+
+    void enqueue_fans() const {
+        cl::Kernel kernel(job_.programs.mesh_records, "vertex_fans");
+        ShortLaunches(job_.context, {})
+            .over(sources_->of_kernels->fan_items.size(), seconds_per_fan_item,
+                  [&](std::size_t begin, std::size_t end) {
+                      launch(job_.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
+                             static_cast<cl_uint>(begin), static_cast<cl_uint>(end), cl_double{1 / view_.unit},
+                             *sources_->fan_items, *sources_->fan_words, *faces_.names->triangles, *faces_.positions,
+                             *signs_, *vertex_answers_);
+                  });
+    }
+
+    /// Waits for the kernels. Then the slopes are complete, here and on the device.
+    void complete() {
+        const cl::CommandQueue& queue = job_.context.queue();
+        struct Read {
+            std::shared_ptr<polyhedra::Frusta> frusta;
+            std::vector<std::uint8_t> face_answers, vertex_answers;
+        };
+        device::InFlight<Read> read(job_.context, {frusta_, std::vector<std::uint8_t>(count_),
+                                                   std::vector<std::uint8_t>(vertex_answer_bytes())});
+        read.begin();
+        // After an error, too: a driver keeps a buffer that is mapped.
+        const auto unmap = [&](void* memory) {
+            clEnqueueUnmapMemObject(queue(), (*faces_.slopes)(), memory, 0, nullptr, nullptr);
+        };
+        std::unique_ptr<void, decltype(unmap)> in_place(nullptr, unmap);
+        if (job_.shares_memory())
+            in_place.reset(
+                queue.enqueueMapBuffer(*faces_.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes()));
+        else
+            queue.enqueueReadBuffer(*faces_.slopes, CL_FALSE, 0, slope_bytes(), frusta_->slopes.data());
+        if (!read->vertex_answers.empty())
+            queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, read->vertex_answers.size(),
+                                    read->vertex_answers.data());
+        cl::Event last;
+        queue.enqueueReadBuffer(*face_answers_, CL_FALSE, 0, count_, read->face_answers.data(), nullptr, &last);
+        last.wait();  // which fails if a kernel has failed; a blocking read by PoCL does not
+        read.end();
+        left_ = sources_->of_kernels->left_to_host(topology_, read->face_answers, read->vertex_answers);
+        complete_frusta(topology_, box_, left_, *frusta_);
+        if (in_place) return;
+        std::vector<polyhedra::FaceSlopes> written;
+        for (const std::uint32_t face : left_.faces) written.push_back(frusta_->slopes[face]);
+        place_items(job_, written, left_.faces, *faces_.slopes);
+    }
+
+    /// Completes the records: those of faces that the host has measured and of point sites are written after the
+    /// kernel's.
+    PreparedMesh finish_records() {
+        const polyhedra::Frusta& frusta = *frusta_;
+        const polyhedra::RecordRange faces{0, count_}, sites{0, frusta.sites.size()};
+        const std::size_t first_site = in_record_groups(count_), end = first_site + sites.end;
+        const bool has_room = end * sizeof(Polyhedron) <= records_.bytes();
+        if (!has_room || left_.faces.size() > count_ / 64)  // else the kernel makes them again, of all slopes
+            return records_on_device(job_, faces_, topology_, frusta, *records_of_, {&faces, 1}, {&sites, 1});
+        WrittenRecords written(topology_, frusta, *records_of_, left_.faces);
+        written.add_faces(faces, 0);
+        written.add_sites(sites, first_site);
+        written.place(job_, *records_);
+        PreparedMesh prepared;
+        set_counts(topology_, frusta, prepared);
+        prepared.record_count = end;
+        prepared.polyhedra = std::move(records_);
+        return prepared;
+    }
+
+    const DeviceSetUp& job_;
+    std::shared_ptr<const FrustaSources> sources_;
+    const polyhedra::MeshTopology& topology_;
+    Box box_;
+    std::size_t count_;
+    const polyhedra::LatticeView* records_of_;
+    polyhedra::LatticeView view_;
+    double least_length_ = 0;
+    std::shared_ptr<polyhedra::Frusta> frusta_ = std::make_shared<polyhedra::Frusta>();
+    DeviceFaces faces_;
+    polyhedra::LeftToHost left_;
+    device::BufferPool::Lease signs_, face_answers_, vertex_answers_, records_;
+};
+
+}  // namespace
+
+FrustaSources::FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology)
+    : of_kernels(std::make_shared<const polyhedra::KernelTopology>(topology)) {
+    opposite = job.input(of_kernels, of_kernels->opposite, "opposite vertices");
+    fan_words = job.input(of_kernels, of_kernels->fan_words, "faces around vertices");
+    fan_items = job.input(of_kernels, of_kernels->fan_items, "items of vertices");
+}
+
+bool suits_kernels(const polyhedra::MeshTopology& topology) {
+    constexpr std::size_t most = std::size_t{1} << 28;  // numbers of words have 32 bits
+    return !topology.order.empty() && topology.order.size() <= most;
+}
+
+MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
+                             const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
+                             const polyhedra::LatticeView* lattice) {
+    return device::guarded([&] { return KernelFrusta(job, names, sources, mesh, lattice).make(); });
+}
+
+}  // namespace clsdf::scan

@@ -1,0 +1,167 @@
+#include "frusta/slopes.hpp"
+
+#include "core/parallel.hpp"
+#include "frusta/one_lane.hpp"
+#include "mesh/predicates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+#include <utility>
+
+namespace clsdf::polyhedra {
+
+int side_of_plane(const MeshFaces& faces, std::uint32_t first, const Corner& second) {
+    const auto& [a, b, c] = faces.corners(first);
+    return orientation(a, b, c, faces.position(faces.triangles[second.face][previous_of_three(second.vertex)]));
+}
+
+void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
+    for (std::array<float, 3>* side : {&slopes.above, &slopes.below}) {
+        std::array<double, 3> by_edge;  // of the polyhedron
+        for (std::uint32_t k = 0; k < 3; ++k) by_edge[frame.polyhedron_edge(k)] = static_cast<double>((*side)[k]);
+        one_lane::lean(&frame.face, by_edge.data());
+        for (std::uint32_t k = 0; k < 3; ++k) (*side)[k] = static_cast<float>(by_edge[frame.polyhedron_edge(k)]);
+    }
+}
+
+namespace {
+
+constexpr EdgeSlope open_edge{CLSDF_OPEN_SLOPE, CLSDF_OPEN_SLOPE};
+
+void set_slope(MeasuredFace& measured, std::uint32_t edge, const EdgeSlope& slope) {
+    measured.slopes.above[edge] = slope.above;
+    measured.slopes.below[edge] = slope.below;
+}
+
+/// The tangent of half the angle by which the wedge between two faces exceeds a straight one, on the side where it
+/// does. The faces' unit inward directions at the edge.
+float wedge_slope(const Vector& first, const Vector& second) {
+    const Vector apart = first - second, together = first + second;
+    const double squared_apart = dot(apart, apart);
+    // Folded pairs must not divide by zero: programs may trap that.
+    const double slope = std::sqrt(dot(together, together)) / std::sqrt(squared_apart > 0 ? squared_apart : 1);
+    return std::min(CLSDF_OPEN_SLOPE, widened(slope));
+}
+
+/// Each face shares its wedges with the next faces in either direction around the edge. Faces folded onto each other
+/// have an empty wedge between them, whichever comes first.
+void set_around(std::span<const EdgeEntry> faces, std::span<const TriangleFrame> frames, std::span<EdgeSlope> slopes) {
+    struct Spoke {
+        double angle;
+        std::size_t face;
+    };
+    const Vector x = frames[0].inwards[faces[0].edge().vertex];
+    const Vector y = frames[0].normal;
+    std::vector<Spoke> spokes;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        const Vector& inward = frames[i].inwards[faces[i].edge().vertex];
+        spokes.push_back({std::atan2(inward.dot(y), inward.dot(x)), i});
+    }
+    std::stable_sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) { return a.angle < b.angle; });
+
+    constexpr double turn = 2 * std::numbers::pi;
+    const auto slope_of_gap = [](double gap) {
+        if (gap <= std::numbers::pi) return 0.0F;
+        return gap < turn - fold_angle ? std::min(CLSDF_OPEN_SLOPE, widened(-1 / std::tan(gap / 2))) : CLSDF_OPEN_SLOPE;
+    };
+    for (std::size_t i = 0; i < spokes.size(); ++i) {
+        const double angle = spokes[i].angle;
+        const double next = i + 1 < spokes.size() ? spokes[i + 1].angle : spokes.front().angle + turn;
+        const double previous = i > 0 ? spokes[i - 1].angle : spokes.back().angle - turn;
+        const Vector turning = -std::sin(angle) * x + std::cos(angle) * y;
+        EdgeSlope& slope = slopes[spokes[i].face];
+        slope = {slope_of_gap(next - angle), slope_of_gap(angle - previous)};
+        if (frames[spokes[i].face].normal.dot(turning) < 0) std::swap(slope.above, slope.below);
+    }
+}
+
+}  // namespace
+
+FaceMeasures::FaceMeasures(const MeshFaces& faces, const OneRings& rings, const PairedEdges& edges)
+    : faces_(faces), edges_(edges.faces) {
+    measure_non_manifold(rings, edges.non_manifold_ends);
+    std::ranges::sort(non_manifold_, {}, &NonManifoldEdge::edge);
+}
+
+void FaceMeasures::measure_non_manifold(const OneRings& rings, std::span<const std::uint32_t> ends) {
+    std::mutex mutex;
+    for_each_range(ends.size(), [&](std::size_t begin, std::size_t end) {
+        std::vector<NonManifoldEdge> found;
+        std::vector<EdgeEntry> entries;
+        std::vector<TriangleFrame> frames;
+        std::vector<EdgeSlope> slopes;
+        for (std::size_t i = begin; i < end; ++i) {
+            edges_above(faces_.triangles, rings, ends[i], entries);
+            for_each_edge(entries, [&](std::span<const EdgeEntry> edge) {
+                if (!is_non_manifold(edge)) return;
+                frames.clear();
+                for (const EdgeEntry& entry : edge) frames.push_back(faces_.frame(entry.edge().face));
+                const bool at_box =
+                    std::any_of(frames.begin(), frames.end(), [](const TriangleFrame& frame) { return frame.is_box; });
+                slopes.resize(edge.size());
+                if (!at_box) set_around(edge, frames, slopes);
+                for (std::size_t face = 0; face < edge.size(); ++face)
+                    found.push_back({edge[face].edge().packed(), at_box ? std::nullopt : std::optional(slopes[face])});
+            });
+        }
+        const std::lock_guard lock(mutex);
+        non_manifold_.insert(non_manifold_.end(), found.begin(), found.end());
+    });
+}
+
+MeasuredFace FaceMeasures::measure(std::uint32_t face) const {
+    MeasuredFace measured;
+    measured.frame = faces_.frame(face);
+    measured.marks = edges_[face].marks;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        if ((measured.marks[k] & (edge_open | edge_non_manifold | edge_at_box)) != 0)
+            set_unpaired({face, k}, measured);
+        else
+            set_pair({face, k}, measured);
+    }
+    return measured;
+}
+
+/// An edge without exactly one other face. A box takes the wedges of all its edges, so that faces beside it need none.
+void FaceMeasures::set_unpaired(const Corner& edge, MeasuredFace& measured) const {
+    EdgeSlope slope = open_edge;
+    std::uint8_t& marks = measured.marks[edge.vertex];
+    if ((marks & edge_non_manifold) != 0) {
+        const NonManifoldEdge& entry =
+            *std::ranges::lower_bound(non_manifold_, edge.packed(), {}, &NonManifoldEdge::edge);
+        if (!entry.slope) marks |= edge_at_box;
+        if (!measured.frame.is_box) slope = entry.slope.value_or(EdgeSlope{0, 0});
+    }
+    if (measured.frame.is_box) marks |= edge_at_box;
+    set_slope(measured, edge.vertex, slope);
+}
+
+void FaceMeasures::set_pair(const Corner& edge, MeasuredFace& measured) const {
+    const Corner other = Corner::unpack(edges_[edge.face].across[edge.vertex]);
+    const TriangleFrame& own = measured.frame;
+    const TriangleFrame across = faces_.frame(other.face);
+    const Vector &first = own.inwards[edge.vertex], &second = across.inwards[other.vertex];
+    const Vector apart = first - second;
+    const bool is_folded = folded(dot(apart, apart));
+    const double sine = dot(second, own.normal), turn = own.turn + across.turn;
+    int side = (sine > turn ? 1 : 0) - (sine < -turn ? 1 : 0);
+    if (side == 0 || is_folded) side = side_of_plane(faces_, edge.face, other);
+
+    std::uint8_t& marks = measured.marks[edge.vertex];
+    if ((marks & edge_unoriented) == 0 && side != 0) marks |= side < 0 ? edge_convex : edge_concave;
+    EdgeSlope slope{0, 0};
+    if (own.is_box || across.is_box) {
+        marks |= edge_at_box;
+        if (own.is_box) slope = open_edge;
+    } else if (is_folded) {
+        marks |= edge_open | edge_folded;
+        slope = open_edge;
+    } else {
+        (side < 0 ? slope.above : slope.below) = side != 0 ? wedge_slope(first, second) : 0;
+    }
+    set_slope(measured, edge.vertex, slope);
+}
+
+}  // namespace clsdf::polyhedra

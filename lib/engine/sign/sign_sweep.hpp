@@ -1,0 +1,53 @@
+#pragma once
+
+#include <clsdf/topology.hpp>
+
+#include "device/buffer_pool.hpp"
+#include "launch/short_launches.hpp"
+#include "layout.h"
+#include "sign/sweep_mesh.hpp"
+
+#include <memory>
+
+namespace clsdf::scan {
+
+class CrossingSearch;
+struct Programs;
+
+/// The inputs of a sweep; all of them must outlive it.
+struct SweepInputs {
+    device::Context& context;
+    const Programs& programs;
+    const std::shared_ptr<device::BufferPool>& pool;
+    const Layout& layout;
+    const SweepMesh* mesh;  ///< null: all bits are 0
+    const SweepSelection& selection;
+    SignRule rule;
+    const ShortLaunches& launches;
+};
+
+/// The sweep that makes one bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words
+/// (docs/method.md, 'Sign by crossings'). It has two steps: between them the host may enqueue other work, and one wait
+/// covers both.
+class SignSweep {
+public:
+    /// Enqueues the search for the crossings, and does not wait for it.
+    explicit SignSweep(const SweepInputs& inputs);
+    SignSweep(const SignSweep&) = delete;
+    SignSweep& operator=(const SignSweep&) = delete;
+    ~SignSweep();
+
+    /// The buffer for the bits.
+    const cl::Buffer& bits() const { return *bits_; }
+
+    /// Waits for the numbers of crossings, unless the host has waited for later commands of the queue, and enqueues the
+    /// rest. Throws Error(out_of_memory) if there are 2^32 crossings or more.
+    device::BufferPool::Lease finish();
+
+private:
+    SweepInputs inputs_;
+    device::BufferPool::Lease bits_;
+    std::unique_ptr<CrossingSearch> search_;
+};
+
+}  // namespace clsdf::scan

@@ -1,0 +1,194 @@
+#include "sign/sweep_mesh.hpp"
+
+#include "core/parallel.hpp"
+#include "device/buffer_pool.hpp"
+#include "lattice/layout_of.hpp"
+#include "launch/short_launches.hpp"
+#include "layout.h"
+#include "mesh/triples.hpp"
+#include "sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace clsdf::scan {
+
+namespace {
+
+// A vertex moves by at most 2^-21 of the smallest spacing on each axis.
+constexpr int snap_bits = 20;
+// The limit of snapped coordinates: their differences fit 63 bits, with room for the grid's.
+constexpr double snapped_limit = 0x1p61;
+constexpr double seconds_per_vertex = 1e-7;  // of a core, rounded up
+constexpr const char* vertices_purpose = "vertices of the sign's sweep";
+
+/// Bits below a sample on an axis whose spacing is `ratio` voxels.
+int bits_of(double ratio) {
+    return snap_bits + static_cast<int>(std::ceil(std::log2(std::max(ratio, 1.0))));
+}
+
+/// A place on an axis of the lattice, in samples: the sum of both. Two doubles keep the fraction exact far away.
+struct Place {
+    double sample;  // 0 unless far; else the nearest whole number, up to a rounding
+    double past;
+};
+
+Place place_of(double position, const Grid& grid, const polyhedra::LatticeView& lattice, std::size_t axis) {
+    const double samples = (position - grid.origin[axis]) / grid.spacing[axis];
+    const double spacing = lattice.spacing_in_units[axis];
+    if (!(std::abs(samples) * spacing > polyhedra::LatticeView::far)) return {0, samples};
+    const double sample = std::nearbyint(samples);
+    return {sample, lattice.from_sample(axis, position, sample) / spacing};
+}
+
+/// The sample that x is counted from: 0, or a sample at the near end of a mesh that is far from it. Crossings are
+/// formed from these numbers, so small numbers keep their rounding small.
+std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const polyhedra::LatticeView& lattice) {
+    const auto samples = [&](double position) { return (position - grid.origin[0]) / grid.spacing[0]; };
+    const double nearest = std::max(samples(mesh.box().lower[0]), std::min(samples(mesh.box().upper[0]), 0.0));
+    if (!(std::abs(nearest) * lattice.spacing_in_units[0] > polyhedra::LatticeView::far)) return 0;
+    // No grid reaches farther, and its samples' distances from here fit 32 bits.
+    constexpr double limit = 1 << 30;
+    return CLSDF_BRICK * static_cast<std::int32_t>(std::clamp(nearest, -limit, limit) / CLSDF_BRICK);
+}
+
+/// A lattice as the sweep sees it.
+struct SweepLattice {
+    SweepLattice(const Grid& grid_in, const Mesh& mesh)
+        : grid(grid_in),
+          view(lattice_of(grid)),
+          bits_y(bits_of(grid.spacing[1] / grid.voxel())),
+          bits_z(bits_of(grid.spacing[2] / grid.voxel())),
+          first_x(first_x_of(mesh, grid, view)),
+          scale_y(std::ldexp(1.0, bits_y)),
+          scale_z(std::ldexp(1.0, bits_z)) {}
+
+    Place place(std::size_t axis, double position) const { return place_of(position, grid, view, axis); }
+
+    /// Whether the vertex lies within the sweep's integers; then `vertex` is set.
+    bool snap(const Vec3& position, SweepVertex& vertex) const {
+        const Place on_x = place(0, position[0]), on_y = place(1, position[1]), on_z = place(2, position[2]);
+        if (!(std::abs(std::nearbyint((on_y.sample + on_y.past) * scale_y)) < snapped_limit) ||
+            !(std::abs(std::nearbyint((on_z.sample + on_z.past) * scale_z)) < snapped_limit))
+            return false;
+        const auto snapped = [](const Place& at, double scale) {
+            return static_cast<std::int64_t>(at.sample * scale) +
+                   static_cast<std::int64_t>(std::nearbyint(at.past * scale));
+        };
+        vertex = {snapped(on_y, scale_y), snapped(on_z, scale_z), (on_x.sample - first_x) + on_x.past};
+        return true;
+    }
+
+    const Grid& grid;
+    polyhedra::LatticeView view;
+    int bits_y, bits_z;
+    std::int32_t first_x;
+    double scale_y, scale_z;
+};
+
+/// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.
+device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLattice& lattice, const Mesh& mesh,
+                                         const UninitializedVector<std::uint32_t>& numbers) {
+    device::HostFilling filling(job.context, job.pool, numbers.size() * sizeof(SweepVertex), vertices_purpose);
+    auto* const vertices = static_cast<SweepVertex*>(filling.memory());
+    const std::size_t none = mesh.vertices().size();
+    LeastIndex far(none);
+    for_each_index(numbers.size(), [&](std::size_t v) {
+        if (!lattice.snap(mesh.vertices()[numbers[v]], vertices[v])) far.take(numbers[v]);
+    });
+    if (far.get() != none)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("vertex {} of {} lies more than 2^{} voxels from the grid's origin, too far for an "
+                                "exact sign; use a larger spacing or an unsigned field",
+                                far.get(), mesh.name(), 61 - std::max(lattice.bits_y, lattice.bits_z)));
+    return filling.finish();
+}
+
+/// The same by a kernel, from the positions on the device. The mesh must be near sample (0, 0, 0).
+device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const SweepLattice& lattice,
+                                             const DeviceFaces& faces) {
+    const std::size_t count = faces.names->topology->faces.vertices.size();
+    auto vertices = job.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
+    cl::Kernel kernel(job.programs.mesh_records, "sweep_vertices");
+    ShortLaunches(job.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
+        set_arguments(kernel, 0, polyhedra::face_lattice(lattice.view), cl_double{lattice.scale_y},
+                      cl_double{lattice.scale_z}, begin, end, *faces.positions, *vertices);
+    });
+    return vertices;
+}
+
+}  // namespace
+
+SweepSelection select_triangles(const device::Context& context, const polyhedra::NearRecords& near) {
+    std::vector<cl_uint> numbers;
+    numbers.reserve(near.face_count + 1);
+    for (const polyhedra::RecordRange& range : near.faces)
+        for (std::size_t face = range.begin; face < range.end; ++face) numbers.push_back(static_cast<cl_uint>(face));
+    SweepSelection selection;
+    selection.count = numbers.size();
+    if (numbers.empty()) numbers.push_back(0);
+    selection.triangles = device::copied(context, numbers);
+    return selection;
+}
+
+const cl::Buffer& SweepMesh::triangles() const {
+    return faces ? *faces->triangles : *own_triangles;
+}
+
+SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& mesh,
+                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces) {
+    return device::guarded([&] {
+        const SweepLattice lattice(grid, mesh);
+        SweepMesh result;
+        result.faces = names;
+        result.vertices = faces != nullptr && is_within_sweep(mesh, grid)
+                              ? vertices_on_device(job, lattice, *faces)
+                              : sweep_vertices(job, lattice, mesh, names->topology->faces.vertices);
+        result.triangle_count = names->face_count();
+        result.bits_y = lattice.bits_y;
+        result.bits_z = lattice.bits_z;
+        result.first_x = lattice.first_x;
+        return result;
+    });
+}
+
+bool is_within_sweep(const Mesh& mesh, const Grid& grid) {
+    const SweepLattice lattice(grid, mesh);
+    SweepVertex any;
+    return lattice.snap(mesh.box().lower, any) && lattice.snap(mesh.box().upper, any);
+}
+
+SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          const Grid& grid, const Mesh& mesh, const polyhedra::MeshTopology& topology,
+                          const std::vector<polyhedra::RecordRange>& faces) {
+    return device::guarded([&] {
+        const SweepLattice lattice(grid, mesh);
+        std::size_t count = 0;
+        for (const polyhedra::RecordRange& range : faces) count += range.end - range.begin;
+        // Each face has vertices of its own.
+        device::HostFilling triangle_filling(context, pool, count * sizeof(Triangle), "triangles");
+        device::HostFilling vertex_filling(context, pool, 3 * count * sizeof(SweepVertex), vertices_purpose);
+        auto* const triangles = static_cast<Triangle*>(triangle_filling.memory());
+        auto* const vertices = static_cast<SweepVertex*>(vertex_filling.memory());
+        std::size_t begin = 0;
+        for (const polyhedra::RecordRange& range : faces) {
+            for_each_range(range.end - range.begin, [&](std::size_t from, std::size_t to) {
+                for (std::size_t i = from; i < to; ++i)
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const std::size_t n = 3 * (begin + i) + k;
+                        const std::uint32_t vertex =
+                            topology.faces.vertices[topology.faces.triangles[range.begin + i][k]];
+                        lattice.snap(mesh.vertices()[vertex], vertices[n]);
+                        triangles[begin + i][k] = static_cast<std::uint32_t>(n);
+                    }
+            });
+            begin += range.end - range.begin;
+        }
+        return SweepMesh{
+            triangle_filling.finish(), vertex_filling.finish(), count, lattice.bits_y, lattice.bits_z, lattice.first_x};
+    });
+}
+
+}  // namespace clsdf::scan

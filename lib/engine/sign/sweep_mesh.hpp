@@ -1,0 +1,56 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+
+#include "device/buffer_pool.hpp"
+#include "frusta/cluster_index.hpp"
+#include "frusta/device_faces.hpp"
+#include "frusta/topology.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace clsdf::scan {
+
+/// A mesh on the device as the sweep for the sign sees it from one lattice: the same for all parts of a grid.
+struct SweepMesh {
+    device::BufferPool::Lease own_triangles;
+    device::BufferPool::Lease vertices;  ///< SweepVertex, x counted from sample first_x
+    std::size_t triangle_count = 0;
+    int bits_y = 0;  ///< of a snapped vertex, below a sample
+    int bits_z = 0;
+    std::int32_t first_x = 0;  ///< a multiple of CLSDF_BRICK; not 0 only if the mesh is far from sample (0, 0, 0)
+
+    /// Whose triangles are swept; null: own_triangles.
+    std::shared_ptr<const DeviceFaces::Names> faces{};
+
+    const cl::Buffer& triangles() const;
+    /// Bytes on the device that are its own.
+    std::size_t device_bytes() const { return vertices.bytes() + own_triangles.bytes(); }
+};
+
+/// The triangles that rows of a part of the lattice can cross, if they are few.
+struct SweepSelection {
+    cl::Buffer triangles;  ///< their numbers; null: all of them
+    std::size_t count = 0;
+};
+
+/// Selects from a mesh that make_sweep_mesh() made.
+SweepSelection select_triangles(const device::Context& context, const polyhedra::NearRecords& near);
+
+/// Throws Error(unsupported) if the mesh reaches farther from the grid's origin than the sweep's integers.
+/// `faces`: null if the host makes the vertices.
+SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& mesh,
+                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces);
+
+/// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
+bool is_within_sweep(const Mesh& mesh, const Grid& grid);
+
+/// The faces that rows of a part of the lattice can cross, without the others. The sign has the same bits.
+SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          const Grid& grid, const Mesh& mesh, const polyhedra::MeshTopology& topology,
+                          const std::vector<polyhedra::RecordRange>& faces);
+
+}  // namespace clsdf::scan

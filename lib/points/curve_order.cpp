@@ -1,0 +1,97 @@
+#include "points/curve_order.hpp"
+
+#include "core/bucket_sort.hpp"
+#include "core/parallel.hpp"
+#include "frusta/face_order.hpp"
+#include "frusta/frames.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+namespace clsdf::points {
+
+namespace {
+
+constexpr std::uint32_t cell_bits = 10;                 // per axis
+constexpr std::size_t together = std::size_t{1} << 14;  // points that one thread measures
+
+/// All bits if the bit is set.
+std::uint32_t mask_of(std::uint32_t x, std::uint32_t bit) {
+    return 0U - (x >> bit & 1U);
+}
+
+/// The place of a cell on the curve (J. Skilling, Programming the Hilbert curve, 2004), without branches: compilers
+/// take several cells at a time.
+std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    for (std::uint32_t bit = cell_bits - 1; bit > 0; --bit) {
+        const std::uint32_t below = (1U << bit) - 1;
+        x ^= mask_of(x, bit) & below;
+        const std::uint32_t of_y = mask_of(y, bit), with_y = (x ^ y) & below & ~of_y;
+        x ^= (below & of_y) | with_y;
+        y ^= with_y;
+        const std::uint32_t of_z = mask_of(z, bit), with_z = (x ^ z) & below & ~of_z;
+        x ^= (below & of_z) | with_z;
+        z ^= with_z;
+    }
+    y ^= x;
+    z ^= y;
+    std::uint32_t flips = 0;
+    for (std::uint32_t bit = cell_bits - 1; bit > 0; --bit) flips ^= mask_of(z, bit) & ((1U << bit) - 1);
+    return polyhedra::spread_bits(x ^ flips) << 2 | polyhedra::spread_bits(y ^ flips) << 1 |
+           polyhedra::spread_bits(z ^ flips);
+}
+
+/// The box of the points, cut off at another one.
+Box box_within(std::span<const Vec3> points, const Box& most) {
+    const std::size_t ranges = chunk_count(points.size(), together);
+    std::vector<Eigen::AlignedBox3d> boxes(ranges);
+    for_each_chunk(points.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
+        Eigen::AlignedBox3d box;
+        for (std::size_t i = begin; i < end; ++i) box.extend(polyhedra::to_vector(points[i]));
+        boxes[range] = box;
+    });
+    for (const Eigen::AlignedBox3d& box : boxes) boxes[0].extend(box);
+    Box all;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto at = static_cast<Eigen::Index>(axis);
+        all.lower[axis] = std::clamp(boxes[0].min()[at], most.lower[axis], most.upper[axis]);
+        all.upper[axis] = std::clamp(boxes[0].max()[at], most.lower[axis], most.upper[axis]);
+    }
+    return all;
+}
+
+}  // namespace
+
+UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, const Box& most) {
+    UninitializedVector<std::uint32_t> order(points.size());
+    if (points.empty()) return order;
+    const Box box = box_within(points, most);
+    constexpr double cells = 1U << cell_bits;
+    const double longest = box.longest_side();
+    constexpr double least = cells / std::numeric_limits<double>::max();
+    const double scale = longest > least ? cells / longest : 0;
+    UninitializedVector<Coded> coded(points.size()), other(points.size());
+    for_each_range(points.size(), [&](std::size_t begin, std::size_t end) {
+        constexpr std::size_t at_once = 64;
+        std::array<std::array<std::uint32_t, at_once>, 3> cells_of{};
+        std::array<std::uint32_t, at_once> keys{};
+        for (std::size_t first = begin; first < end; first += at_once) {
+            const std::size_t count = std::min(at_once, end - first);
+            for (std::size_t i = 0; i < count; ++i)
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    cells_of[axis][i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(
+                        std::clamp((points[first + i][axis] - box.lower[axis]) * scale, 0.0, cells - 1)));
+            for (std::size_t i = 0; i < at_once; ++i)
+                keys[i] = hilbert_key(cells_of[0][i], cells_of[1][i], cells_of[2][i]);
+            for (std::size_t i = 0; i < count; ++i) coded[first + i] = {keys[i], static_cast<std::uint32_t>(first + i)};
+        }
+    });
+    sort_by_code(coded, other, cell_bits, order);
+    return order;
+}
+
+}  // namespace clsdf::points

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "plan/kept_mesh.hpp"
+#include "points/face_sides.hpp"
+#include "points/point_query.hpp"
+#include "points/point_scan.hpp"
+#include "tree/point_mesh.hpp"
+
+#include <memory>
+#include <mutex>
+#include <optional>
+
+namespace clsdf::points {
+
+/// The values that a transform keeps for points, beside those of its KeptMesh, which must outlive this. Each is made
+/// when it is needed first, and forgotten when the vertices move or memory is short.
+///
+///     points' tree   of the positions                    once points are asked for
+///     face sides     + sign rule                         once about as many points are asked for
+///     scanned mesh   + frusta                            once many points are asked for
+///
+/// For one thread at a time.
+class KeptPoints {
+public:
+    explicit KeptPoints(transform::KeptMesh& kept_mesh) : kept_mesh_(kept_mesh) {}
+    KeptPoints(const KeptPoints&) = delete;
+    KeptPoints& operator=(const KeptPoints&) = delete;
+
+    /// The tree in which points are looked up. Throws Error(invalid_argument, unsupported or out_of_memory).
+    std::shared_ptr<const PointMesh> tree();
+
+    /// The records that the scan of many points reads beside the tree. `program`: the scan's. Throws as tree().
+    std::shared_ptr<const ScannedMesh> scanned_mesh(const cl::Program& program);
+
+    /// The signs on the sides of faces. If they are not known, they are found if `is_found`; otherwise null. Always
+    /// null for a part of a mesh. The sign rule is the same in all calls.
+    std::shared_ptr<const FaceSides> face_sides(SignRule sign, bool is_found);
+
+    /// The inputs of few points that remember() was called with, if they suffice for the outputs and are still kept.
+    /// For any number of threads, also beside the one that calls the others.
+    std::optional<PointInputs> inputs_of_few(OutputSet outputs) const;
+    /// Remembers inputs that suffice for the outputs, without keeping them alive.
+    void remember(const PointInputs& inputs, OutputSet outputs);
+
+private:
+    template <class T>
+    using Kept = transform::Kept<T>;
+    using MadeOf = transform::MadeOf;
+    using UsedBy = transform::UsedBy;
+
+    /// No thread gets the remembered inputs any more.
+    void forget_inputs();
+
+    transform::KeptMesh& kept_mesh_;
+    Kept<PointMesh> tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points, [this] { forget_inputs(); }};
+    Kept<ScannedMesh> scanned_mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<FaceSides> face_sides_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+
+    /// See remember().
+    struct Remembered {
+        std::weak_ptr<const PointMesh> mesh;
+        std::weak_ptr<const device::BufferPool::Lease> names, normals;
+        std::size_t renumbered = 0;
+        SignRule sign = SignRule::none;
+        bool is_inside_out = false;  ///< if the normals are set
+    };
+    mutable std::mutex mutex_;
+    Remembered remembered_;  // guarded by it
+};
+
+}  // namespace clsdf::points

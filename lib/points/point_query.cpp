@@ -1,0 +1,220 @@
+#include "points/point_query.hpp"
+
+#include "core/large_memory.hpp"
+#include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
+#include "device/buffer_pool.hpp"
+#include "launch/commands.hpp"
+#include "launch/short_launches.hpp"
+#include "points/curve_order.hpp"
+#include "points/point_signs.hpp"
+#include "tree/point_mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+namespace clsdf::points {
+
+namespace {
+
+// Fewer points are taken as they come.
+constexpr std::size_t fewest_sorted = 128;
+// Points of a work-item on a processor, which share their way through the tree.
+constexpr std::size_t most_run = 64;
+// First estimate for a search on a core; later launches use the measured time.
+constexpr double seconds_per_search = 2e-5;
+
+/// A buffer for a value of each point.
+template <typename Value>
+class PointBuffer {
+public:
+    PointBuffer(device::BufferPool& pool, std::size_t count, const char* purpose)
+        : lease_(pool.lease(count * sizeof(Value), purpose)) {}
+
+    const cl::Buffer& operator*() const { return *lease_; }
+    void write(const cl::CommandQueue& queue, std::span<const Value> values) {
+        queue.enqueueWriteBuffer(*lease_, CL_TRUE, 0, values.size_bytes(), values.data());
+    }
+    void read(const cl::CommandQueue& queue, std::span<Value> values) {
+        queue.enqueueReadBuffer(*lease_, CL_TRUE, 0, values.size_bytes(), values.data());
+    }
+
+private:
+    device::BufferPool::Lease lease_;
+};
+
+/// The computation of some points, which lie on the device in the order of a curve.
+class Query {
+public:
+    Query(device::Context& context, const scan::Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+          const PointInputs& inputs, std::span<const Vec3> points, double half_width)
+        : context_(context),
+          programs_(programs),
+          pool_(pool),
+          queue_(context.queue()),
+          program_(programs.points),
+          inputs_(inputs),
+          callers_(points),
+          half_width_(half_width),
+          device_faces_(*pool_, points.size(), "nearest faces of points"),
+          device_squared_(*pool_, points.size(), "squared distances of points") {
+        order();
+        device::HostFilling filling(context_, pool_, count() * sizeof(Vec3), "points");
+        const std::span<Vec3> in_units(static_cast<Vec3*>(filling.memory()), count());
+        for_each_index(count(), [&](std::size_t i) { in_units[i] = inputs_.mesh->in_units(callers_[order_[i]]); });
+        if (inputs_.scanned) groups_.emplace(group_points(in_units));
+        device_points_ = filling.finish();
+    }
+
+    void find_nearest(const std::function<void(double)>& between) {
+        if (inputs_.scanned)
+            scan_points({context_, programs_, pool_, *inputs_.mesh, *inputs_.scanned, *groups_, count(),
+                         *device_points_, most()},
+                        *device_faces_, *device_squared_, between);
+        else
+            search_tree(between);
+    }
+
+    void search_tree(const std::function<void(double)>& between) {
+        const PointMesh& mesh = *inputs_.mesh;
+        cl::Kernel kernel(program_, "nearest_of_points");
+        // How long a search takes depends on the mesh and the point.
+        scan::measured_launches(
+            context_, count(), seconds_per_search, most_run * scan::cores_of(context_.capabilities()), between,
+            [&](std::size_t begin, std::size_t end) {
+                scan::launch(queue_, kernel, {chunk_count(end - begin, run()), programs_.part_group()}, mesh.tree,
+                             *mesh.device_nodes, *mesh.leaves, *mesh.polyhedra, *mesh.faces, *device_points_,
+                             static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(run()),
+                             cl_double{most()}, *device_faces_, *device_squared_);
+            });
+    }
+
+    /// Signs and outputs. Returns the seconds spent on signs that the sides of faces do not tell.
+    double finish(const scan::HostArrays& arrays) {
+        const auto places = device::uploaded(context_, pool_, order_, "order of points");
+        PointBuffer<std::uint8_t> signs(*pool_, count(), "signs of points");
+        scan::OutputMemories memories;
+        memories.place(context_, *pool_, arrays, count());
+        const scan::OutputBuffers& outputs = memories.buffers;
+        const scan::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
+        cl::Kernel kernel(program_, "finish_points");
+        const auto launch = [&](cl_uint by_sides) {
+            const cl_uint last =
+                scan::set_arguments(kernel, 0, *device_points_, *places, *device_faces_,
+                                    inputs_.sides ? *inputs_.sides->sides : *places,  // or unused
+                                    by_sides, *signs, cl_uint{0}, static_cast<cl_uint>(count()), cl_double{half_width_},
+                                    *inputs_.mesh->polyhedra, outputs[Output::distance]);
+            finishing.set_arguments(kernel, last, outputs);
+            scan::launch(queue_, kernel, {count()});
+        };
+        signs_.assign(count(), std::uint8_t{CLSDF_POINT_UNDECIDED});
+        if (inputs_.sides) {
+            launch(1);
+            signs.read(queue_, signs_);
+        }
+        const Stopwatch watch;
+        if (std::find(signs_.begin(), signs_.end(), CLSDF_POINT_UNDECIDED) != signs_.end()) {
+            UninitializedVector<double> squared(count());
+            device_squared_.read(queue_, squared);
+            find_signs(*inputs_.mesh, inputs_.sign, {callers_, order_, squared}, signs_);
+            signs.write(queue_, signs_);
+            launch(0);
+        }
+        const double seconds = watch.seconds();
+        memories.enqueue_handover(queue_);
+        queue_.finish();
+        memories.read(context_, queue_);
+        return seconds;
+    }
+
+private:
+    std::size_t count() const { return callers_.size(); }
+
+    void order() {
+        if (count() < fewest_sorted) {
+            order_.resize(count());
+            std::iota(order_.begin(), order_.end(), 0U);
+        } else {
+            Box box = inputs_.mesh->box;  // enlarged: neighbours outside stay neighbours
+            const double margin = box.longest_side() / 8;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                box.lower[axis] -= margin;
+                box.upper[axis] += margin;
+            }
+            order_ = curve_order(callers_, box);
+        }
+    }
+
+    double most() const { return search_limit(*inputs_.mesh, half_width_); }
+
+    std::size_t run() const {
+        if (programs_.body == KernelBody::by_group) return 1;
+        return std::clamp<std::size_t>(count() / (8 * context_.capabilities().compute_units), 1, most_run);
+    }
+
+    device::Context& context_;
+    const scan::Programs& programs_;
+    const std::shared_ptr<device::BufferPool>& pool_;
+    cl::CommandQueue queue_;
+    cl::Program program_;
+    const PointInputs& inputs_;
+    std::span<const Vec3> callers_;
+    double half_width_;
+    UninitializedVector<std::uint32_t> order_;
+    std::vector<std::uint8_t> signs_;
+    std::optional<PointGroups> groups_;
+    device::BufferPool::Lease device_points_;
+    PointBuffer<std::uint32_t> device_faces_;
+    PointBuffer<double> device_squared_;
+};
+
+}  // namespace
+
+double search_limit(const PointMesh& mesh, double half_width) {
+    const double units = half_width / mesh.lattice.unit * (1 + 1e-9) + 1e-6;
+    return units * units;
+}
+
+void check_points(const Box& box, std::span<const Vec3> points) {
+    const double longest = box.longest_side();
+    const double far_voxels = scan::farthest * (longest > 0 ? longest / 256 : 1);
+    constexpr double most = std::numeric_limits<float>::max() / 4;  // distances of a point and a mesh in it are floats
+    const double far = std::min(far_voxels, most);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3& p = points[i];
+        bool is_usable = true;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            is_usable = is_usable && p[axis] >= box.lower[axis] - far && p[axis] <= box.upper[axis] + far;
+        if (is_usable) continue;
+        const bool is_finite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("point {} at ({}, {}, {}) {}; leave it out", i, p[0], p[1], p[2],
+                        !is_finite   ? "is not finite"
+                        : far < most ? "lies more than 1e14 voxels from the mesh, a voxel being 1/256 of the mesh"
+                                     : "lies so far from the mesh that its distance may be beyond the floats"));
+    }
+}
+
+PointTimes query_points(device::Context& context, const scan::Programs& programs,
+                        const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
+                        std::span<const Vec3> points, double half_width, const scan::HostArrays& arrays,
+                        const std::function<void(double)>& between) {
+    PointTimes times;
+    if (points.empty()) return times;
+    context.run_or_drain([&] {
+        const Stopwatch watch;
+        Query query(context, programs, pool, inputs, points, half_width);
+        query.find_nearest(between);
+        times.sign = query.finish(arrays);
+        times.nearest = watch.seconds() - times.sign;
+    });
+    return times;
+}
+
+}  // namespace clsdf::points

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
+
+#include "finish/finishing.hpp"
+#include "launch/programs.hpp"
+#include "points/face_sides.hpp"
+#include "points/point_scan.hpp"
+#include "targets/slab_pipeline.hpp"
+#include "tree/point_mesh.hpp"
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+
+namespace clsdf::points {
+
+/// The inputs of a query.
+struct PointInputs {
+    std::shared_ptr<const PointMesh> mesh;
+    std::shared_ptr<const ScannedMesh> scanned;      ///< null: points are looked up one by one
+    std::shared_ptr<const FaceSides> sides;          ///< null: signs by crossings; else the sites have normals
+    std::shared_ptr<const scan::DeviceSites> sites;  ///< with normals if the gradient is asked for
+    SignRule sign = SignRule::none;
+    bool is_inside_out = false;  ///< the faces look inwards, and the points have a sign
+};
+
+/// Times of parts of a query, in seconds of the host's clock.
+struct PointTimes {
+    double nearest = 0;
+    double sign = 0;
+};
+
+/// Points that are computed at once. The memory that they take is bounded by it; results do not depend on it.
+inline constexpr std::size_t most_points = std::size_t{1} << 20;
+
+/// The limit of the search for the nearest face: a squared distance in units, above all rounding of what is compared
+/// with `half_width` at the end.
+double search_limit(const PointMesh& mesh, double half_width);
+
+/// Throws Error(invalid_argument) that names the first point that is not finite or too far from the mesh's box.
+void check_points(const Box& box, std::span<const Vec3> points);
+
+/// The outputs of at most `most_points` points into packed arrays on the host. `between`, which may be empty and may
+/// throw, is called between launches with the fraction done. Throws Error(device_failure or out_of_memory).
+PointTimes query_points(device::Context& context, const scan::Programs& programs,
+                        const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
+                        std::span<const Vec3> points, double half_width, const scan::HostArrays& arrays,
+                        const std::function<void(double)>& between);
+
+}  // namespace clsdf::points
