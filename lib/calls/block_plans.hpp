@@ -11,11 +11,11 @@ namespace clsdf {
 class DistanceTransform::State::BlockPlans {
 public:
     /// All references must outlive this. pool: of the plans' buffers. lone: see KeptMesh::inputs().
-    BlockPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, transform::RunningCall& running)
+    BlockPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, calls::RunningCall& running)
         : state_(state), workshop_(state.with(std::move(pool))), lone_(lone), running_(running) {}
 
     /// Throws what KeptMesh::inputs() and GridPlan do, and what the caller's functions do.
-    std::unique_ptr<transform::GridPlan> make(const transform::Block& block);
+    std::unique_ptr<engine::GridPlan> make(const calls::Block& block);
     /// Gives back the inputs of the latest batch.
     void release() {
         batch_ = nullptr;
@@ -23,14 +23,14 @@ public:
     }
 
 private:
-    transform::Inputs inputs_of(const transform::Job& job) const;
+    engine::Inputs inputs_of(const engine::Job& job) const;
 
     State& state_;
-    transform::Workshop workshop_;
+    engine::Workshop workshop_;
     bool lone_;
-    transform::RunningCall& running_;
-    const transform::Batch* batch_ = nullptr;
-    transform::Inputs inputs_;  ///< of the batch
+    calls::RunningCall& running_;
+    const calls::Batch* batch_ = nullptr;
+    engine::Inputs inputs_;  ///< of the batch
 };
 
 }  // namespace clsdf

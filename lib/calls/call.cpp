@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace clsdf::transform {
+namespace clsdf::calls {
 
 template <typename Function, typename... Arguments>
 auto RunningCall::pass_on(const Function& function, const Arguments&... arguments) {
@@ -64,4 +64,4 @@ const CallStatistics& RunningCall::finish() {
     return statistics;
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::calls

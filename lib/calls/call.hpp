@@ -10,7 +10,7 @@
 #include <functional>
 #include <vector>
 
-namespace clsdf::transform {
+namespace clsdf::calls {
 
 /// A call that runs: the functions of its options, and what it has taken so far. If one of the functions throws, the
 /// call ends: it does not try again with less memory, even if the error is out_of_memory.
@@ -76,4 +76,4 @@ auto with_remedies(const RunningCall* call, const std::vector<Remedy>& remedies,
     }
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::calls

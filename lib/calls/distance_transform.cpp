@@ -21,13 +21,13 @@ namespace clsdf {
 DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, const TransformOptions& options,
                                      const CallOptions& call)
     : state_(with_host_memory("for the mesh", [&] {
-          device::wait_for(device::context_of(device), call.wait_list);
+          targets::wait_for(device::context_of(device), call.wait_list);
           return std::make_unique<State>(std::move(device), mesh, options, call);
       })) {}
 DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, const TransformOptions& options,
                                      const CallOptions& call) {
     with_host_memory("for the mesh", [&] {
-        device::MappedMemory memory(device::context_of(device));
+        targets::MappedMemory memory(device::context_of(device));
         memory.add(mesh.vertices(), "vertices");
         memory.add(mesh.triangles(), "triangles");
         memory.map(call.wait_list);
@@ -77,7 +77,7 @@ void DistanceTransform::set_positions(const InputArray& positions, const CallOpt
     with_host_memory("for the positions", [&] {
         State& state = this->state();
         check_array(positions, ArrayKind::positions, "positions", ErrorCode::invalid_argument);
-        device::MappedMemory memory(device::context_of(state.device));
+        targets::MappedMemory memory(device::context_of(state.device));
         memory.add(positions, "positions");
         memory.map(call.wait_list);
         const PositionArray array(memory.on_host(positions));
@@ -106,10 +106,10 @@ TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& ban
                                                const CallOptions& call) const {
     return with_host_memory("to compile", [&] {
         State& state = this->state();
-        transform::RunningCall running{call};
+        calls::RunningCall running{call};
         running.throw_if_stopped();
         const std::scoped_lock lock(state.mutex);
-        const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
+        const engine::Job job{grid, band, targets::extras_of(outputs), {}, call.count_work};
         state.check(job);
         state.compile(job, running);
         return running.statistics.published();
@@ -134,29 +134,29 @@ TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const Cal
         State& state = this->state();
         const std::size_t count = blocks.first.size();
         if (count > most) {  // else the only part is checked as a whole
-            const bool on_device = scan::are_on_device(blocks.targets);
+            const bool on_device = targets::are_on_device(blocks.targets);
             const auto on_host = [&](const Request& request) { return state.host_targets(request); };
             const auto in_buffers = [&](const Request& request) { return state.device_targets(request); };
-            std::vector<scan::WrittenArray> written;
+            std::vector<targets::WrittenArray> written;
             for (std::size_t begin = 0; begin < count; begin += checked) {
                 std::size_t n = begin;
-                for (const Request& request : transform::requests_of(blocks, begin, std::min(begin + checked, count))) {
+                for (const Request& request : calls::requests_of(blocks, begin, std::min(begin + checked, count))) {
                     if (on_device)
-                        transform::targets_of(request, n, count, in_buffers, written);
+                        calls::targets_of(request, n, count, in_buffers, written);
                     else
-                        transform::targets_of(request, n, count, on_host, written);
+                        calls::targets_of(request, n, count, on_host, written);
                     ++n;
                 }
             }
-            scan::refuse_overlap(written);
+            targets::refuse_overlap(written);
         }
         CallStatistics total;
         const auto share = [&](std::size_t part) { return static_cast<double>(part) / static_cast<double>(count); };
         for (std::size_t begin = 0; begin < count; begin += most) {
             const std::size_t end = std::min(begin + most, count);
             try {
-                add_call(total, state.compute(transform::requests_of(blocks, begin, end),
-                                              transform::part_of(call, share(begin), share(end))));
+                add_call(total, state.compute(calls::requests_of(blocks, begin, end),
+                                              calls::part_of(call, share(begin), share(end))));
             } catch (const Error& error) {
                 if (count <= most || error.code() != ErrorCode::invalid_argument) throw;
                 throw Error(error.code(), fmt::format("of the blocks {} to {}: {}", begin, end - 1, error.what()),
@@ -168,7 +168,7 @@ TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const Cal
 }
 
 CallStatistics DistanceTransform::State::compute(std::span<const Request> requests, const CallOptions& call) {
-    const bool on_device = !requests.empty() && scan::are_on_device(requests.front().targets);
+    const bool on_device = !requests.empty() && targets::are_on_device(requests.front().targets);
     return on_device ? compute_on_device(requests, call) : compute_on_host(requests, call);
 }
 
@@ -179,10 +179,10 @@ TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& ban
         State& state = this->state();
         grid.validate();
         grid.sample_count();
-        const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
+        const engine::Job job{grid, band, targets::extras_of(outputs), {}, call.count_work};
         state.check(job);
         if (!sink) throw Error(ErrorCode::invalid_argument, "a field in slabs needs a sink, and it is empty");
-        device::wait_for(state.context(), call.wait_list);
+        targets::wait_for(state.context(), call.wait_list);
         return state.compute_slabs(job, sink, options, call).published();
     });
 }
@@ -192,13 +192,14 @@ std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
     device::Context::Capabilities unlimited;
     unlimited.memory = unlimited.largest_allocation = std::numeric_limits<std::size_t>::max();
     return with_host_memory("for the list of slabs",
-                            [&] { return scan::slabs_of(grid, scan::stream_limits_of(unlimited)); });
+                            [&] { return engine::slabs_of(grid, engine::stream_limits_of(unlimited)); });
 }
 
 Field DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call,
                                  TransformStatistics* statistics) const {
     const State& state = this->state();
-    Field field({grid, band, state.sign, state.kept_mesh->mesh().name()}, scan::extras_of(outputs) | Output::distance);
+    Field field({grid, band, state.sign, state.kept_mesh->mesh().name()},
+                targets::extras_of(outputs) | Output::distance);
     try {
         const Request request{grid, band, field.targets()};
         const TransformStatistics made = compute({&request, 1}, call);

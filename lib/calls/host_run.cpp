@@ -11,19 +11,19 @@ namespace clsdf {
 
 namespace {
 
-using transform::Batch;
-using transform::Block;
-using transform::Job;
+using calls::Batch;
+using calls::Block;
+using engine::Job;
 
 /// Computes a plan's samples, which are [begin, end) of the call's work, and returns when they are there.
-void run(transform::GridPlan& plan, const scan::OutputMemories& memories, transform::RunningCall& running, double begin,
+void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls::RunningCall& running, double begin,
          double end) {
     const Stopwatch watch;
     const device::Context& context = device::context_of(plan.device);
     // Its commands write to the caller's memory.
     context.run_or_drain([&] {
         running.throw_if_stopped();
-        scan::CommandChain chain(context.queue(), {});
+        engine::CommandChain chain(context.queue(), {});
         plan.enqueue(chain, memories.buffers, running.between(begin, end));
         memories.enqueue_handover(context.queue());
         context.queue().finish();
@@ -40,7 +40,7 @@ void run(transform::GridPlan& plan, const scan::OutputMemories& memories, transf
 /// has been released.
 class DistanceTransform::State::HostRun {
 public:
-    using Store = std::function<void(const Block& block, const scan::HostArrays& values)>;
+    using Store = std::function<void(const Block& block, const targets::HostArrays& values)>;
 
     /// All arguments that are references must outlive this. overlap: the next block is computed while one is stored.
     HostRun(State& state, std::span<const Batch> batches, bool overlap, const Store& store, const CallOptions& call)
@@ -49,7 +49,7 @@ public:
           batches_(batches),
           store_(store),
           blocks_(
-              transform::blocks_of(batches, scan::stream_limits_of(capabilities()), scan::limits_of(capabilities()))),
+              calls::blocks_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
           running_{call},
           plans_(state, state.pool, false, running_),
           pipeline_(state.context(), overlap) {
@@ -60,14 +60,14 @@ public:
     CallStatistics run() {
         start();
         while (!blocks_.empty()) {
-            scan::SlabPipeline::Slot* slot = &pipeline_.next();
+            targets::SlabPipeline::Slot* slot = &pipeline_.next();
             const auto divide = [&] {
                 make_room(*slot);
                 slot = &pipeline_.next();
                 return divide_next();
             };
             // The length of a block's lists is known only when they are made.
-            transform::with_remedies(&running_, {{divide, true}, {[] { return true; }}}, [&] {
+            calls::with_remedies(&running_, {{divide, true}, {[] { return true; }}}, [&] {
                 const std::scoped_lock lock(state_.mutex);
                 compute(*slot);
             });
@@ -75,8 +75,8 @@ public:
             blocks_.pop_back();
             pipeline_.deliver(
                 *slot, block.batch->in_place
-                           ? scan::SlabPipeline::HandOn()
-                           : [this, block](const scan::HostArrays& values) { store_(block, values); });
+                           ? targets::SlabPipeline::HandOn()
+                           : [this, block](const targets::HostArrays& values) { store_(block, values); });
         }
         return finish();
     }
@@ -92,16 +92,16 @@ private:
     }
 
     /// Computes the next block, by the plan of an earlier call if there is one.
-    void compute(scan::SlabPipeline::Slot& slot) {
+    void compute(targets::SlabPipeline::Slot& slot) {
         const Block& block = blocks_.back();
-        const Job& job = block.batch->job;
-        const scan::HostArrays& arrays = block.batch->arrays;
+        const engine::Job& job = block.batch->job;
+        const targets::HostArrays& arrays = block.batch->arrays;
         const std::size_t samples = block.grid.sample_count();
         const std::size_t first = job.grid.offset(0, 0, block.grid.first[2] - job.grid.first[2]);
         device::guarded([&] {
             slot.memories.place(
                 state_.context(), *state_.pool,
-                block.batch->in_place ? scan::arrays_from(first, arrays) : slot.own.for_samples(arrays, samples),
+                block.batch->in_place ? targets::arrays_from(first, arrays) : slot.own.for_samples(arrays, samples),
                 samples);
         });
         if (!plan_ && block.is_whole()) plan_ = state_.take_plan(job);
@@ -121,7 +121,7 @@ private:
     }
 
     /// Releases what the next block had, and what is kept for later calls.
-    void make_room(scan::SlabPipeline::Slot& slot) {
+    void make_room(targets::SlabPipeline::Slot& slot) {
         const std::scoped_lock lock(state_.mutex);
         // Commands that are still running use the buffers.
         device::guarded([&] { state_.context().queue().finish(); });
@@ -133,8 +133,8 @@ private:
     /// Returns whether the next block was divided.
     bool divide_next() {
         const Block block = blocks_.back();
-        if (!scan::is_divisible(block.grid)) return false;
-        const auto [lower, upper] = scan::halves_of(block.grid);
+        if (!engine::is_divisible(block.grid)) return false;
+        const auto [lower, upper] = engine::halves_of(block.grid);
         blocks_.back().grid = upper;
         blocks_.push_back({block.batch, lower});
         return true;
@@ -156,10 +156,10 @@ private:
     std::span<const Batch> batches_;
     const Store& store_;
     std::vector<Block> blocks_;  ///< the next one is the last
-    transform::RunningCall running_;
+    calls::RunningCall running_;
     BlockPlans plans_;
-    std::unique_ptr<transform::GridPlan> plan_;  ///< of the next block
-    scan::SlabPipeline pipeline_;
+    std::unique_ptr<engine::GridPlan> plan_;  ///< of the next block
+    targets::SlabPipeline pipeline_;
     double cost_ = 0;  ///< of all batches
     double done_ = 0;  ///< which share of it has been computed
 };
@@ -167,20 +167,20 @@ private:
 std::optional<CallStatistics> DistanceTransform::State::compute_kept(const Request& request, const CallOptions& call) {
     request.grid.validate();
     request.band.validate();
-    const scan::HostTargets targets(request.targets, request.grid);
-    std::vector<scan::WrittenArray> written;
+    const targets::HostTargets targets(request.targets, request.grid);
+    std::vector<targets::WrittenArray> written;
     targets.add_written(0, written);
-    scan::refuse_overlap(written);
+    targets::refuse_overlap(written);
     if (!targets.are_packed) return std::nullopt;
-    transform::RunningCall running{call};
+    calls::RunningCall running{call};
     {
         const std::scoped_lock lock(mutex);
-        std::unique_ptr<transform::GridPlan> plan =
-            take_plan({request.grid, request.band, scan::outputs_of(targets.arrays), {}, call.count_work});
+        std::unique_ptr<engine::GridPlan> plan =
+            take_plan({request.grid, request.band, targets::outputs_of(targets.arrays), {}, call.count_work});
         if (!plan) return std::nullopt;
         context().begin_call();
         pool->restart_peak();
-        scan::OutputMemories memories;
+        targets::OutputMemories memories;
         try {
             device::guarded([&] { memories.place(context(), *pool, targets.arrays, request.grid.sample_count()); });
         } catch (const Error& error) {
@@ -199,23 +199,23 @@ std::optional<CallStatistics> DistanceTransform::State::compute_kept(const Reque
     return running.statistics;
 }
 
-CallStatistics DistanceTransform::State::compute_slabs(const Job& job, const SlabSink& sink, const SlabOptions& options,
-                                                       const CallOptions& call) {
-    const Batch batch{.job = job, .arrays = scan::arrays_for(job.outputs)};
-    const HostRun::Store hand_on = [&](const Block& block, const scan::HostArrays& values) {
-        sink(block.grid, scan::slab_of(values, block.grid.sample_count()));
+CallStatistics DistanceTransform::State::compute_slabs(const engine::Job& job, const SlabSink& sink,
+                                                       const SlabOptions& options, const CallOptions& call) {
+    const Batch batch{.job = job, .arrays = targets::arrays_for(job.outputs)};
+    const HostRun::Store hand_on = [&](const Block& block, const targets::HostArrays& values) {
+        sink(block.grid, targets::slab_of(values, block.grid.sample_count()));
     };
     return HostRun(*this, {&batch, 1}, options.sink_has_own_thread, hand_on, call).run();
 }
 
 CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request> requests, const CallOptions& call) {
-    device::wait_for(context(), call.wait_list);
+    targets::wait_for(context(), call.wait_list);
     if (requests.size() == 1)
         if (const auto statistics = compute_kept(requests.front(), call)) return *statistics;
-    const auto targets = transform::targets_of(requests, [&](const Request& request) { return host_targets(request); });
+    const auto targets = calls::targets_of(requests, [&](const Request& request) { return host_targets(request); });
     const std::vector<Batch> batches =
-        transform::batches_of(requests, std::span(targets), kept_mesh->mesh().box(), call.count_work);
-    const HostRun::Store store = [&](const Block& block, const scan::HostArrays& values) {
+        calls::batches_of(requests, std::span(targets), kept_mesh->mesh().box(), call.count_work);
+    const HostRun::Store store = [&](const Block& block, const targets::HostArrays& values) {
         const std::vector<std::size_t>& chosen = block.batch->requests;
         constexpr std::size_t chunk = 8;
         for_each_chunk(chosen.size(), chunk, [&](std::size_t, std::size_t begin, std::size_t end) {

@@ -10,7 +10,7 @@
 #include <map>
 #include <utility>
 
-namespace clsdf::transform {
+namespace clsdf::calls {
 
 namespace {
 
@@ -30,11 +30,11 @@ PlanState::~PlanState() {
     keep_for_good(parts_);
 }
 
-void PlanState::divide(std::span<const DeviceTargets> targets, const Box& box) {
+void PlanState::divide(std::span<const targets::DeviceTargets> targets, const Box& box) {
     const device::Context::Capabilities& capabilities = device::context_of(device).capabilities();
     const std::size_t largest = capabilities.largest_allocation;
     batches_ = batches_of(requests, targets, box, counts);
-    blocks_ = blocks_of(batches_, stream_limits_of(capabilities), {largest, largest, largest});
+    blocks_ = blocks_of(batches_, engine::stream_limits_of(capabilities), {largest, largest, largest});
 }
 
 bool PlanState::has_copies() const {
@@ -46,7 +46,7 @@ void PlanState::make_room() {
     for (const Block& block : blocks_) {
         if (is_in_place(block)) continue;
         for_each_output(
-            [&](const OutputInfo& row, const HostArray& array, std::size_t& bytes) {
+            [&](const OutputInfo& row, const targets::HostArray& array, std::size_t& bytes) {
                 if (!array.is_wanted) return;
                 bytes = std::max(bytes, block.grid.sample_count() * sample_bytes(row, array.in_double));
             },
@@ -59,9 +59,9 @@ void PlanState::make_room() {
         most, samples_);
 }
 
-void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
-                    const Programs& programs) {
-    const DeviceTargets& first = targets[block.batch->requests.front()];
+void PlanState::add(const Block& block, std::unique_ptr<engine::GridPlan> plan,
+                    std::span<const targets::DeviceTargets> targets, const engine::Programs& programs) {
+    const targets::DeviceTargets& first = targets[block.batch->requests.front()];
     Part part{block, std::move(plan), first.targets};
     if (is_in_place(block)) {
         part.buffers = *first.in_place;
@@ -72,7 +72,7 @@ void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::spa
     const cl::Program program = programs.store.get();
     PerOutput<std::vector<Place>> all_places = places_of(part, targets);
     for_each_output(
-        [&](const OutputInfo& row, const HostArray& array, const device::BufferPool::Lease& lease,
+        [&](const OutputInfo& row, const targets::HostArray& array, const device::BufferPool::Lease& lease,
             std::vector<Place>& places, std::optional<BoxStore>& store, cl::Buffer& buffer) {
             if (!array.is_wanted) return;
             buffer = *lease;
@@ -84,12 +84,14 @@ void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::spa
     parts_.push_back(std::move(part));
 }
 
-PerOutput<std::vector<Place>> PlanState::places_of(const Part& part, std::span<const DeviceTargets> targets) const {
+PerOutput<std::vector<Place>> PlanState::places_of(const Part& part,
+                                                   std::span<const targets::DeviceTargets> targets) const {
     PerOutput<std::vector<Place>> all_places;
     const Batch& batch = *part.block.batch;
     for (const std::size_t n : batch.requests)
         for_each_output(
-            [&](const OutputInfo&, const OutputArray& target, const HostArray& array, std::vector<Place>& places) {
+            [&](const OutputInfo&, const OutputArray& target, const targets::HostArray& array,
+                std::vector<Place>& places) {
                 if (!array.is_wanted) return;
                 if (const auto box = stored_box(part.block.grid, requests[n].grid, target))
                     places.push_back({target.device, *box});
@@ -106,11 +108,11 @@ PerOutput<std::vector<Place>> PlanState::places_of(const Part& part, std::span<c
     return all_places;
 }
 
-void PlanState::check(const Part& part, const DeviceTargets& target) const {
+void PlanState::check(const Part& part, const targets::DeviceTargets& target) const {
     const bool in_place = is_in_place(part.block);
     for_each_output(
-        [&](const OutputInfo& row, const HostArray& planned, const HostArray& given, const OutputArray& like,
-            const OutputArray& other) {
+        [&](const OutputInfo& row, const targets::HostArray& planned, const targets::HostArray& given,
+            const OutputArray& like, const OutputArray& other) {
             if (given.is_wanted != planned.is_wanted)
                 throw Error(ErrorCode::invalid_argument,
                             planned.is_wanted
@@ -137,7 +139,7 @@ void PlanState::check(const Part& part, const DeviceTargets& target) const {
                         target.why_not_in_place));
 }
 
-std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> given) const {
+std::vector<targets::DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> given) const {
     if (given.size() != requests.size())
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("the plan has {} requests, and the targets of {} are given; give each request its "
@@ -145,8 +147,8 @@ std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> 
                                 requests.size(), given.size()));
     std::vector<Request> others = requests;
     for (std::size_t n = 0; n < given.size(); ++n) others[n].targets = given[n];
-    auto targets = transform::targets_of(others, [&](const Request& request) {
-        return DeviceTargets(request.targets, request.grid, device::context_of(device));
+    auto targets = calls::targets_of(others, [&](const Request& request) {
+        return targets::DeviceTargets(request.targets, request.grid, device::context_of(device));
     });
     for (const Part& part : parts_)
         for (const std::size_t n : part.block.batch->requests)
@@ -154,7 +156,7 @@ std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> 
     return targets;
 }
 
-void PlanState::complete(const CallStatistics& call, const KeptMesh& kept_mesh) {
+void PlanState::complete(const CallStatistics& call, const engine::KeptMesh& kept_mesh) {
     statistics = call;
     for (const Part& part : parts_) add_slab(statistics, part.plan->statistics);
     statistics.device_bytes = own_bytes(kept_mesh);
@@ -172,14 +174,14 @@ void PlanState::clear() {
     statistics = {};
 }
 
-std::size_t PlanState::own_bytes(const KeptMesh& kept_mesh) const {
+std::size_t PlanState::own_bytes(const engine::KeptMesh& kept_mesh) const {
     std::size_t bytes = 0;
     for_each_output([&](const OutputInfo&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
                     samples_);
-    Inputs counted;  // the parts of a batch follow one another, and share them
+    engine::Inputs counted;  // the parts of a batch follow one another, and share them
     for (const Part& part : parts_) {
         bytes += part.plan->own_bytes();
-        Inputs inputs = part.plan->inputs;
+        engine::Inputs inputs = part.plan->inputs;
         if (inputs.records == counted.records) inputs.records = nullptr;
         if (inputs.sweep_mesh == counted.sweep_mesh) inputs.sweep_mesh = nullptr;
         bytes += kept_mesh.bytes_beside(inputs);
@@ -191,7 +193,8 @@ std::size_t PlanState::own_bytes(const KeptMesh& kept_mesh) const {
     return bytes;
 }
 
-void PlanState::enqueue_stores(Part& part, CommandChain& chain, std::span<const DeviceTargets> targets) const {
+void PlanState::enqueue_stores(Part& part, engine::CommandChain& chain,
+                               std::span<const targets::DeviceTargets> targets) const {
     if (is_in_place(part.block)) return;
     PerOutput<std::vector<Place>> all_places;
     if (!targets.empty()) all_places = places_of(part, targets);
@@ -211,10 +214,10 @@ void PlanState::read_counters() {
 }
 
 cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
-                             std::span<const DeviceTargets> targets) {
+                             std::span<const targets::DeviceTargets> targets) {
     device::Context& context = device::context_of(device);
     if (queue() == context.queue()() && !before.empty()) context.add_waiting_run();
-    CommandChain& chain = runs_.begin(queue, std::move(before));
+    engine::CommandChain& chain = runs_.begin(queue, std::move(before));
     if (parts_.empty())
         chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
     for (Part& part : parts_) {
@@ -227,4 +230,4 @@ cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Even
     return chain.last();
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::calls

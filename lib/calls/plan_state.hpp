@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::transform {
+namespace clsdf::calls {
 
 /// The state of a Plan: a plan for each block, and the launches that copy samples to the targets. A block that is one
 /// request with packed memory is computed in place. The other blocks are computed one after another in memory that
@@ -27,7 +27,7 @@ struct PlanState {
     PlanState& operator=(const PlanState&) = delete;
 
     /// Divides the requests, with these targets, into the blocks that are computed. box: the mesh's.
-    void divide(std::span<const DeviceTargets> targets, const Box& box);
+    void divide(std::span<const targets::DeviceTargets> targets, const Box& box);
     const std::vector<Batch>& batches() const { return batches_; }
     const std::vector<Block>& blocks() const { return blocks_; }
     /// Whether a block is copied to its targets.
@@ -35,22 +35,22 @@ struct PlanState {
     /// Memory for the samples of the largest of the blocks that are copied.
     void make_room();
     /// targets: of all requests.
-    void add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
-             const Programs& programs);
+    void add(const Block& block, std::unique_ptr<engine::GridPlan> plan,
+             std::span<const targets::DeviceTargets> targets, const engine::Programs& programs);
     /// All blocks have been added. call: what the call that added them took, beside the blocks' plans.
-    void complete(const CallStatistics& call, const KeptMesh& kept_mesh);
+    void complete(const CallStatistics& call, const engine::KeptMesh& kept_mesh);
     /// Waits for all runs, also for those that fail, and gives back what depends on positions and places.
     void clear();
 
     /// Device memory of this plan, without what the kept mesh counts.
-    std::size_t own_bytes(const KeptMesh& kept_mesh) const;
+    std::size_t own_bytes(const engine::KeptMesh& kept_mesh) const;
 
     /// Throws as Plan::enqueue() does if a run cannot write to these targets, one for each request.
-    std::vector<DeviceTargets> targets_of(std::span<const OutputTargets> given) const;
+    std::vector<targets::DeviceTargets> targets_of(std::span<const OutputTargets> given) const;
 
     /// targets: of this run alone, as targets_of() returns them; empty: those that were planned.
     cl::Event enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
-                      std::span<const DeviceTargets> targets);
+                      std::span<const targets::DeviceTargets> targets);
 
     /// Adds the counters of the last run, which has ended, to the statistics, if they were asked for.
     void read_counters();
@@ -69,16 +69,16 @@ struct PlanState {
 private:
     struct Part {
         Block block;
-        std::unique_ptr<GridPlan> plan;
-        TargetArrays like;        ///< of the first request: all have the same types
-        OutputBuffers buffers{};  ///< that the samples are computed in
+        std::unique_ptr<engine::GridPlan> plan;
+        targets::TargetArrays like;       ///< of the first request: all have the same types
+        engine::OutputBuffers buffers{};  ///< that the samples are computed in
         PerOutput<std::optional<BoxStore>> stores{};
     };
     /// The places of a part's samples in the targets of its requests.
-    PerOutput<std::vector<Place>> places_of(const Part& part, std::span<const DeviceTargets> targets) const;
+    PerOutput<std::vector<Place>> places_of(const Part& part, std::span<const targets::DeviceTargets> targets) const;
     /// Throws if the part cannot write to the target of one of its requests.
-    void check(const Part& part, const DeviceTargets& target) const;
-    void enqueue_stores(Part& part, CommandChain& chain, std::span<const DeviceTargets> targets) const;
+    void check(const Part& part, const targets::DeviceTargets& target) const;
+    void enqueue_stores(Part& part, engine::CommandChain& chain, std::span<const targets::DeviceTargets> targets) const;
 
     std::vector<Batch> batches_;
     std::vector<Block> blocks_;
@@ -87,11 +87,11 @@ private:
     Runs runs_;
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::calls
 
 namespace clsdf {
 
-struct __attribute__((visibility("hidden"))) Plan::State : transform::PlanState {
+struct __attribute__((visibility("hidden"))) Plan::State : calls::PlanState {
     using PlanState::PlanState;
 };
 

@@ -13,16 +13,16 @@
 
 namespace clsdf {
 
-namespace transform {
+namespace calls {
 
 namespace {
 
 /// done: for the caller, who releases it; may be null. targets: see PlanState::enqueue().
 void enqueue_run(PlanState& state, cl_command_queue queue, std::span<const cl_event> wait_list, cl_event* done,
-                 std::span<const DeviceTargets> targets) {
+                 std::span<const targets::DeviceTargets> targets) {
     const device::Context& context = device::context_of(state.device);
     const cl::Event last =
-        state.enqueue(device::queue_of(context, queue), device::events_of(context, wait_list), targets);
+        state.enqueue(targets::queue_of(context, queue), targets::events_of(context, wait_list), targets);
     if (done == nullptr) return;
     clRetainEvent(last());
     *done = last();
@@ -36,7 +36,7 @@ void require_whole(const PlanState& state) {
 
 }  // namespace
 
-}  // namespace transform
+}  // namespace calls
 
 std::unique_ptr<Plan::State> DistanceTransform::State::plan(bool has_own_pool, std::vector<Request> requests,
                                                             std::optional<OutputSet> outputs_without_targets,
@@ -47,13 +47,13 @@ std::unique_ptr<Plan::State> DistanceTransform::State::plan(bool has_own_pool, s
     return made;
 }
 
-void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Request> requests,
+void DistanceTransform::State::plan(calls::PlanState& made, std::vector<Request> requests,
                                     std::optional<OutputSet> outputs_without_targets, const CallOptions& call) {
     const device::Context& context = device::context_of(device);
     if (&device::context_of(made.device) != &context)
         throw Error(ErrorCode::invalid_argument,
                     "the transform has another device than the plan; update the plan with a transform of its Device");
-    const auto targets = transform::targets_of(
+    const auto targets = calls::targets_of(
         requests, [&](const Request& request) { return device_targets(request, outputs_without_targets); });
     mutex.check_thread();
     made.clear();  // waits for its runs before the mutex is locked: other threads may use the transform
@@ -70,16 +70,16 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Requ
     }
 }
 
-void DistanceTransform::State::plan(transform::PlanState& made, std::span<const scan::DeviceTargets> targets,
+void DistanceTransform::State::plan(calls::PlanState& made, std::span<const targets::DeviceTargets> targets,
                                     const CallOptions& call) {
     device::Context& context = this->context();
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    transform::RunningCall running{call};
+    calls::RunningCall running{call};
     running.throw_if_stopped();
     made.divide(targets, kept_mesh->mesh().box());
-    if (made.has_copies()) test(transform::stored_boxes_subject(device, programs), running);
-    for (const transform::Batch& batch : made.batches()) compile(batch.job, running);
+    if (made.has_copies()) test(calls::stored_boxes_subject(device, programs), running);
+    for (const calls::Batch& batch : made.batches()) compile(batch.job, running);
     made.sign = sign;
     bool is_retry = false;
     const auto make = [&] {
@@ -89,12 +89,11 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
         context.run_or_drain([&] {
             made.make_room();
             BlockPlans block_plans(*this, made.pool, true, running);
-            for (const transform::Block& block : made.blocks())
-                made.add(block, block_plans.make(block), targets, programs);
+            for (const calls::Block& block : made.blocks()) made.add(block, block_plans.make(block), targets, programs);
             keep_within_budget();
         });
     };
-    transform::with_remedies(&running, {forgetting()}, make);
+    calls::with_remedies(&running, {forgetting()}, make);
     device::guarded([&] { context.queue().finish(); });
     if (made.has_own_pool) made.pool->release();
     made.complete(running.statistics, *kept_mesh);
@@ -105,13 +104,13 @@ CallStatistics DistanceTransform::State::compute_on_device(std::span<const Reque
     const auto plan = this->plan(true, {requests.begin(), requests.end()}, std::nullopt, call, call.count_work);
     device::guarded([&] {
         const Stopwatch watch;
-        const cl::Event end = plan->enqueue(context.callers_queue(), device::events_of(context, call.wait_list), {});
+        const cl::Event end = plan->enqueue(context.callers_queue(), targets::events_of(context, call.wait_list), {});
         end.wait();
-        device::wait_for(context, call.wait_list);  // Intel's runtime reports success
+        targets::wait_for(context, call.wait_list);  // Intel's runtime reports success
         if (call.count_work) plan->read_counters();
         plan->statistics.field_seconds = watch.seconds();
     });
-    transform::RunningCall{call}.report({.fraction = 1});
+    calls::RunningCall{call}.report({.fraction = 1});
     return plan->statistics;
 }
 
@@ -138,21 +137,21 @@ const TransformStatistics& Plan::statistics() const {
 
 void Plan::enqueue(cl_command_queue queue, std::span<const cl_event> wait_list, cl_event* done) {
     State& state = this->state();
-    transform::require_whole(state);
+    calls::require_whole(state);
     if (state.outputs_without_targets)
         throw Error(
             ErrorCode::invalid_argument,
             "the plan was made of a grid and has no targets; give this run targets, or make the plan of a request");
     with_host_memory("for a run of the plan",
-                     [&] { device::guarded([&] { transform::enqueue_run(state, queue, wait_list, done, {}); }); });
+                     [&] { device::guarded([&] { calls::enqueue_run(state, queue, wait_list, done, {}); }); });
 }
 
 void Plan::enqueue(cl_command_queue queue, std::span<const OutputTargets> targets, std::span<const cl_event> wait_list,
                    cl_event* done) {
     State& state = this->state();
-    transform::require_whole(state);
+    calls::require_whole(state);
     with_host_memory("for the targets of a run; give fewer", [&] {
-        device::guarded([&] { transform::enqueue_run(state, queue, wait_list, done, state.targets_of(targets)); });
+        device::guarded([&] { calls::enqueue_run(state, queue, wait_list, done, state.targets_of(targets)); });
     });
 }
 
@@ -189,12 +188,12 @@ void Plan::update(const DistanceTransform& transform, std::span<const Request> r
 
 void Plan::update(const DistanceTransform& transform, const BlockSet& blocks, const CallOptions& call) {
     with_host_memory("for the plan; give fewer blocks",
-                     [&] { update(transform, transform::requests_of(blocks, 0, blocks.first.size()), call); });
+                     [&] { update(transform, calls::requests_of(blocks, 0, blocks.first.size()), call); });
 }
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call) const {
     return with_host_memory("for the plan", [&] {
-        return Plan(state().plan(false, std::vector<Request>{{grid, band, {}}}, scan::extras_of(outputs), call));
+        return Plan(state().plan(false, std::vector<Request>{{grid, band, {}}}, targets::extras_of(outputs), call));
     });
 }
 
@@ -206,7 +205,7 @@ Plan DistanceTransform::plan(std::span<const Request> requests, const CallOption
 
 Plan DistanceTransform::plan(const BlockSet& blocks, const CallOptions& call) const {
     return with_host_memory("for the plan; give fewer blocks",
-                            [&] { return plan(transform::requests_of(blocks, 0, blocks.first.size()), call); });
+                            [&] { return plan(calls::requests_of(blocks, 0, blocks.first.size()), call); });
 }
 
 std::size_t DistanceTransform::plan_bytes(std::span<const Request> requests, const CallOptions& call) const {

@@ -21,7 +21,7 @@
 namespace clsdf {
 
 points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, std::size_t count, bool on_host) {
-    return transform::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
+    return calls::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
         points::PointInputs inputs;
         inputs.mesh = kept_points->tree();
         const bool has_room = !on_host && !points_are_short_of_memory;
@@ -31,24 +31,24 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, kept_mesh->mesh().triangles().size()));
-        const bool has_normals = transform::takes_normals(outputs);
-        inputs.sites = kept_mesh->sites(transform::names_sites(outputs), has_normals || inputs.sides != nullptr);
+        const bool has_normals = engine::takes_normals(outputs);
+        inputs.sites = kept_mesh->sites(engine::names_sites(outputs), has_normals || inputs.sides != nullptr);
         inputs.sign = sign;
         inputs.is_inside_out =
             has_normals && sign != SignRule::none && topology.balanced && kept_mesh->encloses_negative_volume();
         if (!on_host) return inputs;
         // Only what these outputs need.
-        scan::DeviceSites sites = *inputs.sites;
-        if (!transform::names_sites(outputs)) sites.names.reset();
+        engine::DeviceSites sites = *inputs.sites;
+        if (!engine::names_sites(outputs)) sites.names.reset();
         if (!has_normals) sites.normals.reset();
-        inputs.sites = std::make_shared<const scan::DeviceSites>(std::move(sites));
+        inputs.sites = std::make_shared<const engine::DeviceSites>(std::move(sites));
         points::bring_to_host(inputs);
         return inputs;
     });
 }
 
 points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3> all, double half_width,
-                                                            OutputSet outputs, transform::RunningCall& running) {
+                                                            OutputSet outputs, calls::RunningCall& running) {
     mutex.check_thread();
     context().require_usable();
     const auto check = [&](const Box& box) {
@@ -75,26 +75,26 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
 }
 
 CallStatistics DistanceTransform::State::query_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
-                                                   const scan::HostTargets& targets, const CallOptions& call) {
-    transform::RunningCall running{call};
+                                                   const targets::HostTargets& targets, const CallOptions& call) {
+    calls::RunningCall running{call};
     CallStatistics& statistics = running.statistics;
     const points::PointInputs inputs = inputs_of_few(all, half_width, outputs, running);
     statistics.triangles = inputs.mesh->face_count();
     statistics.device_bytes = std::max(statistics.device_bytes, inputs.mesh->device_bytes());
-    scan::OwnArrays own;
+    targets::OwnArrays own;
     const bool in_place = targets.are_packed;
-    const scan::HostArrays arrays = in_place ? targets.arrays : own.for_samples(targets.arrays, all.size());
+    const targets::HostArrays arrays = in_place ? targets.arrays : own.for_samples(targets.arrays, all.size());
     const points::PointTimes times = points::answer_points(inputs, all, half_width, arrays);
-    if (!in_place) targets.store(scan::row_of(all.size()), arrays);
+    if (!in_place) targets.store(targets::row_of(all.size()), arrays);
     statistics.field_seconds = times.nearest;
     statistics.sign_seconds = times.sign;
     return running.finish();
 }
 
 CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, double half_width, OutputSet outputs,
-                                                    const scan::HostTargets& targets, const CallOptions& call) {
+                                                    const targets::HostTargets& targets, const CallOptions& call) {
     const KeepsBudget keeps_budget(*this);
-    transform::RunningCall running{call};
+    calls::RunningCall running{call};
     CallStatistics& statistics = running.statistics;
     statistics.triangles = kept_mesh->mesh().triangles().size();
     {
@@ -103,28 +103,28 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         running.throw_if_stopped();
         points::check_points(kept_mesh->mesh().box(), all);  // before anything is made
         if (kept_mesh->restriction() != nullptr) kept_mesh->restriction()->check(all, half_width);
-        test(transform::point_subject(device, programs, false), running);
+        test(checks::point_subject(device, programs, false), running);
         if (points::is_scan_worthwhile(programs, all.size(), kept_mesh->mesh().triangles().size()))
-            test(transform::point_subject(device, programs, true), running);
+            test(checks::point_subject(device, programs, true), running);
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += all.size();
         const points::PointInputs inputs = point_inputs(outputs, all.size(), false);
         statistics.polyhedra_seconds = watch.seconds();
     }
-    device::InFlight<scan::OwnArrays> own(context());
+    device::InFlight<targets::OwnArrays> own(context());
     own.begin();
     std::size_t most = points::most_points;
     const auto fewer_than = [&most](std::size_t least) {
-        return transform::Remedy{[&most, least] {
-                                     if (most <= least) return false;
-                                     most /= 2;
-                                     return true;
-                                 },
-                                 true};
+        return calls::Remedy{[&most, least] {
+                                 if (most <= least) return false;
+                                 most /= 2;
+                                 return true;
+                             },
+                             true};
     };
-    const auto locked = [this](const transform::Remedy& remedy) {
-        return transform::Remedy{[this, remedy] {
+    const auto locked = [this](const calls::Remedy& remedy) {
+        return calls::Remedy{[this, remedy] {
             const std::scoped_lock lock(mutex);
             return remedy.apply();
         }};
@@ -133,13 +133,13 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         return static_cast<double>(points) / static_cast<double>(all.size());
     };
     for (std::size_t begin = 0, count = 0; begin < all.size(); begin += count) {
-        scan::HostArrays arrays;
-        const auto times = transform::with_remedies(
+        targets::HostArrays arrays;
+        const auto times = calls::with_remedies(
             &running,
             {locked(forgetting()), fewer_than(std::size_t{1} << 15), locked(without_tables()), fewer_than(256)}, [&] {
                 count = most = std::min(most, all.size() - begin);
                 const std::span<const Vec3> part = all.subspan(begin, count);
-                arrays = targets.are_packed ? scan::arrays_from(begin, targets.arrays)
+                arrays = targets.are_packed ? targets::arrays_from(begin, targets.arrays)
                                             : own->for_samples(targets.arrays, count);
                 const std::scoped_lock lock(mutex);
                 return points::query_points(device::context_of(device), programs, pool,
@@ -148,7 +148,7 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
             });
         statistics.sign_seconds += times.sign;
         statistics.field_seconds += times.nearest;
-        if (!targets.are_packed) targets.store(scan::row_of(count, begin), arrays);
+        if (!targets.are_packed) targets.store(targets::row_of(count, begin), arrays);
     }
     own.end();
     {
@@ -175,7 +175,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
                                     half_width));
         check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
         if (points.count == 0) {  // vectors without elements have no memory
-            transform::RunningCall{call}.report({.fraction = 1});
+            calls::RunningCall{call}.report({.fraction = 1});
             return CallStatistics().published();
         }
         for (const auto& [output, array] : targets.all())
@@ -184,16 +184,16 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
                             fmt::format("the array of the output {} has the strides ({}, {}, {}); points lie in one "
                                         "row: set strides[0] alone",
                                         info_of(output).name, array.strides[0], array.strides[1], array.strides[2]));
-        device::MappedMemory memory(device::context_of(state.device));
+        targets::MappedMemory memory(device::context_of(state.device));
         memory.add(points, "points");
-        scan::add_targets(targets, points.count, memory);
+        targets::add_targets(targets, points.count, memory);
         memory.map(call.wait_list);
         const PositionArray positions(memory.on_host(points));
-        const scan::HostTargets on_host(scan::on_host(targets, points.count, memory), scan::row_of(points.count),
-                                        "there are {} points");
-        std::vector<scan::WrittenArray> written;
+        const targets::HostTargets on_host(targets::on_host(targets, points.count, memory),
+                                           targets::row_of(points.count), "there are {} points");
+        std::vector<targets::WrittenArray> written;
         on_host.add_written(0, written);
-        scan::refuse_overlap(written);
+        targets::refuse_overlap(written);
         // The outputs of some points may lie on others.
         std::vector<Vec3> copy;
         if (on_host.overlap(std::as_bytes(positions.get())))
@@ -201,7 +201,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
         const std::span<const Vec3> all = copy.empty() ? positions.get() : copy;
         const auto answer = all.size() <= points::most_few_points ? &State::query_few : &State::query_many;
         const CallStatistics statistics =
-            (state.*answer)(all, std::abs(half_width), scan::outputs_of(targets), on_host, call);
+            (state.*answer)(all, std::abs(half_width), targets::outputs_of(targets), on_host, call);
         memory.unmap();
         return statistics.published();
     });
@@ -223,7 +223,7 @@ void DistanceTransform::classify(std::span<const Box> boxes, double half_width, 
             const State::KeepsBudget keeps_budget(state);
             const std::scoped_lock lock(state.mutex);
             state.context().begin_call();
-            return transform::with_remedies(nullptr, {state.forgetting()}, [&] { return state.kept_points->tree(); });
+            return calls::with_remedies(nullptr, {state.forgetting()}, [&] { return state.kept_points->tree(); });
         }();
         points::find_places(*tree, state.sign, boxes, half_width, places);
     });

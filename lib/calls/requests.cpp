@@ -9,7 +9,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace clsdf::transform {
+namespace clsdf::calls {
 
 namespace {
 
@@ -112,11 +112,11 @@ std::ptrdiff_t block_stride(const OutputInfo& info, const OutputArray& array, st
 }
 
 /// The properties that the requests of a batch share.
-auto kind_of(const Request& request, const HostArrays& arrays) {
+auto kind_of(const Request& request, const targets::HostArrays& arrays) {
     std::uint32_t in_double = 0;
     for (const OutputInfo& row : extra_outputs()) in_double |= arrays[row.output].in_double ? bit_of(row) : 0;
     return std::tuple(request.grid.origin, request.grid.spacing, request.band.inside, request.band.outside,
-                      outputs_of(arrays).bits(), in_double);
+                      targets::outputs_of(arrays).bits(), in_double);
 }
 
 }  // namespace
@@ -160,8 +160,8 @@ std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std:
     return requests;
 }
 
-std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box,
-                              bool counts) {
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const targets::HostArrays> arrays,
+                              const Box& box, bool counts) {
     if (requests.empty()) return {};
     std::map<decltype(kind_of(requests.front(), arrays.front())), std::vector<std::size_t>> kinds;
     for (std::size_t n = 0; n < requests.size(); ++n) kinds[kind_of(requests[n], arrays[n])].push_back(n);
@@ -173,7 +173,7 @@ std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const
     for (Batch& batch : batches) {
         const std::size_t first = batch.requests.front();
         batch.job.band = requests[first].band;
-        batch.job.outputs = outputs_of(arrays[first]);
+        batch.job.outputs = targets::outputs_of(arrays[first]);
         batch.arrays = arrays[first];
         batch.job.counts = counts;
         if (batch.requests.size() > 1)
@@ -182,14 +182,14 @@ std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const
     return batches;
 }
 
-std::vector<Block> blocks_of(std::span<const Batch> batches, const SlabLimits& limits,
-                             const SlabLimits& limits_in_place) {
+std::vector<Block> blocks_of(std::span<const Batch> batches, const engine::SlabLimits& limits,
+                             const engine::SlabLimits& limits_in_place) {
     std::vector<Block> blocks;
     for (const Batch& batch : batches)
-        for (const Grid& slab :
-             slabs_of(batch.job.grid, batch.in_place ? limits_in_place : limits, widest_of(batch.arrays)))
+        for (const Grid& slab : engine::slabs_of(batch.job.grid, batch.in_place ? limits_in_place : limits,
+                                                 targets::widest_of(batch.arrays)))
             blocks.push_back({&batch, slab});
     return blocks;
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::calls

@@ -14,16 +14,14 @@
 #include <type_traits>
 #include <vector>
 
-namespace clsdf::transform {
-
-using namespace scan;
+namespace clsdf::calls {
 
 /// Requests of one lattice, one band and the same outputs that are computed together, as one block of the lattice.
 struct Batch {
-    Job job;
+    engine::Job job;
     std::vector<std::size_t> requests{};  ///< their indices
     double cost = 1;                      ///< estimated, in nanoseconds of a processor with two cores
-    HostArrays arrays{};                  ///< of the first request: which outputs, and the elements that are computed
+    targets::HostArrays arrays{};         ///< of the first request: which outputs, and the elements that are computed
     bool in_place = false;                ///< it is one request, whose arrays the device can compute in
 };
 
@@ -36,8 +34,8 @@ struct Block {
 };
 
 /// The blocks of batches, in their order. limits_in_place: of those that are computed in place.
-std::vector<Block> blocks_of(std::span<const Batch> batches, const SlabLimits& limits,
-                             const SlabLimits& limits_in_place);
+std::vector<Block> blocks_of(std::span<const Batch> batches, const engine::SlabLimits& limits,
+                             const engine::SlabLimits& limits_in_place);
 
 /// The requests of blocks [begin, end). Throws Error(invalid_argument) for arrays that cannot hold all blocks.
 std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std::size_t end);
@@ -58,7 +56,7 @@ auto for_request(std::size_t n, std::size_t count, const Function& of_request) {
 /// its arrays to `written`. Throws what a call for the request alone would throw; see for_request().
 template <class Make>
 auto targets_of(const Request& request, std::size_t n, std::size_t count, const Make& make,
-                std::vector<WrittenArray>& written) {
+                std::vector<targets::WrittenArray>& written) {
     return for_request(n, count, [&] {
         request.grid.validate();
         request.band.validate();
@@ -74,30 +72,30 @@ auto targets_of(const Request& request, std::size_t n, std::size_t count, const 
 template <class Make>
 auto targets_of(std::span<const Request> requests, const Make& make) {
     std::vector<std::invoke_result_t<Make, const Request&>> all;
-    std::vector<WrittenArray> written;
+    std::vector<targets::WrittenArray> written;
     all.reserve(requests.size());
     for (std::size_t n = 0; n < requests.size(); ++n)
         all.push_back(targets_of(requests[n], n, requests.size(), make, written));
-    refuse_overlap(written);
+    targets::refuse_overlap(written);
     return all;
 }
 
 /// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request
 /// asks for, and a call for each request has a cost of its own: requests of a lattice are divided if that is
 /// estimated to be cheaper. The division changes no byte. box: the mesh's.
-std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box,
-                              bool counts);
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const targets::HostArrays> arrays,
+                              const Box& box, bool counts);
 
 /// The same of the requests' targets, HostTargets or DeviceTargets.
 template <class Targets>
 std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const Targets> targets, const Box& box,
                               bool counts) {
-    std::vector<HostArrays> arrays;
+    std::vector<targets::HostArrays> arrays;
     for (const Targets& target : targets) arrays.push_back(target.arrays);
-    std::vector<Batch> batches = batches_of(requests, std::span<const HostArrays>(arrays), box, counts);
+    std::vector<Batch> batches = batches_of(requests, std::span<const targets::HostArrays>(arrays), box, counts);
     for (Batch& batch : batches)
         batch.in_place = batch.requests.size() == 1 && targets[batch.requests.front()].can_be_in_place();
     return batches;
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::calls

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::transform {
+namespace clsdf::calls {
 
 /// Runs of a plan that may be unfinished. A run that fails ends at once, even before the runs that it waits for. So the
 /// end of the latest does not mean that all have ended.
@@ -16,7 +16,7 @@ class Runs {
 public:
     /// A new run, whose commands are to be enqueued: they wait for `before`, and for the latest run that has not ended.
     /// All that are enqueued count, even if a later one cannot be.
-    scan::CommandChain& begin(const cl::CommandQueue& queue, std::vector<cl::Event> before) {
+    engine::CommandChain& begin(const cl::CommandQueue& queue, std::vector<cl::Event> before) {
         std::erase_if(running_, is_over);
         const auto latest = std::find_if(running_.rbegin(), running_.rend(),
                                          [](const auto& run) { return !device::has_ended(run.last()); });
@@ -27,7 +27,7 @@ public:
     /// Waits for all of them, whether they fail or not. Returns the error of a wait that could not be made.
     cl_int wait() noexcept {
         for (; !running_.empty(); running_.pop_front()) {
-            scan::CommandChain& run = running_.front();
+            engine::CommandChain& run = running_.front();
             if (run.has_begun() && !device::has_ended(run.last())) {
                 const cl_int code = clWaitForEvents(1, &run.last()());
                 if (code != CL_SUCCESS && code != CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST) return code;
@@ -40,12 +40,12 @@ public:
 private:
     /// PoCL 3.1 ends the process in this case: a command fails, its event is released, and later an event of its wait
     /// list ends. So a run stays until the events of its commands and of their wait list have ended.
-    static bool is_over(const scan::CommandChain& run) {
+    static bool is_over(const engine::CommandChain& run) {
         return !run.has_begun() || (std::ranges::all_of(run.events(), device::has_ended) &&
                                     std::ranges::all_of(run.awaited(), device::has_ended));
     }
 
-    std::deque<scan::CommandChain> running_;  // in their order
+    std::deque<engine::CommandChain> running_;  // in their order
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::calls

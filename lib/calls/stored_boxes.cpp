@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-namespace clsdf::transform {
+namespace clsdf::calls {
 
 namespace {
 
@@ -47,15 +47,15 @@ BoxStore::BoxStore(const device::Context& context, const cl::Program& program, c
     const device::Context::Capabilities& device = context.capabilities();
     pieces_ = device.is_processor ? 1 : pieces_of_gpu;
     group_rows_ = std::clamp<std::size_t>(device.largest_group / pieces_, 1, 8);
-    to_ = set_arguments(kernel_, 0, boxes_, static_cast<cl_int>(block.size[0]),
-                        static_cast<cl_long>(block.size[0] * block.size[1]), static_cast<cl_int>(elements.components),
-                        static_cast<cl_int>(elements.bytes), samples);
+    to_ = engine::set_arguments(kernel_, 0, boxes_, static_cast<cl_int>(block.size[0]),
+                                static_cast<cl_long>(block.size[0] * block.size[1]),
+                                static_cast<cl_int>(elements.components), static_cast<cl_int>(elements.bytes), samples);
     for (const StoredBox& box : written_)
         rows_ = std::max(rows_, static_cast<std::size_t>(box.size[1]) * static_cast<std::size_t>(box.size[2]));
-    rows_ = in_whole_groups(rows_, group_rows_);
+    rows_ = engine::in_whole_groups(rows_, group_rows_);
 }
 
-void BoxStore::write(CommandChain& chain, std::span<const Place> places) {
+void BoxStore::write(engine::CommandChain& chain, std::span<const Place> places) {
     // If the last write failed, the device may have old boxes. Then all are written again.
     const bool is_known =
         last_write_() == nullptr || last_write_.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() >= CL_COMPLETE;
@@ -70,7 +70,7 @@ void BoxStore::write(CommandChain& chain, std::span<const Place> places) {
     }
 }
 
-void BoxStore::enqueue(CommandChain& chain, std::span<const Place> places) {
+void BoxStore::enqueue(engine::CommandChain& chain, std::span<const Place> places) {
     if (places.empty()) places = planned_;
     write(chain, places);
     for (std::size_t box = 0, count = 0; box < places.size(); box += count) {
@@ -79,13 +79,13 @@ void BoxStore::enqueue(CommandChain& chain, std::span<const Place> places) {
         const auto end = std::ranges::find_if(rest, [&](const Place& place) { return place.memory != memory; });
         count = static_cast<std::size_t>(end - rest.begin());
         kernel_.setArg(to_, cl::Buffer(memory, true));
-        divided({pieces_, rows_, count}, {most_groups * group_rows_, most_groups},
-                [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
-                    chain.then([&](auto& queue, auto* wait, auto* event) {
-                        queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, y, box + z), items,
-                                                   cl::NDRange(pieces_, group_rows_, 1), wait, event);
-                    });
-                });
+        engine::divided({pieces_, rows_, count}, {engine::most_groups * group_rows_, engine::most_groups},
+                        [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
+                            chain.then([&](auto& queue, auto* wait, auto* event) {
+                                queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, y, box + z), items,
+                                                           cl::NDRange(pieces_, group_rows_, 1), wait, event);
+                            });
+                        });
     }
 }
 
@@ -130,7 +130,7 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, to.size() * sizeof(Value),
                             to.data());
     const StoredElements elements{components, sizeof(Value)};
-    CommandChain chain(queue, {});
+    engine::CommandChain chain(queue, {});
     BoxStore both(context, program, block, elements, samples, {{memory(), stored[0]}, {memory(), stored[1]}});
     both.enqueue(chain);
     BoxStore moved(context, program, block, elements, samples, {{memory(), stored[0]}});
@@ -141,8 +141,8 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
 
 }  // namespace
 
-TestSubject stored_boxes_subject(const Device& device, const Programs& programs) {
-    TestSubject subject;
+checks::TestSubject stored_boxes_subject(const Device& device, const engine::Programs& programs) {
+    checks::TestSubject subject;
     subject.name = "stored boxes";
     subject.build = [&programs](const device::BuildWatch& watch) { return std::vector{programs.store.get(watch)}; };
     subject.difference = [&device, &programs](const device::BuildWatch&) -> std::optional<std::string> {
@@ -156,4 +156,4 @@ TestSubject stored_boxes_subject(const Device& device, const Programs& programs)
     return subject;
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::calls

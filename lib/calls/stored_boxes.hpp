@@ -14,12 +14,10 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::transform {
-
-using namespace scan;
+namespace clsdf::calls {
 
 /// The program that stores boxes.
-TestSubject stored_boxes_subject(const Device& device, const Programs& programs);
+checks::TestSubject stored_boxes_subject(const Device& device, const engine::Programs& programs);
 
 /// The samples that a block and a request have in common; nothing if there are none. `target`: with its strides set.
 std::optional<StoredBox> stored_box(const Grid& block, const Grid& request, const OutputArray& target);
@@ -45,13 +43,13 @@ public:
 
     /// places: of this run alone, as many and as large as those before; empty: those it was made with. Allocates no
     /// device memory. Throws cl::Error.
-    void enqueue(CommandChain& chain, std::span<const Place> places = {});
+    void enqueue(engine::CommandChain& chain, std::span<const Place> places = {});
 
     std::size_t bytes() const { return written_.size() * sizeof(StoredBox); }
 
 private:
     /// Writes to the device what differs from there.
-    void write(CommandChain& chain, std::span<const Place> places);
+    void write(engine::CommandChain& chain, std::span<const Place> places);
 
     cl::Kernel kernel_;
     cl_uint to_ = 0;  ///< the number of its argument for the target
@@ -63,4 +61,4 @@ private:
     std::size_t group_rows_ = 1;         ///< rows of a work-group
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::calls

@@ -18,10 +18,10 @@ namespace {
 /// For the grids of a time step. More would keep the memory that the next one needs.
 constexpr std::size_t most_plans = 4;
 
-transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, KernelBody body,
-                                const CallOptions& call) {
-    transform::RunningCall{call}.throw_if_stopped();
-    scan::Programs programs = device::guarded([&] { return scan::Programs(device::context_of(device), body); });
+engine::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, KernelBody body,
+                             const CallOptions& call) {
+    calls::RunningCall{call}.throw_if_stopped();
+    engine::Programs programs = device::guarded([&] { return engine::Programs(device::context_of(device), body); });
     auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     return {std::move(device), std::move(pool), std::move(programs), std::move(method)};
 }
@@ -30,11 +30,11 @@ transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod
 
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
-    : Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)),
+    : engine::Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)),
       topology(describe_vertices(mesh)),
       vertices(mesh, topology.coincident_vertices > 0) {
-    kept_mesh = std::make_unique<transform::KeptMesh>(
-        context(), pool, std::move(mesh), transform::KeptMesh::Options{programs, method, options.kept_bytes});
+    kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh),
+                                                   engine::KeptMesh::Options{programs, method, options.kept_bytes});
     kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
     describe_edges(kept_mesh->mesh(), kept_mesh->topology().edges.are_paired, topology);
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
@@ -43,8 +43,8 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
 }
 
 DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
-                                std::unique_ptr<transform::KeptMesh> own_mesh)
-    : Workshop(other.with(own_pool)),
+                                std::unique_ptr<engine::KeptMesh> own_mesh)
+    : engine::Workshop(other.with(own_pool)),
       topology(other.topology),
       vertices(other.vertices),
       kept_mesh(std::move(own_mesh)),
@@ -77,8 +77,8 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
                     "a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
     context().begin_call();
     auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    auto own_mesh = transform::with_remedies(nullptr, {forgetting()},
-                                             [&] { return kept_mesh->restricted(own_pool, regions, sign); });
+    auto own_mesh =
+        calls::with_remedies(nullptr, {forgetting()}, [&] { return kept_mesh->restricted(own_pool, regions, sign); });
     return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_mesh)));
 }
 
@@ -91,8 +91,8 @@ void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
 void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    move_vertices(transform::Vertices::moved(first_positions.empty() ? kept_mesh->mesh().vertices() : first_positions,
-                                             rotation, translation));
+    move_vertices(engine::Vertices::moved(first_positions.empty() ? kept_mesh->mesh().vertices() : first_positions,
+                                          rotation, translation));
 }
 
 void DistanceTransform::State::require_whole() const {
@@ -113,13 +113,13 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     plans.clear();
 }
 
-void DistanceTransform::State::test(const transform::TestSubject& subject, transform::RunningCall& running) const {
+void DistanceTransform::State::test(const checks::TestSubject& subject, calls::RunningCall& running) const {
     if (context().is_tested(subject.name)) return;
     running.compile(subject.steps,
-                    [&](const device::BuildWatch& watch) { return transform::ensure_tested(device, subject, watch); });
+                    [&](const device::BuildWatch& watch) { return checks::ensure_tested(device, subject, watch); });
 }
 
-void DistanceTransform::State::check(const transform::Job& job) const {
+void DistanceTransform::State::check(const engine::Job& job) const {
     for (const double width : {job.band.inside, job.band.outside})
         if (width > 0 && static_cast<float>(width) == 0)
             throw Error(ErrorCode::invalid_argument,
@@ -140,42 +140,42 @@ void DistanceTransform::State::check(const transform::Job& job) const {
     kept_mesh->check(job.grid, job.band, sign);
 }
 
-scan::HostTargets DistanceTransform::State::host_targets(const Request& request) const {
-    check({request.grid, request.band, scan::outputs_of(request.targets)});
+targets::HostTargets DistanceTransform::State::host_targets(const Request& request) const {
+    check({request.grid, request.band, targets::outputs_of(request.targets)});
     return {request.targets, request.grid};
 }
 
-scan::DeviceTargets DistanceTransform::State::device_targets(
+targets::DeviceTargets DistanceTransform::State::device_targets(
     const Request& request, const std::optional<OutputSet>& outputs_without_targets) const {
-    check({request.grid, request.band, outputs_without_targets.value_or(scan::outputs_of(request.targets))});
+    check({request.grid, request.band, outputs_without_targets.value_or(targets::outputs_of(request.targets))});
     if (outputs_without_targets) return {*outputs_without_targets, request.grid};
     return {request.targets, request.grid, context()};
 }
 
-void DistanceTransform::State::compile(const transform::Job& job, transform::RunningCall& running) const {
+void DistanceTransform::State::compile(const engine::Job& job, calls::RunningCall& running) const {
     context().begin_call();
-    for (const transform::FieldKernels kernels : transform::kernels_of(*this, job))
-        test(transform::field_subject(*this, job, kernels), running);
+    for (const checks::FieldKernels kernels : checks::kernels_of(*this, job))
+        test(checks::field_subject(*this, job, kernels), running);
 }
 
-std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const transform::Job& job) {
+std::unique_ptr<engine::GridPlan> DistanceTransform::State::take_plan(const engine::Job& job) {
     const auto found = std::ranges::find(
         plans, job, [](const auto& plan) -> const auto& { return plan->job; });
     if (found == plans.end()) return nullptr;
-    std::unique_ptr<transform::GridPlan> plan = std::move(*found);
+    std::unique_ptr<engine::GridPlan> plan = std::move(*found);
     plans.erase(found);
     // The time of its set-up belongs to the call that made it.
     plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
     return plan;
 }
 
-void DistanceTransform::State::keep(std::unique_ptr<transform::GridPlan> plan) {
+void DistanceTransform::State::keep(std::unique_ptr<engine::GridPlan> plan) {
     if (!method) plans.push_front(std::move(plan));
     plan.reset();
     if (plans.size() > most_plans) plans.pop_back();
 }
 
-std::size_t DistanceTransform::State::bytes_of(const transform::GridPlan& plan) const {
+std::size_t DistanceTransform::State::bytes_of(const engine::GridPlan& plan) const {
     return plan.own_bytes() + kept_mesh->bytes_beside(plan.inputs);
 }
 

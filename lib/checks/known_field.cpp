@@ -11,14 +11,14 @@
 #include <cmath>
 #include <limits>
 
-namespace clsdf::transform {
+namespace clsdf::checks {
 
 namespace {
 
-using polyhedra::to_vector;
-using polyhedra::Vector;
-using scan::HostArray;
-using scan::HostArrays;
+using engine::to_vector;
+using engine::Vector;
+using targets::HostArray;
+using targets::HostArrays;
 
 // In voxels: what a field is held to (docs/accuracy.md), twice.
 constexpr double tolerance = 2e-5;
@@ -311,4 +311,4 @@ std::optional<std::string> KnownField::difference(const HostArrays& found) const
     return fmt::format("{}; {} of {} samples are wrong", first, wrong, known.size());
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::checks

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace clsdf::transform {
+namespace clsdf::checks {
 
 /// Which of the known fields: what decides which kernels compute it.
 struct KnownFieldKind {
@@ -43,17 +43,17 @@ public:
     /// Describes values that differ from the known ones by more than their error: the first sample and the number of
     /// samples. Nothing if all agree. found: packed samples; the distance alone, with the triangle, or with all
     /// outputs.
-    std::optional<std::string> difference(const scan::HostArrays& found) const;
+    std::optional<std::string> difference(const targets::HostArrays& found) const;
     /// The samples whose distance is less than the half width on their side.
-    std::size_t band_samples(const scan::HostArrays& found) const;
+    std::size_t band_samples(const targets::HostArrays& found) const;
 
 private:
     /// Each describes what is wrong, or returns an empty text.
-    std::string wrong_distance(const scan::HostArrays& found, const KnownSample& sample) const;
-    std::string wrong_triangle(const scan::HostArrays& found, const KnownSample& sample) const;
+    std::string wrong_distance(const targets::HostArrays& found, const KnownSample& sample) const;
+    std::string wrong_triangle(const targets::HostArrays& found, const KnownSample& sample) const;
 
     /// The half width on this side of the surface, as elements of the array have it.
-    double limit(bool negative, const scan::HostArray& distance) const;
+    double limit(bool negative, const targets::HostArray& distance) const;
     double error() const;
     double distance_to(std::uint32_t triangle, const Vec3& point) const;
     /// Negative inside.
@@ -67,4 +67,4 @@ private:
     KnownOutputs outputs_;
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::checks

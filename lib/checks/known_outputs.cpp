@@ -13,12 +13,12 @@
 #include <cstring>
 #include <span>
 
-namespace clsdf::transform {
+namespace clsdf::checks {
 
 namespace {
 
-using scan::HostArray;
-using scan::HostArrays;
+using targets::HostArray;
+using targets::HostArrays;
 
 // For a number, relative to its size or to 1: floats are rounded, and compilers may fuse multiply-adds.
 constexpr double float_tolerance = 1e-6, double_tolerance = 1e-9;
@@ -59,19 +59,19 @@ double number_at(const HostArrays& arrays, Output output, std::size_t index) {
 }
 
 KnownOutputs::KnownOutputs(const Mesh& mesh, const Grid& grid)
-    : how_(grid, Band::full(), scan::layout_of(grid, Band::full(), SignRule::nonzero),
-           std::make_shared<scan::DeviceSites>(), false),
+    : how_(grid, Band::full(), engine::layout_of(grid, Band::full(), SignRule::nonzero),
+           std::make_shared<engine::DeviceSites>(), false),
       triangles_(mesh.triangles()),
       polyhedra_(triangles_.size()),
       sites_(triangles_.size()),
       normals_(18 * triangles_.size()) {
-    const polyhedra::LatticeView lattice = scan::lattice_of(grid);
-    const polyhedra::MeshFaces faces{mesh.vertices(), triangles_, lattice};
+    const engine::LatticeView lattice = engine::lattice_of(grid);
+    const engine::MeshFaces faces{mesh.vertices(), triangles_, lattice};
     for (std::uint32_t face = 0; face < triangles_.size(); ++face)
-        polyhedra_[face] = polyhedra::pack(faces.frame(face), {}, face, mesh.vertices(), triangles_[face], lattice);
-    const polyhedra::MeshTopology topology(mesh);
-    polyhedra::name_sites(topology, sites_);
-    polyhedra::make_pseudonormals(topology, mesh.vertices(), normals_);
+        polyhedra_[face] = engine::pack(faces.frame(face), {}, face, mesh.vertices(), triangles_[face], lattice);
+    const engine::MeshTopology topology(mesh);
+    engine::name_sites(topology, sites_);
+    engine::make_pseudonormals(topology, mesh.vertices(), normals_);
 }
 
 std::string KnownOutputs::difference_from(std::uint32_t face, const HostArrays& found, const KnownSample& sample,
@@ -128,4 +128,4 @@ std::string KnownOutputs::difference(const HostArrays& found, const KnownSample&
     return difference;
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::checks

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace clsdf::transform {
+namespace clsdf::checks {
 
 /// A sample that is compared.
 struct KnownSample {
@@ -25,7 +25,7 @@ struct KnownSample {
 };
 
 /// A number of an array of any type.
-double number_at(const scan::HostArrays& arrays, Output output, std::size_t index);
+double number_at(const targets::HostArrays& arrays, Output output, std::size_t index);
 
 /// The outputs of samples by the host, which compiles the functions of the kernels: every output of the table.
 class KnownOutputs {
@@ -34,17 +34,17 @@ public:
 
     /// Describes an output that differs from the host's; empty if all agree. If several faces have the named site, the
     /// sample may have been finished from each of them. All outputs are wanted. error: of the distance.
-    std::string difference(const scan::HostArrays& found, const KnownSample& sample, double error) const;
+    std::string difference(const targets::HostArrays& found, const KnownSample& sample, double error) const;
 
 private:
-    std::string difference_from(std::uint32_t face, const scan::HostArrays& found, const KnownSample& sample,
+    std::string difference_from(std::uint32_t face, const targets::HostArrays& found, const KnownSample& sample,
                                 double error) const;
 
-    scan::Finishing how_;
+    engine::Finishing how_;
     std::vector<Triangle> triangles_;
     std::vector<Polyhedron> polyhedra_;
     std::vector<TriangleSites> sites_;
     std::vector<float> normals_;
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::checks

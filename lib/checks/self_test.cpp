@@ -19,7 +19,7 @@
 #include <string_view>
 #include <utility>
 
-namespace clsdf::transform {
+namespace clsdf::checks {
 
 namespace {
 
@@ -50,7 +50,7 @@ bool is_switched_off() {
 }
 
 /// The counters that a counting variant must agree with the field in.
-std::optional<std::string> wrong_counts(const KnownField& known, const HostArrays& found,
+std::optional<std::string> wrong_counts(const KnownField& known, const targets::HostArrays& found,
                                         const CallStatistics& statistics) {
     const std::size_t in_band = known.band_samples(found);
     if (statistics.band_samples == in_band && statistics.samples_covered >= in_band &&
@@ -69,10 +69,10 @@ std::string key_of(const device::Context& context, const TestSubject& subject, c
 
 /// On the first lattice the values that may be floats or doubles have the type of fields, on the others the other type,
 /// which other code stores. Only finishing makes distances in double.
-HostArrays arrays_of(OutputSet outputs, bool is_first, bool is_finished) {
-    HostArrays arrays = arrays_for(outputs);
+targets::HostArrays arrays_of(OutputSet outputs, bool is_first, bool is_finished) {
+    targets::HostArrays arrays = targets::arrays_for(outputs);
     for_each_output(
-        [&](const OutputInfo& row, HostArray& array) {
+        [&](const OutputInfo& row, targets::HostArray& array) {
             if (is_real(row) && (is_finished || row.output != Output::distance)) array.in_double ^= !is_first;
         },
         arrays);
@@ -86,27 +86,28 @@ OutputSet every_output() {
 }
 
 /// Computes a known field from the values that the mesh keeps.
-std::optional<std::string> field_difference(const Workshop& workshop, KeptMesh& kept_mesh, const KnownFieldKind& kind,
-                                            const BrickVariant& variant, const device::BuildWatch& watch) {
+std::optional<std::string> field_difference(const engine::Workshop& workshop, engine::KeptMesh& kept_mesh,
+                                            const KnownFieldKind& kind, const engine::BrickVariant& variant,
+                                            const device::BuildWatch& watch) {
     if (watch.begins) watch.begins();
     const KnownField known(kind);
     const Grid& grid = known.grid();
     OutputSet outputs;
     if (variant.nearest) outputs = workshop.method ? OutputSet(Output::triangle) : every_output();
     device::Context& context = workshop.context();
-    device::InFlight<OwnArrays> own(context);
+    device::InFlight<targets::OwnArrays> own(context);
     own.begin();
     const bool is_finished = variant.nearest && !workshop.method;
-    const HostArrays arrays =
+    const targets::HostArrays arrays =
         own->for_samples(arrays_of(outputs, !kind.on_surface && !kind.fine, is_finished), grid.sample_count());
-    OutputMemories memories;
+    targets::OutputMemories memories;
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
-    Inputs inputs = kept_mesh.inputs(grid, known.band(), workshop.sign);
+    engine::Inputs inputs = kept_mesh.inputs(grid, known.band(), workshop.sign);
     if (is_finished) inputs.sites = kept_mesh.sites(true, kept_mesh.may_meet_samples(grid));
-    GridPlan plan(workshop, std::move(inputs), {grid, known.band(), outputs, {}, variant.count}, {});
+    engine::GridPlan plan(workshop, std::move(inputs), {grid, known.band(), outputs, {}, variant.count}, {});
     if (watch.tests) watch.tests();
     context.run_or_drain([&] {
-        CommandChain chain(context.queue(), {});
+        engine::CommandChain chain(context.queue(), {});
         plan.enqueue(chain, memories.buffers, {});
         memories.enqueue_handover(context.queue());
         context.queue().finish();
@@ -122,13 +123,13 @@ std::optional<std::string> field_difference(const Workshop& workshop, KeptMesh& 
 /// Looks up the samples of known fields as points: those of the first lattice without a limit, with signs by crossings;
 /// those of the later one within a limit, with signs by the sides of faces, and from records of the kernel that makes
 /// them after the first call.
-std::optional<std::string> point_difference(const Device& device, const Programs& programs, bool are_scanned) {
+std::optional<std::string> point_difference(const Device& device, const engine::Programs& programs, bool are_scanned) {
     constexpr double limit = 2.5;
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     for (const bool is_later : {false, true}) {
         const KnownField known =
             is_later ? KnownField({.on_surface = true}).within(limit) : KnownField(KnownFieldKind{.wide = true});
-        KeptMesh kept_mesh(device::context_of(device), pool, known.mesh(), {programs});
+        engine::KeptMesh kept_mesh(device::context_of(device), pool, known.mesh(), {programs});
         if (is_later && are_scanned) kept_mesh.frusta();
         points::KeptPoints kept(kept_mesh);
         points::PointInputs inputs;
@@ -138,9 +139,10 @@ std::optional<std::string> point_difference(const Device& device, const Programs
         inputs.sites = kept_mesh.sites(true, true);
         if (is_later) inputs.sides = kept.face_sides(inputs.sign, true);
         const std::vector<Vec3> positions = positions_of(known.grid());
-        device::InFlight<OwnArrays> own(kept_mesh.context());
+        device::InFlight<targets::OwnArrays> own(kept_mesh.context());
         own.begin();
-        const HostArrays arrays = own->for_samples(arrays_of(every_output(), !is_later, true), positions.size());
+        const targets::HostArrays arrays =
+            own->for_samples(arrays_of(every_output(), !is_later, true), positions.size());
         points::query_points(kept_mesh.context(), programs, pool, inputs, positions, known.band().outside, arrays, {});
         own.end();
         if (auto difference = known.difference(arrays)) return difference;
@@ -150,21 +152,21 @@ std::optional<std::string> point_difference(const Device& device, const Programs
 
 }  // namespace
 
-std::vector<FieldKernels> kernels_of(const Workshop& workshop, const Job& job) {
+std::vector<FieldKernels> kernels_of(const engine::Workshop& workshop, const engine::Job& job) {
     std::vector<FieldKernels> kernels{FieldKernels::of_all};
-    if (!workshop.method && !has_uniform_bounds(layout_of(job.grid, job.band, workshop.sign)))
+    if (!workshop.method && !engine::has_uniform_bounds(engine::layout_of(job.grid, job.band, workshop.sign)))
         kernels.push_back(FieldKernels::of_wide_bands);
     return kernels;
 }
 
-TestSubject field_subject(const Workshop& workshop, const Job& job, FieldKernels kernels) {
+TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& job, FieldKernels kernels) {
     const Device& device = workshop.device;
-    const Programs& programs = workshop.programs;
-    const BrickVariant variant{job.outputs != OutputSet{}, job.counts, has_long_bricks(job.grid)};
+    const engine::Programs& programs = workshop.programs;
+    const engine::BrickVariant variant{job.outputs != OutputSet{}, job.counts, engine::has_long_bricks(job.grid)};
     std::shared_ptr<const FieldMethod> method;
     if (workshop.method)
         method = device::guarded([&] {
-            return workshop.method->tested_as(workshop.context(), layout_of(job.grid, job.band, workshop.sign),
+            return workshop.method->tested_as(workshop.context(), engine::layout_of(job.grid, job.band, workshop.sign),
                                               variant);
         });
     std::vector<KnownFieldKind> kinds;
@@ -174,8 +176,9 @@ TestSubject field_subject(const Workshop& workshop, const Job& job, FieldKernels
     const bool are_first = kernels == FieldKernels::of_all;
     TestSubject subject;
     subject.name = fmt::format("{} {}{}{}", device::name_of(programs.body), method ? method->name() : "bricks",
-                               options_of(variant), names_of_kernels[static_cast<std::size_t>(kernels)]);
-    subject.steps = (are_first ? Programs::field_programs + (method ? method->step_count() : 1) : 0) + 2 * kinds.size();
+                               engine::options_of(variant), names_of_kernels[static_cast<std::size_t>(kernels)]);
+    subject.steps =
+        (are_first ? engine::Programs::field_programs + (method ? method->step_count() : 1) : 0) + 2 * kinds.size();
     subject.build = [&device, &programs, method, variant](const device::BuildWatch& watch) {
         device::Context& context = device::context_of(device);
         std::vector<cl::Program> all = programs.of_fields(watch);
@@ -186,11 +189,11 @@ TestSubject field_subject(const Workshop& workshop, const Job& job, FieldKernels
     };
     subject.difference = [&device, &programs, method, variant, kinds,
                           kernels](const device::BuildWatch& watch) -> std::optional<std::string> {
-        const Workshop tested{device, std::make_shared<device::BufferPool>(device::shared_context_of(device)), programs,
-                              method, SignRule::nonzero};
+        const engine::Workshop tested{device, std::make_shared<device::BufferPool>(device::shared_context_of(device)),
+                                      programs, method, SignRule::nonzero};
         for (KnownFieldKind kind : kinds) {
-            KeptMesh kept_mesh(tested.context(), tested.pool, KnownField({}).mesh(),
-                               {.programs = programs, .method = method, .is_whole = true});
+            engine::KeptMesh kept_mesh(tested.context(), tested.pool, KnownField({}).mesh(),
+                                       {.programs = programs, .method = method, .is_whole = true});
             // Records of later lattices are made from kept frusta.
             if (kernels == FieldKernels::of_later_lattices) kept_mesh.frusta();
             kind.long_bricks = variant.long_bricks;
@@ -201,7 +204,7 @@ TestSubject field_subject(const Workshop& workshop, const Job& job, FieldKernels
     return subject;
 }
 
-TestSubject point_subject(const Device& device, const Programs& programs, bool are_scanned) {
+TestSubject point_subject(const Device& device, const engine::Programs& programs, bool are_scanned) {
     TestSubject subject;
     subject.name = fmt::format("{} {}points", device::name_of(programs.body), are_scanned ? "many " : "");
     subject.steps = are_scanned ? 3 : 1;
@@ -242,4 +245,4 @@ bool ensure_tested(const Device& device, const TestSubject& subject, const devic
     });
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::checks

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace clsdf::transform {
+namespace clsdf::checks {
 
 /// Kernels that are tested together, before a call gives a result of theirs, and the known values that they must
 /// compute. Device and programs must outlive it.
@@ -28,16 +28,16 @@ struct TestSubject {
 enum class FieldKernels { of_all, of_later_lattices, of_wide_bands };
 
 /// Those that a job runs whatever its transform keeps.
-std::vector<FieldKernels> kernels_of(const Workshop& workshop, const Job& job);
+std::vector<FieldKernels> kernels_of(const engine::Workshop& workshop, const engine::Job& job);
 
-TestSubject field_subject(const Workshop& workshop, const Job& job, FieldKernels kernels);
+TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& job, FieldKernels kernels);
 
 /// What a query of points needs. are_scanned: of many points.
-TestSubject point_subject(const Device& device, const scan::Programs& programs, bool are_scanned);
+TestSubject point_subject(const Device& device, const engine::Programs& programs, bool are_scanned);
 
 /// Builds the programs and, the first time on this device and driver version, tests them. Returns whether they were
 /// tested here. Throws Error(wrong_results) that says what differs; with tuning_variable("CLSDF_SELF_TEST") "0" nothing
 /// is computed.
 bool ensure_tested(const Device& device, const TestSubject& subject, const device::BuildWatch& watch = {});
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::checks

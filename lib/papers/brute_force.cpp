@@ -14,7 +14,7 @@ namespace clsdf::papers {
 
 namespace {
 
-using scan::CommandChain;
+using engine::CommandChain;
 
 // Memory of the minima of slices that are computed together, two numbers each; a layer of bricks may exceed it.
 constexpr std::size_t chunk_bytes = std::size_t{64} << 20;
@@ -27,19 +27,19 @@ std::size_t rows_of_item(KernelBody body) {
     return body == KernelBody::by_vector ? CLSDF_BRICK * CLSDF_BRICK : 1;
 }
 
-scan::ProgramSource finish_source(const scan::ProgramSources& programs, const scan::BrickVariant& variant) {
+device::ProgramSource finish_source(const engine::ProgramSources& programs, const engine::BrickVariant& variant) {
     return slices_source(programs, {variant, false});
 }
 
-cl::Program program_of(device::Context& context, const scan::ProgramSource& source,
+cl::Program program_of(device::Context& context, const device::ProgramSource& source,
                        const device::BuildWatch& watch = {}) {
     return context.program(source, watch);
 }
 
 /// Layers of bricks by z that are computed together, then all their samples, some triangles at a time.
-class BruteForceScan final : public scan::FieldScan {
+class BruteForceScan final : public engine::FieldScan {
 public:
-    explicit BruteForceScan(const scan::ScanInputs& inputs)
+    explicit BruteForceScan(const engine::ScanInputs& inputs)
         : layout_(inputs.layout),
           variant_(inputs.variant),
           record_count_(inputs.mesh.record_count),
@@ -69,7 +69,7 @@ public:
         return static_cast<double>(launch) / static_cast<double>(launch_count());
     }
 
-    void enqueue_begin(CommandChain& chain, const scan::OutputBuffers& outputs) override {
+    void enqueue_begin(CommandChain& chain, const engine::OutputBuffers& outputs) override {
         cl_uint argument = finish_outputs;
         finish_kernel_.setArg(argument++, outputs[Output::distance]);
         if (variant_.nearest) finish_kernel_.setArg(argument++, outputs[Output::triangle]);
@@ -99,7 +99,7 @@ public:
             kernel_.setArg(brute_end_record,
                            static_cast<cl_uint>(std::min(first_record + records_at_once_, record_count_)));
             const std::size_t items = (end_brick - first_brick) * (CLSDF_BRICK * CLSDF_BRICK / rows_of_item_);
-            const std::size_t group = rows_of_item_ == 1 ? scan::common_group : 1;
+            const std::size_t group = rows_of_item_ == 1 ? engine::common_group : 1;
             chain.then_launch(kernel_, {items, group});
         }
         if (of_chunk + 1 == launches_of_chunk()) finish(chain, first_slice, end_slice);
@@ -151,7 +151,7 @@ private:
     std::size_t chunk_layers() const { return static_cast<std::size_t>(chunk_layers_); }
     std::size_t launches_of_chunk() const { return brick_parts_ * record_parts_; }
 
-    void divide(const device::Context& context, const scan::Programs& programs) {
+    void divide(const device::Context& context, const engine::Programs& programs) {
         const device::Context::Capabilities& device = context.capabilities();
         const std::size_t bytes = std::min(chunk_bytes, device.largest_allocation);
         const std::size_t layer_bytes = 2 * sizeof(cl_uint) * CLSDF_BRICK * samples_of_slice(layout_);
@@ -187,7 +187,7 @@ private:
     }
 
     Layout layout_;
-    scan::BrickVariant variant_;
+    engine::BrickVariant variant_;
     std::size_t record_count_;
     std::size_t rows_of_item_;
     std::int32_t chunk_layers_ = 1;  ///< of bricks, whose minima are in memory together
@@ -204,10 +204,10 @@ class BruteForce final : public FieldMethod {
 public:
     void check_outputs(OutputSet outputs) const override { check_distance_and_triangle(outputs, "by brute force"); }
 
-    std::shared_ptr<const scan::PreparedMesh> prepare(transform::KeptMesh& kept_mesh, const Grid& grid,
-                                                      const Layout&) const override {
-        auto prepared = std::make_shared<scan::PreparedMesh>();
-        const UninitializedVector<Polyhedron> records = face_records(kept_mesh, scan::lattice_of(grid));
+    std::shared_ptr<const engine::PreparedMesh> prepare(engine::KeptMesh& kept_mesh, const Grid& grid,
+                                                        const Layout&) const override {
+        auto prepared = std::make_shared<engine::PreparedMesh>();
+        const UninitializedVector<Polyhedron> records = face_records(kept_mesh, engine::lattice_of(grid));
         prepared->triangle_count = kept_mesh.mesh().triangles().size();
         prepared->record_count = prepared->polyhedron_count = records.size();
         prepared->polyhedra =
@@ -215,19 +215,20 @@ public:
         return prepared;
     }
 
-    std::unique_ptr<scan::FieldScan> make_scan(const scan::ScanInputs& inputs) const override {
+    std::unique_ptr<engine::FieldScan> make_scan(const engine::ScanInputs& inputs) const override {
         return std::make_unique<BruteForceScan>(inputs);
     }
 
     std::shared_ptr<const FieldMethod> tested_as(const device::Context&, const Layout&,
-                                                 const scan::BrickVariant&) const override {
+                                                 const engine::BrickVariant&) const override {
         return make_brute_force();
     }
 
     std::string name() const override { return "brute force"; }
 
-    std::vector<cl::Program> build(device::Context& context, const scan::Programs& programs,
-                                   const scan::BrickVariant& variant, const device::BuildWatch& watch) const override {
+    std::vector<cl::Program> build(device::Context& context, const engine::Programs& programs,
+                                   const engine::BrickVariant& variant,
+                                   const device::BuildWatch& watch) const override {
         return {program_of(context, brute_force_source(programs, variant), watch),
                 program_of(context, finish_source(programs, variant), watch)};
     }
@@ -237,11 +238,11 @@ public:
 
 }  // namespace
 
-scan::ProgramSource brute_force_source(const scan::ProgramSources& programs, const scan::BrickVariant& variant) {
+device::ProgramSource brute_force_source(const engine::ProgramSources& programs, const engine::BrickVariant& variant) {
     const std::size_t lanes = std::min<std::size_t>(programs.lanes, CLSDF_BRICK);
     return {"brute_force.cl",
             fmt::format("{} -DITEM_ROWS={}{}", programs.common_options(lanes), rows_of_item(programs.body),
-                        scan::options_of(variant)),
+                        engine::options_of(variant)),
             kernels::files};
 }
 

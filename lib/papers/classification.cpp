@@ -20,7 +20,7 @@ namespace clsdf::papers {
 
 namespace {
 
-using namespace polyhedra;
+using namespace engine;
 
 std::vector<std::uint32_t> faces_of_three_vertices(const Mesh& mesh, const std::vector<std::uint32_t>& vertices) {
     std::vector<std::uint32_t> faces;
@@ -143,7 +143,7 @@ namespace clsdf {
 namespace {
 
 using namespace papers;
-using polyhedra::VertexFans;
+using engine::VertexFans;
 
 constexpr std::array<const char*, edge_kinds> edge_names{"convex",   "concave",    "flat",
                                                          "boundary", "unoriented", "non-manifold"};
@@ -162,8 +162,8 @@ std::uint8_t examine(FanSigns& signs) {
 
 double squared_length(const Surface& surface, const Corner& edge) {
     const Triangle& triangle = surface.triangles()[edge.face];
-    const Vector from = polyhedra::to_vector(surface.position(triangle[edge.vertex]));
-    return (polyhedra::to_vector(surface.position(triangle[next_of_three(edge.vertex)])) - from).squaredNorm();
+    const Vector from = engine::to_vector(surface.position(triangle[edge.vertex]));
+    return (engine::to_vector(surface.position(triangle[next_of_three(edge.vertex)])) - from).squaredNorm();
 }
 
 /// The change that mends a vertex.
@@ -237,7 +237,7 @@ const char* name_of(VertexKind kind) {
 }
 
 Classification classify_convexity(const Mesh& mesh) {
-    using namespace polyhedra;
+    using namespace engine;
     const Surface surface(mesh);
     const std::vector<std::uint32_t>& representatives = surface.representatives();
 
@@ -267,9 +267,9 @@ SaddleReport examine_saddles(const Mesh& mesh) {
     std::vector<std::uint8_t> marks(mesh.vertices().size());
     std::atomic<std::size_t> decisions = 0;
     std::atomic<std::size_t> exact_decisions = 0;
-    tbb::enumerable_thread_specific<polyhedra::VertexFans> fans_of_thread;
+    tbb::enumerable_thread_specific<engine::VertexFans> fans_of_thread;
     for_each_index(marks.size(), [&](std::size_t vertex) {
-        polyhedra::VertexFans& fans = fans_of_thread.local();
+        engine::VertexFans& fans = fans_of_thread.local();
         if (surface.kind(vertex, fans) != VertexKind::saddle) return;
         const Fan fan = fan_at(surface, vertex, fans);
         FanSigns signs(fan);

@@ -10,7 +10,7 @@
 /// Bounding polyhedra as solids: what half-spaces leave of a box.
 namespace clsdf::papers {
 
-using polyhedra::Vector;
+using engine::Vector;
 
 /// The points y with normal . y <= offset. The normal need not be a unit vector; an infinite offset leaves everything.
 struct HalfSpace {

@@ -343,11 +343,11 @@ std::size_t spreading_step(std::size_t count) {
 
 }  // namespace
 
-Fan fan_at(const Surface& surface, std::size_t vertex, polyhedra::VertexFans& fans) {
+Fan fan_at(const Surface& surface, std::size_t vertex, engine::VertexFans& fans) {
     surface.build_fans(vertex, fans);
     Fan fan;
     fan.vertex = surface.position(vertex);
-    for (const polyhedra::VertexFans::Face& face : fans.faces()) {
+    for (const engine::VertexFans::Face& face : fans.faces()) {
         fan.neighbours.push_back(surface.position(face.neighbour));
         fan.is_flat.push_back(surface.kind(face.corner) == EdgeKind::flat);
     }

@@ -13,7 +13,7 @@
 
 namespace clsdf::papers {
 
-using polyhedra::Vector;
+using engine::Vector;
 
 /// A mesh whose triangles know each other: no two vertices in use are equal, and no face repeats a vertex. The mesh
 /// must outlive it.
@@ -30,11 +30,11 @@ public:
     /// For each vertex of the mesh, the one that stands for it.
     const std::vector<std::uint32_t>& representatives() const { return representatives_; }
     /// Directions only: lengths are in units of the mesh's longest side.
-    const std::vector<polyhedra::TriangleFrame>& frames() const { return frames_; }
+    const std::vector<engine::TriangleFrame>& frames() const { return frames_; }
     const OneRings& rings() const { return rings_; }
 
     EdgeKind kind(const Corner& edge) const;
-    VertexKind kind(std::size_t vertex, polyhedra::VertexFans& fans) const;
+    VertexKind kind(std::size_t vertex, engine::VertexFans& fans) const;
 
     bool has_pair(const Corner& edge) const;
     /// The other face's edge, if there is exactly one other face.
@@ -43,7 +43,7 @@ public:
     std::vector<Corner> edges_at(const Corner& edge) const;
 
     /// The vertex is not on a boundary and has manifold edges.
-    void build_fans(std::size_t vertex, polyhedra::VertexFans& fans) const;
+    void build_fans(std::size_t vertex, engine::VertexFans& fans) const;
 
 private:
     /// Number of faces of one open fan whose edges are oriented alike.
@@ -54,9 +54,9 @@ private:
     std::vector<std::uint32_t> representatives_;
     std::vector<std::uint32_t> sources_;
     std::vector<Triangle> triangles_;
-    std::vector<polyhedra::TriangleFrame> frames_;
+    std::vector<engine::TriangleFrame> frames_;
     OneRings rings_;
-    UninitializedVector<polyhedra::FaceEdges> edges_;
+    UninitializedVector<engine::FaceEdges> edges_;
 };
 
 /// Points beyond the bisector planes of all faces of a fan, in the same rotational sense, are in none of its polyhedra
@@ -136,7 +136,7 @@ private:
 };
 
 /// The fan of a vertex that has one, closed and of faces oriented alike. `fans` is memory to work in.
-Fan fan_at(const Surface& surface, std::size_t vertex, polyhedra::VertexFans& fans);
+Fan fan_at(const Surface& surface, std::size_t vertex, engine::VertexFans& fans);
 
 /// A line in which the bisector planes i and i + 1 meet, and which lies strictly on one side of all other planes.
 struct FailingLine {

@@ -17,7 +17,7 @@ namespace clsdf::papers {
 
 namespace {
 
-using namespace polyhedra;
+using namespace engine;
 
 /// The cone of a vertex: {u : u . n <= 0 for the directions n to all neighbours} (docs/method.md, 'What an exact
 /// polyhedron must contain'), and what bounds its part of the unit ball.
@@ -25,12 +25,12 @@ class MauchCone {
 public:
     /// normal . u <= 0, or <= 1 if it is a cap; of unit length.
     struct Bound {
-        polyhedra::Vector normal;
+        engine::Vector normal;
         bool is_cap;
     };
 
     void start() { half_spaces_.clear(); }
-    void add(const polyhedra::Vector& neighbour) { half_spaces_.push_back({neighbour, 0}); }
+    void add(const engine::Vector& neighbour) { half_spaces_.push_back({neighbour, 0}); }
 
     /// False if the cone is empty, or thinner than 2e-13; its bounds are then those of what may be left of it. Of
     /// very many neighbours a few are kept, which bound the cone and little more.
@@ -41,8 +41,8 @@ public:
     std::span<const Bound> bounds() const { return bounds_; }
 
 private:
-    void add_cap(const polyhedra::Vector& normal) { bounds_.push_back({normal, true}); }
-    void add_caps_around(const polyhedra::Vector& axis);
+    void add_cap(const engine::Vector& normal) { bounds_.push_back({normal, true}); }
+    void add_caps_around(const engine::Vector& axis);
 
     std::vector<HalfSpace> half_spaces_;
     std::vector<Bound> bounds_;
@@ -95,7 +95,7 @@ std::vector<Vector> rays_of(const ConvexPolyhedron& solid) {
 }
 
 void MauchCone::add_caps_around(const Vector& axis) {
-    const Vector across = polyhedra::any_perpendicular(axis);
+    const Vector across = engine::any_perpendicular(axis);
     const Vector third = axis.cross(across);
     for (const Vector& normal : {axis, across, third}) {
         add_cap(normal);

@@ -19,7 +19,7 @@ namespace clsdf {
 namespace {
 
 using namespace papers;
-using scan::PreparedMesh;
+using engine::PreparedMesh;
 
 /// No sample is farther from the mesh than from its box's farthest point.
 double farthest_distance(const Mesh& mesh, const Grid& grid, double unit) {
@@ -49,10 +49,10 @@ public:
 
     void check_outputs(OutputSet outputs) const override { check_distance_and_triangle(outputs, "by slices"); }
 
-    std::shared_ptr<const PreparedMesh> prepare(transform::KeptMesh& kept_mesh, const Grid& grid,
+    std::shared_ptr<const PreparedMesh> prepare(engine::KeptMesh& kept_mesh, const Grid& grid,
                                                 const Layout& layout) const override {
         const Mesh& mesh = kept_mesh.mesh();
-        const polyhedra::LatticeView lattice = scan::lattice_of(grid);
+        const engine::LatticeView lattice = engine::lattice_of(grid);
         const double half_width = half_width_for_slices(mesh, grid, layout);
         auto prepared = std::make_shared<PreparedPieces>();
         prepared->triangle_count = mesh.triangles().size();
@@ -75,10 +75,11 @@ public:
         } else {
             const UninitializedVector<Polyhedron> records = leaned_records(kept_mesh, lattice);
             upload_records(records);
-            upload_pieces(kept_mesh,
-                          leaned_pieces(records, half_width, scan::base_slack + scan::slack_rate * half_width, layout),
-                          *prepared);
-            const polyhedra::Frusta& frusta = kept_mesh.frusta();
+            upload_pieces(
+                kept_mesh,
+                leaned_pieces(records, half_width, engine::base_slack + engine::slack_rate * half_width, layout),
+                *prepared);
+            const engine::Frusta& frusta = kept_mesh.frusta();
             prepared->saddle_vertices = frusta.saddle_vertices;
             prepared->point_sites = frusta.sites.size();
             prepared->boxes = frusta.boxes;
@@ -87,12 +88,12 @@ public:
         return prepared;
     }
 
-    std::unique_ptr<scan::FieldScan> make_scan(const scan::ScanInputs& inputs) const override {
+    std::unique_ptr<engine::FieldScan> make_scan(const engine::ScanInputs& inputs) const override {
         return make_slice_scan(inputs, options_.slice_minimum);
     }
 
     std::shared_ptr<const FieldMethod> tested_as(const device::Context& context, const Layout& layout,
-                                                 const scan::BrickVariant& variant) const override {
+                                                 const engine::BrickVariant& variant) const override {
         const bool key_64 = takes_64_bits(context, layout, variant.nearest, options_.slice_minimum);
         return std::make_shared<SliceMethod>(PapersOptions{
             .scan = Scan::slices, .slice_minimum = key_64 ? SliceMinimum::one_pass : SliceMinimum::two_passes});
@@ -100,8 +101,9 @@ public:
 
     std::string name() const override { return has_one_pass() ? "slices KEY_64" : "slices"; }
 
-    std::vector<cl::Program> build(device::Context& context, const scan::Programs& programs,
-                                   const scan::BrickVariant& variant, const device::BuildWatch& watch) const override {
+    std::vector<cl::Program> build(device::Context& context, const engine::Programs& programs,
+                                   const engine::BrickVariant& variant,
+                                   const device::BuildWatch& watch) const override {
         return {slices_program(context, programs, {variant, has_one_pass()}, watch)};
     }
 
@@ -110,9 +112,9 @@ public:
 private:
     bool has_one_pass() const { return options_.slice_minimum == SliceMinimum::one_pass; }
 
-    static UninitializedVector<Polyhedron> leaned_records(transform::KeptMesh& kept_mesh,
-                                                          const polyhedra::LatticeView& lattice) {
-        const polyhedra::Frusta& frusta = kept_mesh.frusta();
+    static UninitializedVector<Polyhedron> leaned_records(engine::KeptMesh& kept_mesh,
+                                                          const engine::LatticeView& lattice) {
+        const engine::Frusta& frusta = kept_mesh.frusta();
         UninitializedVector<Polyhedron> records = face_records(kept_mesh, lattice);
         const std::size_t faces = records.size();
         records.resize(faces + frusta.sites.size());
@@ -120,8 +122,7 @@ private:
         return records;
     }
 
-    static void upload_pieces(const transform::KeptMesh& kept_mesh, const ConvexPieces& pieces,
-                              PreparedPieces& prepared) {
+    static void upload_pieces(const engine::KeptMesh& kept_mesh, const ConvexPieces& pieces, PreparedPieces& prepared) {
         prepared.pieces = upload(kept_mesh, pieces.pieces.data(), pieces.pieces.size() * sizeof(Piece), "pieces");
         prepared.planes =
             upload(kept_mesh, pieces.planes.data(), pieces.planes.size() * sizeof(PiecePlane), "planes of the pieces");
@@ -135,7 +136,7 @@ private:
 
 }  // namespace
 
-device::BufferPool::Lease papers::upload(const transform::KeptMesh& kept_mesh, const void* values, std::size_t bytes,
+device::BufferPool::Lease papers::upload(const engine::KeptMesh& kept_mesh, const void* values, std::size_t bytes,
                                          const char* purpose) {
     auto lease = kept_mesh.pool()->lease(bytes, purpose);
     if (bytes > 0)
@@ -143,10 +144,9 @@ device::BufferPool::Lease papers::upload(const transform::KeptMesh& kept_mesh, c
     return lease;
 }
 
-UninitializedVector<Polyhedron> papers::face_records(transform::KeptMesh& kept_mesh,
-                                                     const polyhedra::LatticeView& lattice) {
-    const polyhedra::MeshTopology& topology = kept_mesh.topology();
-    const polyhedra::Frusta& frusta = kept_mesh.frusta();
+UninitializedVector<Polyhedron> papers::face_records(engine::KeptMesh& kept_mesh, const engine::LatticeView& lattice) {
+    const engine::MeshTopology& topology = kept_mesh.topology();
+    const engine::Frusta& frusta = kept_mesh.frusta();
     UninitializedVector<Polyhedron> records(topology.order.size());
     for_each_index(records.size(),
                    [&](std::size_t face) { write_face_record(topology, frusta, lattice, face, records[face]); });

@@ -15,7 +15,7 @@ namespace clsdf::papers {
 
 namespace {
 
-using namespace polyhedra;
+using namespace engine;
 
 Vector bisector_normal(const Surface& surface, const Corner& edge) {
     const Vector own = surface.frames()[edge.face].inwards[edge.vertex];
@@ -121,8 +121,8 @@ PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& latti
         const std::uint32_t index = paper.polyhedra[i].triangle;
         const auto& [a, b, c] = mesh.triangles()[index];
         const std::array<Vec3, 3> corners{mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]};
-        result.polyhedra[i] = polyhedra::pack(polyhedra::triangle_frame(corners, lattice), polyhedra::FaceSlopes{},
-                                              index, mesh.vertices(), mesh.triangles()[index], lattice);
+        result.polyhedra[i] = engine::pack(engine::triangle_frame(corners, lattice), engine::FaceSlopes{}, index,
+                                           mesh.vertices(), mesh.triangles()[index], lattice);
     });
     result.pieces = collect_pieces(paper.polyhedra.size(), grid, [&](std::size_t i, PieceCollector& collector) {
         const BisectorPolyhedron& polyhedron = paper.polyhedra[i];

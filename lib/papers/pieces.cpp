@@ -90,9 +90,9 @@ void PieceCollector::add(const std::array<std::int32_t, 3>& origin, std::uint32_
     const ConvexPolyhedron solid = clip(box, std::span(half_spaces).first(planes.size()));
     if (solid.is_empty()) return;
 
-    polyhedra::Vector low = solid.vertices.front();
-    polyhedra::Vector high = low;
-    for (const polyhedra::Vector& vertex : solid.vertices) {
+    engine::Vector low = solid.vertices.front();
+    engine::Vector high = low;
+    for (const engine::Vector& vertex : solid.vertices) {
         low = low.cwiseMin(vertex);
         high = high.cwiseMax(vertex);
     }

@@ -20,8 +20,8 @@
 namespace clsdf::papers {
 
 /// The difference position - sample, in units.
-inline polyhedra::Vector from_sample(const polyhedra::LatticeView& lattice, const Vec3& position,
-                                     const std::array<std::int32_t, 3>& sample) {
+inline engine::Vector from_sample(const engine::LatticeView& lattice, const Vec3& position,
+                                  const std::array<std::int32_t, 3>& sample) {
     return {lattice.from_sample(0, position[0], sample[0]), lattice.from_sample(1, position[1], sample[1]),
             lattice.from_sample(2, position[2], sample[2])};
 }
@@ -74,7 +74,7 @@ ConvexPieces collect_pieces(std::size_t source_count, const Layout& grid, const 
 
 /// A length in units, affine in a sample's offset from an integer origin.
 struct Affine {
-    polyhedra::Vector gradient;
+    engine::Vector gradient;
     double constant = 0;
 
     friend Affine operator*(double factor, const Affine& a) { return {factor * a.gradient, factor * a.constant}; }
@@ -146,7 +146,7 @@ class PieceBounds {
 public:
     /// value <= 0, where the value's gradient has the length `steepness` in the metric frame.
     void add(const Affine& value, double steepness = 1) {
-        const polyhedra::Vector normal = value.gradient / steepness;
+        const engine::Vector normal = value.gradient / steepness;
         planes_[count_++] = {{normal.x(), normal.y(), normal.z()}, -value.constant / steepness};
     }
     std::span<const PiecePlane> span() const { return std::span(planes_).first(count_); }
@@ -168,21 +168,21 @@ ConvexPieces leaned_pieces(std::span<const Polyhedron> polyhedra, double half_wi
 /// The slab of the half width about a triangle, cut by the bisector planes of the dihedral angles at its edges.
 struct BisectorPolyhedron {
     std::uint32_t triangle = 0;  ///< index in the mesh
-    polyhedra::Vector normal;
+    engine::Vector normal;
     double half_width = 0;
     // By edge; edge k runs from the triangle's vertex k to the next:
-    std::array<polyhedra::Vector, 3> corners;   ///< where the edge begins
-    std::array<polyhedra::Vector, 3> bisector;  ///< unit normal of its lateral plane, pointing outward
-    std::array<double, 3> shift{};              ///< how far gap closing moved the plane outward
+    std::array<engine::Vector, 3> corners;   ///< where the edge begins
+    std::array<engine::Vector, 3> bisector;  ///< unit normal of its lateral plane, pointing outward
+    std::array<double, 3> shift{};           ///< how far gap closing moved the plane outward
 
-    bool contains(const polyhedra::Vector& point) const;
+    bool contains(const engine::Vector& point) const;
 };
 
 /// The remedy for a gap: the lateral planes at a vertex moved outward until every polyhedron there has `vertex + point`
 /// and `vertex - point` within its two.
 struct GapClosing {
     std::uint32_t vertex = 0;
-    polyhedra::Vector point;
+    engine::Vector point;
 };
 
 struct BisectorPolyhedra {
@@ -202,7 +202,7 @@ struct PeikertSiggPieces {
 
 /// The polyhedra that Peikert & Sigg published, for a band of `half_width` units. They are not
 /// widened: CLSDF_PIECE_SLACK repairs none of their errors.
-PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const polyhedra::LatticeView& lattice, double half_width,
+PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const engine::LatticeView& lattice, double half_width,
                                       bool close_gaps, const Layout& grid);
 
 struct MauchPieces {
@@ -225,7 +225,6 @@ struct MauchPieces {
 ///
 /// A face too degenerate for its walls to be known within CLSDF_PIECE_SLACK gets a box with the distance to the nearest
 /// of its seven sites instead, which does for its edges and vertices too.
-MauchPieces mauch_pieces(const Mesh& mesh, const polyhedra::LatticeView& lattice, double half_width,
-                         const Layout& grid);
+MauchPieces mauch_pieces(const Mesh& mesh, const engine::LatticeView& lattice, double half_width, const Layout& grid);
 
 }  // namespace clsdf::papers

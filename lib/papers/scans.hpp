@@ -23,11 +23,11 @@ inline std::size_t samples_of_slice(const Layout& layout) {
 }
 
 /// A buffer with the values.
-device::BufferPool::Lease upload(const transform::KeptMesh& kept_mesh, const void* values, std::size_t bytes,
+device::BufferPool::Lease upload(const engine::KeptMesh& kept_mesh, const void* values, std::size_t bytes,
                                  const char* purpose);
 
 /// The records of all faces, in the order of the mesh's topology.
-UninitializedVector<Polyhedron> face_records(transform::KeptMesh& kept_mesh, const polyhedra::LatticeView& lattice);
+UninitializedVector<Polyhedron> face_records(engine::KeptMesh& kept_mesh, const engine::LatticeView& lattice);
 
 /// Throws Error(unsupported) that names the scan for any other output.
 void check_distance_and_triangle(OutputSet outputs, const char* scan);
@@ -40,7 +40,7 @@ struct PieceSlices {
 };
 
 /// A mesh's records and the convex pieces of its polyhedra, on the device.
-struct PreparedPieces final : scan::PreparedMesh {
+struct PreparedPieces final : engine::PreparedMesh {
     device::BufferPool::Lease pieces;
     device::BufferPool::Lease planes;
     std::vector<PieceSlices> slices;  ///< of each piece
@@ -88,8 +88,8 @@ SliceSchedule schedule_slices(std::span<const PieceSlices> pieces, std::int32_t 
 
 /// The options that the kernels of the scan are compiled with.
 struct SliceVariant {
-    scan::BrickVariant brick;  ///< the same options as there
-    bool key_64 = false;       ///< distance and triangle in one 64-bit number
+    engine::BrickVariant brick;  ///< the same options as there
+    bool key_64 = false;         ///< distance and triangle in one 64-bit number
 };
 
 /// A group of `group` work-items takes `batch` intersections of a piece and a slice.
@@ -103,19 +103,19 @@ SliceShape slice_shape(KernelBody body);
 std::size_t sum_of(const cl::CommandQueue& queue, const device::BufferPool::Lease& counters, std::size_t count);
 
 /// The program of the scan's three kernels.
-scan::ProgramSource slices_source(const scan::ProgramSources& programs, const SliceVariant& variant);
-cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const SliceVariant& variant,
-                           const device::BuildWatch& watch = {});
+device::ProgramSource slices_source(const engine::ProgramSources& programs, const SliceVariant& variant);
+cl::Program slices_program(device::Context& context, const engine::ProgramSources& programs,
+                           const SliceVariant& variant, const device::BuildWatch& watch = {});
 
 /// Launches slices_finish, whose arguments are set, for so many slices.
-void enqueue_finish(scan::CommandChain& chain, const cl::Kernel& kernel, const Layout& layout, std::size_t slices);
+void enqueue_finish(engine::CommandChain& chain, const cl::Kernel& kernel, const Layout& layout, std::size_t slices);
 
 /// Whether distance and triangle are one 64-bit number; without triangles the distances alone are the key, and 32 bits
 /// are enough. Throws Error(unsupported) if the device has no 64-bit atomics and `asked` needs them.
 bool takes_64_bits(const device::Context& context, const Layout& layout, bool with_triangle, SliceMinimum asked);
 
 /// The scan by slices of PreparedPieces. Throws what takes_64_bits() does.
-std::unique_ptr<scan::FieldScan> make_slice_scan(const scan::ScanInputs& inputs, SliceMinimum minimum);
+std::unique_ptr<engine::FieldScan> make_slice_scan(const engine::ScanInputs& inputs, SliceMinimum minimum);
 
 /// The distance at every sample to every triangle, on the device: exact, and a time that grows with their product. It
 /// gives the distance and the triangle.
@@ -125,6 +125,6 @@ std::shared_ptr<const FieldMethod> make_brute_force();
 std::shared_ptr<const FieldMethod> method_of(const PapersOptions& options);
 
 /// The program of the distances; slices_finish makes the outputs of them.
-scan::ProgramSource brute_force_source(const scan::ProgramSources& programs, const scan::BrickVariant& variant);
+device::ProgramSource brute_force_source(const engine::ProgramSources& programs, const engine::BrickVariant& variant);
 
 }  // namespace clsdf::papers

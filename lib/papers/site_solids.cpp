@@ -18,8 +18,8 @@ namespace clsdf::papers {
 
 namespace {
 
-using polyhedra::any_perpendicular;
-using polyhedra::Vector;
+using engine::any_perpendicular;
+using engine::Vector;
 using Vector2 = Eigen::Vector2d;
 
 constexpr std::size_t most_rays = SiteSolid::most_corners - 1;

@@ -15,9 +15,9 @@ namespace clsdf::papers {
 
 namespace {
 
-using scan::CommandChain;
-using scan::OutputBuffers;
-using scan::Programs;
+using engine::CommandChain;
+using engine::OutputBuffers;
+using engine::Programs;
 
 // Keys and lists of a chunk take no more than this each, but for a single slice.
 constexpr std::size_t chunk_bytes = std::size_t{32} << 20;
@@ -31,9 +31,9 @@ bool has_64_bit_atomics(const cl::Device& device) {
     return extensions.find("cl_khr_int64_extended_atomics") != std::string::npos;
 }
 
-class SliceScan final : public scan::FieldScan {
+class SliceScan final : public engine::FieldScan {
 public:
-    SliceScan(const scan::ScanInputs& inputs, const PreparedPieces& mesh, SliceMinimum minimum)
+    SliceScan(const engine::ScanInputs& inputs, const PreparedPieces& mesh, SliceMinimum minimum)
         : layout_(inputs.layout),
           variant_{inputs.variant, takes_64_bits(inputs.context, layout_, inputs.variant.nearest, minimum)},
           shape_(slice_shape(inputs.programs.body)),
@@ -169,11 +169,11 @@ private:
                 return chunk.active_end - first->active_begin > active_counted_at_once;
             });
             set_active_range(first->begin, (next - 1)->end, 0, false);
-            scan::launch(queue, active_kernel_, {parts_, part_group_});
+            engine::launch(queue, active_kernel_, {parts_, part_group_});
             first = next;
         }
-        scan::PrefixSums sums(context, programs, pool, *cursors_, *starts_, cursor_count(),
-                              "intersections of a piece and a slice");
+        engine::PrefixSums sums(context, programs, pool, *cursors_, *starts_, cursor_count(),
+                                "intersections of a piece and a slice");
         sums.total();  // throws if the starts do not hold it
     }
 
@@ -209,7 +209,7 @@ private:
         scan_kernel_.setArg(scan_end, cl_uint{0});
         scan_kernel_.setArg(scan_first_slice, layout_.first[2]);
         if (variant_.brick.count) queue.enqueueFillBuffer(*counters_, cl_uchar{0}, 0, counters_.bytes());
-        scan::launch(queue, scan_kernel_, {shape_.group, shape_.group});
+        engine::launch(queue, scan_kernel_, {shape_.group, shape_.group});
         finish_kernel_.setArg(finish_first_slice, layout_.first[2]);
         finish_kernel_.setArg(finish_end_slice, layout_.first[2]);
         cl_uint argument = finish_outputs_;
@@ -290,7 +290,7 @@ SliceShape slice_shape(KernelBody body) {
     return body == KernelBody::by_vector ? SliceShape{1, 8} : SliceShape{64, 64};
 }
 
-scan::ProgramSource slices_source(const scan::ProgramSources& programs, const SliceVariant& variant) {
+device::ProgramSource slices_source(const engine::ProgramSources& programs, const SliceVariant& variant) {
     // Rows of a piece are short: a vector is one brick's at most.
     const std::size_t lanes = std::min<std::size_t>(programs.lanes, CLSDF_BRICK);
     const SliceShape shape = slice_shape(programs.body);
@@ -300,21 +300,21 @@ scan::ProgramSource slices_source(const scan::ProgramSources& programs, const Sl
             kernels::files};
 }
 
-cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const SliceVariant& variant,
-                           const device::BuildWatch& watch) {
+cl::Program slices_program(device::Context& context, const engine::ProgramSources& programs,
+                           const SliceVariant& variant, const device::BuildWatch& watch) {
     return context.program(slices_source(programs, variant), watch);
 }
 
 void enqueue_finish(CommandChain& chain, const cl::Kernel& kernel, const Layout& layout, std::size_t slices) {
-    constexpr std::size_t group = scan::common_group;
-    const std::size_t row = scan::in_whole_groups(static_cast<std::size_t>(layout.size[0]), group);
-    scan::divided({row, static_cast<std::size_t>(layout.size[1]), slices}, {scan::most_groups, scan::most_groups},
-                  [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
-                      chain.then([&](auto& queue, auto* wait, auto* event) {
-                          queue.enqueueNDRangeKernel(kernel, cl::NDRange(0, y, z), items, cl::NDRange(group, 1, 1),
-                                                     wait, event);
-                      });
-                  });
+    constexpr std::size_t group = engine::common_group;
+    const std::size_t row = engine::in_whole_groups(static_cast<std::size_t>(layout.size[0]), group);
+    engine::divided({row, static_cast<std::size_t>(layout.size[1]), slices}, {engine::most_groups, engine::most_groups},
+                    [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
+                        chain.then([&](auto& queue, auto* wait, auto* event) {
+                            queue.enqueueNDRangeKernel(kernel, cl::NDRange(0, y, z), items, cl::NDRange(group, 1, 1),
+                                                       wait, event);
+                        });
+                    });
 }
 
 bool takes_64_bits(const device::Context& context, const Layout& layout, bool with_triangle, SliceMinimum asked) {
@@ -328,7 +328,7 @@ bool takes_64_bits(const device::Context& context, const Layout& layout, bool wi
            (has_atomics && samples_of_slice(layout) * sizeof(cl_ulong) <= context.capabilities().largest_allocation);
 }
 
-std::unique_ptr<scan::FieldScan> make_slice_scan(const scan::ScanInputs& inputs, SliceMinimum minimum) {
+std::unique_ptr<engine::FieldScan> make_slice_scan(const engine::ScanInputs& inputs, SliceMinimum minimum) {
     return std::make_unique<SliceScan>(inputs, static_cast<const PreparedPieces&>(inputs.mesh), minimum);
 }
 

@@ -21,7 +21,7 @@ namespace clsdf {
 namespace {
 
 using namespace papers;
-using namespace polyhedra;
+using namespace engine;
 
 /// The surface of a polyhedron that is not empty, in triangles: `origin` + `unit` times its vertices.
 Mesh solid_mesh(const ConvexPolyhedron& solid, const Vector& origin, double unit = 1) {

@@ -209,7 +209,7 @@ std::string size_text(std::size_t bytes) {
 
 }  // namespace
 
-scan::ProgramSource tracer_source() {
+device::ProgramSource tracer_source() {
     return {"render.cl", "-cl-std=CL1.2", kernels::files};
 }
 

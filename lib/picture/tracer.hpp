@@ -72,7 +72,7 @@ private:
 };
 
 /// The program of the renderer.
-scan::ProgramSource tracer_source();
+device::ProgramSource tracer_source();
 
 /// A field's samples on the device, and the rays that are traced through them.
 class Tracer {

@@ -26,7 +26,7 @@ constexpr double rounding = 1e-6;
 using Squares = std::array<float, width>;
 
 /// Squared distances between a box and the boxes of a node's children.
-Squares squared_distances(const PointNode& node, const UnitBox& box) {
+Squares squared_distances(const PointNode& node, const engine::UnitBox& box) {
     Squares squares{};
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (std::size_t i = 0; i < width; ++i) {
@@ -73,11 +73,11 @@ Squares all_infinite() {
 /// The search for triangles near a box.
 class Search {
 public:
-    Search(const PointMesh& mesh, const Box& box, const Reach& reach)
+    Search(const engine::PointMesh& mesh, const Box& box, const Reach& reach)
         : mesh_(mesh), box_(box), unit_box_(box, mesh.lattice), reach_(reach) {}
 
     bool finds_face() {
-        return traverse(
+        return engine::traverse(
             mesh_, [&](const PointNode& node) { return near_children(node); },
             [&](std::size_t face) { return is_near(face); });
     }
@@ -87,7 +87,7 @@ public:
 
 private:
     /// The nearest child, which is the likeliest to have a near face, comes first.
-    ChosenChildren near_children(const PointNode& node) {
+    engine::ChosenChildren near_children(const PointNode& node) {
         const Squares squares = squared_distances(node, unit_box_);
         constexpr float infinity = std::numeric_limits<float>::infinity();
         const float most = reach_.squared_in_units;
@@ -108,9 +108,9 @@ private:
         return false;
     }
 
-    const PointMesh& mesh_;
+    const engine::PointMesh& mesh_;
     const Box& box_;
-    UnitBox unit_box_;
+    engine::UnitBox unit_box_;
     const Reach& reach_;
     Squares bounds_ = all_infinite();
 };
@@ -144,7 +144,7 @@ void check_boxes(std::span<const Box> boxes) {
     }
 }
 
-void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
+void find_places(const engine::PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
                  std::span<BoxPlace> places) {
     if (std::isinf(half_width)) {
         std::ranges::fill(places, BoxPlace::within);
@@ -167,7 +167,7 @@ void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxe
     for (std::size_t i = 0; i < boxes.size(); ++i) {
         if (places[i] == BoxPlace::within) continue;
         const Vec3 centre = centre_of(boxes[i]);
-        if (!contains(mesh.box, centre)) continue;
+        if (!engine::contains(mesh.box, centre)) continue;
         open.push_back(static_cast<std::uint32_t>(i));
         centres.push_back(centre);
     }

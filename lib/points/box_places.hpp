@@ -16,7 +16,7 @@ void check_box(const Box& box, const std::string& name);
 void check_boxes(std::span<const Box> boxes);
 
 /// The place of each box: see DistanceTransform::classify().
-void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
+void find_places(const engine::PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
                  std::span<BoxPlace> places);
 
 }  // namespace clsdf::points

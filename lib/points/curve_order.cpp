@@ -41,8 +41,7 @@ std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     z ^= y;
     std::uint32_t flips = 0;
     for (std::uint32_t bit = cell_bits - 1; bit > 0; --bit) flips ^= mask_of(z, bit) & ((1U << bit) - 1);
-    return polyhedra::spread_bits(x ^ flips) << 2 | polyhedra::spread_bits(y ^ flips) << 1 |
-           polyhedra::spread_bits(z ^ flips);
+    return engine::spread_bits(x ^ flips) << 2 | engine::spread_bits(y ^ flips) << 1 | engine::spread_bits(z ^ flips);
 }
 
 /// The box of the points, cut off at another one.
@@ -51,7 +50,7 @@ Box box_within(std::span<const Vec3> points, const Box& most) {
     std::vector<Eigen::AlignedBox3d> boxes(ranges);
     for_each_chunk(points.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
         Eigen::AlignedBox3d box;
-        for (std::size_t i = begin; i < end; ++i) box.extend(polyhedra::to_vector(points[i]));
+        for (std::size_t i = begin; i < end; ++i) box.extend(engine::to_vector(points[i]));
         boxes[range] = box;
     });
     for (const Eigen::AlignedBox3d& box : boxes) boxes[0].extend(box);

@@ -17,7 +17,7 @@ namespace clsdf::points {
 
 namespace {
 
-using polyhedra::Vector;
+using engine::Vector;
 
 // In units, far above the rounding of distances, 1e-10 (docs/method.md, 'Sides of faces').
 constexpr double least_gap = 1e-6;       // between faces without a common vertex
@@ -41,10 +41,10 @@ struct Shape {
     double longest;   ///< side
 };
 
-Shape shape_of(const PointMesh& mesh, std::size_t face) {
+Shape shape_of(const engine::PointMesh& mesh, std::size_t face) {
     Shape shape{};
     const auto corners = mesh.corners(face);
-    for (std::size_t k = 0; k < 3; ++k) shape.corners[k] = polyhedra::to_vector(mesh.in_units(corners[k]));
+    for (std::size_t k = 0; k < 3; ++k) shape.corners[k] = engine::to_vector(mesh.in_units(corners[k]));
     const auto& [a, b, c] = shape.corners;
     const Vector product = (b - a).cross(c - a);
     const double length = product.norm();
@@ -61,12 +61,12 @@ bool separates(const Vector& axis, const Points& points, const Others& others, d
     constexpr double infinite = std::numeric_limits<double>::infinity();
     double least = infinite, most = -infinite, least_other = infinite, most_other = -infinite;
     for (const Vector& p : points) {
-        const double at = polyhedra::dot(axis, p);
+        const double at = engine::dot(axis, p);
         least = std::min(least, at);
         most = std::max(most, at);
     }
     for (const Vector& p : others) {
-        const double at = polyhedra::dot(axis, p);
+        const double at = engine::dot(axis, p);
         least_other = std::min(least_other, at);
         most_other = std::max(most_other, at);
     }
@@ -95,7 +95,7 @@ bool spread_apart(const Shape& f, std::size_t i, const Shape& g, std::size_t j) 
     const auto divides = [&](const Vector& axis) {
         const double least = least_angle * axis.norm();
         const auto all = [least](const auto& edges, const Vector& direction) {
-            return polyhedra::dot(edges[0], direction) > least && polyhedra::dot(edges[1], direction) > least;
+            return engine::dot(edges[0], direction) > least && engine::dot(edges[1], direction) > least;
         };
         return (all(of_f, axis) && all(of_g, -axis));
     };
@@ -114,15 +114,15 @@ bool is_folded(const Shape& f, std::size_t i, const Shape& g, std::size_t apex) 
     const Vector edge = (f.corners[(i + 1) % 3] - f.corners[i]).normalized();
     const auto away = [&](const Vector& p) {
         const Vector from = p - f.corners[i];
-        return Vector((from - edge * polyhedra::dot(edge, from)).normalized());
+        return Vector((from - edge * engine::dot(edge, from)).normalized());
     };
-    return polyhedra::dot(away(f.corners[(i + 2) % 3]), away(g.corners[apex])) > 1 - least_angle * least_angle / 2;
+    return engine::dot(away(f.corners[(i + 2) % 3]), away(g.corners[apex])) > 1 - least_angle * least_angle / 2;
 }
 
 /// Finds the sides of a mesh's faces.
 class Finder {
 public:
-    Finder(const PointMesh& mesh, SignRule rule) : mesh_(mesh), topology_(*mesh.topology), rule_(rule) {
+    Finder(const engine::PointMesh& mesh, SignRule rule) : mesh_(mesh), topology_(*mesh.topology), rule_(rule) {
         const std::size_t count = mesh.face_count();
         shapes_.resize(count);
         is_excluded_.assign(count, 0);
@@ -155,7 +155,7 @@ private:
         const std::vector<std::uint8_t> at_first = is_excluded_;
         for_each_index(mesh_.face_count(), [&](std::size_t face) {
             if (at_first[face] != 0) return;
-            visit_faces(mesh_, face_box(mesh_, face), [&](std::size_t other) {
+            engine::visit_faces(mesh_, engine::face_box(mesh_, face), [&](std::size_t other) {
                 const bool is_once = other > face || at_first[other] != 0;
                 if (other != face && is_once && !is_harmless(face, other)) {
                     exclude(face);
@@ -190,7 +190,7 @@ private:
 
     /// The face across an edge that two faces of one orientation share; or the same face.
     std::size_t across(std::size_t face, std::size_t edge) const {
-        const polyhedra::FaceEdges& edges = topology_.edges.faces[face];
+        const engine::FaceEdges& edges = topology_.edges.faces[face];
         return edges.marks[edge] == 0 ? Corner::unpack(edges.across[edge]).face : face;
     }
 
@@ -237,7 +237,7 @@ private:
             point[axis] = mesh_.lattice.origin[axis] + aim[static_cast<Eigen::Index>(axis)] * mesh_.lattice.unit;
         const Vec3 in_units = mesh_.in_units(point);
         // Coordinates far from zero are too coarse.
-        if (!((polyhedra::to_vector(in_units) - aim).norm() < 0.5 * offset_in_front)) return 0;
+        if (!((engine::to_vector(in_units) - aim).norm() < 0.5 * offset_in_front)) return 0;
         const Crossings in_front = count_crossings(mesh_, point, in_units);
         const Crossings behind{in_front.winding + 1, in_front.count + 1};
         return static_cast<std::uint16_t>(CLSDF_SIDES_KNOWN |
@@ -264,8 +264,8 @@ private:
     template <typename Predicate>
     bool is_one_fan(std::size_t face, std::size_t k, const Predicate& is_wanted) const {
         const Corner corner{static_cast<std::uint32_t>(face), static_cast<std::uint32_t>(k)};
-        return polyhedra::walk_fan(topology_.edges.faces, corner, topology_.rings.size(vertices(face)[k]),
-                                   [&](const Corner& other) { return is_wanted(other.face); });
+        return engine::walk_fan(topology_.edges.faces, corner, topology_.rings.size(vertices(face)[k]),
+                                [&](const Corner& other) { return is_wanted(other.face); });
     }
 
     /// Whether the normals of the faces at a vertex are all near their sum, weighted by angles.
@@ -277,16 +277,16 @@ private:
             const Shape& shape = shapes_[corner.face];
             const Vector one = shape.corners[(corner.vertex + 1) % 3] - shape.corners[corner.vertex];
             const Vector other = shape.corners[(corner.vertex + 2) % 3] - shape.corners[corner.vertex];
-            sum += std::atan2(one.cross(other).norm(), polyhedra::dot(one, other)) * shape.normal;
+            sum += std::atan2(one.cross(other).norm(), engine::dot(one, other)) * shape.normal;
         }
         const double least = least_cosine_at_vertex * sum.norm();
         for (std::size_t i = 0; i < count; ++i)
-            if (!(polyhedra::dot(shapes_[topology_.rings.corner(vertex, i).face].normal, sum) > least)) return false;
+            if (!(engine::dot(shapes_[topology_.rings.corner(vertex, i).face].normal, sum) > least)) return false;
         return true;
     }
 
-    const PointMesh& mesh_;
-    const polyhedra::MeshTopology& topology_;
+    const engine::PointMesh& mesh_;
+    const engine::MeshTopology& topology_;
     SignRule rule_;
     UninitializedVector<Shape> shapes_;
     std::vector<std::uint8_t> is_excluded_;
@@ -302,7 +302,7 @@ bool are_sides_worthwhile(std::size_t points, std::size_t faces) {
 }
 
 FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const PointMesh& mesh, SignRule rule) {
+                          const engine::PointMesh& mesh, SignRule rule) {
     const std::vector<std::uint16_t> sides = Finder(mesh, rule).find();
     FaceSides result;
     result.known =

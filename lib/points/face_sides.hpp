@@ -29,6 +29,6 @@ bool are_sides_worthwhile(std::size_t points, std::size_t faces);
 
 /// Throws Error(out_of_memory).
 FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const PointMesh& mesh, SignRule rule);
+                          const engine::PointMesh& mesh, SignRule rule);
 
 }  // namespace clsdf::points

@@ -31,14 +31,15 @@ const Value* values_of(const std::shared_ptr<const device::BufferPool::Lease>& l
     return lease ? values_of<Value>(*lease) : nullptr;
 }
 
-one_lane::PointMesh sources_of(const PointMesh& mesh) {
+one_lane::PointMesh sources_of(const engine::PointMesh& mesh) {
     return {mesh.nodes.data() + mesh.tree.count[0], values_of<PointLeaf>(mesh.leaves),
             values_of<Polyhedron>(mesh.polyhedra), values_of<PointFace>(mesh.faces)};
 }
 
 /// As the kernel nearest_of_points does.
-CLSDF_SEVERAL_TARGETS CLSDF_FLATTEN void find_nearest(const PointMesh& mesh, std::span<const one_lane::double3> points,
-                                                      double most, std::uint32_t* faces, double* squared) {
+CLSDF_SEVERAL_TARGETS CLSDF_FLATTEN void find_nearest(const engine::PointMesh& mesh,
+                                                      std::span<const one_lane::double3> points, double most,
+                                                      std::uint32_t* faces, double* squared) {
     const one_lane::PointMesh sources = sources_of(mesh);
     std::uint32_t near = CLSDF_NO_FACE;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -50,10 +51,10 @@ CLSDF_SEVERAL_TARGETS CLSDF_FLATTEN void find_nearest(const PointMesh& mesh, std
 }
 
 /// From the caller's sources into packed arrays.
-one_lane::Finishing finishing_of(const FinishingSources& sources, const scan::HostArrays& arrays) {
+one_lane::Finishing finishing_of(const FinishingSources& sources, const targets::HostArrays& arrays) {
     std::uint32_t wanted = 0, in_double = 0;
     for_each_output(
-        [&](const OutputInfo& row, const scan::HostArray& array) {
+        [&](const OutputInfo& row, const targets::HostArray& array) {
             if (row.output != Output::distance && array.is_wanted) wanted |= bit_of(row);
             if (array.in_double) in_double |= bit_of(row);
         },
@@ -80,10 +81,10 @@ void bring_to_host(const PointInputs& inputs) {
 }
 
 PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points, double half_width,
-                         const scan::HostArrays& arrays) {
+                         const targets::HostArrays& arrays) {
     const DefaultFloatingPoint as_kernels;
     const Stopwatch watch;
-    const PointMesh& mesh = *inputs.mesh;
+    const engine::PointMesh& mesh = *inputs.mesh;
     std::array<one_lane::double3, most_few_points> in_units;
     std::array<std::uint32_t, most_few_points> faces, order;
     std::array<double, most_few_points> squared;
@@ -101,7 +102,7 @@ PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points
                {points, std::span(order).first(points.size()), std::span(squared).first(points.size())}, signs);
     const double sign_seconds = sign_watch.seconds();
     const one_lane::Finishing finishing = finishing_of(
-        {scan::Finishing(mesh.lattice, inputs.sites, inputs.is_inside_out), values_of<Polyhedron>(mesh.polyhedra),
+        {engine::Finishing(mesh.lattice, inputs.sites, inputs.is_inside_out), values_of<Polyhedron>(mesh.polyhedra),
          values_of<TriangleSites>(inputs.sites->names), values_of<float>(inputs.sites->normals)},
         arrays);
     auto* const distance = reinterpret_cast<float*>(arrays[Output::distance].data);
@@ -111,7 +112,7 @@ PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points
 }
 
 void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, bool is_inside,
-                    const scan::HostArrays& arrays) {
+                    const targets::HostArrays& arrays) {
     const DefaultFloatingPoint as_kernels;
     const one_lane::Finishing finishing = finishing_of(sources, arrays);
     one_lane::finish_point(&finishing, reinterpret_cast<float*>(arrays[Output::distance].data),

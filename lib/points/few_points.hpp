@@ -19,11 +19,11 @@ void bring_to_host(const PointInputs& inputs);
 /// The outputs of at most `most_few_points` points into packed arrays, with the bytes of query_points(). inputs: of
 /// bring_to_host(). Enqueues nothing. For any number of threads at once.
 PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points, double half_width,
-                         const scan::HostArrays& arrays);
+                         const targets::HostArrays& arrays);
 
 /// The sources of finishing in the host's memory (kernels/finish/finish.h).
 struct FinishingSources {
-    scan::Finishing how;
+    engine::Finishing how;
     const Polyhedron* polyhedra = nullptr;
     const TriangleSites* sites = nullptr;
     const float* normals = nullptr;
@@ -32,6 +32,6 @@ struct FinishingSources {
 /// The outputs of one sample or point whose nearest polyhedron is known, by the code of the kernels. sample: in samples
 /// of the lattice of `how`.
 void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, bool is_inside,
-                    const scan::HostArrays& arrays);
+                    const targets::HostArrays& arrays);
 
 }  // namespace clsdf::points

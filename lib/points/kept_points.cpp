@@ -4,12 +4,12 @@
 
 namespace clsdf::points {
 
-std::shared_ptr<const PointMesh> KeptPoints::tree() {
+std::shared_ptr<const engine::PointMesh> KeptPoints::tree() {
     return kept_mesh_.prepare([&] {
         return tree_.get_or([&] {
-            PointMesh made = make_point_mesh(kept_mesh_.context(), kept_mesh_.pool(), kept_mesh_.mesh(),
-                                             kept_mesh_.shared_topology());
-            const transform::Restriction* restriction = kept_mesh_.restriction();
+            engine::PointMesh made = engine::make_point_mesh(kept_mesh_.context(), kept_mesh_.pool(), kept_mesh_.mesh(),
+                                                             kept_mesh_.shared_topology());
+            const engine::Restriction* restriction = kept_mesh_.restriction();
             made.is_part = restriction != nullptr;
             made.has_several_regions = made.is_part && restriction->regions.size() > 1;
             return made;
@@ -20,7 +20,7 @@ std::shared_ptr<const PointMesh> KeptPoints::tree() {
 std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh(const cl::Program& program) {
     return kept_mesh_.prepare([&] {
         return scanned_mesh_.get_or([&] {
-            const scan::PreparedMesh polyhedra = kept_mesh_.all_records(tree()->lattice);
+            const engine::PreparedMesh polyhedra = kept_mesh_.all_records(tree()->lattice);
             return make_scanned_mesh(kept_mesh_.context(), program, kept_mesh_.pool(), *tree_, kept_mesh_.frusta(),
                                      polyhedra);
         });
@@ -40,11 +40,11 @@ std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
     const std::scoped_lock lock(mutex_);
     PointInputs inputs;
     inputs.mesh = remembered_.mesh.lock();
-    scan::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered};
-    if (!inputs.mesh || (scan::names_sites(outputs) && !sites.names) ||
-        (scan::takes_normals(outputs) && !sites.normals))
+    engine::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered};
+    if (!inputs.mesh || (engine::names_sites(outputs) && !sites.names) ||
+        (engine::takes_normals(outputs) && !sites.normals))
         return std::nullopt;
-    inputs.sites = std::make_shared<const scan::DeviceSites>(std::move(sites));
+    inputs.sites = std::make_shared<const engine::DeviceSites>(std::move(sites));
     inputs.sign = remembered_.sign;
     inputs.is_inside_out = remembered_.is_inside_out;
     return inputs;
@@ -53,12 +53,12 @@ std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
 void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     const std::scoped_lock lock(mutex_);
     remembered_.mesh = inputs.mesh;
-    if (scan::names_sites(outputs)) {
+    if (engine::names_sites(outputs)) {
         remembered_.names = inputs.sites->names;
         remembered_.renumbered = inputs.sites->renumbered;
     }
     remembered_.sign = inputs.sign;
-    if (!scan::takes_normals(outputs)) return;
+    if (!engine::takes_normals(outputs)) return;
     remembered_.normals = inputs.sites->normals;
     remembered_.is_inside_out = inputs.is_inside_out;
 }

@@ -22,12 +22,12 @@ namespace clsdf::points {
 /// For one thread at a time.
 class KeptPoints {
 public:
-    explicit KeptPoints(transform::KeptMesh& kept_mesh) : kept_mesh_(kept_mesh) {}
+    explicit KeptPoints(engine::KeptMesh& kept_mesh) : kept_mesh_(kept_mesh) {}
     KeptPoints(const KeptPoints&) = delete;
     KeptPoints& operator=(const KeptPoints&) = delete;
 
     /// The tree in which points are looked up. Throws Error(invalid_argument, unsupported or out_of_memory).
-    std::shared_ptr<const PointMesh> tree();
+    std::shared_ptr<const engine::PointMesh> tree();
 
     /// The records that the scan of many points reads beside the tree. `program`: the scan's. Throws as tree().
     std::shared_ptr<const ScannedMesh> scanned_mesh(const cl::Program& program);
@@ -44,21 +44,21 @@ public:
 
 private:
     template <class T>
-    using Kept = transform::Kept<T>;
-    using MadeOf = transform::MadeOf;
-    using UsedBy = transform::UsedBy;
+    using Kept = engine::Kept<T>;
+    using MadeOf = engine::MadeOf;
+    using UsedBy = engine::UsedBy;
 
     /// No thread gets the remembered inputs any more.
     void forget_inputs();
 
-    transform::KeptMesh& kept_mesh_;
-    Kept<PointMesh> tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points, [this] { forget_inputs(); }};
+    engine::KeptMesh& kept_mesh_;
+    Kept<engine::PointMesh> tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points, [this] { forget_inputs(); }};
     Kept<ScannedMesh> scanned_mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<FaceSides> face_sides_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
 
     /// See remember().
     struct Remembered {
-        std::weak_ptr<const PointMesh> mesh;
+        std::weak_ptr<const engine::PointMesh> mesh;
         std::weak_ptr<const device::BufferPool::Lease> names, normals;
         std::size_t renumbered = 0;
         SignRule sign = SignRule::none;

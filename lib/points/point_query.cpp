@@ -51,7 +51,7 @@ private:
 /// The computation of some points, which lie on the device in the order of a curve.
 class Query {
 public:
-    Query(device::Context& context, const scan::Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+    Query(device::Context& context, const engine::Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
           const PointInputs& inputs, std::span<const Vec3> points, double half_width)
         : context_(context),
           programs_(programs),
@@ -81,36 +81,36 @@ public:
     }
 
     void search_tree(const std::function<void(double)>& between) {
-        const PointMesh& mesh = *inputs_.mesh;
+        const engine::PointMesh& mesh = *inputs_.mesh;
         cl::Kernel kernel(program_, "nearest_of_points");
         // How long a search takes depends on the mesh and the point.
-        scan::measured_launches(
-            context_, count(), seconds_per_search, most_run * scan::cores_of(context_.capabilities()), between,
+        engine::measured_launches(
+            context_, count(), seconds_per_search, most_run * engine::cores_of(context_.capabilities()), between,
             [&](std::size_t begin, std::size_t end) {
-                scan::launch(queue_, kernel, {chunk_count(end - begin, run()), programs_.part_group()}, mesh.tree,
-                             *mesh.device_nodes, *mesh.leaves, *mesh.polyhedra, *mesh.faces, *device_points_,
-                             static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(run()),
-                             cl_double{most()}, *device_faces_, *device_squared_);
+                engine::launch(queue_, kernel, {chunk_count(end - begin, run()), programs_.part_group()}, mesh.tree,
+                               *mesh.device_nodes, *mesh.leaves, *mesh.polyhedra, *mesh.faces, *device_points_,
+                               static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(run()),
+                               cl_double{most()}, *device_faces_, *device_squared_);
             });
     }
 
     /// Signs and outputs. Returns the seconds spent on signs that the sides of faces do not tell.
-    double finish(const scan::HostArrays& arrays) {
+    double finish(const targets::HostArrays& arrays) {
         const auto places = device::uploaded(context_, pool_, order_, "order of points");
         PointBuffer<std::uint8_t> signs(*pool_, count(), "signs of points");
-        scan::OutputMemories memories;
+        targets::OutputMemories memories;
         memories.place(context_, *pool_, arrays, count());
-        const scan::OutputBuffers& outputs = memories.buffers;
-        const scan::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
+        const engine::OutputBuffers& outputs = memories.buffers;
+        const engine::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
         cl::Kernel kernel(program_, "finish_points");
         const auto launch = [&](cl_uint by_sides) {
             const cl_uint last =
-                scan::set_arguments(kernel, 0, *device_points_, *places, *device_faces_,
-                                    inputs_.sides ? *inputs_.sides->sides : *places,  // or unused
-                                    by_sides, *signs, cl_uint{0}, static_cast<cl_uint>(count()), cl_double{half_width_},
-                                    *inputs_.mesh->polyhedra, outputs[Output::distance]);
+                engine::set_arguments(kernel, 0, *device_points_, *places, *device_faces_,
+                                      inputs_.sides ? *inputs_.sides->sides : *places,  // or unused
+                                      by_sides, *signs, cl_uint{0}, static_cast<cl_uint>(count()),
+                                      cl_double{half_width_}, *inputs_.mesh->polyhedra, outputs[Output::distance]);
             finishing.set_arguments(kernel, last, outputs);
-            scan::launch(queue_, kernel, {count()});
+            engine::launch(queue_, kernel, {count()});
         };
         signs_.assign(count(), std::uint8_t{CLSDF_POINT_UNDECIDED});
         if (inputs_.sides) {
@@ -158,7 +158,7 @@ private:
     }
 
     device::Context& context_;
-    const scan::Programs& programs_;
+    const engine::Programs& programs_;
     const std::shared_ptr<device::BufferPool>& pool_;
     cl::CommandQueue queue_;
     cl::Program program_;
@@ -175,14 +175,14 @@ private:
 
 }  // namespace
 
-double search_limit(const PointMesh& mesh, double half_width) {
+double search_limit(const engine::PointMesh& mesh, double half_width) {
     const double units = half_width / mesh.lattice.unit * (1 + 1e-9) + 1e-6;
     return units * units;
 }
 
 void check_points(const Box& box, std::span<const Vec3> points) {
     const double longest = box.longest_side();
-    const double far_voxels = scan::farthest * (longest > 0 ? longest / 256 : 1);
+    const double far_voxels = engine::farthest * (longest > 0 ? longest / 256 : 1);
     constexpr double most = std::numeric_limits<float>::max() / 4;  // distances of a point and a mesh in it are floats
     const double far = std::min(far_voxels, most);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -201,9 +201,9 @@ void check_points(const Box& box, std::span<const Vec3> points) {
     }
 }
 
-PointTimes query_points(device::Context& context, const scan::Programs& programs,
+PointTimes query_points(device::Context& context, const engine::Programs& programs,
                         const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
-                        std::span<const Vec3> points, double half_width, const scan::HostArrays& arrays,
+                        std::span<const Vec3> points, double half_width, const targets::HostArrays& arrays,
                         const std::function<void(double)>& between) {
     PointTimes times;
     if (points.empty()) return times;

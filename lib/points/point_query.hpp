@@ -19,10 +19,10 @@ namespace clsdf::points {
 
 /// The inputs of a query.
 struct PointInputs {
-    std::shared_ptr<const PointMesh> mesh;
-    std::shared_ptr<const ScannedMesh> scanned;      ///< null: points are looked up one by one
-    std::shared_ptr<const FaceSides> sides;          ///< null: signs by crossings; else the sites have normals
-    std::shared_ptr<const scan::DeviceSites> sites;  ///< with normals if the gradient is asked for
+    std::shared_ptr<const engine::PointMesh> mesh;
+    std::shared_ptr<const ScannedMesh> scanned;        ///< null: points are looked up one by one
+    std::shared_ptr<const FaceSides> sides;            ///< null: signs by crossings; else the sites have normals
+    std::shared_ptr<const engine::DeviceSites> sites;  ///< with normals if the gradient is asked for
     SignRule sign = SignRule::none;
     bool is_inside_out = false;  ///< the faces look inwards, and the points have a sign
 };
@@ -38,16 +38,16 @@ inline constexpr std::size_t most_points = std::size_t{1} << 20;
 
 /// The limit of the search for the nearest face: a squared distance in units, above all rounding of what is compared
 /// with `half_width` at the end.
-double search_limit(const PointMesh& mesh, double half_width);
+double search_limit(const engine::PointMesh& mesh, double half_width);
 
 /// Throws Error(invalid_argument) that names the first point that is not finite or too far from the mesh's box.
 void check_points(const Box& box, std::span<const Vec3> points);
 
 /// The outputs of at most `most_points` points into packed arrays on the host. `between`, which may be empty and may
 /// throw, is called between launches with the fraction done. Throws Error(device_failure or out_of_memory).
-PointTimes query_points(device::Context& context, const scan::Programs& programs,
+PointTimes query_points(device::Context& context, const engine::Programs& programs,
                         const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
-                        std::span<const Vec3> points, double half_width, const scan::HostArrays& arrays,
+                        std::span<const Vec3> points, double half_width, const targets::HostArrays& arrays,
                         const std::function<void(double)>& between);
 
 }  // namespace clsdf::points

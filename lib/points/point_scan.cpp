@@ -71,15 +71,15 @@ Level level_of(std::size_t children, const ExtentOf& extent_of) {
     return level;
 }
 
-FaceNeighbours neighbours_of(const polyhedra::MeshTopology& topology, std::size_t face) {
+FaceNeighbours neighbours_of(const engine::MeshTopology& topology, std::size_t face) {
     FaceNeighbours neighbours{};
-    const polyhedra::FaceEdges& edges = topology.edges.faces[face];
+    const engine::FaceEdges& edges = topology.edges.faces[face];
     for (std::size_t k = 0; k < 3; ++k) {
         neighbours.vertex[k] = topology.faces.triangles[face][k];
         const std::uint8_t marks = edges.marks[k];
-        const bool is_alone = (marks & polyhedra::edge_open) != 0;
+        const bool is_alone = (marks & engine::edge_open) != 0;
         // An edge from a vertex to itself has that vertex' faces.
-        const bool are_many = (marks & (polyhedra::edge_non_manifold | polyhedra::edge_at_box)) != 0;
+        const bool are_many = (marks & (engine::edge_non_manifold | engine::edge_at_box)) != 0;
         neighbours.across[k] = are_many   ? CLSDF_MANY_ACROSS
                                : is_alone ? CLSDF_NONE_ACROSS
                                           : Corner::unpack(edges.across[k]).face;
@@ -90,10 +90,10 @@ FaceNeighbours neighbours_of(const polyhedra::MeshTopology& topology, std::size_
 }  // namespace
 
 ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& program,
-                              const std::shared_ptr<device::BufferPool>& pool, const PointMesh& point_mesh,
-                              const polyhedra::Frusta& frusta, const scan::PreparedMesh& polyhedra) {
+                              const std::shared_ptr<device::BufferPool>& pool, const engine::PointMesh& point_mesh,
+                              const engine::Frusta& frusta, const engine::PreparedMesh& polyhedra) {
     ScannedMesh mesh;
-    const polyhedra::MeshTopology& topology = *point_mesh.topology;
+    const engine::MeshTopology& topology = *point_mesh.topology;
     const std::size_t faces = topology.order.size(), vertices = topology.rings.vertex_count();
     const std::size_t records = faces + frusta.sites.size();
     mesh.counts.faces = static_cast<clsdf_uint32>(faces);
@@ -102,8 +102,7 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
     for (std::size_t face = 0; face < faces; ++face) {
         const auto corners = point_mesh.corners(face);
         for (std::size_t k = 0; k < 3; ++k) {
-            const polyhedra::Vector side =
-                polyhedra::to_vector(corners[(k + 1) % 3]) - polyhedra::to_vector(corners[k]);
+            const engine::Vector side = engine::to_vector(corners[(k + 1) % 3]) - engine::to_vector(corners[k]);
             squared = std::max(squared, side.squaredNorm());
         }
     }
@@ -111,8 +110,8 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
     mesh.records = pool->lease(records * sizeof(ScanRecord), "records of the scan of points");
     device::guarded([&] {
         cl::Kernel pack(program, "pack_records");
-        scan::launch(context.queue(), pack, {records}, *polyhedra.polyhedra, mesh.counts,
-                     static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()), *mesh.records);
+        engine::launch(context.queue(), pack, {records}, *polyhedra.polyhedra, mesh.counts,
+                       static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()), *mesh.records);
         context.queue().finish();
     });
     device::HostFilling neighbours(context, pool, faces * sizeof(FaceNeighbours), "neighbours of faces");
@@ -138,7 +137,7 @@ PointGroups group_points(std::span<const Vec3> points) {
     Level bricks = level_of(chunk_count(points.size(), width), [&](std::size_t vector) {
         Extent extent;
         for (std::size_t i = vector * width; i < std::min(points.size(), (vector + 1) * width); ++i)
-            extent.extend(polyhedra::to_vector(points[i]));
+            extent.extend(engine::to_vector(points[i]));
         return extent;
     });
     const auto above = [](const Level& level) {
@@ -148,7 +147,7 @@ PointGroups group_points(std::span<const Vec3> points) {
     return {std::move(bricks.groups), std::move(blocks.groups), std::move(superblocks.groups)};
 }
 
-bool is_scan_worthwhile(const scan::Programs& programs, std::size_t points, std::size_t faces) {
+bool is_scan_worthwhile(const engine::Programs& programs, std::size_t points, std::size_t faces) {
     return programs.body == KernelBody::by_vector && points >= std::max(faces, fewest_scanned);
 }
 
@@ -171,18 +170,18 @@ public:
         const std::size_t records = job_.scanned.counts.records;
         marks_ = job_.pool->lease(superblock_count_ * records * sizeof(cl_ushort), "lists of blocks of points");
         cl::Kernel bound(program_, "bound_blocks");
-        scan::launch(queue_, bound, {superblock_count_, 1}, *superblocks_, cl_uint{0},
-                     static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1),
-                     job_.scanned.counts, *job_.scanned.records, *squares);
+        engine::launch(queue_, bound, {superblock_count_, 1}, *superblocks_, cl_uint{0},
+                       static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1),
+                       job_.scanned.counts, *job_.scanned.records, *squares);
         cl::Kernel mark(program_, "mark_blocks");
         const std::size_t items = superblock_count_ * chunk_count(records, marked_together);
         const auto before_each = between ? [&] { between(0); } : std::function<void()>();
-        scan::ShortLaunches(job_.context, before_each)
+        engine::ShortLaunches(job_.context, before_each)
             .over(items, seconds_per_mark * marked_together, [&](std::size_t begin, std::size_t end) {
-                scan::launch(queue_, mark, {end - begin, 1}, *superblocks_, static_cast<cl_uint>(begin),
-                             static_cast<cl_uint>(marked_together), job_.scanned.counts, *job_.scanned.records,
-                             *job_.mesh.polyhedra, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)), *squares,
-                             *marks_);
+                engine::launch(queue_, mark, {end - begin, 1}, *superblocks_, static_cast<cl_uint>(begin),
+                               static_cast<cl_uint>(marked_together), job_.scanned.counts, *job_.scanned.records,
+                               *job_.mesh.polyhedra, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)), *squares,
+                               *marks_);
             });
     }
 
@@ -195,17 +194,17 @@ public:
         const auto memory = job_.pool->lease(items * sizeof(PointBrick), "bricks of points in work");
         const auto next_block = job_.pool->lease(sizeof(cl_uint), "next block");
         cl::Kernel kernel(program_, "nearest_by_groups");
-        scan::measured_launches(job_.context, block_count_, seconds_per_scanned_point * CLSDF_POINTS_OF_BLOCK, items,
-                                between, [&](std::size_t begin, std::size_t end) {
-                                    queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
-                                    scan::launch(queue_, kernel, {items, 1}, static_cast<cl_uint>(begin),
-                                                 static_cast<cl_uint>(end), *next_block, *blocks_, *bricks_,
-                                                 job_.points, static_cast<cl_uint>(job_.count), cl_double{job_.most},
-                                                 job_.scanned.counts, *job_.scanned.records, *job_.mesh.polyhedra,
-                                                 *job_.mesh.faces, *job_.scanned.neighbours, *job_.scanned.ring_starts,
-                                                 *job_.scanned.ring_faces, *job_.scanned.site_vertices, *marks_, *lists,
-                                                 *marks, *memory, faces, squared);
-                                });
+        engine::measured_launches(
+            job_.context, block_count_, seconds_per_scanned_point * CLSDF_POINTS_OF_BLOCK, items, between,
+            [&](std::size_t begin, std::size_t end) {
+                queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
+                engine::launch(queue_, kernel, {items, 1}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
+                               *next_block, *blocks_, *bricks_, job_.points, static_cast<cl_uint>(job_.count),
+                               cl_double{job_.most}, job_.scanned.counts, *job_.scanned.records, *job_.mesh.polyhedra,
+                               *job_.mesh.faces, *job_.scanned.neighbours, *job_.scanned.ring_starts,
+                               *job_.scanned.ring_faces, *job_.scanned.site_vertices, *marks_, *lists, *marks, *memory,
+                               faces, squared);
+            });
     }
 
 private:

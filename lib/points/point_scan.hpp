@@ -30,11 +30,11 @@ struct ScannedMesh {
 /// `program`: of the scan. `polyhedra`: of all faces and point sites, for PointMesh::lattice, which are not needed any
 /// more. Throws Error(out_of_memory).
 ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& program,
-                              const std::shared_ptr<device::BufferPool>& pool, const PointMesh& mesh,
-                              const polyhedra::Frusta& frusta, const scan::PreparedMesh& polyhedra);
+                              const std::shared_ptr<device::BufferPool>& pool, const engine::PointMesh& mesh,
+                              const engine::Frusta& frusta, const engine::PreparedMesh& polyhedra);
 
 /// Whether points are scanned in groups rather than looked up one by one. The results are the same.
-bool is_scan_worthwhile(const scan::Programs& programs, std::size_t points, std::size_t faces);
+bool is_scan_worthwhile(const engine::Programs& programs, std::size_t points, std::size_t faces);
 
 /// Groups of points that follow each other (kernels/points/point_groups.h), from bricks up.
 struct PointGroups {
@@ -47,9 +47,9 @@ PointGroups group_points(std::span<const Vec3> in_units);
 /// Points for the scan.
 struct ScanJob {
     device::Context& context;
-    const scan::Programs& programs;
+    const engine::Programs& programs;
     const std::shared_ptr<device::BufferPool>& pool;
-    const PointMesh& mesh;
+    const engine::PointMesh& mesh;
     const ScannedMesh& scanned;
     const PointGroups& groups;
     std::size_t count;

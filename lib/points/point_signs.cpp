@@ -64,9 +64,9 @@ bool is_on_triangle(const Corners& corners, const Vec3& p) {
     return is_on_segment(a, b, p) || is_on_segment(b, c, p) || is_on_segment(c, a, p);
 }
 
-bool is_on_surface(const PointMesh& mesh, const Vec3& p, const Vec3& in_units) {
-    return visit_faces(mesh, UnitBox(in_units),
-                       [&](std::size_t face) { return is_on_triangle(mesh.corners(face), p); });
+bool is_on_surface(const engine::PointMesh& mesh, const Vec3& p, const Vec3& in_units) {
+    return engine::visit_faces(mesh, engine::UnitBox(in_units),
+                               [&](std::size_t face) { return is_on_triangle(mesh.corners(face), p); });
 }
 
 /// Whether the face lies beyond the box of two points on an axis.
@@ -77,15 +77,15 @@ bool is_apart(const Corners& corners, const Vec3& p, const Vec3& q, std::size_t 
 
 /// On the ray along x from a point that is not on the surface, to the nearer side of the mesh's box; of a part of a
 /// mesh, to the lower one.
-Crossings crossings_of_ray(const PointMesh& mesh, const Vec3& from, const Vec3& in_units) {
+Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, const Vec3& in_units) {
     const bool is_forward = !mesh.is_part && from[0] - mesh.box.lower[0] > mesh.box.upper[0] - from[0];
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    UnitBox box(in_units);
+    engine::UnitBox box(in_units);
     (is_forward ? box.upper : box.lower)[0] = static_cast<float>(is_forward ? infinity : -infinity);
     Vec3 to = from;
     to[0] = is_forward ? infinity : -infinity;
     Crossings crossings;
-    visit_faces(mesh, box, [&](std::size_t face) {
+    engine::visit_faces(mesh, box, [&](std::size_t face) {
         const Corners corners = mesh.corners(face);
         const auto& [a, b, c] = corners;
         if (is_apart(corners, from, to, 1) || is_apart(corners, from, to, 2) || is_apart(corners, from, to, 0))
@@ -104,9 +104,9 @@ Crossings crossings_of_ray(const PointMesh& mesh, const Vec3& from, const Vec3& 
 
 /// On the way from `from`, whose crossings are known, straight to `to`; neither is on the surface. Nothing if it meets
 /// an edge or runs in a face's plane: there exact predicates do not tell.
-std::optional<Crossings> crossings_along(const PointMesh& mesh, const Vec3& from, const Vec3& to, const UnitBox& box,
-                                         Crossings crossings) {
-    const bool is_undecided = visit_faces(mesh, box, [&](std::size_t face) {
+std::optional<Crossings> crossings_along(const engine::PointMesh& mesh, const Vec3& from, const Vec3& to,
+                                         const engine::UnitBox& box, Crossings crossings) {
+    const bool is_undecided = engine::visit_faces(mesh, box, [&](std::size_t face) {
         const Corners corners = mesh.corners(face);
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (is_apart(corners, from, to, axis)) return false;
@@ -174,11 +174,12 @@ private:
 /// A way longer than that, in units, meets more faces than a ray.
 constexpr double longest_way = 16;
 
-Crossings crossings_of(const PointMesh& mesh, const Vec3& p, const Vec3& in_units, const KnownBalls::Found& known) {
+Crossings crossings_of(const engine::PointMesh& mesh, const Vec3& p, const Vec3& in_units,
+                       const KnownBalls::Found& known) {
     if (known.is_free) return known.ball->crossings;
     if (known.distance < longest_way && !mesh.has_several_regions) {
-        UnitBox box(in_units);
-        box.add(UnitBox(known.ball->centre));
+        engine::UnitBox box(in_units);
+        box.add(engine::UnitBox(known.ball->centre));
         if (const auto crossings = crossings_along(mesh, known.ball->callers, p, box, known.ball->crossings))
             return *crossings;
     }
@@ -187,11 +188,12 @@ Crossings crossings_of(const PointMesh& mesh, const Vec3& p, const Vec3& in_unit
 
 }  // namespace
 
-Crossings count_crossings(const PointMesh& mesh, const Vec3& point, const Vec3& in_units) {
+Crossings count_crossings(const engine::PointMesh& mesh, const Vec3& point, const Vec3& in_units) {
     return crossings_of_ray(mesh, point, in_units);
 }
 
-void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& points, std::span<std::uint8_t> signs) {
+void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoints& points,
+                std::span<std::uint8_t> signs) {
     constexpr std::size_t together = 256;
     for_each_chunk(points.order.size(), together, [&](std::size_t, std::size_t begin, std::size_t end) {
         KnownBalls balls;
@@ -199,7 +201,7 @@ void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& point
             if (signs[i] != CLSDF_POINT_UNDECIDED) continue;
             signs[i] = CLSDF_POINT_OUTSIDE;
             const Vec3& p = points.callers[points.order[i]];
-            if (!contains(mesh.box, p)) continue;
+            if (!engine::contains(mesh.box, p)) continue;
             const double distance = std::sqrt(points.squared[i]);
             const Vec3 in_units = mesh.in_units(p);
             if (distance < nearly_zero && is_on_surface(mesh, p, in_units)) {

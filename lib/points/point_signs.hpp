@@ -21,7 +21,7 @@ struct Crossings {
 
 /// Crossings of a point that is not on the surface, given in the caller's coordinates and in units. Exact for the
 /// caller's coordinates.
-Crossings count_crossings(const PointMesh& mesh, const Vec3& point, const Vec3& in_units);
+Crossings count_crossings(const engine::PointMesh& mesh, const Vec3& point, const Vec3& in_units);
 
 /// Points whose nearest faces are known, in an order in which neighbours are near each other.
 struct LocatedPoints {
@@ -35,6 +35,7 @@ struct LocatedPoints {
 ///
 /// Two points have the same sign if a ball around one of them holds the other and does not reach the surface. For every
 /// other point, crossings with the surface are counted: on the way from a point nearby, or on a ray along x.
-void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& points, std::span<std::uint8_t> signs);
+void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoints& points,
+                std::span<std::uint8_t> signs);
 
 }  // namespace clsdf::points

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace clsdf::device {
+namespace clsdf::targets {
 
 namespace {
 
@@ -29,7 +29,7 @@ auto find(Buffers& buffers, const cl::Buffer& memory) {
 
 }  // namespace
 
-void require_buffer(const Context& context, const cl::Memory& memory, const std::string& owner) {
+void require_buffer(const device::Context& context, const cl::Memory& memory, const std::string& owner) {
     if (memory.getInfo<CL_MEM_TYPE>() != CL_MEM_OBJECT_BUFFER)
         throw Error(ErrorCode::invalid_argument, fmt::format("{} is an image or a pipe; give it a buffer", owner));
     if (memory.getInfo<CL_MEM_CONTEXT>()() != context.context()())
@@ -39,7 +39,7 @@ void require_buffer(const Context& context, const cl::Memory& memory, const std:
                                 owner));
 }
 
-cl::CommandQueue queue_of(const Context& context, cl_command_queue queue) {
+cl::CommandQueue queue_of(const device::Context& context, cl_command_queue queue) {
     if (queue == nullptr) return context.callers_queue();
     cl::CommandQueue callers(queue, true);
     if (callers.getInfo<CL_QUEUE_CONTEXT>()() != context.context()() ||
@@ -50,7 +50,7 @@ cl::CommandQueue queue_of(const Context& context, cl_command_queue queue) {
     return callers;
 }
 
-std::vector<cl::Event> events_of(const Context& context, std::span<const cl_event> wait_list) {
+std::vector<cl::Event> events_of(const device::Context& context, std::span<const cl_event> wait_list) {
     std::vector<cl::Event> events;
     for (std::size_t n = 0; n < wait_list.size(); ++n) {
         const auto refuse = [&](const char* reason) {
@@ -70,8 +70,8 @@ std::vector<cl::Event> events_of(const Context& context, std::span<const cl_even
     return events;
 }
 
-void wait_for(const Context& context, std::span<const cl_event> wait_list) {
-    if (!wait_list.empty()) guarded([&] { cl::Event::waitForEvents(events_of(context, wait_list)); });
+void wait_for(const device::Context& context, std::span<const cl_event> wait_list) {
+    if (!wait_list.empty()) device::guarded([&] { cl::Event::waitForEvents(events_of(context, wait_list)); });
 }
 
 BufferPlace place_of(cl_mem memory, std::size_t byte) {
@@ -92,7 +92,7 @@ MappedMemory::~MappedMemory() {
 }
 
 void MappedMemory::add(cl_mem memory, const ByteRange& range, Use use, const std::string& what) {
-    guarded([&] {
+    device::guarded([&] {
         const cl::Buffer callers(memory, true);
         require_buffer(context_, callers, fmt::format("the memory of the {}", what));
         const std::size_t bytes = callers.getInfo<CL_MEM_SIZE>();
@@ -122,13 +122,13 @@ void MappedMemory::add(cl_mem memory, const ByteRange& range, Use use, const std
 
 void MappedMemory::add(const InputArray& triples, const std::string& what) {
     if (triples.device == nullptr) return;
-    const std::size_t bytes = guarded([&] { return cl::Buffer(triples.device, true).getInfo<CL_MEM_SIZE>(); });
+    const std::size_t bytes = device::guarded([&] { return cl::Buffer(triples.device, true).getInfo<CL_MEM_SIZE>(); });
     add(triples.device, range_of(triples, bytes, what.c_str(), ErrorCode::invalid_argument), Use::read, what);
 }
 
 void MappedMemory::map(std::span<const cl_event> wait_list) {
     wait_for(context_, wait_list);
-    guarded([&] {
+    device::guarded([&] {
         for (Buffer& buffer : buffers_)
             buffer.mapped = static_cast<std::byte*>(context_.queue().enqueueMapBuffer(
                 buffer.memory, CL_TRUE, buffer.flags, buffer.range.begin, buffer.range.end - buffer.range.begin));
@@ -136,7 +136,7 @@ void MappedMemory::map(std::span<const cl_event> wait_list) {
 }
 
 std::byte* MappedMemory::at(cl_mem memory, std::size_t byte) const {
-    const BufferPlace place = guarded([&] { return place_of(memory, byte); });
+    const BufferPlace place = device::guarded([&] { return place_of(memory, byte); });
     const auto found = find(buffers_, place.memory);
     return found->mapped + (place.byte - found->range.begin);
 }
@@ -155,7 +155,7 @@ InputArray MappedMemory::on_host(const InputArray& triples) const {
 
 void MappedMemory::unmap() {
     bool is_mapped = false;
-    guarded([&] {
+    device::guarded([&] {
         for (Buffer& buffer : buffers_)
             if (std::byte* const mapped = std::exchange(buffer.mapped, nullptr); mapped != nullptr) {
                 context_.queue().enqueueUnmapMemObject(buffer.memory, mapped);
@@ -165,4 +165,4 @@ void MappedMemory::unmap() {
     });
 }
 
-}  // namespace clsdf::device
+}  // namespace clsdf::targets

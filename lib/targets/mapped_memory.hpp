@@ -8,16 +8,16 @@
 #include <string>
 #include <vector>
 
-namespace clsdf::device {
+namespace clsdf::targets {
 
 /// The caller's memory, queue and events. All throw Error(invalid_argument) for what belongs to another context.
 /// owner: begins the message. Memory that is no buffer is refused, too.
-void require_buffer(const Context& context, const cl::Memory& memory, const std::string& owner);
+void require_buffer(const device::Context& context, const cl::Memory& memory, const std::string& owner);
 /// Without a queue: that of the device.
-cl::CommandQueue queue_of(const Context& context, cl_command_queue queue);
+cl::CommandQueue queue_of(const device::Context& context, cl_command_queue queue);
 /// Throws Error(device_failure) for an event that has failed.
-std::vector<cl::Event> events_of(const Context& context, std::span<const cl_event> wait_list);
-void wait_for(const Context& context, std::span<const cl_event> wait_list);
+std::vector<cl::Event> events_of(const device::Context& context, std::span<const cl_event> wait_list);
+void wait_for(const device::Context& context, std::span<const cl_event> wait_list);
 
 /// A byte of a buffer that is no part of another one.
 struct BufferPlace {
@@ -31,7 +31,7 @@ BufferPlace place_of(cl_mem memory, std::size_t byte);
 /// in it; a sub-buffer counts as a part of its buffer. First add() what is used, then map().
 class MappedMemory {
 public:
-    explicit MappedMemory(const Context& context) : context_(context) {}
+    explicit MappedMemory(const device::Context& context) : context_(context) {}
     MappedMemory(const MappedMemory&) = delete;
     MappedMemory& operator=(const MappedMemory&) = delete;
     /// Gives the buffers back, also after an error.
@@ -66,8 +66,8 @@ private:
         std::byte* mapped = nullptr;
     };
 
-    const Context& context_;
+    const device::Context& context_;
     std::vector<Buffer> buffers_;
 };
 
-}  // namespace clsdf::device
+}  // namespace clsdf::targets

@@ -12,7 +12,7 @@
 #include <functional>
 #include <span>
 
-namespace clsdf::scan {
+namespace clsdf::targets {
 
 namespace {
 
@@ -243,8 +243,8 @@ OutputTargets visit_device_targets(const OutputTargets& targets, std::size_t poi
 
 }  // namespace
 
-void add_targets(const OutputTargets& targets, std::size_t points, device::MappedMemory& memory) {
-    using Use = device::MappedMemory::Use;
+void add_targets(const OutputTargets& targets, std::size_t points, MappedMemory& memory) {
+    using Use = MappedMemory::Use;
     visit_device_targets(targets, points,
                          [&](const OutputInfo& row, const OutputArray& target, const ByteRange& range, bool is_packed) {
                              memory.add(target.device, range, is_packed ? Use::overwrite : Use::write,
@@ -252,7 +252,7 @@ void add_targets(const OutputTargets& targets, std::size_t points, device::Mappe
                          });
 }
 
-OutputTargets on_host(const OutputTargets& targets, std::size_t points, const device::MappedMemory& memory) {
+OutputTargets on_host(const OutputTargets& targets, std::size_t points, const MappedMemory& memory) {
     static std::byte nothing{};
     return visit_device_targets(targets, points,
                                 [&](const OutputInfo&, OutputArray& target, const ByteRange& range, bool is_packed) {
@@ -330,14 +330,14 @@ namespace {
 /// The buffer from `offset` on, which is aligned.
 cl::Buffer buffer_from(const cl::Buffer& buffer, std::size_t offset, std::size_t bytes) {
     if (offset == 0) return buffer;
-    device::BufferPlace place = device::place_of(buffer(), offset);
+    BufferPlace place = place_of(buffer(), offset);
     const cl_buffer_region region{place.byte, bytes};
     return place.memory.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
 }
 
 /// Memory that kernels cannot or may not write would fail later and less clearly.
 void check_memory(const OutputInfo& row, const cl::Memory& memory, const device::Context& context) {
-    device::require_buffer(context, memory, fmt::format("the target of the output {}", row.name));
+    require_buffer(context, memory, fmt::format("the target of the output {}", row.name));
     if ((memory.getInfo<CL_MEM_FLAGS>() & CL_MEM_READ_ONLY) != 0)
         throw misuse(
             fmt::format("the target of the output {} is a buffer made with CL_MEM_READ_ONLY; kernels write to "
@@ -349,7 +349,7 @@ void check_memory(const OutputInfo& row, const cl::Memory& memory, const device:
 
 DeviceTargets::DeviceTargets(const OutputTargets& given, const Grid& grid, const device::Context& context)
     : targets(target_arrays(given)), size(grid.size) {
-    OutputBuffers buffers;
+    engine::OutputBuffers buffers;
     const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
     for_each_output(
         [&](const OutputInfo& row, OutputArray& target, HostArray& array, cl::Buffer& buffer) {
@@ -388,14 +388,14 @@ void DeviceTargets::add_written(std::size_t request, std::vector<WrittenArray>& 
     for_each_output(
         [&](const OutputInfo& info, const OutputArray& target) {
             if (target.device == nullptr) return;
-            const device::BufferPlace begin = device::place_of(target.device, 0);
+            const BufferPlace begin = place_of(target.device, 0);
             written.push_back(written_array(info, target, size, request, begin.memory(), begin.byte));
         },
         targets);
 }
 
 DeviceTargets::DeviceTargets(OutputSet outputs, const Grid& grid)
-    : arrays(arrays_for(outputs)), in_place(OutputBuffers()) {
+    : arrays(arrays_for(outputs)), in_place(engine::OutputBuffers()) {
     for_each_output(
         [&](const OutputInfo& row, OutputArray& target, const HostArray& array) {
             if (!array.is_wanted) return;
@@ -405,4 +405,4 @@ DeviceTargets::DeviceTargets(OutputSet outputs, const Grid& grid)
         targets, arrays);
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::targets

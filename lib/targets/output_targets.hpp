@@ -13,7 +13,7 @@
 #include <span>
 #include <string>
 
-namespace clsdf::scan {
+namespace clsdf::targets {
 
 /// What finishing (kernels/finish/finish.h) makes for the targets: the outputs beside the distance, and the distance
 /// if it is in double.
@@ -57,9 +57,9 @@ struct HostTargets {
 /// Points are stored as the samples of a grid of one row, from number `first` on.
 Grid row_of(std::size_t count, std::size_t first = 0);
 /// Adds what the targets of points take of device memory to what is mapped. Throws as HostTargets does.
-void add_targets(const OutputTargets& targets, std::size_t points, device::MappedMemory& memory);
+void add_targets(const OutputTargets& targets, std::size_t points, MappedMemory& memory);
 /// The same targets when that is mapped, all in memory of the host.
-OutputTargets on_host(const OutputTargets& targets, std::size_t points, const device::MappedMemory& memory);
+OutputTargets on_host(const OutputTargets& targets, std::size_t points, const MappedMemory& memory);
 
 /// The caller's device memory for a grid, with any offset and strides. Throws as HostTargets does.
 struct DeviceTargets {
@@ -75,8 +75,8 @@ struct DeviceTargets {
     TargetArrays targets;  ///< with all types and strides set; empty for outputs that are not asked for
     HostArrays arrays;     ///< which outputs are asked for, and the elements that are computed, without memory
     Index3 size{};
-    std::optional<OutputBuffers> in_place;  ///< if the device can write a packed field there
-    std::string why_not_in_place;           ///< the name of the output that needs a copy, and why; empty if none does
+    std::optional<engine::OutputBuffers> in_place;  ///< if the device can write a packed field there
+    std::string why_not_in_place;  ///< the name of the output that needs a copy, and why; empty if none does
 };
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::targets

@@ -7,7 +7,7 @@
 
 #include <utility>
 
-namespace clsdf::scan {
+namespace clsdf::targets {
 
 HostArrays arrays_for(OutputSet outputs) {
     HostArrays arrays;
@@ -164,4 +164,4 @@ std::size_t SlabPipeline::host_bytes() const {
     return bytes;
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::targets

@@ -12,7 +12,7 @@
 #include <future>
 #include <memory>
 
-namespace clsdf::scan {
+namespace clsdf::targets {
 
 /// A packed array of one output on the host.
 struct HostArray {
@@ -44,7 +44,7 @@ struct OutputMemories {
 
     HostArrays arrays;
     std::size_t samples = 0;
-    OutputBuffers buffers;  ///< to which the device writes the samples
+    engine::OutputBuffers buffers;  ///< to which the device writes the samples
     PerOutput<device::BufferPool::Lease> leases;
     bool in_place = false;
 };
@@ -108,4 +108,4 @@ private:
     bool is_finished_ = false;
 };
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::targets

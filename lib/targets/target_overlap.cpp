@@ -11,7 +11,7 @@
 #include <tuple>
 #include <utility>
 
-namespace clsdf::scan {
+namespace clsdf::targets {
 
 namespace {
 
@@ -256,4 +256,4 @@ void refuse_overlap(const std::vector<WrittenArray>& arrays) {
     }
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::targets

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::targets {
 
 /// The bytes to which a call writes one output of one request.
 struct WrittenArray {
@@ -28,4 +28,4 @@ struct WrittenArray {
 /// array have. For others with interleaved values the search has a limit; beyond it they count as disjoint.
 void refuse_overlap(const std::vector<WrittenArray>& arrays);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::targets

@@ -326,11 +326,11 @@ BOOST_AUTO_TEST_CASE(a_grid_of_many_slices_or_rows_is_computed_in_several_launch
 }
 
 BOOST_AUTO_TEST_CASE(a_launch_of_bricks_has_at_most_two_to_the_thirty_work_items) {
-    scan::CoarseLists lists;
+    engine::CoarseLists lists;
     lists.order.resize((1U << 18) + 1);
     lists.lengths.assign(lists.order.size(), 1);
     lists.pairs = lists.order.size();
-    const std::vector<scan::BrickLaunch> launches = scan::launches_of(lists, {1e9});
+    const std::vector<engine::BrickLaunch> launches = engine::launches_of(lists, {1e9});
     BOOST_TEST_REQUIRE(launches.size() == 3U);
     cl_uint begin = 0;
     for (const auto& launch : launches) {

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The kernel file with the defined words, but for LANES, which names the body: bricks_by_group-group128-nearest.
-std::string name_of(const scan::ProgramSource& source) {
+std::string name_of(const device::ProgramSource& source) {
     std::string name = fs::path(source.kernel_file).stem().string();
     std::istringstream options(source.options);
     for (std::string option; options >> option;) {
@@ -43,16 +43,16 @@ void write(const fs::path& path, const std::string& text) {
     if (!file) throw Error(ErrorCode::output_failure, fmt::format("{} cannot be written", path.string()));
 }
 
-std::vector<scan::ProgramSource> sources_of_gpus() {
-    std::vector<scan::ProgramSource> sources;
+std::vector<device::ProgramSource> sources_of_gpus() {
+    std::vector<device::ProgramSource> sources;
     for (const std::size_t largest_group : {256U, 64U}) {
         device::Context::Capabilities gpu;
         gpu.rounds_roots = true;
         gpu.largest_group = largest_group;
-        const scan::ProgramSources programs(gpu, KernelBody::automatic);
-        const std::vector<scan::ProgramSource> added = programs.every_source();
+        const engine::ProgramSources programs(gpu, KernelBody::automatic);
+        const std::vector<device::ProgramSource> added = programs.every_source();
         sources.insert(sources.end(), added.begin(), added.end());
-        for (const scan::BrickVariant& variant : scan::every_variant()) {
+        for (const engine::BrickVariant& variant : engine::every_variant()) {
             sources.push_back(papers::brute_force_source(programs, variant));
             for (const bool key_64 : {false, true})
                 if (variant.nearest || !key_64) sources.push_back(papers::slices_source(programs, {variant, key_64}));
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
     try {
         const fs::path folder = argv[1];
         fs::create_directories(folder);
-        for (const scan::ProgramSource& source : sources_of_gpus()) {
+        for (const device::ProgramSource& source : sources_of_gpus()) {
             write(folder / (name_of(source) + ".cl"), device::kernel_text(source.kernel_file, source.files));
             write(folder / (name_of(source) + ".options"), source.options);
         }

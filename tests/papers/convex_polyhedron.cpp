@@ -12,10 +12,10 @@
 namespace clsdf::test {
 namespace {
 
+using engine::Vector;
 using papers::clip;
 using papers::ConvexPolyhedron;
 using papers::HalfSpace;
-using polyhedra::Vector;
 
 const Box unit_box{{-1, -1, -1}, {1, 1, 1}};
 

@@ -16,8 +16,8 @@ namespace {
 papers::MauchPieces pieces_of(const Mesh& mesh, double half_width) {
     const Grid grid = grid_around(mesh, 20, 2 + half_width);
     const Band band = Band::symmetric(half_width * grid.voxel());
-    const Layout layout = scan::layout_of(grid, band, SignRule::none);
-    return papers::mauch_pieces(mesh, scan::lattice_of(grid), half_width, layout);
+    const Layout layout = engine::layout_of(grid, band, SignRule::none);
+    return papers::mauch_pieces(mesh, engine::lattice_of(grid), half_width, layout);
 }
 
 /// Two faces at one edge, the second turned out of the first one's plane.

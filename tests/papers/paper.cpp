@@ -10,8 +10,8 @@
 
 using namespace clsdf;
 using namespace clsdf::test;
-using clsdf::polyhedra::to_vector;
-using clsdf::polyhedra::Vector;
+using clsdf::engine::to_vector;
+using clsdf::engine::Vector;
 using papers::BisectorPolyhedra;
 using papers::BisectorPolyhedron;
 using papers::peikert_sigg_polyhedra;

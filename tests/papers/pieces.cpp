@@ -55,7 +55,7 @@ BOOST_AUTO_TEST_CASE(pieces_hold_what_the_records_hold_and_are_exact) {
     for (std::uint64_t seed = 1; seed <= 150; ++seed) BOOST_TEST_CONTEXT("seed " << seed) {
             Random random(seed);
             const Mesh mesh = awkward_mesh(random);
-            const polyhedra::LatticeView lattice{{0.3, -0.2, 0.1}, 1, {1, 1.3, 1.7}};
+            const engine::LatticeView lattice{{0.3, -0.2, 0.1}, 1, {1, 1.3, 1.7}};
             const LeanedFrusta frusta = leaned_frusta(mesh, lattice);
             const Layout everywhere = layout_at({-1000, -1000, -1000}, {2000, 2000, 2000});
             const ConvexPieces pieces = papers::leaned_pieces(frusta.polyhedra, half_width, slack, everywhere);
@@ -121,7 +121,7 @@ BOOST_AUTO_TEST_CASE(a_piece_has_the_slices_that_it_cuts_within_the_grid) {
 
 BOOST_AUTO_TEST_CASE(a_paper_polyhedron_is_one_piece_of_five_planes) {
     const Mesh mesh = b2().mesh;
-    const polyhedra::LatticeView lattice{{0, 0, 0}, 0.125, {1, 1, 1}};
+    const engine::LatticeView lattice{{0, 0, 0}, 0.125, {1, 1, 1}};
     const papers::PeikertSiggPieces paper =
         papers::peikert_sigg_pieces(mesh, lattice, 8, true, layout_at({-100, -100, -100}, {200, 200, 200}));
     BOOST_TEST(paper.polyhedra.size() == 4U);

@@ -39,7 +39,7 @@ inline Mesh random_saddle_fan(Random& random) {
 
 inline papers::Fan fan_of_apex(const Mesh& mesh) {
     const papers::Surface surface(mesh);
-    polyhedra::VertexFans fans;
+    engine::VertexFans fans;
     return papers::fan_at(surface, 0, fans);
 }
 

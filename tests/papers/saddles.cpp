@@ -41,8 +41,8 @@ Mesh regular_fan(std::size_t count, double height, double other_height) {
 /// A direction that lies beyond the planes of all faces in the same rotational sense, if there is one: planes and
 /// search are the test's own (the perceptron's). It may miss narrow cones.
 bool has_direction_beyond_all(const Fan& fan) {
-    using polyhedra::to_vector;
-    using polyhedra::Vector;
+    using engine::to_vector;
+    using engine::Vector;
     std::vector<Vector> normals;
     for (std::size_t i = 0; i < fan.size(); ++i) {
         const Vector edge = (to_vector(fan.neighbours[i]) - to_vector(fan.vertex)).normalized();
@@ -331,11 +331,10 @@ Mesh irregular_fan(std::uint64_t seed) {
 double area(const Mesh& mesh) {
     double sum = 0;
     for (const auto& [a, b, c] : mesh.triangles()) {
-        const polyhedra::Vector from = polyhedra::to_vector(mesh.vertices()[a]);
-        sum += (polyhedra::to_vector(mesh.vertices()[b]) - from)
-                   .cross(polyhedra::to_vector(mesh.vertices()[c]) - from)
-                   .norm() /
-               2;
+        const engine::Vector from = engine::to_vector(mesh.vertices()[a]);
+        sum +=
+            (engine::to_vector(mesh.vertices()[b]) - from).cross(engine::to_vector(mesh.vertices()[c]) - from).norm() /
+            2;
     }
     return sum;
 }

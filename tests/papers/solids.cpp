@@ -17,8 +17,8 @@
 
 using namespace clsdf;
 using namespace clsdf::test;
-using clsdf::polyhedra::to_vector;
-using clsdf::polyhedra::Vector;
+using clsdf::engine::to_vector;
+using clsdf::engine::Vector;
 
 namespace {
 

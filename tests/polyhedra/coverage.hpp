@@ -45,8 +45,8 @@ struct Coverage {
 /// A mesh and its polyhedra on a lattice. Points are in samples, distances in voxels.
 class CoverageTest {
 public:
-    CoverageTest(const Mesh& mesh, const polyhedra::LatticeView& lattice, double half_width, double slack,
-                 const polyhedra::FrustaOptions& options = {})
+    CoverageTest(const Mesh& mesh, const engine::LatticeView& lattice, double half_width, double slack,
+                 const engine::FrustaOptions& options = {})
         : lattice_(lattice), half_width_(half_width), slack_(slack), frusta_(leaned_frusta(mesh, lattice, options)) {
         for (const Triangle& triangle : mesh.triangles()) {
             std::array<Eigen::Vector3d, 3> corners;
@@ -166,7 +166,7 @@ private:
         return coverage;
     }
 
-    polyhedra::LatticeView lattice_;
+    engine::LatticeView lattice_;
     double half_width_;
     double slack_;
     LeanedFrusta frusta_;

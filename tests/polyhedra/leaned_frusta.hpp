@@ -15,10 +15,10 @@ struct LeanedFrusta {
     std::size_t boxes = 0;
 };
 
-inline LeanedFrusta leaned_frusta(const Mesh& mesh, const polyhedra::LatticeView& lattice,
-                                  const polyhedra::FrustaOptions& options = {}) {
-    const polyhedra::MeshTopology topology(mesh);
-    const polyhedra::Frusta frusta = polyhedra::make_frusta(topology, mesh.vertices(), options);
+inline LeanedFrusta leaned_frusta(const Mesh& mesh, const engine::LatticeView& lattice,
+                                  const engine::FrustaOptions& options = {}) {
+    const engine::MeshTopology topology(mesh);
+    const engine::Frusta frusta = engine::make_frusta(topology, mesh.vertices(), options);
     const std::size_t faces = topology.order.size();
     LeanedFrusta result{UninitializedVector<Polyhedron>(faces + frusta.sites.size()), frusta.saddle_vertices,
                         frusta.sites.size(), frusta.boxes};

@@ -19,11 +19,11 @@
 namespace clsdf::test {
 namespace {
 
-using polyhedra::ClusterIndex;
-using polyhedra::NearRecords;
-using polyhedra::record_group;
-using polyhedra::RecordRange;
-using polyhedra::Vector;
+using engine::ClusterIndex;
+using engine::NearRecords;
+using engine::record_group;
+using engine::RecordRange;
+using engine::Vector;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -47,8 +47,7 @@ Box around(const Vec3& centre, double reach) {
 
 /// Around the ball of a face, whose centre is the foot of the altitude on the longest edge.
 Box ball_box(const std::array<Vec3, 3>& corners) {
-    const std::array at{polyhedra::to_vector(corners[0]), polyhedra::to_vector(corners[1]),
-                        polyhedra::to_vector(corners[2])};
+    const std::array at{engine::to_vector(corners[0]), engine::to_vector(corners[1]), engine::to_vector(corners[2])};
     std::size_t base = 0;
     for (std::size_t k = 1; k < 3; ++k)
         if ((at[(k + 1) % 3] - at[k]).norm() > (at[(base + 1) % 3] - at[base]).norm()) base = k;
@@ -63,7 +62,7 @@ Box ball_box(const std::array<Vec3, 3>& corners) {
 /// The index of a mesh, and a box of each face, of each cluster, and of each point site.
 struct Indexed {
     explicit Indexed(const Mesh& mesh)
-        : topology(mesh), frusta(polyhedra::make_frusta(topology, mesh.vertices())), index(topology, frusta) {
+        : topology(mesh), frusta(engine::make_frusta(topology, mesh.vertices())), index(topology, frusta) {
         for (const auto& [a, b, c] : topology.faces.triangles)
             faces.push_back(ball_box({frusta.positions[a], frusta.positions[b], frusta.positions[c]}));
         for (std::size_t face = 0; face < faces.size(); ++face) {
@@ -78,8 +77,8 @@ struct Indexed {
         for (const auto& site : frusta.sites) sites.push_back(around(frusta.positions[site.vertex], 0));
     }
 
-    polyhedra::MeshTopology topology;
-    polyhedra::Frusta frusta;
+    engine::MeshTopology topology;
+    engine::Frusta frusta;
     ClusterIndex index;
     std::vector<Box> faces, clusters, sites;
 };

@@ -9,8 +9,8 @@
 namespace clsdf::test {
 namespace {
 
-using polyhedra::ConeSearch;
-using polyhedra::Vector;
+using engine::ConeSearch;
+using engine::Vector;
 
 Vector random_direction(Random& random) {
     const Vec3 v = random.direction();

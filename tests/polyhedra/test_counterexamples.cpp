@@ -23,18 +23,18 @@ double voxel_of(const Counterexample& example) {
     return in_eighths(example) ? step : 1;
 }
 
-CoverageTest coverage_test(const Counterexample& example, double slack, const polyhedra::FrustaOptions& options = {}) {
-    polyhedra::LatticeView lattice;
+CoverageTest coverage_test(const Counterexample& example, double slack, const engine::FrustaOptions& options = {}) {
+    engine::LatticeView lattice;
     lattice.unit = voxel_of(example);
     return {example.mesh, lattice, example.half_width / lattice.unit, slack, options};
 }
 
-CoverageTest coverage_test(const Counterexample& example, const polyhedra::FrustaOptions& options = {}) {
+CoverageTest coverage_test(const Counterexample& example, const engine::FrustaOptions& options = {}) {
     return coverage_test(example, least_slack(example.half_width / voxel_of(example)), options);
 }
 
-constexpr polyhedra::FrustaOptions without_lean{false, true};
-constexpr polyhedra::FrustaOptions without_point_sites{true, false};
+constexpr engine::FrustaOptions without_lean{false, true};
+constexpr engine::FrustaOptions without_point_sites{true, false};
 
 BOOST_AUTO_TEST_SUITE(counterexamples)
 

@@ -59,10 +59,10 @@ BOOST_AUTO_TEST_CASE(triangles_are_sorted_by_the_codes_of_their_centroids) {
         triangles[1] = {0, 0, 1};  // so that the box is the unit cube
         const Mesh mesh(vertices, triangles, "soup");
         const std::vector<std::uint32_t> expected = plain_morton_order(mesh, count <= 131072U ? 8 : 10);
-        const auto order = polyhedra::morton_order(mesh);
+        const auto order = engine::morton_order(mesh);
         BOOST_TEST(std::equal(expected.begin(), expected.end(), order.begin(), order.end()));
         tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-        BOOST_TEST((polyhedra::morton_order(mesh) == order));
+        BOOST_TEST((engine::morton_order(mesh) == order));
     }
 }
 

@@ -16,7 +16,7 @@
 namespace clsdf::test {
 namespace {
 
-using polyhedra::LatticeView;
+using engine::LatticeView;
 
 constexpr double half_width = 4;
 
@@ -67,7 +67,7 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_where_rounding_would_decide) {
                 mesh = Mesh(vertices, mesh.triangles(), "flat");
             }
             const LatticeView lattice;
-            const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
+            const engine::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
             const int side = exact_side(mesh, mesh.triangles()[0], 3);
             BOOST_TEST(side_of_plane(faces, 0, {1, 0}) == side);
             ++seen.at(static_cast<std::size_t>(side) + 1);
@@ -83,7 +83,7 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_for_coordinates_of_all_magnitu
         for (const double height : {1e-200, -1e-200}) {
             const Mesh mesh({{0, 0, 0}, {length, 0, 0}, {0, length, 0}, {0, -length, height}}, {{0, 1, 2}, {1, 0, 3}},
                             "two triangles");
-            const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
+            const engine::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
             BOOST_TEST(side_of_plane(faces, 0, {1, 0}) == (height > 0 ? 1 : -1));
         }
 }
@@ -121,20 +121,20 @@ BOOST_AUTO_TEST_CASE(every_edge_knows_the_face_across) {
                 faces_at[{ends.first, ends.second}].push_back({face, k});
             }
         const OneRings rings(mesh.triangles(), mesh.vertices().size());
-        const polyhedra::PairedEdges edges = polyhedra::pair_edges(mesh.triangles(), rings);
+        const engine::PairedEdges edges = engine::pair_edges(mesh.triangles(), rings);
         for (const auto& [ends, faces] : faces_at) {
             for (const Corner& edge : faces) {
                 const int marks = edges.faces[edge.face].marks[edge.vertex];
                 if (ends[0] == ends[1]) {
-                    BOOST_TEST(marks == polyhedra::edge_at_box);
+                    BOOST_TEST(marks == engine::edge_at_box);
                 } else if (faces.size() == 2 && faces[0].face != faces[1].face) {
                     const Corner& other = edge.face == faces[0].face ? faces[1] : faces[0];
                     const bool oriented =
                         mesh.triangles()[edge.face][edge.vertex] != mesh.triangles()[other.face][other.vertex];
-                    BOOST_TEST(marks == (oriented ? 0 : polyhedra::edge_unoriented));
+                    BOOST_TEST(marks == (oriented ? 0 : engine::edge_unoriented));
                     BOOST_TEST(edges.faces[edge.face].across[edge.vertex] == other.packed());
                 } else {
-                    BOOST_TEST(marks == (faces.size() == 1 ? polyhedra::edge_open : polyhedra::edge_non_manifold));
+                    BOOST_TEST(marks == (faces.size() == 1 ? engine::edge_open : engine::edge_non_manifold));
                 }
             }
         }
@@ -154,8 +154,8 @@ BOOST_AUTO_TEST_CASE(a_vertex_has_a_fan_for_each_cone_that_ends_there) {
               {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}, {0, 4, 5}, {0, 5, 6}, {0, 6, 4}, {4, 6, 5}}, "pyramids");
     const OneRings rings(mesh.triangles(), mesh.vertices().size());
     BOOST_TEST(rings.size(0) == 6U);
-    const polyhedra::PairedEdges edges = polyhedra::pair_edges(mesh.triangles(), rings);
-    polyhedra::VertexFans fans;
+    const engine::PairedEdges edges = engine::pair_edges(mesh.triangles(), rings);
+    engine::VertexFans fans;
     fans.build(mesh.triangles(), edges.faces, rings, 0);
     BOOST_REQUIRE(fans.fan_count() == 2U);
     for (std::size_t fan = 0; fan < 2; ++fan) {
@@ -180,12 +180,12 @@ BOOST_AUTO_TEST_CASE(a_face_with_a_vertex_twice_is_not_its_own_neighbour) {
             const Mesh mesh(vertices, triangles, "back and forth");
             const OneRings rings(mesh.triangles(), mesh.vertices().size());
             const LatticeView lattice;
-            const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
-            const polyhedra::PairedEdges edges = polyhedra::pair_edges(mesh.triangles(), rings);
-            const auto marks = polyhedra::FaceMeasures(faces, rings, edges).measure(0).marks;
+            const engine::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
+            const engine::PairedEdges edges = engine::pair_edges(mesh.triangles(), rings);
+            const auto marks = engine::FaceMeasures(faces, rings, edges).measure(0).marks;
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const bool is_edge = twice[k] != twice[next_of_three(k)];
-                const int expected = polyhedra::edge_at_box | (is_edge ? polyhedra::edge_non_manifold : 0);
+                const int expected = engine::edge_at_box | (is_edge ? engine::edge_non_manifold : 0);
                 BOOST_TEST(static_cast<int>(marks[k]) == expected);
             }
         }

@@ -41,7 +41,7 @@ Finding look_at_mesh(std::uint64_t seed) {
     Random random(seed);
     const Mesh mesh = awkward_mesh(random);
     const double half_width = random.index(2) == 0 ? random.uniform(0.1, 3) : random.uniform(3, 25);
-    polyhedra::LatticeView lattice;
+    engine::LatticeView lattice;
     lattice.origin = random.point(-100, 100);
     if (random.index(4) == 0) lattice.spacing_in_units = {1, random.uniform(1, 3), 100};
     const double slack = least_slack(half_width);

@@ -19,9 +19,9 @@
 namespace clsdf::test {
 namespace {
 
-using polyhedra::LatticeView;
-using polyhedra::to_vector;
-using polyhedra::Vector;
+using engine::LatticeView;
+using engine::to_vector;
+using engine::Vector;
 
 constexpr double half_width = 8;
 constexpr double slack = 2e-3;
@@ -59,7 +59,7 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
             const Mesh mesh = single_triangle(corners[0], corners[1], corners[2]);
             const Polyhedron record = leaned_frusta(mesh, lattice).polyhedra.front();
             const PointwisePolyhedron pointwise(record, half_width, slack);
-            const polyhedra::TriangleFrame frame = polyhedra::triangle_frame(corners, lattice);
+            const engine::TriangleFrame frame = engine::triangle_frame(corners, lattice);
             for (int i = 0; i < 20; ++i) {
                 const Vec3 point = random.point(-100, 100);
                 const Vector metric(point[0], 2 * point[1], 4 * point[2]);
@@ -85,7 +85,7 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
     }
 }
 
-void check_orthonormal(const polyhedra::TriangleFrame& frame) {
+void check_orthonormal(const engine::TriangleFrame& frame) {
     const Vector along = to_vector(frame.face.along), across = to_vector(frame.face.across);
     for (const Vector& axis : {along, across, frame.normal}) BOOST_TEST(std::abs(axis.norm() - 1) < 1e-12);
     BOOST_TEST(std::abs(along.dot(across)) < 1e-12);
@@ -104,7 +104,7 @@ BOOST_AUTO_TEST_CASE(the_frames_of_all_triangles_are_orthonormal) {
             const Vec3 a{0, 0, 0};
             const Vec3 b = along(a, size, edge);
             const Vec3 c = along(along(a, size * random.uniform(-1, 2), edge), size * height, random.direction());
-            const polyhedra::TriangleFrame frame = polyhedra::triangle_frame({a, b, c}, {});
+            const engine::TriangleFrame frame = engine::triangle_frame({a, b, c}, {});
             check_orthonormal(frame);
             if (height == 0) BOOST_TEST(frame.is_box);
         }
@@ -176,7 +176,7 @@ BOOST_AUTO_TEST_CASE(triangles_come_octant_by_octant) {
     vertices.insert(vertices.end(), {{0, 0, 0}, {8, 8, 8}});
     triangles.push_back({1536, 1537, 1537});  // the box
     const Mesh mesh(vertices, triangles, "cells");
-    const auto order = polyhedra::morton_order(mesh);
+    const auto order = engine::morton_order(mesh);
     std::int64_t expected = 0;
     for (const std::uint32_t triangle : order) {
         if (triangle == 512) continue;

@@ -109,8 +109,8 @@ BOOST_AUTO_TEST_CASE(a_mesh_that_moves_and_another_lattice) {
 // search for points one by one: its compiler leaves a declaration in the code that the simulator does not know.)
 BOOST_AUTO_TEST_CASE(many_points) {
     unsetenv("CLSDF_SELF_TEST");
-    const scan::Programs programs(device::context_of(test_device()), KernelBody::by_vector);
-    BOOST_TEST(transform::ensure_tested(test_device(), transform::point_subject(test_device(), programs, true)));
+    const engine::Programs programs(device::context_of(test_device()), KernelBody::by_vector);
+    BOOST_TEST(checks::ensure_tested(test_device(), checks::point_subject(test_device(), programs, true)));
     setenv("CLSDF_SELF_TEST", "0", 1);
 }
 

@@ -26,9 +26,9 @@ namespace {
 
 /// The host's frusta and those of kernels.
 struct BothFrusta {
-    std::shared_ptr<const polyhedra::MeshTopology> topology;
-    polyhedra::Frusta host;
-    polyhedra::Frusta kernels;
+    std::shared_ptr<const engine::MeshTopology> topology;
+    engine::Frusta host;
+    engine::Frusta kernels;
 };
 
 template <class Value>
@@ -39,18 +39,18 @@ bool are_same(const UninitializedVector<Value>& a, const std::vector<Value>& b) 
 BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     const Device device = Device::automatic();
     device::Context& context = device::context_of(device);
-    const scan::Programs programs(context, KernelBody::automatic);
+    const engine::Programs programs(context, KernelBody::automatic);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    BothFrusta both{std::make_shared<const polyhedra::MeshTopology>(mesh), {}, {}};
-    both.host = polyhedra::make_frusta(*both.topology, mesh.vertices());
-    const scan::DeviceSetUp job{context, pool, programs};
-    const auto names = std::make_shared<const scan::DeviceFaces::Names>(device_names(job, both.topology));
-    const auto sources = std::make_shared<const scan::FrustaSources>(job, *both.topology);
-    const polyhedra::LatticeView lattice = scan::lattice_of(grid);
+    BothFrusta both{std::make_shared<const engine::MeshTopology>(mesh), {}, {}};
+    both.host = engine::make_frusta(*both.topology, mesh.vertices());
+    const engine::DeviceSetUp job{context, pool, programs};
+    const auto names = std::make_shared<const engine::DeviceFaces::Names>(device_names(job, both.topology));
+    const auto sources = std::make_shared<const engine::FrustaSources>(job, *both.topology);
+    const engine::LatticeView lattice = engine::lattice_of(grid);
     // Without records, too: the same. The device has the slopes that the host has.
-    const scan::MadeFrusta again = frusta_by_kernels(job, names, sources, mesh, nullptr);
-    scan::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh, &lattice);
-    const auto slopes = read<polyhedra::FaceSlopes>(context, *made.faces.slopes, both.topology->order.size());
+    const engine::MadeFrusta again = frusta_by_kernels(job, names, sources, mesh, nullptr);
+    engine::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh, &lattice);
+    const auto slopes = read<engine::FaceSlopes>(context, *made.faces.slopes, both.topology->order.size());
     BOOST_TEST(are_same(made.frusta->slopes, slopes));
     BOOST_TEST(are_same(again.frusta->slopes, slopes));
     BOOST_TEST(again.frusta->sites.size() == made.frusta->sites.size());
@@ -66,7 +66,7 @@ void check_slopes(const BothFrusta& both) {
     std::size_t narrow = 0, wider = 0;
     for (std::size_t face = 0; face < both.host.slopes.size(); ++face)
         for (std::size_t k = 0; k < 3; ++k) {
-            const polyhedra::FaceSlopes &kernel = both.kernels.slopes[face], &host = both.host.slopes[face];
+            const engine::FaceSlopes &kernel = both.kernels.slopes[face], &host = both.host.slopes[face];
             narrow += is_wide(kernel.above[k], host.above[k]) && is_wide(kernel.below[k], host.below[k]) ? 0U : 1U;
             wider += is_wide(host.above[k], kernel.above[k]) && is_wide(host.below[k], kernel.below[k]) ? 0U : 1U;
         }

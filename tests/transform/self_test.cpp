@@ -18,8 +18,8 @@
 
 using namespace clsdf;
 using namespace clsdf::test;
-using transform::KnownField;
-using transform::KnownFieldKind;
+using checks::KnownField;
+using checks::KnownFieldKind;
 
 namespace {
 
@@ -109,8 +109,8 @@ TransformStatistics boxes(const Device& device, KernelBody body, const CallOptio
 }
 
 /// A field as packed arrays.
-scan::HostArrays arrays_of(Field& field) {
-    scan::HostArrays arrays;
+targets::HostArrays arrays_of(Field& field) {
+    targets::HostArrays arrays;
     for (const OutputInfo& info : output_table()) {
         const std::span<std::byte> bytes = field.bytes(info.output);
         arrays[info.output] = {!bytes.empty(), info.type == ElementType::float64, bytes.data()};

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -207,18 +207,18 @@ std::unique_ptr<FieldScan> make_brick_scan(const ScanInputs& inputs) {
     return is_by_group(inputs) ? make_bricks_by_group(inputs) : make_bricks_by_vector(inputs);
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine
 
 namespace clsdf {
 
 void tuning::compile_bricks(const Device& device, OutputSet outputs) {
     device::Context& context = device::context_of(device);
     outputs.erase(Output::distance);
-    const scan::BrickVariant variant{.nearest = !outputs.empty()};
+    const engine::BrickVariant variant{.nearest = !outputs.empty()};
     device::guarded([&] {
-        const scan::Programs programs(context, KernelBody::automatic);
+        const engine::Programs programs(context, KernelBody::automatic);
         if (programs.body == KernelBody::by_vector)
-            scan::specialise_bricks_by_vector(context, programs, variant);
+            engine::specialise_bricks_by_vector(context, programs, variant);
         else
             programs.bricks(context, variant);
     });

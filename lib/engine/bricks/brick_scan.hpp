@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// Coarse bricks order[begin, end) of the lists, which a launch computes.
 struct BrickLaunch {
@@ -82,4 +82,4 @@ void specialise_bricks_by_vector(device::Context& context, const Programs& progr
 /// The body for GPUs: a work-group a brick.
 std::unique_ptr<FieldScan> make_bricks_by_group(const ScanInputs& inputs);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

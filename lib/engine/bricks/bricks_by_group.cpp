@@ -1,7 +1,7 @@
 #include "bricks/brick_scan.hpp"
 #include "device/buffer_pool.hpp"
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -57,8 +57,8 @@ private:
                                      static_cast<cl_uint>(lists_.parts), *lists_.entries, *lists_.bounds,
                                      *inputs.mesh.polyhedra, *bounds_);
             set_arguments(masks, next, static_cast<cl_uint>(mask_groups), *masks_);
-            scan::launch(inputs.queue(), bounds, {items, group_size_});
-            scan::launch(inputs.queue(), masks, {mask_groups * items, group_size_});
+            engine::launch(inputs.queue(), bounds, {items, group_size_});
+            engine::launch(inputs.queue(), masks, {mask_groups * items, group_size_});
         }
     }
 
@@ -76,4 +76,4 @@ std::unique_ptr<FieldScan> make_bricks_by_group(const ScanInputs& inputs) {
     return std::make_unique<BricksByGroup>(inputs);
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -94,4 +94,4 @@ std::unique_ptr<FieldScan> make_bricks_by_vector(const ScanInputs& inputs) {
     return std::make_unique<BricksByVector>(inputs);
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -13,7 +13,7 @@
 #include <memory>
 #include <span>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// The inputs of a plan's scan. The mesh, `finishing` and the memory of the sign bits must outlive the scan; the rest
 /// is needed until it is made.
@@ -59,4 +59,4 @@ public:
 /// The scan of leaned polyhedra by bricks.
 std::unique_ptr<FieldScan> make_brick_scan(const ScanInputs& inputs);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

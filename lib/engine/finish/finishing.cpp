@@ -7,15 +7,15 @@
 #include <cmath>
 #include <cstring>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 device::BufferPool::Lease site_names(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                     const polyhedra::MeshTopology& topology, std::span<const std::uint32_t> numbers) {
+                                     const MeshTopology& topology, std::span<const std::uint32_t> numbers) {
     const std::size_t count = topology.order.size();
     const std::size_t rows = count + chunk_count(numbers.size_bytes(), sizeof(TriangleSites));
     device::HostFilling filling(context, pool, rows * sizeof(TriangleSites), "names of the sites");
     const std::span names(static_cast<TriangleSites*>(filling.memory()), count);
-    polyhedra::name_sites(topology, names);
+    name_sites(topology, names);
     if (!numbers.empty()) {
         for (TriangleSites& triangle : names)
             for (clsdf_uint32& lowest : triangle.triangle) lowest = numbers[lowest];
@@ -25,7 +25,7 @@ device::BufferPool::Lease site_names(const device::Context& context, const std::
 }
 
 device::BufferPool::Lease site_normals(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                       const polyhedra::MeshTopology& topology, std::span<const Vec3> positions) {
+                                       const MeshTopology& topology, std::span<const Vec3> positions) {
     const std::size_t count = 18 * topology.order.size();
     device::HostFilling filling(context, pool, count * sizeof(float), "pseudonormals of the sites");
     make_pseudonormals(topology, positions, {static_cast<float*>(filling.memory()), count});
@@ -46,8 +46,7 @@ Finishing::Finishing(const Grid& grid, const Band& band, const Layout& layout, s
     finish_.outward = is_inside_out ? -1.0F : 1.0F;
 }
 
-Finishing::Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites,
-                     bool is_inside_out)
+Finishing::Finishing(const LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out)
     : sites_(std::move(sites)) {
     finish_.unit = lattice.unit;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -82,4 +81,4 @@ cl_uint Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const Output
     return argument;
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -15,7 +15,7 @@
 #include <memory>
 #include <span>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// The buffers of a computation's outputs; null for outputs that are not asked for.
 struct OutputBuffers : PerOutput<cl::Buffer> {
@@ -32,7 +32,7 @@ inline bool takes_normals(OutputSet outputs) {
     return (outputs.bits() & CLSDF_OUTPUTS_BY_NORMAL) != 0;
 }
 
-/// The data of a mesh's sites on the device (polyhedra/sites.hpp).
+/// The data of a mesh's sites on the device (finish/sites.hpp).
 struct DeviceSites {
     std::shared_ptr<const device::BufferPool::Lease> names;    ///< null unless an output names sites
     std::shared_ptr<const device::BufferPool::Lease> normals;  ///< null unless pseudonormals are needed
@@ -41,9 +41,9 @@ struct DeviceSites {
 
 /// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh.
 device::BufferPool::Lease site_names(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                     const polyhedra::MeshTopology& topology, std::span<const std::uint32_t> numbers);
+                                     const MeshTopology& topology, std::span<const std::uint32_t> numbers);
 device::BufferPool::Lease site_normals(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                       const polyhedra::MeshTopology& topology, std::span<const Vec3> positions);
+                                       const MeshTopology& topology, std::span<const Vec3> positions);
 
 /// The arguments with which brick kernels finish the samples of a grid (kernels/finish/finish.h).
 class Finishing {
@@ -53,7 +53,7 @@ public:
               bool is_inside_out);
 
     /// For points, in units of a lattice.
-    Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
+    Finishing(const LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
 
     /// The struct for kernels. wanted, in_double: bits of outputs (bit_of).
     Finish finish(std::uint32_t wanted, std::uint32_t in_double) const;
@@ -70,4 +70,4 @@ private:
     std::shared_ptr<const DeviceSites> sites_;
 };
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 namespace {
 
@@ -229,4 +229,4 @@ void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> posi
     });
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

@@ -7,7 +7,7 @@
 
 #include <span>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// Names the vertices and edges of a mesh as nearest sites: a row per triangle, in the caller's order.
 void name_sites(const MeshTopology& topology, std::span<TriangleSites> names);
@@ -22,4 +22,4 @@ void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> posi
 bool may_meet_samples(const MeshTopology& topology, std::span<const Vec3> positions, const Vec3& origin,
                       const Vec3& spacing);
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

@@ -19,7 +19,7 @@ struct MeshAccess {
 
 }  // namespace clsdf::detail
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 namespace {
 
@@ -239,4 +239,4 @@ void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions)
     clsdf::detail::MeshAccess::set_box(mesh, without_negative_zeros(all.box));
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

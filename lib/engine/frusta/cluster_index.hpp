@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// Consecutive faces, or point sites: neighbours, because both are in Morton order.
 struct RecordRange {
@@ -72,4 +72,4 @@ MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& f
 /// As mesh.set_positions(), without a look at the triangles. `topology`: the mesh's.
 void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions);
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

@@ -9,18 +9,18 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
-void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyhedra::LatticeView& lattice,
+void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const LatticeView& lattice,
                    const std::vector<cl_uint>& groups, const cl::Buffer& records) {
     const auto group_numbers = job.upload(groups, "numbers of the faces");
     cl::Kernel kernel(job.programs.mesh_records, "face_records");
     ShortLaunches(job.context, {})
-        .over(groups.size(), seconds_per_face * polyhedra::record_group, [&](std::size_t begin, std::size_t end) {
-            const std::size_t first = begin * polyhedra::record_group, last = end * polyhedra::record_group;
-            launch(job.context.queue(), kernel, job.items_of(last - first), polyhedra::face_lattice(lattice),
+        .over(groups.size(), seconds_per_face * record_group, [&](std::size_t begin, std::size_t end) {
+            const std::size_t first = begin * record_group, last = end * record_group;
+            launch(job.context.queue(), kernel, job.items_of(last - first), face_lattice(lattice),
                    static_cast<cl_uint>(first), static_cast<cl_uint>(last),
                    static_cast<cl_uint>(faces.names->face_count()), static_cast<cl_uint>(job.item_faces()),
                    *group_numbers, *faces.names->triangles, *faces.positions, *faces.slopes, *faces.names->names,
@@ -30,7 +30,7 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
 
 }  // namespace
 
-DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology) {
+DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const MeshTopology> topology) {
     const std::size_t count = topology->order.size();
     job.pool->check_size(count * sizeof(Triangle), "triangles");
     device::HostFilling filling(job.context, job.pool, count * sizeof(cl_uint), "numbers of the triangles");
@@ -43,7 +43,7 @@ DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const po
 }
 
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
-                         const std::shared_ptr<const polyhedra::Frusta>& frusta) {
+                         const std::shared_ptr<const Frusta>& frusta) {
     return {std::move(names), job.input(frusta, frusta->positions, "vertices"),
             job.input(frusta, frusta->slopes, "slopes of the polyhedra")};
 }
@@ -55,7 +55,7 @@ void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Bu
            places, items);
 }
 
-void WrittenRecords::add_faces(const polyhedra::RecordRange& range, std::size_t record) {
+void WrittenRecords::add_faces(const RecordRange& range, std::size_t record) {
     const auto add = [&](std::uint32_t face, std::size_t place) {
         written_faces_.push_back(face);
         face_places_.push_back(static_cast<cl_uint>(record + place - range.begin));
@@ -64,10 +64,10 @@ void WrittenRecords::add_faces(const polyhedra::RecordRange& range, std::size_t 
     for (auto face = std::lower_bound(faces_.begin(), faces_.end(), range.begin); face != end; ++face)
         add(*face, *face);
     if (faces_.empty() || faces_.back() + 1 != range.end) return;
-    for (std::size_t place = range.end; place % polyhedra::record_group != 0; ++place) add(faces_.back(), place);
+    for (std::size_t place = range.end; place % record_group != 0; ++place) add(faces_.back(), place);
 }
 
-void WrittenRecords::add_sites(const polyhedra::RecordRange& range, std::size_t record) {
+void WrittenRecords::add_sites(const RecordRange& range, std::size_t record) {
     const std::size_t size = range.end - range.begin, first = sites_.size();
     sites_.resize(first + size);
     write_site_records(topology_, frusta_, lattice_, range.begin, std::span(sites_).subspan(first, size));
@@ -83,25 +83,24 @@ void WrittenRecords::place(const DeviceSetUp& job, const cl::Buffer& records) co
     place_items(job, sites_, site_places_, records);
 }
 
-bool is_plain(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
+bool is_plain(const Mesh& mesh, const LatticeView& lattice) {
     double greatest_side = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double low = mesh.box().lower[axis], high = mesh.box().upper[axis];
         const double reach = std::max(std::abs(low - lattice.origin[axis]), std::abs(high - lattice.origin[axis]));
-        if (!(reach / lattice.unit <= polyhedra::LatticeView::far / 2)) return false;
+        if (!(reach / lattice.unit <= LatticeView::far / 2)) return false;
         greatest_side = std::max(greatest_side, high - low);
     }
     return std::isfinite(1 / lattice.unit) && lattice.unit <= 1e20 * greatest_side;
 }
 
-PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
-                               const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                               const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
-                               std::span<const polyhedra::RecordRange> of_sites) {
-    constexpr std::size_t group = polyhedra::record_group;
+PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const MeshTopology& topology,
+                               const Frusta& frusta, const LatticeView& lattice, std::span<const RecordRange> of_faces,
+                               std::span<const RecordRange> of_sites) {
+    constexpr std::size_t group = record_group;
     WrittenRecords written(topology, frusta, lattice, frusta.slivers);
     std::vector<cl_uint> groups;
-    for (const polyhedra::RecordRange& range : of_faces) {
+    for (const RecordRange& range : of_faces) {
         written.add_faces(range, groups.size() * group);
         for (std::size_t face = range.begin; face < range.end; face += group)
             groups.push_back(static_cast<cl_uint>(face / group));
@@ -109,7 +108,7 @@ PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
     PreparedMesh prepared;
     prepared.is_later = true;
     prepared.record_count = groups.size() * group;
-    for (const polyhedra::RecordRange& range : of_sites) {
+    for (const RecordRange& range : of_sites) {
         written.add_sites(range, prepared.record_count);
         prepared.record_count += range.end - range.begin;
     }
@@ -122,4 +121,4 @@ PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
     return prepared;
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// An upper estimate of a core's time for the record or the slopes of a face; it limits the work of a launch.
 inline constexpr double seconds_per_face = 1e-6;
@@ -62,7 +62,7 @@ struct DeviceSetUp {
 struct DeviceFaces {
     /// The data that moving vertices leave as they are.
     struct Names {
-        std::shared_ptr<const polyhedra::MeshTopology> topology;
+        std::shared_ptr<const MeshTopology> topology;
         device::BufferPool::Lease triangles;  ///< Triangle, numbers of vertices as in MeshTopology::faces
         device::BufferPool::Lease names;      ///< see face_sources.h
 
@@ -72,19 +72,19 @@ struct DeviceFaces {
 
     std::shared_ptr<const Names> names;
     device::BufferPool::Lease positions;  ///< Vec3 of each vertex
-    device::BufferPool::Lease slopes;     ///< polyhedra::FaceSlopes of each face
+    device::BufferPool::Lease slopes;     ///< FaceSlopes of each face
 
     /// Without the names.
     std::size_t device_bytes() const { return positions.bytes() + slopes.bytes(); }
 };
 
-DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology);
+DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const MeshTopology> topology);
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
-                         const std::shared_ptr<const polyhedra::Frusta>& frusta);
+                         const std::shared_ptr<const Frusta>& frusta);
 
 /// Whether the kernels' plain arithmetic suffices for a lattice: the mesh is not far from its sample (0, 0, 0), and not
 /// vanishingly small beside a voxel. It is a function of mesh and lattice alone.
-bool is_plain(const Mesh& mesh, const polyhedra::LatticeView& lattice);
+bool is_plain(const Mesh& mesh, const LatticeView& lattice);
 
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items);
@@ -103,22 +103,22 @@ void place_items(const DeviceSetUp& job, const std::vector<T>& written, const st
 class WrittenRecords {
 public:
     /// `faces`: those of the host, ascending.
-    WrittenRecords(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                   const polyhedra::LatticeView& lattice, std::span<const std::uint32_t> faces)
+    WrittenRecords(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
+                   std::span<const std::uint32_t> faces)
         : topology_(topology), frusta_(frusta), lattice_(lattice), faces_(faces) {}
 
     /// Adds a range of faces, whose records begin at `record`. The last face of the mesh fills up its
     /// group.
-    void add_faces(const polyhedra::RecordRange& range, std::size_t record);
-    void add_sites(const polyhedra::RecordRange& range, std::size_t record);
+    void add_faces(const RecordRange& range, std::size_t record);
+    void add_sites(const RecordRange& range, std::size_t record);
 
     /// Enqueues their way to their places.
     void place(const DeviceSetUp& job, const cl::Buffer& records) const;
 
 private:
-    const polyhedra::MeshTopology& topology_;
-    const polyhedra::Frusta& frusta_;
-    const polyhedra::LatticeView& lattice_;
+    const MeshTopology& topology_;
+    const Frusta& frusta_;
+    const LatticeView& lattice_;
     std::span<const std::uint32_t> faces_;
     std::vector<std::uint32_t> written_faces_;
     std::vector<cl_uint> face_places_;
@@ -126,10 +126,9 @@ private:
     std::vector<cl_uint> site_places_;
 };
 
-/// The records of ranges of faces, each of which begins with a group (polyhedra::record_group), and of point sites.
-PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
-                               const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                               const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
-                               std::span<const polyhedra::RecordRange> of_sites);
+/// The records of ranges of faces, each of which begins with a group (record_group), and of point sites.
+PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const MeshTopology& topology,
+                               const Frusta& frusta, const LatticeView& lattice, std::span<const RecordRange> of_faces,
+                               std::span<const RecordRange> of_sites);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 namespace {
 
@@ -62,4 +62,4 @@ OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> orde
     return faces;
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// The triangles' indices by the Morton code of their centroids in the mesh's box (1024 cells along its longest side,
 /// 256 for up to 131,072 triangles), equal codes by index. Neighbours in the list are neighbours in space, so the
@@ -34,4 +34,4 @@ struct OrderedFaces {
 /// `order`: the mesh's index of each face. Throws Error(unsupported) for 2^30 faces or more.
 OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> order);
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

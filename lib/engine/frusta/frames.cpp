@@ -7,7 +7,7 @@
 #include <limits>
 #include <new>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 namespace {
 
@@ -88,4 +88,4 @@ TriangleFrame point_frame(const Vector& position, const Vector& normal) {
     return frame;
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

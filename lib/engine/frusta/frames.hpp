@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <span>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 using Vector = Eigen::Vector3d;
 
@@ -100,4 +100,4 @@ struct MeshFaces {
     TriangleFrame frame(std::size_t face) const { return triangle_frame(corners(face), lattice); }
 };
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 namespace {
 
@@ -199,4 +199,4 @@ Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions
     return frusta;
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

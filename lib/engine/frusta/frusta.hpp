@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// The frustum of a vertex by itself, at a gap between those of its faces.
 struct SiteFrustum {
@@ -68,4 +68,4 @@ void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToH
 SiteFrustum point_site(const MeshFaces& faces, std::span<const std::uint32_t> order,
                        std::span<const std::uint32_t> vertices, const OneRings& rings, std::uint32_t vertex);
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

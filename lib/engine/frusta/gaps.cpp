@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 namespace {
 
@@ -335,4 +335,4 @@ std::vector<std::uint8_t> find_gaps(const MeshFaces& faces, std::span<const Face
     return marks;
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

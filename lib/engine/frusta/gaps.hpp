@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// Looks for a direction u with g_i . u >= 0 for every condition g_i added so far: a linear programme on the sphere,
 /// solved incrementally. It has no chart and so no direction at infinity.
@@ -75,4 +75,4 @@ inline constexpr double rejection_margin = 5e-6;
 std::vector<std::uint8_t> find_gaps(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
                                     const MeasuredFaces& measured, std::span<const std::uint32_t> vertices);
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

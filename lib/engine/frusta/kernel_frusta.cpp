@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -24,14 +24,14 @@ std::size_t spare_records(std::size_t faces) {
 }
 
 /// The shortest side that is not taken for a sliver's, in units; the same for all lattices, up to their unit.
-double least_length(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
+double least_length(const Mesh& mesh, const LatticeView& lattice) {
     return 1e-30 * mesh.box().longest_side() / lattice.unit;
 }
 
 class KernelFrusta {
 public:
     KernelFrusta(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
-                 std::shared_ptr<const FrustaSources> sources, const Mesh& mesh, const polyhedra::LatticeView* lattice)
+                 std::shared_ptr<const FrustaSources> sources, const Mesh& mesh, const LatticeView* lattice)
         : job_(job),
           sources_(std::move(sources)),
           topology_(*names->topology),
@@ -40,7 +40,7 @@ public:
           records_of_(lattice) {
         frusta_->positions = ordered_positions(topology_, mesh.vertices());
         frusta_->slopes.resize(count_);
-        view_ = lattice != nullptr ? *lattice : polyhedra::view_of(mesh.box());
+        view_ = lattice != nullptr ? *lattice : view_of(mesh.box());
         least_length_ = least_length(mesh, view_);
         faces_.names = names;
         faces_.positions = job.input(frusta_, frusta_->positions, "vertices");
@@ -64,7 +64,7 @@ public:
     }
 
 private:
-    std::size_t slope_bytes() const { return count_ * sizeof(polyhedra::FaceSlopes); }
+    std::size_t slope_bytes() const { return count_ * sizeof(FaceSlopes); }
     std::size_t vertex_answer_bytes() const { return sources_->of_kernels->fan_items.size() * CLSDF_FAN_ITEM; }
 
     void enqueue_slopes() const {
@@ -74,7 +74,7 @@ private:
         ShortLaunches(job_.context, {})
             .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
                 const std::size_t last = std::min(end * unit, all);
-                launch(job_.context.queue(), kernel, job_.items_of(last - begin * unit), polyhedra::face_lattice(view_),
+                launch(job_.context.queue(), kernel, job_.items_of(last - begin * unit), face_lattice(view_),
                        cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
                        static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()), *faces_.names->triangles,
                        *sources_->opposite, *faces_.positions, *faces_.names->names, *faces_.slopes, *signs_,
@@ -98,7 +98,7 @@ private:
     void complete() {
         const cl::CommandQueue& queue = job_.context.queue();
         struct Read {
-            std::shared_ptr<polyhedra::Frusta> frusta;
+            std::shared_ptr<Frusta> frusta;
             std::vector<std::uint8_t> face_answers, vertex_answers;
         };
         device::InFlight<Read> read(job_.context, {frusta_, std::vector<std::uint8_t>(count_),
@@ -124,7 +124,7 @@ private:
         left_ = sources_->of_kernels->left_to_host(topology_, read->face_answers, read->vertex_answers);
         complete_frusta(topology_, box_, left_, *frusta_);
         if (in_place) return;
-        std::vector<polyhedra::FaceSlopes> written;
+        std::vector<FaceSlopes> written;
         for (const std::uint32_t face : left_.faces) written.push_back(frusta_->slopes[face]);
         place_items(job_, written, left_.faces, *faces_.slopes);
     }
@@ -132,8 +132,8 @@ private:
     /// Completes the records: those of faces that the host has measured and of point sites are written after the
     /// kernel's.
     PreparedMesh finish_records() {
-        const polyhedra::Frusta& frusta = *frusta_;
-        const polyhedra::RecordRange faces{0, count_}, sites{0, frusta.sites.size()};
+        const Frusta& frusta = *frusta_;
+        const RecordRange faces{0, count_}, sites{0, frusta.sites.size()};
         const std::size_t first_site = in_record_groups(count_), end = first_site + sites.end;
         const bool has_room = end * sizeof(Polyhedron) <= records_.bytes();
         if (!has_room || left_.faces.size() > count_ / 64)  // else the kernel makes them again, of all slopes
@@ -151,36 +151,36 @@ private:
 
     const DeviceSetUp& job_;
     std::shared_ptr<const FrustaSources> sources_;
-    const polyhedra::MeshTopology& topology_;
+    const MeshTopology& topology_;
     Box box_;
     std::size_t count_;
-    const polyhedra::LatticeView* records_of_;
-    polyhedra::LatticeView view_;
+    const LatticeView* records_of_;
+    LatticeView view_;
     double least_length_ = 0;
-    std::shared_ptr<polyhedra::Frusta> frusta_ = std::make_shared<polyhedra::Frusta>();
+    std::shared_ptr<Frusta> frusta_ = std::make_shared<Frusta>();
     DeviceFaces faces_;
-    polyhedra::LeftToHost left_;
+    LeftToHost left_;
     device::BufferPool::Lease signs_, face_answers_, vertex_answers_, records_;
 };
 
 }  // namespace
 
-FrustaSources::FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology)
-    : of_kernels(std::make_shared<const polyhedra::KernelTopology>(topology)) {
+FrustaSources::FrustaSources(const DeviceSetUp& job, const MeshTopology& topology)
+    : of_kernels(std::make_shared<const KernelTopology>(topology)) {
     opposite = job.input(of_kernels, of_kernels->opposite, "opposite vertices");
     fan_words = job.input(of_kernels, of_kernels->fan_words, "faces around vertices");
     fan_items = job.input(of_kernels, of_kernels->fan_items, "items of vertices");
 }
 
-bool suits_kernels(const polyhedra::MeshTopology& topology) {
+bool suits_kernels(const MeshTopology& topology) {
     constexpr std::size_t most = std::size_t{1} << 28;  // numbers of words have 32 bits
     return !topology.order.empty() && topology.order.size() <= most;
 }
 
 MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
                              const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
-                             const polyhedra::LatticeView* lattice) {
+                             const LatticeView* lattice) {
     return device::guarded([&] { return KernelFrusta(job, names, sources, mesh, lattice).make(); });
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -10,25 +10,25 @@
 #include <memory>
 #include <optional>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// A mesh's topology for the kernels that make frusta.
 struct FrustaSources {
-    std::shared_ptr<const polyhedra::KernelTopology> of_kernels;
+    std::shared_ptr<const KernelTopology> of_kernels;
     device::BufferPool::Lease opposite, fan_words, fan_items;
 
-    FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology);
+    FrustaSources(const DeviceSetUp& job, const MeshTopology& topology);
 
     std::size_t host_bytes() const { return of_kernels->host_bytes(); }
     std::size_t device_bytes() const { return opposite.bytes() + fan_words.bytes() + fan_items.bytes(); }
 };
 
 /// Whether the topology has few enough faces for the kernels' numbers.
-bool suits_kernels(const polyhedra::MeshTopology& topology);
+bool suits_kernels(const MeshTopology& topology);
 
 struct MadeFrusta {
     /// The faces share its arrays if device and host share their memory.
-    std::shared_ptr<const polyhedra::Frusta> frusta;
+    std::shared_ptr<const Frusta> frusta;
     DeviceFaces faces;
     std::optional<PreparedMesh> records{};  ///< for the lattice, if there is one
 };
@@ -37,6 +37,6 @@ struct MadeFrusta {
 /// `lattice`: whose records are made, too; null for none.
 MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
                              const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
-                             const polyhedra::LatticeView* lattice);
+                             const LatticeView* lattice);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <utility>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 namespace {
 
@@ -181,4 +181,4 @@ std::size_t KernelTopology::host_bytes() const {
            fan_items.size() * sizeof(FanItem);
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

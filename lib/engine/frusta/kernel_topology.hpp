@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// A mesh's topology as the kernels that make polyhedra read it (kernels/frusta/mesh_records.cl), and what they leave
 /// out.
@@ -34,4 +34,4 @@ struct KernelTopology {
     std::size_t host_bytes() const;
 };
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

@@ -11,7 +11,7 @@
 #endif
 
 /// kernels/frusta/face_frames.h, compiled by the host with one lane.
-namespace clsdf::polyhedra::one_lane {
+namespace clsdf::engine::one_lane {
 
 using namespace kernel_language;
 
@@ -23,4 +23,4 @@ using namespace kernel_language;
 #undef __global
 #undef __private
 
-}  // namespace clsdf::polyhedra::one_lane
+}  // namespace clsdf::engine::one_lane

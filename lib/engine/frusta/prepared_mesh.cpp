@@ -12,21 +12,18 @@
 #include <span>
 #include <utility>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
-RecordSelection select_records(const device::Context& context, const polyhedra::NearRecords& kept,
-                               const polyhedra::NearRecords& near) {
+RecordSelection select_records(const device::Context& context, const NearRecords& kept, const NearRecords& near) {
     std::vector<cl_uint> groups;
     std::size_t first_group = 0;  // of a range that is kept
-    const auto add = [&](const std::vector<polyhedra::RecordRange>& of_kept,
-                         const std::vector<polyhedra::RecordRange>& wanted) {
+    const auto add = [&](const std::vector<RecordRange>& of_kept, const std::vector<RecordRange>& wanted) {
         auto range = wanted.begin();
-        for (const polyhedra::RecordRange& all : of_kept) {
+        for (const RecordRange& all : of_kept) {
             for (; range != wanted.end() && range->begin < all.end; ++range)
-                for (std::size_t record = range->begin; record < range->end; record += polyhedra::record_group)
-                    groups.push_back(
-                        static_cast<cl_uint>(first_group + (record - all.begin) / polyhedra::record_group));
-            first_group += chunk_count(all.end - all.begin, polyhedra::record_group);
+                for (std::size_t record = range->begin; record < range->end; record += record_group)
+                    groups.push_back(static_cast<cl_uint>(first_group + (record - all.begin) / record_group));
+            first_group += chunk_count(all.end - all.begin, record_group);
         }
     };
     add(kept.faces, near.faces);
@@ -38,7 +35,7 @@ RecordSelection select_records(const device::Context& context, const polyhedra::
     return selection;
 }
 
-void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta, PreparedMesh& prepared) {
+void set_counts(const MeshTopology& topology, const Frusta& frusta, PreparedMesh& prepared) {
     prepared.triangle_count = topology.order.size();
     prepared.polyhedron_count = topology.order.size() + frusta.sites.size();
     prepared.saddle_vertices = frusta.saddle_vertices;
@@ -46,7 +43,7 @@ void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta
     prepared.boxes = frusta.boxes;
 }
 
-void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
+void check_distance(const Mesh& mesh, const LatticeView& lattice) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double low = (mesh.box().lower[axis] - lattice.origin[axis]) / lattice.unit;
         const double high = (mesh.box().upper[axis] - lattice.origin[axis]) / lattice.unit;
@@ -59,12 +56,11 @@ void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
 }
 
 PreparedMesh records_by_host(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                             const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                             const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
-                             std::span<const polyhedra::RecordRange> of_sites) {
+                             const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
+                             std::span<const RecordRange> of_faces, std::span<const RecordRange> of_sites) {
     std::size_t count = 0;
-    for (const polyhedra::RecordRange& range : of_faces) count += in_record_groups(range.end - range.begin);
-    for (const polyhedra::RecordRange& range : of_sites) count += range.end - range.begin;
+    for (const RecordRange& range : of_faces) count += in_record_groups(range.end - range.begin);
+    for (const RecordRange& range : of_sites) count += range.end - range.begin;
     device::HostFilling filling(context, pool, count * sizeof(Polyhedron), "polyhedra");
     auto* record = static_cast<Polyhedron*>(filling.memory());
     for (const auto& [begin, end] : of_faces) {
@@ -86,4 +82,4 @@ PreparedMesh records_by_host(device::Context& context, const std::shared_ptr<dev
     return prepared;
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// The limit of coordinates in a lattice's units: squares of distances stay far inside a float's range.
 inline constexpr double farthest = 1e14;
@@ -46,30 +46,28 @@ struct PreparedMesh {
 
 /// So many records of faces, and the repeated last one that fills the last group.
 constexpr std::size_t in_record_groups(std::size_t count) {
-    return (count + polyhedra::record_group - 1) / polyhedra::record_group * polyhedra::record_group;
+    return (count + record_group - 1) / record_group * record_group;
 }
 
-/// The records of a lattice that a grid needs, if they are few: their groups (polyhedra::record_group), ascending.
+/// The records of a lattice that a grid needs, if they are few: their groups (record_group), ascending.
 struct RecordSelection {
     cl::Buffer groups;  ///< null: all records matter
     std::size_t group_count = 0;
 };
 
 /// Selects the records of `near` from those of `kept`, which contain them.
-RecordSelection select_records(const device::Context& context, const polyhedra::NearRecords& kept,
-                               const polyhedra::NearRecords& near);
+RecordSelection select_records(const device::Context& context, const NearRecords& kept, const NearRecords& near);
 
 /// Sets the numbers that belong to the whole mesh.
-void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta, PreparedMesh& prepared);
+void set_counts(const MeshTopology& topology, const Frusta& frusta, PreparedMesh& prepared);
 
-/// The records of ranges of faces, each of which begins with a group (polyhedra::record_group), and of point sites, by
+/// The records of ranges of faces, each of which begins with a group (record_group), and of point sites, by
 /// the host: for any lattice.
 PreparedMesh records_by_host(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                             const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                             const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
-                             std::span<const polyhedra::RecordRange> of_sites);
+                             const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
+                             std::span<const RecordRange> of_faces, std::span<const RecordRange> of_sites);
 
 /// Throws Error(invalid_argument) if squares of distances would leave a float's range.
-void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice);
+void check_distance(const Mesh& mesh, const LatticeView& lattice);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <new>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 namespace {
 
@@ -68,4 +68,4 @@ void write_site_records(const MeshTopology& topology, const Frusta& frusta, cons
     }
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

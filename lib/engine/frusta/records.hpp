@@ -10,7 +10,7 @@
 #include <span>
 
 /// The polyhedra as the device reads them, in a lattice's units.
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// Kernels process up to this many consecutive records together, from multiples of their number on. The result of a
 /// group must not depend on other records, so records are selected in whole groups.
@@ -28,4 +28,4 @@ void write_face_record(const MeshTopology& topology, const Frusta& frusta, const
 void write_site_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
                         std::size_t first, std::span<Polyhedron> records);
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <utility>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 int side_of_plane(const MeshFaces& faces, std::uint32_t first, const Corner& second) {
     const auto& [a, b, c] = faces.corners(first);
@@ -164,4 +164,4 @@ void FaceMeasures::set_pair(const Corner& edge, MeasuredFace& measured) const {
     set_slope(measured, edge.vertex, slope);
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

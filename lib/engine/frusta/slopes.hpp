@@ -13,7 +13,7 @@
 
 /// Slopes of the lateral planes of a face's edges, above the face and below it (docs/method.md, 'Leaned frusta'): one
 /// face at a time, with exact predicates. Kernels measure most faces (kernels/frusta/face_frames.h).
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// The slopes of one edge's planes, above the face and below it.
 struct EdgeSlope {
@@ -110,4 +110,4 @@ private:
     std::span<const std::uint32_t> numbers_;
 };
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

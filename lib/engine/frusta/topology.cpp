@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 namespace {
 
@@ -139,4 +139,4 @@ std::size_t MeshTopology::host_bytes() const {
            faces.vertices.size() * sizeof(std::uint32_t) + rings.bytes() + edges.faces.size() * sizeof(FaceEdges);
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

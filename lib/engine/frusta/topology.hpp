@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// Properties of an edge, as its end vertices see it; several may hold.
 enum EdgeMark : std::uint8_t {
@@ -111,4 +111,4 @@ struct MeshTopology {
     std::size_t host_bytes() const;
 };
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace clsdf::polyhedra {
+namespace clsdf::engine {
 
 /// A mesh seen from a lattice: positions in units, in the metric frame, relative to the lattice's sample (0, 0, 0). The
 /// unit is the caller's choice, of the order of the smallest spacing; a power of two scales without rounding.
@@ -30,4 +30,4 @@ struct LatticeView {
     }
 };
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf::engine

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -135,7 +135,7 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
     return layout;
 }
 
-polyhedra::LatticeView lattice_of(const Grid& grid) {
+LatticeView lattice_of(const Grid& grid) {
     const double unit = unit_of(grid);
     return {grid.origin, unit, {grid.spacing[0] / unit, grid.spacing[1] / unit, grid.spacing[2] / unit}};
 }
@@ -168,4 +168,4 @@ std::size_t sign_row_count(const Layout& layout) {
            CLSDF_BRICK;
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -8,7 +8,7 @@
 
 #include <cstddef>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// The bricks of a part of a lattice, and the band in units, as the kernels read them. Only `first`, `size` and the
 /// ranges of bricks depend on the part. Throws Error(invalid_argument) if a number is out of the kernels' range.
@@ -18,7 +18,7 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign);
 Layout bricks_of(const Grid& grid);
 
 /// How polyhedra see the lattice.
-polyhedra::LatticeView lattice_of(const Grid& grid);
+LatticeView lattice_of(const Grid& grid);
 
 /// Slack of a test = base_slack + slack_rate * bound (docs/method.md, 'Rounding and slack': 1e-3 + 2e-5 bound), in
 /// units. Rounding also grows with the size of the group of blocks whose centre the offsets are formed at.
@@ -35,4 +35,4 @@ std::size_t sign_bytes_of_slice(const Grid& grid);
 /// Rows of sign bits: every row of samples of the part's bricks.
 std::size_t sign_row_count(const Layout& layout);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// Sets a kernel's arguments from number `first` on, in the order of its parameters. Each must have the parameter's
 /// type exactly, such as cl_uint: a number of another type has other bytes.
@@ -97,4 +97,4 @@ private:
     std::vector<cl::Event> events_;
 };
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -60,4 +60,4 @@ std::size_t PrefixSums::total() {
     return static_cast<std::size_t>(**total_);
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <memory>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 struct Programs;
 
@@ -34,4 +34,4 @@ private:
     device::InFlight<std::unique_ptr<cl_ulong>> total_;
 };
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -139,16 +139,16 @@ std::size_t Programs::parallel_parts(const device::Context& context, std::size_t
     return std::clamp<std::size_t>(most_counters / histogram, common_group, 8192) / common_group * common_group;
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine
 
 namespace clsdf {
 
 void tuning::compile_level(const Device& device) {
     device::Context& context = device::context_of(device);
-    const std::size_t lanes = scan::usable_sources(context, KernelBody::automatic).lanes;
+    const std::size_t lanes = engine::usable_sources(context, KernelBody::automatic).lanes;
     device::guarded([&] {
-        for (const scan::ProgramSource& source : scan::sources_of_level(context.capabilities()))
-            context.program(scan::around_faults(context, source, lanes));
+        for (const device::ProgramSource& source : engine::sources_of_level(context.capabilities()))
+            context.program(engine::around_faults(context, source, lanes));
     });
 }
 
@@ -160,7 +160,7 @@ std::vector<std::string> tuning::missing_programs(const Device& device) {
             device::Context::Capabilities capabilities = context.capabilities();
             capabilities.float_width = level.name == "x86-64-v4" ? 16 : 8;
             const device::Records programs(level.folder, device::PreparedPrograms::ending);
-            for (const scan::ProgramSource& source : scan::sources_of_level(capabilities))
+            for (const device::ProgramSource& source : engine::sources_of_level(capabilities))
                 if (!programs.has(
                         device::program_key(level.target, "", source.options, device::kernel_text(source.kernel_file))))
                     missing.push_back(fmt::format("{} {} {}", level.name, source.kernel_file, source.options));

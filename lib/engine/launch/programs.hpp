@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// Counters of all histograms of a job together: enough for a GPU's work-items, and a few megabytes.
 inline constexpr std::size_t most_counters = std::size_t{1} << 22;
@@ -111,4 +111,4 @@ struct Programs : ProgramSources {
     std::size_t part_group() const { return body == KernelBody::by_group ? common_group : 1; }
 };
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -10,7 +10,7 @@
 #include <functional>
 #include <utility>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// Groups of a launch along y, and as many along z: NVIDIA's GPUs have 65,535 at most.
 constexpr std::size_t most_groups = 32768;
@@ -104,4 +104,4 @@ void measured_launches(const device::Context& context, std::size_t items, double
     }
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

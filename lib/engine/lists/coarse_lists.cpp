@@ -14,7 +14,7 @@
 #include <limits>
 #include <numeric>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -102,7 +102,7 @@ private:
         const auto counts = inputs_.pool->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
         const bool has_groups = inputs_.selection.groups() != nullptr;
         const std::size_t records =
-            has_groups ? inputs_.selection.group_count * polyhedra::record_group : inputs_.mesh.record_count;
+            has_groups ? inputs_.selection.group_count * record_group : inputs_.mesh.record_count;
         const std::size_t clusters = chunk_count(records, inputs_.programs.lanes);
         cl::Kernel kernel(inputs_.programs.coarse_lists, "coarse_count");
         const double seconds = seconds_of_a_cluster(inputs_.layout) * static_cast<double>(clusters);
@@ -172,8 +172,8 @@ private:
     void launch(cl::Kernel& kernel, double core_seconds, const Arguments&... arguments) const {
         const std::size_t steps = inputs_.launches.steps(core_seconds);
         inputs_.launches.one_by_one(steps, [&](std::size_t step) {
-            scan::launch(inputs_.queue(), kernel, {parts_, inputs_.programs.part_group()}, arguments...,
-                         static_cast<cl_uint>(step), static_cast<cl_uint>(steps));
+            engine::launch(inputs_.queue(), kernel, {parts_, inputs_.programs.part_group()}, arguments...,
+                           static_cast<cl_uint>(step), static_cast<cl_uint>(steps));
         });
     }
 
@@ -228,4 +228,4 @@ CoarseLists make_coarse_lists(const ListInputs& inputs) {
     });
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// An upper estimate of a core's time for a pair of the lists; it limits the work of a launch.
 inline constexpr double seconds_per_pair = 5e-8;
@@ -54,4 +54,4 @@ bool has_uniform_bounds(const Layout& layout);
 /// The lists of a part: of the mesh, the points and the selection. They hold no reference to the inputs.
 CoarseLists make_coarse_lists(const ListInputs& inputs);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

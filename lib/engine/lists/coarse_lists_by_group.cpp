@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -140,4 +140,4 @@ std::vector<cl_uint> make_lists_by_group(const ListInputs& inputs, double second
     return ListsByGroup(inputs, seconds).make(lists);
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

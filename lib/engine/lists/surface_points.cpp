@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -15,7 +15,7 @@ constexpr std::size_t most_surface_points = 4096;
 
 }  // namespace
 
-SurfaceSample surface_sample(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta) {
+SurfaceSample surface_sample(const MeshTopology& topology, const Frusta& frusta) {
     const std::size_t faces = topology.order.size();
     const std::size_t stride = std::max<std::size_t>(1, faces / most_surface_points);
     SurfaceSample sample(chunk_count(faces, stride));
@@ -25,16 +25,15 @@ SurfaceSample surface_sample(const polyhedra::MeshTopology& topology, const poly
     return sample;
 }
 
-SurfacePoints surface_points(const SurfaceSample& sample, const polyhedra::LatticeView& lattice) {
+SurfacePoints surface_points(const SurfaceSample& sample, const LatticeView& lattice) {
     SurfacePoints points(sample.size());
     for_each_index(points.size(), [&](std::size_t i) {
         constexpr Triangle corners{0, 1, 2};
-        const Polyhedron record =
-            polyhedra::pack(polyhedra::triangle_frame(sample[i], lattice), {}, 0, sample[i], corners, lattice);
+        const Polyhedron record = pack(triangle_frame(sample[i], lattice), {}, 0, sample[i], corners, lattice);
         points[i] = {{record.origin_x, record.origin_y, record.origin_z},
                      {record.foot[0], record.foot[1], record.foot[2]}};
     });
     return points;
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

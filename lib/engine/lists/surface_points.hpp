@@ -7,15 +7,15 @@
 #include <array>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// A fixed sample of the surface's points, in a lattice's units, that distances are bounded with.
 using SurfacePoints = std::vector<SurfacePoint>;
 
 /// The triangles of the sample, of any lattice.
 using SurfaceSample = std::vector<std::array<Vec3, 3>>;
-SurfaceSample surface_sample(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta);
+SurfaceSample surface_sample(const MeshTopology& topology, const Frusta& frusta);
 
-SurfacePoints surface_points(const SurfaceSample& sample, const polyhedra::LatticeView& lattice);
+SurfacePoints surface_points(const SurfaceSample& sample, const LatticeView& lattice);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <utility>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 namespace {
 
@@ -99,4 +99,4 @@ std::vector<Vec3> Vertices::moved(std::span<const Vec3> first, const std::array<
     return positions;
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 /// The vertices of the caller's mesh as a transform has them: those of equal coordinates count as one. Edges between
 /// vertices that are equal but not one would be open ones: exact, but slow.
@@ -33,4 +33,4 @@ private:
     static constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

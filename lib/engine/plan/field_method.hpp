@@ -24,24 +24,24 @@ public:
     virtual void check_outputs(OutputSet outputs) const = 0;
 
     /// The mesh on the device for a grid, which is not kept for other grids.
-    virtual std::shared_ptr<const scan::PreparedMesh> prepare(transform::KeptMesh& kept_mesh, const Grid& grid,
-                                                              const Layout& layout) const = 0;
+    virtual std::shared_ptr<const engine::PreparedMesh> prepare(engine::KeptMesh& kept_mesh, const Grid& grid,
+                                                                const Layout& layout) const = 0;
 
     /// `inputs.mesh` is the result of prepare().
-    virtual std::unique_ptr<scan::FieldScan> make_scan(const scan::ScanInputs& inputs) const = 0;
+    virtual std::unique_ptr<engine::FieldScan> make_scan(const engine::ScanInputs& inputs) const = 0;
 
     /// The method that the self-test computes its known field with: it runs the kernels that such a computation runs,
     /// and its fields are exact.
     virtual std::shared_ptr<const FieldMethod> tested_as(const device::Context& context, const Layout& layout,
-                                                         const scan::BrickVariant& variant) const = 0;
+                                                         const engine::BrickVariant& variant) const = 0;
 
     // Asked of the method that tested_as() returns:
 
     /// Names the kernels, for messages and for the records of what was tested.
     virtual std::string name() const = 0;
     /// The programs that are built beside those that every computation needs.
-    virtual std::vector<cl::Program> build(device::Context& context, const scan::Programs& programs,
-                                           const scan::BrickVariant& variant,
+    virtual std::vector<cl::Program> build(device::Context& context, const engine::Programs& programs,
+                                           const engine::BrickVariant& variant,
                                            const device::BuildWatch& watch) const = 0;
     /// How many programs build() builds.
     virtual std::size_t step_count() const = 0;

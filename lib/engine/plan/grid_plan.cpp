@@ -7,7 +7,7 @@
 #include "plan/field_method.hpp"
 #include "sign/sign_sweep.hpp"
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in,
                    const std::function<void()>& between_launches)
@@ -85,4 +85,4 @@ void GridPlan::read_back(const cl::CommandQueue& queue) {
     statistics.fill_seconds = seconds(after_launches_, last_);
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 /// A job's buffers and launches. `between_launches` of the set-up may throw. A plan is destroyed when its commands have
 /// ended, unless the device is lost.
@@ -47,4 +47,4 @@ private:
     cl::Event last_;
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

@@ -17,13 +17,13 @@ namespace clsdf {
 class FieldMethod;
 }
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 /// Samples that are computed together: a block of a lattice.
 struct Job {
     Grid grid;
     Band band;
-    OutputSet outputs;           ///< those that finishing makes: see scan::outputs_of()
+    OutputSet outputs;           ///< those that finishing makes: see targets::outputs_of()
     std::vector<Grid> wanted{};  ///< the blocks whose samples are needed; others may stay undefined. Empty: all
     bool counts = false;         ///< the device counts the work: see CallOptions::count_work
 
@@ -40,7 +40,7 @@ struct Job {
 struct Workshop {
     Device device;
     std::shared_ptr<device::BufferPool> pool;
-    scan::Programs programs;
+    Programs programs;
     std::shared_ptr<const FieldMethod> method{};  ///< null: leaned polyhedra scanned by bricks
     SignRule sign = SignRule::none;
 
@@ -53,4 +53,4 @@ struct Workshop {
     }
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 /// The input of a kept value, which is forgotten when it changes.
 enum class MadeOf { triangles, positions };
@@ -81,4 +81,4 @@ private:
     std::function<void()> also_forget_;
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

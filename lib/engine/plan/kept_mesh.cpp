@@ -15,7 +15,7 @@
 #include <limits>
 #include <utility>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 namespace {
 
@@ -38,19 +38,19 @@ void check_unbounded_distances(const Mesh& mesh, const Grid& grid, const Band& b
 KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
     : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {}
 
-KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, MeshPart part,
                    Restriction restriction, Options options)
     : KeptMesh(context, std::move(pool), std::move(part.mesh), std::move(options)) {
     restriction_.set(std::make_shared<const Restriction>(std::move(restriction)));
     topology_.set(std::move(part.topology));
-    frusta_.set(std::make_shared<const polyhedra::Frusta>(std::move(part.frusta)));
+    frusta_.set(std::make_shared<const Frusta>(std::move(part.frusta)));
 }
 
 std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
                                                SignRule sign) {
     return prepare([&] {
         Restriction restriction(std::move(regions));
-        polyhedra::MeshPart part = polyhedra::part_of(mesh_, topology(), frusta(), restriction.near(index(), sign));
+        MeshPart part = part_of(mesh_, topology(), frusta(), restriction.near(index(), sign));
         restriction.numbers = std::move(part.triangles);
         restriction.sample = surface_sample(topology(), frusta());
         std::unique_ptr<KeptMesh> kept_mesh(
@@ -69,7 +69,7 @@ void KeptMesh::check(const Grid& grid, const Band& band, SignRule sign) const {
 
 void KeptMesh::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
-    polyhedra::move(mesh_, *topology_, std::move(positions));
+    engine::move(mesh_, *topology_, std::move(positions));
     has_moved_ = true;
     forget_if([](const KeptValue& value) { return value.made_of == MadeOf::positions; });
 }
@@ -80,11 +80,11 @@ void KeptMesh::refuse_memory() const {
                             mesh_.name(), mesh_.triangles().size()));
 }
 
-std::shared_ptr<const polyhedra::MeshTopology> KeptMesh::shared_topology() {
-    return topology_.get_or([&] { return polyhedra::MeshTopology(mesh_); });
+std::shared_ptr<const MeshTopology> KeptMesh::shared_topology() {
+    return topology_.get_or([&] { return MeshTopology(mesh_); });
 }
 
-const polyhedra::Frusta& KeptMesh::frusta() {
+const Frusta& KeptMesh::frusta() {
     if (!frusta_) make_frusta(nullptr);
     return *frusta_;
 }
@@ -93,9 +93,9 @@ const std::shared_ptr<const DeviceFaces::Names>& KeptMesh::names() {
     return names_.get_or([&] { return device_names(set_up(), shared_topology()); });
 }
 
-std::optional<PreparedMesh> KeptMesh::make_frusta(const polyhedra::LatticeView* lattice) {
+std::optional<PreparedMesh> KeptMesh::make_frusta(const LatticeView* lattice) {
     if (!suits_kernels(topology())) {
-        frusta_.get_or([&] { return polyhedra::make_frusta(topology(), mesh_.vertices()); });
+        frusta_.get_or([&] { return engine::make_frusta(topology(), mesh_.vertices()); });
         return std::nullopt;
     }
     const DeviceSetUp job = set_up();
@@ -107,23 +107,23 @@ std::optional<PreparedMesh> KeptMesh::make_frusta(const polyhedra::LatticeView* 
     return std::move(made.records);
 }
 
-const polyhedra::ClusterIndex& KeptMesh::index() {
-    return *index_.get_or([&] { return polyhedra::ClusterIndex(topology(), frusta()); });
+const ClusterIndex& KeptMesh::index() {
+    return *index_.get_or([&] { return ClusterIndex(topology(), frusta()); });
 }
 
-std::shared_ptr<const DeviceFaces> KeptMesh::device_faces(const polyhedra::LatticeView& lattice) {
+std::shared_ptr<const DeviceFaces> KeptMesh::device_faces(const LatticeView& lattice) {
     if (options_.method || !suits_kernels(topology()) || !is_plain(mesh_, lattice)) return nullptr;
     frusta();
-    return faces_.get_or([&] { return scan::device_faces(set_up(), names(), frusta_.get()); });
+    return faces_.get_or([&] { return engine::device_faces(set_up(), names(), frusta_.get()); });
 }
 
-PreparedMesh KeptMesh::all_records(const polyhedra::LatticeView& lattice) {
+PreparedMesh KeptMesh::all_records(const LatticeView& lattice) {
     if (!frusta_ && is_plain(mesh_, lattice))
         if (std::optional<PreparedMesh> first = make_frusta(&lattice)) return std::move(*first);
     return records(lattice, all_ranges());
 }
 
-PreparedMesh KeptMesh::records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& ranges) {
+PreparedMesh KeptMesh::records(const LatticeView& lattice, const NearRecords& ranges) {
     if (const auto faces = device_faces(lattice))
         return records_on_device(set_up(), *faces, topology(), frusta(), lattice, ranges.faces, ranges.sites);
     return records_by_host(context_, pool_, topology(), frusta(), lattice, ranges.faces, ranges.sites);
@@ -141,13 +141,13 @@ Lattice& KeptMesh::lattice(const Grid& grid) {
     return lattices_.emplace_front(grid.origin, grid.spacing);
 }
 
-polyhedra::NearRecords KeptMesh::all_ranges() {
+NearRecords KeptMesh::all_ranges() {
     const std::size_t faces = topology().order.size(), sites = frusta().sites.size();
     return {{{0, faces}}, {{0, sites}}, faces, sites};
 }
 
-const polyhedra::NearRecords& KeptMesh::kept_ranges(const Grid& grid) {
-    std::optional<polyhedra::NearRecords>& ranges = lattice(grid).record_ranges;
+const NearRecords& KeptMesh::kept_ranges(const Grid& grid) {
+    std::optional<NearRecords>& ranges = lattice(grid).record_ranges;
     if (!ranges) ranges = restriction_ ? restriction_->near_bricks(index(), grid) : all_ranges();
     return *ranges;
 }
@@ -170,27 +170,27 @@ bool KeptMesh::is_shared(bool is_kept, std::size_t packed, double most) {
     return is_kept || (static_cast<double>(packed) > most && device_bytes() + record_bytes() <= budget());
 }
 
-std::optional<polyhedra::NearRecords> KeptMesh::near_box(const Box& box, std::size_t faces) {
+std::optional<NearRecords> KeptMesh::near_box(const Box& box, std::size_t faces) {
     if (options_.is_whole || !is_small(share_of(mesh_.box(), box))) return std::nullopt;
-    polyhedra::NearRecords near = index().near(box);
+    NearRecords near = index().near(box);
     if (!is_small(static_cast<double>(near.face_count) / static_cast<double>(faces))) return std::nullopt;
     return near;
 }
 
-std::optional<polyhedra::NearRecords> KeptMesh::near_bricks(const Grid& grid, const Layout& layout) {
+std::optional<NearRecords> KeptMesh::near_bricks(const Grid& grid, const Layout& layout) {
     const auto box = box_near_bricks(grid, layout);
     if (!box) return std::nullopt;
     return near_box(*box, restriction_ ? kept_ranges(grid).face_count : topology().order.size());
 }
 
-std::optional<polyhedra::NearRecords> KeptMesh::near_rows(const Grid& grid, const Layout& layout) {
+std::optional<NearRecords> KeptMesh::near_rows(const Grid& grid, const Layout& layout) {
     if (!frusta_) return std::nullopt;
     auto near = near_box(box_near_rows(grid, layout), topology().order.size());
     return near && is_within_sweep(mesh_, grid) ? std::move(near) : std::nullopt;
 }
 
 void KeptMesh::set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
-    const polyhedra::LatticeView view = lattice_of(grid);
+    const LatticeView view = lattice_of(grid);
     Lattice& kept = lattice(grid);
     const auto near = near_bricks(grid, layout);
     // All cores pack all of them, and one those of a small grid.
@@ -248,7 +248,7 @@ void KeptMesh::select(const Grid& part, const Band& band, SignRule sign, Inputs&
 bool KeptMesh::may_meet_samples(const Grid& grid) {
     Lattice& kept = lattice(grid);
     if (!kept.may_meet_samples)
-        kept.may_meet_samples = polyhedra::may_meet_samples(topology(), frusta().positions, kept.origin, kept.spacing);
+        kept.may_meet_samples = engine::may_meet_samples(topology(), frusta().positions, kept.origin, kept.spacing);
     return *kept.may_meet_samples;
 }
 
@@ -330,4 +330,4 @@ std::size_t KeptMesh::record_bytes() const {
     return (restriction_ ? restriction_->record_count : mesh_.triangles().size()) * sizeof(Polyhedron);
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

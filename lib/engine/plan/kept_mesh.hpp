@@ -29,10 +29,7 @@ namespace clsdf {
 class FieldMethod;
 }
 
-namespace clsdf::transform {
-
-// The inputs are types of this namespace.
-using namespace scan;
+namespace clsdf::engine {
 
 /// The inputs of the computation of a grid.
 struct Inputs {
@@ -61,7 +58,7 @@ struct Inputs {
 class KeptMesh {
 public:
     struct Options {
-        scan::Programs programs;
+        Programs programs;
         std::shared_ptr<const FieldMethod> method{};  ///< null for leaned polyhedra scanned by bricks
         std::optional<std::size_t> kept_bytes{};      ///< see TransformOptions
         bool is_whole = false;                        ///< small grids, too, get records of the whole mesh
@@ -84,9 +81,9 @@ public:
     device::Context& context() const { return context_; }
     const std::shared_ptr<device::BufferPool>& pool() const { return pool_; }
     const Mesh& mesh() const { return mesh_; }
-    const polyhedra::MeshTopology& topology() { return *shared_topology(); }
-    std::shared_ptr<const polyhedra::MeshTopology> shared_topology();
-    const polyhedra::Frusta& frusta();
+    const MeshTopology& topology() { return *shared_topology(); }
+    std::shared_ptr<const MeshTopology> shared_topology();
+    const Frusta& frusta();
 
     /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
@@ -107,7 +104,7 @@ public:
     std::shared_ptr<const DeviceSites> sites(bool with_names, bool with_normals);
 
     /// The records of the whole mesh, which are not kept. Throws Error(out_of_memory).
-    PreparedMesh all_records(const polyhedra::LatticeView& lattice);
+    PreparedMesh all_records(const LatticeView& lattice);
 
     /// The values that it keeps, without those of lattices. Others may add values, and must live as long as calls are
     /// made.
@@ -139,8 +136,8 @@ public:
     std::size_t record_bytes() const;
 
 private:
-    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
-             Restriction restriction, Options options);
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, MeshPart part, Restriction restriction,
+             Options options);
 
     /// With those of lattices: the mesh's own values come first, then the lattices, the last used first.
     KeptValues all_kept();
@@ -148,28 +145,28 @@ private:
     void forget_if(bool (*condition)(const KeptValue&));
     [[noreturn]] void refuse_memory() const;
 
-    const polyhedra::ClusterIndex& index();
+    const ClusterIndex& index();
     DeviceSetUp set_up() const { return {context_, pool_, options_.programs}; }
     /// Whether the kernels can make lists of a part of the records.
     bool has_selections() const { return options_.programs.body == KernelBody::by_vector; }
     const std::shared_ptr<const DeviceFaces::Names>& names();
     /// Makes the frusta, and their records for a lattice if it is not null and kernels make them.
-    std::optional<PreparedMesh> make_frusta(const polyhedra::LatticeView* lattice);
+    std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);
     /// Null if the host makes the lattice's records, and the vertices of its sweep.
-    std::shared_ptr<const DeviceFaces> device_faces(const polyhedra::LatticeView& lattice);
-    PreparedMesh records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& ranges);
+    std::shared_ptr<const DeviceFaces> device_faces(const LatticeView& lattice);
+    PreparedMesh records(const LatticeView& lattice, const NearRecords& ranges);
     /// The lattice of a grid, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
     /// The records of the whole mesh.
-    polyhedra::NearRecords all_ranges();
+    NearRecords all_ranges();
     /// The records that the lattice of a grid keeps: all; for a part of a mesh, those that distances in its box can
     /// need. Faces that a part has for the sign alone need no records.
-    const polyhedra::NearRecords& kept_ranges(const Grid& grid);
+    const NearRecords& kept_ranges(const Grid& grid);
     /// The part of the mesh that a grid needs, for its coarse bricks' lists or for its rows' crossings; nothing if that
     /// is more than half of the `faces` that there are.
-    std::optional<polyhedra::NearRecords> near_box(const Box& box, std::size_t faces);
-    std::optional<polyhedra::NearRecords> near_bricks(const Grid& grid, const Layout& layout);
-    std::optional<polyhedra::NearRecords> near_rows(const Grid& grid, const Layout& layout);
+    std::optional<NearRecords> near_box(const Box& box, std::size_t faces);
+    std::optional<NearRecords> near_bricks(const Grid& grid, const Layout& layout);
+    std::optional<NearRecords> near_rows(const Grid& grid, const Layout& layout);
     /// Whether small grids are to get selections of a lattice's values, which are kept or are to be made: if grids of
     /// the lattice needed more than `most` faces so far, and the budget allows it.
     bool is_shared(bool is_kept, std::size_t packed, double most);
@@ -183,10 +180,10 @@ private:
     bool has_moved_ = false;
     KeptValues kept_;  // those that follow, in their order
     Kept<Restriction> restriction_{kept_, MadeOf::triangles};
-    Kept<polyhedra::MeshTopology> topology_{kept_, MadeOf::triangles};
+    Kept<MeshTopology> topology_{kept_, MadeOf::triangles};
     Kept<bool> encloses_negative_volume_{kept_, MadeOf::positions};
-    Kept<polyhedra::Frusta> frusta_{kept_, MadeOf::positions};
-    Kept<polyhedra::ClusterIndex> index_{kept_, MadeOf::positions};  // a grid around the whole mesh needs none
+    Kept<Frusta> frusta_{kept_, MadeOf::positions};
+    Kept<ClusterIndex> index_{kept_, MadeOf::positions};  // a grid around the whole mesh needs none
     Kept<device::BufferPool::Lease> site_names_{kept_, MadeOf::triangles, UsedBy::both};
     Kept<device::BufferPool::Lease> pseudonormals_{kept_, MadeOf::positions, UsedBy::both};
     Kept<DeviceFaces::Names> names_{kept_, MadeOf::triangles, UsedBy::grids, [this] { faces_.forget(); }};
@@ -195,4 +192,4 @@ private:
     std::list<Lattice> lattices_;                                   // that was used last first
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

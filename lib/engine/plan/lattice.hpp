@@ -12,7 +12,7 @@
 #include <memory>
 #include <optional>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 /// The kept values of one lattice.
 class Lattice final : public KeptValue {
@@ -36,14 +36,14 @@ public:
 
     Vec3 origin;
     Vec3 spacing;
-    std::optional<polyhedra::NearRecords> record_ranges{};  ///< the faces and sites in `records`
-    std::shared_ptr<const scan::PreparedMesh> records{};
-    std::shared_ptr<const scan::SweepMesh> sweep_mesh{};
-    std::shared_ptr<const scan::SurfacePoints> points{};
+    std::optional<NearRecords> record_ranges{};  ///< the faces and sites in `records`
+    std::shared_ptr<const PreparedMesh> records{};
+    std::shared_ptr<const SweepMesh> sweep_mesh{};
+    std::shared_ptr<const SurfacePoints> points{};
     std::optional<bool> may_meet_samples{};  ///< see KeptMesh::may_meet_samples()
     /// Numbers of faces whose records, or triangles of the sweep, were made for small grids only.
     std::size_t faces_packed = 0;
     std::size_t faces_swept = 0;
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 namespace {
 
@@ -55,4 +55,4 @@ double share_of(const Box& mesh, const Box& box) {
     return share;
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

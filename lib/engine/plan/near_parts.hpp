@@ -6,7 +6,7 @@
 
 #include <optional>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 /// The box outside which no triangle decides a sample of the grid's bricks; nothing if there is no such box.
 std::optional<Box> box_near_bricks(const Grid& grid, const Layout& layout);
@@ -22,4 +22,4 @@ inline bool is_small(double share) {
 /// The fraction of the mesh's box that lies in another box, 0 to 1.
 double share_of(const Box& mesh, const Box& box);
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

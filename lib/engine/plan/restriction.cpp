@@ -10,7 +10,7 @@
 #include <cmath>
 #include <utility>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 namespace {
 
@@ -51,7 +51,7 @@ std::size_t Restriction::host_bytes() const {
     return numbers.size() * sizeof(numbers[0]) + sample.size() * sizeof(sample[0]);
 }
 
-polyhedra::NearRecords Restriction::near(const polyhedra::ClusterIndex& index, SignRule sign) {
+NearRecords Restriction::near(const ClusterIndex& index, SignRule sign) {
     // Up to the grids' outermost bricks and the slack of their tests, which is far less than a sample.
     std::vector<Box> boxes, rows;
     for (const Region& region : regions) {
@@ -60,17 +60,17 @@ polyhedra::NearRecords Restriction::near(const polyhedra::ClusterIndex& index, S
         rows.push_back(widened(region.box, (CLSDF_BRICK + 1) * region.spacing));
         rows.back().lower[0] = -infinite_length;
     }
-    polyhedra::NearRecords near = index.near(boxes);
+    NearRecords near = index.near(boxes);
     record_count = near.face_count + near.site_count;
     if (sign != SignRule::none) {
-        const polyhedra::NearRecords crossed = index.near(rows);
+        const NearRecords crossed = index.near(rows);
         near.faces.insert(near.faces.end(), crossed.faces.begin(), crossed.faces.end());
     }
     if (near.faces.empty()) near.faces.push_back({0, 1});  // a mesh has a triangle
     return near;
 }
 
-polyhedra::NearRecords Restriction::near_bricks(const polyhedra::ClusterIndex& index, const Grid& grid) const {
+NearRecords Restriction::near_bricks(const ClusterIndex& index, const Grid& grid) const {
     // The slack of their tests is far less than the longest spacing.
     const double slack = *std::max_element(grid.spacing.begin(), grid.spacing.end());
     std::vector<Box> boxes;  // near the bricks with samples in the regions
@@ -134,4 +134,4 @@ void Restriction::check(std::span<const Box> boxes, double half_width) const {
                    boxes[i]);
 }
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

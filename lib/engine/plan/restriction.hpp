@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace clsdf::transform {
+namespace clsdf::engine {
 
 /// The regions of a restricted transform, and the values that it needs of the whole mesh.
 class Restriction {
@@ -25,15 +25,15 @@ public:
     std::vector<Region> regions;
     std::size_t record_count = 0;        ///< that a lattice keeps at most
     std::vector<std::uint32_t> numbers;  ///< of the part's triangles, in the whole mesh
-    scan::SurfaceSample sample;          ///< of the whole mesh
+    SurfaceSample sample;                ///< of the whole mesh
 
     std::size_t host_bytes() const;
 
     /// The triangles that decide distances, and signs, of samples of any lattice in the regions; at least one. Sets
     /// record_count.
-    polyhedra::NearRecords near(const polyhedra::ClusterIndex& index, SignRule sign);
+    NearRecords near(const ClusterIndex& index, SignRule sign);
     /// Those that decide distances of samples of the grid's lattice.
-    polyhedra::NearRecords near_bricks(const polyhedra::ClusterIndex& index, const Grid& grid) const;
+    NearRecords near_bricks(const ClusterIndex& index, const Grid& grid) const;
 
     /// Each throws Error(invalid_argument) if the part of the mesh does not suffice for the field, points or boxes.
     void check(const Grid& grid, const Band& band, SignRule sign) const;
@@ -48,4 +48,4 @@ private:
     [[noreturn]] void refuse(const std::string& what, const Box& box) const;
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf::engine

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -91,4 +91,4 @@ std::pair<Grid, Grid> halves_of(const Grid& slab) {
     return {slices_of(slab, 0, middle), slices_of(slab, middle, size)};
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// How a grid is divided along z. Slabs end at coarse bricks if possible, because each slab makes its own lists.
 /// Otherwise they end at bricks, so that no sample is computed twice. Any division gives the same bytes.
@@ -35,4 +35,4 @@ bool is_divisible(const Grid& slab);
 /// Divides it at the brick boundary, or coarse brick boundary, next to its middle; it must be divisible.
 std::pair<Grid, Grid> halves_of(const Grid& slab);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

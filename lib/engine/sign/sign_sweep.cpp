@@ -12,7 +12,7 @@
 #include <limits>
 #include <optional>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -160,9 +160,9 @@ private:
             layout.sign_words + 8.0 * static_cast<double>(record_count_) / static_cast<double>(row_count_);
         inputs_.launches.over(row_count_, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
             const std::size_t items = chunk_count(end - begin, item_rows);
-            scan::launch(queue_, sweep, {items, inputs_.programs.part_group()}, layout, static_cast<cl_uint>(begin),
-                         static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
-                         cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *starts_, *keys, bits);
+            engine::launch(queue_, sweep, {items, inputs_.programs.part_group()}, layout, static_cast<cl_uint>(begin),
+                           static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
+                           cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *starts_, *keys, bits);
         });
     }
 
@@ -212,4 +212,4 @@ device::BufferPool::Lease SignSweep::finish() {
     });
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -9,7 +9,7 @@
 
 #include <memory>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 class CrossingSearch;
 struct Programs;
@@ -50,4 +50,4 @@ private:
     std::unique_ptr<CrossingSearch> search_;
 };
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

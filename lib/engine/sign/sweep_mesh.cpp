@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 namespace {
 
@@ -35,20 +35,20 @@ struct Place {
     double past;
 };
 
-Place place_of(double position, const Grid& grid, const polyhedra::LatticeView& lattice, std::size_t axis) {
+Place place_of(double position, const Grid& grid, const LatticeView& lattice, std::size_t axis) {
     const double samples = (position - grid.origin[axis]) / grid.spacing[axis];
     const double spacing = lattice.spacing_in_units[axis];
-    if (!(std::abs(samples) * spacing > polyhedra::LatticeView::far)) return {0, samples};
+    if (!(std::abs(samples) * spacing > LatticeView::far)) return {0, samples};
     const double sample = std::nearbyint(samples);
     return {sample, lattice.from_sample(axis, position, sample) / spacing};
 }
 
 /// The sample that x is counted from: 0, or a sample at the near end of a mesh that is far from it. Crossings are
 /// formed from these numbers, so small numbers keep their rounding small.
-std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const polyhedra::LatticeView& lattice) {
+std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const LatticeView& lattice) {
     const auto samples = [&](double position) { return (position - grid.origin[0]) / grid.spacing[0]; };
     const double nearest = std::max(samples(mesh.box().lower[0]), std::min(samples(mesh.box().upper[0]), 0.0));
-    if (!(std::abs(nearest) * lattice.spacing_in_units[0] > polyhedra::LatticeView::far)) return 0;
+    if (!(std::abs(nearest) * lattice.spacing_in_units[0] > LatticeView::far)) return 0;
     // No grid reaches farther, and its samples' distances from here fit 32 bits.
     constexpr double limit = 1 << 30;
     return CLSDF_BRICK * static_cast<std::int32_t>(std::clamp(nearest, -limit, limit) / CLSDF_BRICK);
@@ -82,7 +82,7 @@ struct SweepLattice {
     }
 
     const Grid& grid;
-    polyhedra::LatticeView view;
+    LatticeView view;
     int bits_y, bits_z;
     std::int32_t first_x;
     double scale_y, scale_z;
@@ -113,18 +113,18 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
     auto vertices = job.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
     cl::Kernel kernel(job.programs.mesh_records, "sweep_vertices");
     ShortLaunches(job.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
-        set_arguments(kernel, 0, polyhedra::face_lattice(lattice.view), cl_double{lattice.scale_y},
-                      cl_double{lattice.scale_z}, begin, end, *faces.positions, *vertices);
+        set_arguments(kernel, 0, face_lattice(lattice.view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
+                      begin, end, *faces.positions, *vertices);
     });
     return vertices;
 }
 
 }  // namespace
 
-SweepSelection select_triangles(const device::Context& context, const polyhedra::NearRecords& near) {
+SweepSelection select_triangles(const device::Context& context, const NearRecords& near) {
     std::vector<cl_uint> numbers;
     numbers.reserve(near.face_count + 1);
-    for (const polyhedra::RecordRange& range : near.faces)
+    for (const RecordRange& range : near.faces)
         for (std::size_t face = range.begin; face < range.end; ++face) numbers.push_back(static_cast<cl_uint>(face));
     SweepSelection selection;
     selection.count = numbers.size();
@@ -161,19 +161,19 @@ bool is_within_sweep(const Mesh& mesh, const Grid& grid) {
 }
 
 SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const Grid& grid, const Mesh& mesh, const polyhedra::MeshTopology& topology,
-                          const std::vector<polyhedra::RecordRange>& faces) {
+                          const Grid& grid, const Mesh& mesh, const MeshTopology& topology,
+                          const std::vector<RecordRange>& faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, mesh);
         std::size_t count = 0;
-        for (const polyhedra::RecordRange& range : faces) count += range.end - range.begin;
+        for (const RecordRange& range : faces) count += range.end - range.begin;
         // Each face has vertices of its own.
         device::HostFilling triangle_filling(context, pool, count * sizeof(Triangle), "triangles");
         device::HostFilling vertex_filling(context, pool, 3 * count * sizeof(SweepVertex), vertices_purpose);
         auto* const triangles = static_cast<Triangle*>(triangle_filling.memory());
         auto* const vertices = static_cast<SweepVertex*>(vertex_filling.memory());
         std::size_t begin = 0;
-        for (const polyhedra::RecordRange& range : faces) {
+        for (const RecordRange& range : faces) {
             for_each_range(range.end - range.begin, [&](std::size_t from, std::size_t to) {
                 for (std::size_t i = from; i < to; ++i)
                     for (std::size_t k = 0; k < 3; ++k) {
@@ -191,4 +191,4 @@ SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<
     });
 }
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

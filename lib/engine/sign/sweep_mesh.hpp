@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <memory>
 
-namespace clsdf::scan {
+namespace clsdf::engine {
 
 /// A mesh on the device as the sweep for the sign sees it from one lattice: the same for all parts of a grid.
 struct SweepMesh {
@@ -38,7 +38,7 @@ struct SweepSelection {
 };
 
 /// Selects from a mesh that make_sweep_mesh() made.
-SweepSelection select_triangles(const device::Context& context, const polyhedra::NearRecords& near);
+SweepSelection select_triangles(const device::Context& context, const NearRecords& near);
 
 /// Throws Error(unsupported) if the mesh reaches farther from the grid's origin than the sweep's integers.
 /// `faces`: null if the host makes the vertices.
@@ -50,7 +50,7 @@ bool is_within_sweep(const Mesh& mesh, const Grid& grid);
 
 /// The faces that rows of a part of the lattice can cross, without the others. The sign has the same bits.
 SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const Grid& grid, const Mesh& mesh, const polyhedra::MeshTopology& topology,
-                          const std::vector<polyhedra::RecordRange>& faces);
+                          const Grid& grid, const Mesh& mesh, const MeshTopology& topology,
+                          const std::vector<RecordRange>& faces);
 
-}  // namespace clsdf::scan
+}  // namespace clsdf::engine

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::points {
+namespace clsdf::engine {
 
 namespace {
 
@@ -118,10 +118,10 @@ PointLeaf leaf_of(const PointNode& node, std::span<const Polyhedron> records, st
 
 /// The lower, in the caller's order, of a face and of the one across its first edge if they have the same three
 /// vertices.
-std::uint32_t lower_of_two(const polyhedra::MeshTopology& topology, std::uint32_t face) {
+std::uint32_t lower_of_two(const MeshTopology& topology, std::uint32_t face) {
     const std::span<const Triangle> triangles(topology.faces.triangles);
-    const polyhedra::FaceEdges& edges = topology.edges.faces[face];
-    constexpr unsigned without_face = polyhedra::edge_open | polyhedra::edge_at_box | polyhedra::edge_non_manifold;
+    const FaceEdges& edges = topology.edges.faces[face];
+    constexpr unsigned without_face = edge_open | edge_at_box | edge_non_manifold;
     if ((edges.marks[0] & without_face) != 0) return face;
     const Corner across = Corner::unpack(edges.across[0]);
     const bool is_equal = triangles[across.face][previous_of_three(across.vertex)] == triangles[face][2];
@@ -130,7 +130,7 @@ std::uint32_t lower_of_two(const polyhedra::MeshTopology& topology, std::uint32_
 
 /// Sets the lowest face with the same three vertices, in the caller's order, of each face. Faces at edges of more than
 /// two are sorted by their vertices: any number of them may be equal.
-void set_lowest_equal(const polyhedra::MeshTopology& topology, std::span<PointFace> faces) {
+void set_lowest_equal(const MeshTopology& topology, std::span<PointFace> faces) {
     for_each_index(faces.size(), [&](std::size_t face) {
         faces[face].lowest = lower_of_two(topology, static_cast<std::uint32_t>(face));
     });
@@ -155,14 +155,14 @@ public:
         : mesh_(mesh), leaves_(leaves), faces_(faces), records_(records) {}
 
     void write(std::size_t node) const {
-        const polyhedra::MeshTopology& topology = *mesh_.topology;
+        const MeshTopology& topology = *mesh_.topology;
         const std::size_t begin = node * width, count = std::min(width, mesh_.face_count() - begin);
         const std::span<const Triangle> triangles(topology.faces.triangles);
-        const polyhedra::MeshFaces faces{mesh_.positions, triangles, mesh_.lattice};
+        const MeshFaces faces{mesh_.positions, triangles, mesh_.lattice};
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t face = begin + i;
-            records_[face] = polyhedra::pack(faces.frame(face), {}, topology.order[face], mesh_.positions,
-                                             triangles[face], mesh_.lattice);
+            records_[face] =
+                pack(faces.frame(face), {}, topology.order[face], mesh_.positions, triangles[face], mesh_.lattice);
             faces_[face] = face_of(records_[face]);
             for (const Vec3& corner : mesh_.corners(face)) add_corner(mesh_.nodes[node], i, corner);
         }
@@ -192,9 +192,9 @@ void fill_upper_levels(PointMesh& mesh) {
 
 }  // namespace
 
-polyhedra::LatticeView lattice_for_points(const Mesh& mesh) {
+LatticeView lattice_for_points(const Mesh& mesh) {
     const double longest = mesh.box().longest_side();
-    polyhedra::LatticeView lattice;
+    LatticeView lattice;
     lattice.origin = mesh.box().lower;
     if (longest > 0) lattice.unit = std::ldexp(1.0, std::max(std::ilogb(longest) - 8, -1000));
     constexpr auto smallest = static_cast<double>(std::numeric_limits<float>::min()),
@@ -214,7 +214,7 @@ UnitBox::UnitBox(const Vec3& p) {
     }
 }
 
-UnitBox::UnitBox(const Box& box, const polyhedra::LatticeView& lattice) {
+UnitBox::UnitBox(const Box& box, const LatticeView& lattice) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto in_units = [&](double x) {
             return std::clamp((x - lattice.origin[axis]) / lattice.unit, -box_limit, box_limit);
@@ -256,7 +256,7 @@ UnitBox face_box(const PointMesh& mesh, std::size_t face) {
 }
 
 PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          std::shared_ptr<const polyhedra::MeshTopology> topology) {
+                          std::shared_ptr<const MeshTopology> topology) {
     PointMesh result;
     result.lattice = lattice_for_points(mesh);
     result.box = mesh.box();
@@ -286,4 +286,4 @@ PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device
     return result;
 }
 
-}  // namespace clsdf::points
+}  // namespace clsdf::engine

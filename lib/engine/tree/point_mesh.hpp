@@ -18,12 +18,12 @@
 #include <vector>
 
 /// Distances at points anywhere.
-namespace clsdf::points {
+namespace clsdf::engine {
 
 /// The lattice that points are measured in: its origin is the lower corner of the mesh's box, its unit the greatest
 /// power of two not above 1/256 of the box's longest side, or 1 if the mesh has no extent. Throws
 /// Error(invalid_argument) if a float cannot hold the unit.
-polyhedra::LatticeView lattice_for_points(const Mesh& mesh);
+LatticeView lattice_for_points(const Mesh& mesh);
 
 /// Whether a closed box contains the point.
 inline bool contains(const Box& box, const Vec3& p) {
@@ -35,12 +35,12 @@ inline bool contains(const Box& box, const Vec3& p) {
 /// A mesh as searches for the nearest triangle of a point read it, on the device and, for signs, on the host. It
 /// follows from the triangles and the positions alone.
 struct PointMesh {
-    polyhedra::LatticeView lattice;
+    LatticeView lattice;
     Box box;                           ///< of the mesh
     bool is_part = false;              ///< faces that cross rows with greater x than those of the points may be missing
     bool has_several_regions = false;  ///< a part: between points of two regions, any face may be missing
-    std::shared_ptr<const polyhedra::MeshTopology> topology;  ///< whose faces the tree's faces are
-    UninitializedVector<Vec3> positions;                      ///< of the vertices, numbered as in MeshTopology::faces
+    std::shared_ptr<const MeshTopology> topology;  ///< whose faces the tree's faces are
+    UninitializedVector<Vec3> positions;           ///< of the vertices, numbered as in MeshTopology::faces
     PointTree tree{};
     std::vector<PointNode> nodes;  ///< by levels; the children of the first level are faces; the root is the last
 
@@ -77,7 +77,7 @@ struct UnitBox {
     /// The smallest one around a point.
     explicit UnitBox(const Vec3& p);
     /// Around a box in the caller's coordinates, rounded outwards and cut off far from the mesh.
-    UnitBox(const Box& box, const polyhedra::LatticeView& lattice);
+    UnitBox(const Box& box, const LatticeView& lattice);
 
     void add(const UnitBox& other);
 };
@@ -122,6 +122,6 @@ bool visit_faces(const PointMesh& mesh, const UnitBox& box, const Visit& visit) 
 
 /// Throws Error(invalid_argument or out_of_memory).
 PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          std::shared_ptr<const polyhedra::MeshTopology> topology);
+                          std::shared_ptr<const MeshTopology> topology);
 
-}  // namespace clsdf::points
+}  // namespace clsdf::engine
