@@ -38,13 +38,17 @@ source_commit() {
     echo "$commit"
 }
 
-# debian_mirror prints the mirror of Debian that this machine's apt uses.
+# debian_mirror prints the mirror of Debian that this machine's apt uses. Without one the script ends.
 debian_mirror() {
     local codename mirror
     codename=$(. /etc/os-release && echo "${VERSION_CODENAME:-none}")
     mirror=$(apt-get update --print-uris 2>/dev/null |
         sed -nE "s|^'(.*)/dists/($codename\|stable\|testing\|unstable\|sid)/(In)?Release'.*|\1|p" | head -n 1)
-    echo "${mirror:-http://deb.debian.org/debian}"
+    if [ -z "$mirror" ]; then
+        echo "${0##*/}: apt is configured for no mirror of Debian" >&2
+        exit 2
+    fi
+    echo "$mirror"
 }
 
 # clang_14 PROGRAM prints the name of version 14 of clang-format or clang-tidy: results of other versions differ.
