@@ -24,6 +24,15 @@ existing_file() {
     realpath -- "$1"
 }
 
+# existing_folder FOLDER does the same for a folder.
+existing_folder() {
+    if [ ! -d "$1" ]; then
+        echo "${0##*/}: no such folder: $1" >&2
+        exit 3
+    fi
+    realpath -- "$1"
+}
+
 # is_installed PACKAGE: dpkg also knows packages that were removed.
 is_installed() {
     dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed

@@ -24,8 +24,8 @@ list(LENGTH scripts count)
 if(count LESS 15)
   message(SEND_ERROR "only ${count} scripts were found")
 endif()
-set(refusing bundle fetch-meshes figures format gallery gpu-compile gpu-counts nightly on-debian on-opencl python-tests same-bytes setup
-             tidy walk wheel)
+set(refusing bundle bundle-driver fetch-meshes figures format gallery gpu-compile gpu-counts nightly on-debian on-opencl
+             python-tests same-bytes setup tidy walk wheel)
 if(NOT EXISTS /usr/bin/python3)
   list(REMOVE_ITEM scripts figures gpu-compile)
   list(REMOVE_ITEM refusing figures gpu-compile)
@@ -91,3 +91,30 @@ expect_verdict(0 "" incomplete)
 expect_verdict(1000 "" passed)
 expect_verdict(1000 "FAILED at unknown-dirty" FAILED)
 expect_verdict(1000 "passed at another" incomplete)
+
+# The sources of the bundled driver are files of known contents. Without them one line says what is needed. The machine of
+# the test has all packages, and its apt is configured for no archive.
+file(COPY "${CLSDF}/packaging" DESTINATION "${tree}")
+foreach(program IN ITEMS "uname:echo Linux x86_64" "dpkg-query:echo installed" apt-cache: apt-get:)
+  string(REGEX MATCH "^([^:]*):(.*)$" program "${program}")
+  file(WRITE "${SCRATCH}/programs/${CMAKE_MATCH_1}" "#!/bin/sh\n${CMAKE_MATCH_2}\n")
+  file(CHMOD "${SCRATCH}/programs/${CMAKE_MATCH_1}" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+endforeach()
+# expect_no_sources(<message> <option>...)
+function(expect_no_sources message)
+  execute_process(
+    COMMAND ${CMAKE_COMMAND} -E env "PATH=${SCRATCH}/programs:$ENV{PATH}" "CLSDF_OPENCL_FOLDER=${SCRATCH}/opencl"
+            "${tree}/scripts/bundle-driver" ${ARGN} "${SCRATCH}/driver"
+    RESULT_VARIABLE status
+    OUTPUT_VARIABLE output
+    ERROR_VARIABLE errors)
+  if(NOT status EQUAL 2 OR NOT output STREQUAL "" OR NOT errors MATCHES "^scripts/bundle-driver: [^\n]*${message}[^\n]*\n$")
+    message(SEND_ERROR "scripts/bundle-driver ${ARGN} ends with ${status}: ${output}${errors}")
+  endif()
+endfunction()
+expect_no_sources("apt has no source of Debian's package pocl 6.0-6.*--sources.*pocl_6.0-6.dsc")
+file(MAKE_DIRECTORY "${SCRATCH}/sources")
+expect_no_sources("sources has no pocl_6.0-6.dsc" --sources "${SCRATCH}/sources")
+file(WRITE "${SCRATCH}/sources/pocl_6.0-6.dsc" "another text")
+expect_no_sources("pocl_6.0-6.dsc is damaged" --sources "${SCRATCH}/sources")
+expect_no_sources("would delete" --sources "${SCRATCH}/opencl/pocl-6-bundled")
