@@ -342,7 +342,7 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
         if (any(to < 0) || any(to >= size)) continue;
         const int3 in_bricks = relative_brick * CLSDF_BRICK + in_brick;
         const bool negative = is_inside(sign_row(layout, sign_bits, in_bricks.y, in_bricks.z), in_bricks.x);
-        const size_t offset = ((size_t)to.z * size.y + to.y) * size.x + to.x;
+        const size_t offset = sample_offset(layout, to.x, to.y, to.z);
 #ifdef NEAREST
         const float squared = minima->squared[sample];
 #else

@@ -80,7 +80,7 @@ INLINE void fill_bricks(Layout layout, int brick, int end_brick, int brick_y, in
     Run distances = {distance, distance, 0ul};
     for (int begin, end; next_empty(layout, row, end_brick, &brick, &begin, &end);)
         for (int y = row.begin_y; y < row.end_y; ++y) {
-            __global uint* to = distance + ((size_t)z * layout.size[1] + y) * layout.size[0] * words;
+            __global uint* to = distance + sample_offset(layout, 0, y, z) * words;
             __global const uint* bits = sign_row(layout, sign_bits, y + row.shift_y, row.from_z);
             for (int x = begin, next; x < end; x = next) {
                 next = end_of_run(bits, x + row.shift_x, end + row.shift_x) - row.shift_x;
@@ -99,7 +99,7 @@ INLINE void leave_bricks(Layout layout, int brick, int end_brick, int brick_y, i
     __global uchar *run_begin = output, *run_end = output;  // kept back, as long as rows follow each other
     for (int begin, end; next_empty(layout, row, end_brick, &brick, &begin, &end);)
         for (int y = row.begin_y; y < row.end_y; ++y) {
-            __global uchar* to = output + ((size_t)z * layout.size[1] + y) * layout.size[0] * sample_bytes;
+            __global uchar* to = output + sample_offset(layout, 0, y, z) * sample_bytes;
             if (to + (size_t)begin * sample_bytes != run_end) {
                 store_ones(run_begin, run_end);
                 run_begin = to + (size_t)begin * sample_bytes;

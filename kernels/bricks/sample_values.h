@@ -5,6 +5,12 @@
 #include "layout.h"
 #include "simd.h"
 
+// The number of the part's sample (x, y, z), counted from its first one, in the arrays of outputs. A sample before the
+// first has the number from which those of the part are counted on.
+INLINE size_t sample_offset(Layout layout, int x, int y, int z) {
+    return ((size_t)z * layout.size[1] + y) * layout.size[0] + x;
+}
+
 // Returns the first word of a row's sign bits. (y, z): the row, counted from the first sample of the part's first
 // brick. The rows of sign bits cover whole bricks.
 INLINE __global const uint* sign_row(Layout layout, __global const uint* sign_bits, int y, int z) {

@@ -108,15 +108,14 @@ static inline void write_run(Layout layout, int3 brick, int count, __global Mini
                     store_eight(ROW_OF_VECTOR(rows, r), n, output.rows + (y + r) * CLSDF_COARSE);
             }
 #ifdef NEAREST
-        const size_t slice = ((size_t)(first.z + z) * size.y + first.y) * size.x + first.x;
+        const size_t slice = sample_offset(layout, first.x, first.y, first.z + z);
         finish_slice(output.finishing, output.slice, count, begin, end, slice, size.x);
 #endif
         // A separate loop: a row that is read right after it is stored is waited for.
         for (int y = begin.y; y < end.y && !is_finished(output); ++y) {
-            const size_t row = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x;
-            const size_t from = row + first.x + begin.x, to = row + first.x + end.x;
+            const size_t from = sample_offset(layout, first.x + begin.x, first.y + y, first.z + z);
             store_values(output.rows + y * CLSDF_COARSE + begin.x, (__global uint*)output.distance + from,
-                         (__global uint*)output.distance + to);
+                         (__global uint*)output.distance + from + (end.x - begin.x));
         }
     }
     for (int n = 0; n < count; ++n) clear_minimum(minima + n);  // while they are in the innermost cache
@@ -147,13 +146,13 @@ static inline void write_lines(Layout layout, int3 brick, __global Minimum* mini
 #pragma unroll
             for (int n = 0; n < ROWS_PER_VECTOR; ++n) {
                 if (y + n < begin.y || y + n >= end.y) continue;
-                const size_t at = ((size_t)(first.z + z) * size.y + (first.y + y + n)) * size.x + first.x;
+                const size_t at = sample_offset(layout, first.x, first.y + y + n, first.z + z);
                 store_line((uint16)(ROW_OF_VECTOR(left, n), ROW_OF_VECTOR(right, n)),
                            (__global uint*)output.distance + at);
             }
         }
 #ifdef NEAREST
-        const size_t slice = ((size_t)(first.z + z) * size.y + first.y) * size.x + first.x;
+        const size_t slice = sample_offset(layout, first.x, first.y, first.z + z);
         finish_slice(output.finishing, output.slice, 2, (int3)(0, begin.y, z), (int3)(2 * CLSDF_BRICK, end.y, z + 1),
                      slice, size.x);
 #endif
@@ -165,8 +164,8 @@ static inline void write_lines(Layout layout, int3 brick, __global Minimum* mini
 // the part. It is 0 unless every row of the field begins a line, and for distances in double.
 INLINE ulong line_beginnings(Layout layout, int3 coarse, Output output) {
     const int3 first = coarse * CLSDF_COARSE - vload3(0, layout.first);
-    const long from_first = ((long)first.z * layout.size[1] + first.y) * layout.size[0] + first.x;
-    if (MISALIGNMENT((size_t)output.distance + (size_t)from_first * sizeof(float), LINE_NUMBERS) != 0) return 0;
+    const size_t from_first = sample_offset(layout, first.x, first.y, first.z);
+    if (MISALIGNMENT((size_t)output.distance + from_first * sizeof(float), LINE_NUMBERS) != 0) return 0;
     if (layout.size[0] % LINE_NUMBERS != 0 || is_finished(output)) return 0;
     ulong bricks = 0;
     for (int line = 0; line < CLSDF_COARSE / LINE_NUMBERS; ++line) {

@@ -38,6 +38,9 @@ using clsdf_uint32 = std::uint32_t;
 using clsdf_uint8 = std::uint8_t;
 #endif
 
+// Records are selected and made in groups of so many (lib/engine/frusta/records.hpp).
+#define CLSDF_RECORD_GROUP 16
+
 // Index of an edge in the slopes, and of a half in pairs.
 #define CLSDF_EDGE_BASE 0
 #define CLSDF_EDGE_RIGHT 1

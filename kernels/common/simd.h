@@ -8,6 +8,10 @@
 #ifndef CLSDF_SIMD_H
 #define CLSDF_SIMD_H
 
+#ifndef LANES
+#error "define LANES as 16, 8 or 1: the lanes of a work-item"
+#endif
+
 // On processors, vectors that are passed through memory cost more than the work of these functions, so all are inlined.
 // With LANES 1 the compiler decides; "static" gives a body to compilers that do not inline. The host defines
 // PLAIN_INLINE for a compiler that takes C99's "inline" alone.

@@ -1,13 +1,9 @@
-// One definition for the host and the kernels: the numbers of the outputs, and what finishing needs for them.
+// One definition for the host and the kernels: what finishing needs for the outputs.
 #ifndef CLSDF_OUTPUTS_H
 #define CLSDF_OUTPUTS_H
 
+#include "output_numbers.h"
 #include "polyhedron.h"
-#ifdef __OPENCL_VERSION__
-#include "output_table.h"
-#else
-#include <clsdf/output_table.h>
-#endif
 
 // Sites of a triangle: its vertices 0, 1, 2; its edges 3, 4, 5, of which edge 3 + k runs from vertex k to the next;
 // its face.
@@ -16,12 +12,6 @@
 #ifndef __OPENCL_VERSION__
 namespace clsdf {
 #endif
-
-// Numbers of the outputs, in sets of bits. Kernels write the distance as floats. Finishing makes the other outputs, and
-// the distance if it is in double; then there are no floats.
-#define CLSDF_OUTPUT_NUMBER(name, content, element, components) CLSDF_OUTPUT_##name,
-enum clsdf_output_number { CLSDF_OUTPUT_distance, CLSDF_OUTPUTS(CLSDF_OUTPUT_NUMBER) CLSDF_OUTPUT_COUNT };
-#undef CLSDF_OUTPUT_NUMBER
 
 // Names of a triangle's vertices and edges: each is named as a site of the lowest triangle that shares it.
 typedef struct TriangleSites {

@@ -4,8 +4,6 @@
 
 #include "polyhedron.h"
 
-// Records are selected and made in groups of so many (polyhedra/records.hpp).
-#define CLSDF_RECORD_GROUP 16
 // A face's name is its triangle's index in the caller's order, with this bit if three faces or more meet at an edge.
 #define CLSDF_NAME_NON_MANIFOLD 0x80000000u
 // In place of the opposite vertex of an edge: no plane cuts there, or the host decides.

@@ -11,7 +11,6 @@
 // code (docs/devices.md).
 
 #include "coarse.h"
-#include "face_sources.h"
 #include "shares.h"
 #include "simd.h"
 

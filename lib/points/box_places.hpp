@@ -2,7 +2,7 @@
 
 #include "tree/point_mesh.hpp"
 
-#include <clsdf/distance_transform.hpp>
+#include <clsdf/calls.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/distance_transform.hpp>
+#include <clsdf/calls.hpp>
 
 #include "core/large_memory.hpp"
 #include "core/outputs.hpp"

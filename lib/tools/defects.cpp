@@ -1,4 +1,4 @@
-#include <clsdf/topology.hpp>
+#include <clsdf/mesh_files.hpp>
 
 #include "mesh/predicates.hpp"
 #include "mesh/topology.hpp"

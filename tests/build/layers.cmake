@@ -1,23 +1,29 @@
 # SOURCE: the source tree.
 #
-# Files of the core include only files of their own folder and of the folders before it. The build keeps a part of these
-# borders, too: it gives foundations and the engine no other include folders.
+# Files of the core include only files of their own folder and of the folders before it, and of kernels/ those of the
+# stages up to their own. The build keeps a part of these borders, too: it gives foundations and the engine no other
+# include folders.
 cmake_minimum_required(VERSION 3.25)
 
 set(allowed "")
 set(found 0)
 
-# check_folder(<folder>): in `allowed` are the names of folders, or of files, that its files may include. Other names are
-# an error if they are in `known`.
+# check_folder(<folder>): its files may include what `allowed` names, of all that `known` names: folders of lib, headers
+# of kernels, and public headers as "clsdf/grid.hpp".
 function(check_folder folder)
   file(GLOB files ${folder}/*.[ch]pp ${folder}/*.h ${folder}/*.cl)
   foreach(file ${files})
-    file(STRINGS ${file} includes REGEX "^#include \"")
+    file(STRINGS ${file} includes REGEX "^#include ")
     foreach(include ${includes})
-      string(REGEX MATCH "\"([^\"/]+)" whole "${include}")
+      if(NOT include MATCHES "\"([^\"/]+)|<(clsdf/[a-z_]+\\.h)")
+        continue()
+      endif()
       set(name "${CMAKE_MATCH_1}")
+      if(name STREQUAL "")
+        string(REGEX MATCH "clsdf/[a-z_.]+" name "${include}")
+      endif()
       if(NOT name IN_LIST allowed AND name IN_LIST known)
-        message(SEND_ERROR "${file}: ${include}\nit may include files of these only: ${allowed}")
+        message(SEND_ERROR "${file}: ${include}\nit may include these only: ${allowed}")
       endif()
       math(EXPR found "${found} + 1")
     endforeach()
@@ -41,35 +47,65 @@ foreach(folder ${all})
   endif()
 endforeach()
 
-set(known ${folders} foundations engine io papers picture reference tools)
+# The folders of kernels, in order.
+file(STRINGS ${SOURCE}/cmake/EmbedKernels.cmake kernel_folders REGEX "^set\\(CLSDF_KERNEL_FOLDERS ")
+string(REGEX REPLACE "^set\\(CLSDF_KERNEL_FOLDERS (.*)\\)$" "\\1" kernel_folders "${kernel_folders}")
+separate_arguments(kernel_folders)
+set(stages ${folders})
+list(TRANSFORM stages REPLACE ".*/" "")
+list(FILTER stages INCLUDE REGEX "^(frusta|tree|lists|sign|finish|bricks|targets|points)$")
+if(NOT "common;${stages}" STREQUAL "${kernel_folders}")
+  message(SEND_ERROR "the folders of kernels are ${kernel_folders}; by the order of lib they would be common;${stages}")
+endif()
+
+# allow_kernels(<folder>): from here on, headers of kernels/<folder> may be included.
+macro(allow_kernels folder)
+  file(GLOB headers RELATIVE ${SOURCE}/kernels/${folder} ${SOURCE}/kernels/${folder}/*.h)
+  list(APPEND allowed ${headers})
+endmacro()
+
+file(GLOB all_kernels RELATIVE ${SOURCE}/kernels ${SOURCE}/kernels/*/*.h)
+file(GLOB public_headers RELATIVE ${SOURCE}/lib/include ${SOURCE}/lib/include/clsdf/*)
+set(known ${folders} foundations engine io papers picture reference tools ${all_kernels})
 list(TRANSFORM known REPLACE ".*/" "")
+list(APPEND known ${public_headers})
+
+# The face of the top layer, and what stands beside the core.
+set(face clsdf/distance_transform.hpp clsdf/plan.hpp clsdf/clsdf.hpp)
+set(beside clsdf/io.hpp clsdf/mesh_files.hpp clsdf/papers.hpp clsdf/picture.hpp clsdf/reference.hpp)
+set(allowed ${public_headers})
+list(REMOVE_ITEM allowed ${face} ${beside})
+set(public_of_core ${allowed})
+
+allow_kernels(common)
 foreach(folder ${folders})
   get_filename_component(name ${folder} NAME)
   list(APPEND allowed ${name})
+  if(name IN_LIST kernel_folders)
+    allow_kernels(${name})
+  endif()
+  if(name STREQUAL calls)
+    list(APPEND allowed ${face})
+  endif()
   check_folder(${SOURCE}/lib/${folder})
 endforeach()
 
 # The engine's face: calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid, and
 # GridPlan, which plans and runs.
-set(allowed core device plan launch mesh targets points checks calls)
+set(allowed ${public_of_core} ${face} core device plan launch mesh targets points checks calls)
+allow_kernels(targets)
 check_folder(${SOURCE}/lib/calls)
 
 # Tools for meshes, beside the core.
-set(allowed core mesh tools)
+set(allowed ${public_of_core} clsdf/mesh_files.hpp core mesh tools)
 check_folder(${SOURCE}/lib/tools)
 
-# The kernels' folders, whose files are included by their names alone.
-file(STRINGS ${SOURCE}/cmake/EmbedKernels.cmake kernel_folders REGEX "^set\\(CLSDF_KERNEL_FOLDERS ")
-string(REGEX REPLACE "^set\\(CLSDF_KERNEL_FOLDERS (.*)\\)$" "\\1" kernel_folders "${kernel_folders}")
-separate_arguments(kernel_folders)
-file(GLOB known RELATIVE ${SOURCE}/kernels ${SOURCE}/kernels/*/*.h)
-list(TRANSFORM known REPLACE ".*/" "")
-set(allowed "")
+# Files of kernels.
+set(allowed clsdf/output_table.h)
 foreach(folder ${kernel_folders})
-  file(GLOB headers RELATIVE ${SOURCE}/kernels/${folder} ${SOURCE}/kernels/${folder}/*.h)
-  list(APPEND allowed ${headers})
+  allow_kernels(${folder})
   check_folder(${SOURCE}/kernels/${folder})
 endforeach()
-if(found LESS 500)
+if(found LESS 800)
   message(SEND_ERROR "only ${found} includes were found")
 endif()

@@ -1,5 +1,5 @@
 #include <clsdf/mesh.hpp>
-#include <clsdf/topology.hpp>
+#include <clsdf/mesh_files.hpp>
 
 #include <boost/test/unit_test.hpp>
 

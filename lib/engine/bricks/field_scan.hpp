@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/distance_transform.hpp>
+#include <clsdf/grid.hpp>
 
 #include "core/statistics.hpp"
 #include "finish/finishing.hpp"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <clsdf/distance_transform.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <clsdf/distance_transform.hpp>
-
 #include <clsdf/tuning.hpp>
 
 #include "device/context.hpp"

@@ -21,8 +21,8 @@ public:
     /// is another one, or if vertices that count as one move apart.
     std::vector<Vec3> moved(const Mesh& mesh, std::span<const Vec3> positions) const;
 
-    /// New positions R x + t from the first ones, x, of the transform's mesh; see DistanceTransform::move(). Throws
-    /// Error(invalid_argument) if R is no rotation.
+    /// New positions R x + t from the first ones, x, of the transform's mesh; see DistanceTransform::set_motion().
+    /// Throws Error(invalid_argument) if R is no rotation.
     static std::vector<Vec3> moved(std::span<const Vec3> first, const std::array<Vec3, 3>& rotation,
                                    const Vec3& translation);
 

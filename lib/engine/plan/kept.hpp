@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/distance_transform.hpp>
+#include <clsdf/calls.hpp>
 
 #include "device/buffer_pool.hpp"
 

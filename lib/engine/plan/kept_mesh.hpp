@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/distance_transform.hpp>
+#include <clsdf/calls.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "outputs.h"
+#include "output_numbers.h"
 
 #include <clsdf/field.hpp>
 #include <clsdf/outputs.hpp>

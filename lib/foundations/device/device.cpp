@@ -1,5 +1,5 @@
+#include <clsdf/calls.hpp>
 #include <clsdf/device.hpp>
-#include <clsdf/distance_transform.hpp>
 
 #include "core/floating_point.hpp"
 #include "core/lifetime.hpp"

@@ -72,6 +72,13 @@ struct TransformStatistics {
     std::shared_ptr<const WorkCounts> work{};
 };
 
+/// Memory that a transform keeps between calls, in bytes, beside the mesh itself and the free buffers that it uses
+/// again.
+struct KeptMemory {
+    std::size_t host_bytes = 0;    ///< what follows from the triangles and the positions
+    std::size_t device_bytes = 0;  ///< within TransformOptions::kept_bytes
+};
+
 /// One box of many.
 struct Request {
     Grid grid;

@@ -1,7 +1,8 @@
 #pragma once
 
-/// Files of meshes and points, in a separate target, clsdf::meshes. It links no other library than the core does: a
-/// program with its own HDF5, for instance the parallel one, may link it. clsdf/io.hpp has the files of fields, too.
+/// Files of meshes and points, and defects of meshes, in a separate target, clsdf::meshes. It links no other library
+/// than the core does: a program with its own HDF5, for instance the parallel one, may link it. clsdf/io.hpp has the
+/// files of fields, too.
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
@@ -28,6 +29,16 @@ using FaceColour = std::array<std::uint8_t, 3>;
 /// `colours`: one for each triangle, or none; only .ply stores them. Throws Error(invalid_argument) for another number
 /// of them, Error(unsupported) for an unknown ending, Error(output_failure).
 CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
+
+/// Defects of a mesh other than those of its edges, which Topology describes. Vertices of equal coordinates count as
+/// one. The distance is exact in spite of them.
+struct Defects {
+    std::size_t zero_area_faces = 0;  ///< three different vertices on one line, exactly
+    std::size_t duplicate_faces = 0;  ///< with the three different vertices of an earlier face, in whatever order
+    std::size_t components = 0;       ///< parts of the mesh that share no vertex
+};
+
+CLSDF_EXPORT Defects find_defects(const Mesh& mesh);
 
 /// Reads points from .npy (shape (n, 3), float32 or float64, in C or Fortran order), .csv (a header row with the
 /// columns x, y and z; other columns are skipped) or .ply (its vertices, with or without faces). Throws

@@ -55,14 +55,4 @@ struct ResolvedSignRule {
 /// rule.
 CLSDF_EXPORT ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology);
 
-/// Defects of a mesh other than those of its edges, which Topology describes. Vertices of equal coordinates count as
-/// one. The distance is exact in spite of them. find_defects() is in clsdf::meshes.
-struct Defects {
-    std::size_t zero_area_faces = 0;  ///< three different vertices on one line, exactly
-    std::size_t duplicate_faces = 0;  ///< with the three different vertices of an earlier face, in whatever order
-    std::size_t components = 0;       ///< parts of the mesh that share no vertex
-};
-
-CLSDF_EXPORT Defects find_defects(const Mesh& mesh);
-
 }  // namespace clsdf
