@@ -109,9 +109,7 @@ TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& ban
         calls::RunningCall running{call};
         running.throw_if_stopped();
         const std::scoped_lock lock(state.mutex);
-        const engine::Job job{grid, band, targets::extras_of(outputs), {}, call.count_work};
-        state.check(job);
-        state.compile(job, running);
+        state.compile(state.check({grid, band, targets::extras_of(outputs), {}, call.count_work}), running);
         return running.statistics.published();
     });
 }
@@ -128,48 +126,8 @@ TransformStatistics DistanceTransform::compute(std::span<const Request> requests
 }
 
 TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const CallOptions& call) const {
-    return with_host_memory("for the blocks; compute fewer at once", [&] {
-        // As requests they take over 200 bytes each. Neighbours in the list are mostly neighbours in space.
-        constexpr std::size_t most = std::size_t{1} << 15, checked = std::size_t{1} << 10;
-        State& state = this->state();
-        const std::size_t count = blocks.first.size();
-        if (count > most) {  // else the only part is checked as a whole
-            const bool on_device = targets::are_on_device(blocks.targets);
-            const auto on_host = [&](const Request& request) { return state.host_targets(request); };
-            const auto in_buffers = [&](const Request& request) { return state.device_targets(request); };
-            std::vector<targets::WrittenArray> written;
-            for (std::size_t begin = 0; begin < count; begin += checked) {
-                std::size_t n = begin;
-                for (const Request& request : calls::requests_of(blocks, begin, std::min(begin + checked, count))) {
-                    if (on_device)
-                        calls::targets_of(request, n, count, in_buffers, written);
-                    else
-                        calls::targets_of(request, n, count, on_host, written);
-                    ++n;
-                }
-            }
-            targets::refuse_overlap(written);
-        }
-        CallStatistics total;
-        const auto share = [&](std::size_t part) { return static_cast<double>(part) / static_cast<double>(count); };
-        for (std::size_t begin = 0; begin < count; begin += most) {
-            const std::size_t end = std::min(begin + most, count);
-            try {
-                add_call(total, state.compute(calls::requests_of(blocks, begin, end),
-                                              calls::part_of(call, share(begin), share(end))));
-            } catch (const Error& error) {
-                if (count <= most || error.code() != ErrorCode::invalid_argument) throw;
-                throw Error(error.code(), fmt::format("of the blocks {} to {}: {}", begin, end - 1, error.what()),
-                            error.opencl_code());
-            }
-        }
-        return total.published();
-    });
-}
-
-CallStatistics DistanceTransform::State::compute(std::span<const Request> requests, const CallOptions& call) {
-    const bool on_device = !requests.empty() && targets::are_on_device(requests.front().targets);
-    return on_device ? compute_on_device(requests, call) : compute_on_host(requests, call);
+    return with_host_memory("for the blocks; compute fewer at once",
+                            [&] { return state().compute(blocks, call).published(); });
 }
 
 TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs,
@@ -179,8 +137,7 @@ TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& ban
         State& state = this->state();
         grid.validate();
         grid.sample_count();
-        const engine::Job job{grid, band, targets::extras_of(outputs), {}, call.count_work};
-        state.check(job);
+        const engine::Job job = state.check({grid, band, targets::extras_of(outputs), {}, call.count_work});
         if (!sink) throw Error(ErrorCode::invalid_argument, "a field in slabs needs a sink, and it is empty");
         targets::wait_for(state.context(), call.wait_list);
         return state.compute_slabs(job, sink, options, call).published();

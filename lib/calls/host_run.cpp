@@ -1,4 +1,4 @@
-#include "calls/block_plans.hpp"
+#include "calls/slab_plans.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
@@ -12,7 +12,7 @@ namespace clsdf {
 namespace {
 
 using calls::Batch;
-using calls::Block;
+using calls::Slab;
 using engine::Job;
 
 /// Computes a plan's samples, which are [begin, end) of the call's work, and returns when they are there.
@@ -35,48 +35,47 @@ void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls:
 
 }  // namespace
 
-/// Computes blocks one after another, each in the arrays of its request or in memory that is handed on to store(). If
-/// memory is short, a block is divided; one that cannot be divided is tried once more when what is kept for later calls
+/// Computes slabs one after another, each in the arrays of its request or in memory that is handed on to store(). If
+/// memory is short, a slab is divided; one that cannot be divided is tried once more when what is kept for later calls
 /// has been released.
 class DistanceTransform::State::HostRun {
 public:
-    using Store = std::function<void(const Block& block, const targets::HostArrays& values)>;
+    using Store = std::function<void(const Slab& slab, const targets::HostArrays& values)>;
 
-    /// All arguments that are references must outlive this. overlap: the next block is computed while one is stored.
+    /// All arguments that are references must outlive this. overlap: the next slab is computed while one is stored.
     HostRun(State& state, std::span<const Batch> batches, bool overlap, const Store& store, const CallOptions& call)
         : keeps_budget_{state},
           state_(state),
           batches_(batches),
           store_(store),
-          blocks_(
-              calls::blocks_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
+          slabs_(calls::slabs_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
           running_{call},
           plans_(state, state.pool, false, running_),
           pipeline_(state.context(), overlap) {
-        std::ranges::reverse(blocks_);
+        std::ranges::reverse(slabs_);
         for (const Batch& batch : batches) cost_ += batch.cost;
     }
 
     CallStatistics run() {
         start();
-        while (!blocks_.empty()) {
+        while (!slabs_.empty()) {
             targets::SlabPipeline::Slot* slot = &pipeline_.next();
             const auto divide = [&] {
                 make_room(*slot);
                 slot = &pipeline_.next();
                 return divide_next();
             };
-            // The length of a block's lists is known only when they are made.
+            // The length of a slab's lists is known only when they are made.
             calls::with_remedies(&running_, {{divide, true}, {[] { return true; }}}, [&] {
                 const std::scoped_lock lock(state_.mutex);
                 compute(*slot);
             });
-            const Block block = blocks_.back();
-            blocks_.pop_back();
+            const Slab slab = slabs_.back();
+            slabs_.pop_back();
             pipeline_.deliver(
-                *slot, block.batch->in_place
+                *slot, slab.batch->in_place
                            ? targets::SlabPipeline::HandOn()
-                           : [this, block](const targets::HostArrays& values) { store_(block, values); });
+                           : [this, slab](const targets::HostArrays& values) { store_(slab, values); });
         }
         return finish();
     }
@@ -91,36 +90,36 @@ private:
         state_.pool->restart_peak();
     }
 
-    /// Computes the next block, by the plan of an earlier call if there is one.
+    /// Computes the next slab, by the plan of an earlier call if there is one.
     void compute(targets::SlabPipeline::Slot& slot) {
-        const Block& block = blocks_.back();
-        const engine::Job& job = block.batch->job;
-        const targets::HostArrays& arrays = block.batch->arrays;
-        const std::size_t samples = block.grid.sample_count();
-        const std::size_t first = job.grid.offset(0, 0, block.grid.first[2] - job.grid.first[2]);
+        const Slab& slab = slabs_.back();
+        const engine::Job& job = slab.batch->job;
+        const targets::HostArrays& arrays = slab.batch->arrays;
+        const std::size_t samples = slab.grid.sample_count();
+        const std::size_t first = job.grid.offset(0, 0, slab.grid.first[2] - job.grid.first[2]);
         device::guarded([&] {
             slot.memories.place(
                 state_.context(), *state_.pool,
-                block.batch->in_place ? targets::arrays_from(first, arrays) : slot.own.for_samples(arrays, samples),
+                slab.batch->in_place ? targets::arrays_from(first, arrays) : slot.own.for_samples(arrays, samples),
                 samples);
         });
-        if (!plan_ && block.is_whole()) plan_ = state_.take_plan(job);
-        if (!plan_) plan_ = plans_.make(block);
+        if (!plan_ && slab.is_whole()) plan_ = state_.take_plan(job);
+        if (!plan_) plan_ = plans_.make(slab);
         const double share =
-            block.batch->cost / cost_ * static_cast<double>(samples) / static_cast<double>(job.grid.sample_count());
+            slab.batch->cost / cost_ * static_cast<double>(samples) / static_cast<double>(job.grid.sample_count());
         clsdf::run(*plan_, slot.memories, running_, done_, done_ + share);
         done_ += share;
-        if (blocks_.size() > 1) running_.report({.fraction = done_});
+        if (slabs_.size() > 1) running_.report({.fraction = done_});
         add_slab(running_.statistics, plan_->statistics);
-        if (block.is_whole()) state_.keep(std::move(plan_));
+        if (slab.is_whole()) state_.keep(std::move(plan_));
         plan_.reset();
-        if (block.is_whole()) {
-            plans_.release();  // it was the only block of its batch
+        if (slab.is_whole()) {
+            plans_.release();  // it was the only slab of its batch
             state_.keep_within_budget();
         }
     }
 
-    /// Releases what the next block had, and what is kept for later calls.
+    /// Releases what the next slab had, and what is kept for later calls.
     void make_room(targets::SlabPipeline::Slot& slot) {
         const std::scoped_lock lock(state_.mutex);
         // Commands that are still running use the buffers.
@@ -130,17 +129,17 @@ private:
         state_.forget();
     }
 
-    /// Returns whether the next block was divided.
+    /// Returns whether the next slab was divided.
     bool divide_next() {
-        const Block block = blocks_.back();
-        if (!engine::is_divisible(block.grid)) return false;
-        const auto [lower, upper] = engine::halves_of(block.grid);
-        blocks_.back().grid = upper;
-        blocks_.push_back({block.batch, lower});
+        const Slab slab = slabs_.back();
+        if (!engine::is_divisible(slab.grid)) return false;
+        const auto [lower, upper] = engine::halves_of(slab.grid);
+        slabs_.back().grid = upper;
+        slabs_.push_back({slab.batch, lower});
         return true;
     }
 
-    /// Waits until all blocks are stored.
+    /// Waits until all slabs are stored.
     const CallStatistics& finish() {
         pipeline_.finish();
         {
@@ -155,74 +154,38 @@ private:
     State& state_;
     std::span<const Batch> batches_;
     const Store& store_;
-    std::vector<Block> blocks_;  ///< the next one is the last
+    std::vector<Slab> slabs_;  ///< the next one is the last
     calls::RunningCall running_;
-    BlockPlans plans_;
-    std::unique_ptr<engine::GridPlan> plan_;  ///< of the next block
+    SlabPlans plans_;
+    std::unique_ptr<engine::GridPlan> plan_;  ///< of the next slab
     targets::SlabPipeline pipeline_;
     double cost_ = 0;  ///< of all batches
     double done_ = 0;  ///< which share of it has been computed
 };
 
-std::optional<CallStatistics> DistanceTransform::State::compute_kept(const Request& request, const CallOptions& call) {
-    request.grid.validate();
-    request.band.validate();
-    const targets::HostTargets targets(request.targets, request.grid);
-    std::vector<targets::WrittenArray> written;
-    targets.add_written(0, written);
-    targets::refuse_overlap(written);
-    if (!targets.are_packed) return std::nullopt;
-    calls::RunningCall running{call};
-    {
-        const std::scoped_lock lock(mutex);
-        std::unique_ptr<engine::GridPlan> plan =
-            take_plan({request.grid, request.band, targets::outputs_of(targets.arrays), {}, call.count_work});
-        if (!plan) return std::nullopt;
-        context().begin_call();
-        pool->restart_peak();
-        targets::OutputMemories memories;
-        try {
-            device::guarded([&] { memories.place(context(), *pool, targets.arrays, request.grid.sample_count()); });
-        } catch (const Error& error) {
-            if (!running.is_short_of_memory(error)) throw;
-            keep(std::move(plan));
-            return std::nullopt;
-        }
-        clsdf::run(*plan, memories, running, 0, 1);
-        device::guarded([&] { memories.read(context(), context().queue()); });
-        running.statistics = plan->statistics;
-        running.statistics.slabs = 1;
-        running.statistics.device_bytes = pool->peak();
-        keep(std::move(plan));
-    }
-    running.report({.fraction = 1});
-    return running.statistics;
-}
-
 CallStatistics DistanceTransform::State::compute_slabs(const engine::Job& job, const SlabSink& sink,
                                                        const SlabOptions& options, const CallOptions& call) {
     const Batch batch{.job = job, .arrays = targets::arrays_for(job.outputs)};
-    const HostRun::Store hand_on = [&](const Block& block, const targets::HostArrays& values) {
-        sink(block.grid, targets::slab_of(values, block.grid.sample_count()));
+    const HostRun::Store hand_on = [&](const Slab& slab, const targets::HostArrays& values) {
+        sink(slab.grid, targets::slab_of(values, slab.grid.sample_count()));
     };
     return HostRun(*this, {&batch, 1}, options.sink_has_own_thread, hand_on, call).run();
 }
 
 CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request> requests, const CallOptions& call) {
     targets::wait_for(context(), call.wait_list);
-    if (requests.size() == 1)
-        if (const auto statistics = compute_kept(requests.front(), call)) return *statistics;
-    const auto targets = calls::targets_of(requests, [&](const Request& request) { return host_targets(request); });
+    std::vector<engine::Job> jobs;
+    const auto targets = calls::targets_of(requests, host_targets(jobs, call.count_work));
     const std::vector<Batch> batches =
-        calls::batches_of(requests, std::span(targets), kept_mesh->mesh().box(), call.count_work);
-    const HostRun::Store store = [&](const Block& block, const targets::HostArrays& values) {
-        const std::vector<std::size_t>& chosen = block.batch->requests;
+        calls::batches_of(std::span<const engine::Job>(jobs), std::span(targets), kept_mesh->mesh().box());
+    const HostRun::Store store = [&](const Slab& slab, const targets::HostArrays& values) {
+        const std::vector<std::size_t>& chosen = slab.batch->requests;
         constexpr std::size_t chunk = 8;
         for_each_chunk(chosen.size(), chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-            for (std::size_t n = begin; n < end; ++n) targets[chosen[n]].store(block.grid, values);
+            for (std::size_t n = begin; n < end; ++n) targets[chosen[n]].store(slab.grid, values);
         });
     };
-    // On a processor the next block would take the cores that store the one before.
+    // On a processor the next slab would take the cores that store the one before.
     return HostRun(*this, batches, !context().capabilities().is_processor, store, call).run();
 }
 

@@ -14,9 +14,9 @@ namespace clsdf::calls {
 
 namespace {
 
-/// A block that is a part of a batch has no buffer of its own among the targets.
-bool is_in_place(const Block& block) {
-    return block.batch->in_place && block.is_whole();
+/// A slab that is a part of a batch has no buffer of its own among the targets.
+bool is_in_place(const Slab& slab) {
+    return slab.batch->in_place && slab.is_whole();
 }
 
 }  // namespace
@@ -27,73 +27,74 @@ PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_
 PlanState::~PlanState() {
     if (runs_.wait() == CL_SUCCESS) return;
     keep_for_good(samples_);
-    keep_for_good(parts_);
+    keep_for_good(planned_);
 }
 
-void PlanState::divide(std::span<const targets::DeviceTargets> targets, const Box& box) {
+void PlanState::divide(std::span<const engine::Job> jobs, std::span<const targets::DeviceTargets> targets,
+                       const Box& box) {
     const device::Context::Capabilities& capabilities = device::context_of(device).capabilities();
     const std::size_t largest = capabilities.largest_allocation;
-    batches_ = batches_of(requests, targets, box, counts);
-    blocks_ = blocks_of(batches_, engine::stream_limits_of(capabilities), {largest, largest, largest});
+    batches_ = batches_of(jobs, targets, box);
+    slabs_ = slabs_of(batches_, engine::stream_limits_of(capabilities), {largest, largest, largest});
 }
 
 bool PlanState::has_copies() const {
-    return !std::ranges::all_of(blocks_, is_in_place);
+    return !std::ranges::all_of(slabs_, is_in_place);
 }
 
 void PlanState::make_room() {
     PerOutput<std::size_t> most{};
-    for (const Block& block : blocks_) {
-        if (is_in_place(block)) continue;
+    for (const Slab& slab : slabs_) {
+        if (is_in_place(slab)) continue;
         for_each_output(
             [&](const OutputInfo& row, const targets::HostArray& array, std::size_t& bytes) {
                 if (!array.is_wanted) return;
-                bytes = std::max(bytes, block.grid.sample_count() * sample_bytes(row, array.in_double));
+                bytes = std::max(bytes, slab.grid.sample_count() * sample_bytes(row, array.in_double));
             },
-            block.batch->arrays, most);
+            slab.batch->arrays, most);
     }
     for_each_output(
         [&](const OutputInfo&, std::size_t bytes, device::BufferPool::Lease& lease) {
-            if (bytes > 0) lease = pool->lease(bytes, "samples of a plan's blocks");
+            if (bytes > 0) lease = pool->lease(bytes, "samples of a plan's slabs");
         },
         most, samples_);
 }
 
-void PlanState::add(const Block& block, std::unique_ptr<engine::GridPlan> plan,
+void PlanState::add(const Slab& slab, std::unique_ptr<engine::GridPlan> plan,
                     std::span<const targets::DeviceTargets> targets, const engine::Programs& programs) {
-    const targets::DeviceTargets& first = targets[block.batch->requests.front()];
-    Part part{block, std::move(plan), first.targets};
-    if (is_in_place(block)) {
-        part.buffers = *first.in_place;
-        parts_.push_back(std::move(part));
+    const targets::DeviceTargets& first = targets[slab.batch->requests.front()];
+    PlannedSlab planned{slab, std::move(plan), first.targets};
+    if (is_in_place(slab)) {
+        planned.buffers = *first.in_place;
+        planned_.push_back(std::move(planned));
         return;
     }
     device::Context& context = device::context_of(device);
     const cl::Program program = programs.store.get();
-    PerOutput<std::vector<Place>> all_places = places_of(part, targets);
+    PerOutput<std::vector<Place>> all_places = places_of(planned, targets);
     for_each_output(
         [&](const OutputInfo& row, const targets::HostArray& array, const device::BufferPool::Lease& lease,
             std::vector<Place>& places, std::optional<BoxStore>& store, cl::Buffer& buffer) {
             if (!array.is_wanted) return;
             buffer = *lease;
-            if (array.in_double) part.buffers.in_double |= bit_of(row);
+            if (array.in_double) planned.buffers.in_double |= bit_of(row);
             const StoredElements elements{row.components, sample_bytes(row, array.in_double) / row.components};
-            if (!places.empty()) store.emplace(context, program, block.grid, elements, *lease, std::move(places));
+            if (!places.empty()) store.emplace(context, program, slab.grid, elements, *lease, std::move(places));
         },
-        block.batch->arrays, samples_, all_places, part.stores, part.buffers);
-    parts_.push_back(std::move(part));
+        slab.batch->arrays, samples_, all_places, planned.stores, planned.buffers);
+    planned_.push_back(std::move(planned));
 }
 
-PerOutput<std::vector<Place>> PlanState::places_of(const Part& part,
+PerOutput<std::vector<Place>> PlanState::places_of(const PlannedSlab& planned,
                                                    std::span<const targets::DeviceTargets> targets) const {
     PerOutput<std::vector<Place>> all_places;
-    const Batch& batch = *part.block.batch;
+    const Batch& batch = *planned.slab.batch;
     for (const std::size_t n : batch.requests)
         for_each_output(
             [&](const OutputInfo&, const OutputArray& target, const targets::HostArray& array,
                 std::vector<Place>& places) {
                 if (!array.is_wanted) return;
-                if (const auto box = stored_box(part.block.grid, requests[n].grid, target))
+                if (const auto box = stored_box(planned.slab.grid, requests[n].grid, target))
                     places.push_back({target.device, *box});
             },
             targets[n].targets, batch.arrays, all_places);
@@ -108,14 +109,14 @@ PerOutput<std::vector<Place>> PlanState::places_of(const Part& part,
     return all_places;
 }
 
-void PlanState::check(const Part& part, const targets::DeviceTargets& target) const {
-    const bool in_place = is_in_place(part.block);
+void PlanState::check(const PlannedSlab& planned, const targets::DeviceTargets& target) const {
+    const bool in_place = is_in_place(planned.slab);
     for_each_output(
-        [&](const OutputInfo& row, const targets::HostArray& planned, const targets::HostArray& given,
+        [&](const OutputInfo& row, const targets::HostArray& expected, const targets::HostArray& given,
             const OutputArray& like, const OutputArray& other) {
-            if (given.is_wanted != planned.is_wanted)
+            if (given.is_wanted != expected.is_wanted)
                 throw Error(ErrorCode::invalid_argument,
-                            planned.is_wanted
+                            expected.is_wanted
                                 ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
                                               "memory, or plan without",
                                               row.name)
@@ -130,7 +131,7 @@ void PlanState::check(const Part& part, const targets::DeviceTargets& target) co
                                         "make the plan of a request with such a target",
                                         row.name, name_of(other.type)));
         },
-        part.block.batch->arrays, target.arrays, part.like, target.targets);
+        planned.slab.batch->arrays, target.arrays, planned.like, target.targets);
     if (in_place && !target.in_place)
         throw Error(
             ErrorCode::unsupported,
@@ -150,15 +151,15 @@ std::vector<targets::DeviceTargets> PlanState::targets_of(std::span<const Output
     auto targets = calls::targets_of(others, [&](const Request& request) {
         return targets::DeviceTargets(request.targets, request.grid, device::context_of(device));
     });
-    for (const Part& part : parts_)
-        for (const std::size_t n : part.block.batch->requests)
-            for_request(n, requests.size(), [&] { check(part, targets[n]); });
+    for (const PlannedSlab& planned : planned_)
+        for (const std::size_t n : planned.slab.batch->requests)
+            for_request(n, requests.size(), [&] { check(planned, targets[n]); });
     return targets;
 }
 
 void PlanState::complete(const CallStatistics& call, const engine::KeptMesh& kept_mesh) {
     statistics = call;
-    for (const Part& part : parts_) add_slab(statistics, part.plan->statistics);
+    for (const PlannedSlab& planned : planned_) add_slab(statistics, planned.plan->statistics);
     statistics.device_bytes = own_bytes(kept_mesh);
     published = statistics.published();
     is_whole = true;
@@ -169,7 +170,7 @@ void PlanState::clear() {
         if (const cl_int code = runs_.wait(); code != CL_SUCCESS) throw cl::Error(code, "clWaitForEvents");
     });
     is_whole = false;
-    parts_.clear();
+    planned_.clear();
     samples_ = {};
     statistics = {};
 }
@@ -178,38 +179,38 @@ std::size_t PlanState::own_bytes(const engine::KeptMesh& kept_mesh) const {
     std::size_t bytes = 0;
     for_each_output([&](const OutputInfo&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
                     samples_);
-    engine::Inputs counted;  // the parts of a batch follow one another, and share them
-    for (const Part& part : parts_) {
-        bytes += part.plan->own_bytes();
-        engine::Inputs inputs = part.plan->inputs;
+    engine::Inputs counted;  // the slabs of a batch follow one another, and share them
+    for (const PlannedSlab& planned : planned_) {
+        bytes += planned.plan->own_bytes();
+        engine::Inputs inputs = planned.plan->inputs;
         if (inputs.records == counted.records) inputs.records = nullptr;
         if (inputs.sweep_mesh == counted.sweep_mesh) inputs.sweep_mesh = nullptr;
-        bytes += kept_mesh.bytes_beside(inputs);
-        counted = part.plan->inputs;
+        bytes += engine::bytes_beside(kept_mesh, inputs);
+        counted = planned.plan->inputs;
         for_each_output(
             [&](const OutputInfo&, const std::optional<BoxStore>& store) { bytes += store ? store->bytes() : 0; },
-            part.stores);
+            planned.stores);
     }
     return bytes;
 }
 
-void PlanState::enqueue_stores(Part& part, engine::CommandChain& chain,
+void PlanState::enqueue_stores(PlannedSlab& planned, engine::CommandChain& chain,
                                std::span<const targets::DeviceTargets> targets) const {
-    if (is_in_place(part.block)) return;
+    if (is_in_place(planned.slab)) return;
     PerOutput<std::vector<Place>> all_places;
-    if (!targets.empty()) all_places = places_of(part, targets);
+    if (!targets.empty()) all_places = places_of(planned, targets);
     for_each_output(
         [&](const OutputInfo&, std::optional<BoxStore>& store, const std::vector<Place>& places) {
             if (store) store->enqueue(chain, places);
         },
-        part.stores, all_places);
+        planned.stores, all_places);
 }
 
 void PlanState::read_counters() {
     for (const auto count : device_counts) statistics.*count = 0;
-    for (const Part& part : parts_) {
-        part.plan->read_back(device::context_of(device).queue());
-        for (const auto count : device_counts) statistics.*count += part.plan->statistics.*count;
+    for (const PlannedSlab& planned : planned_) {
+        planned.plan->read_back(device::context_of(device).queue());
+        for (const auto count : device_counts) statistics.*count += planned.plan->statistics.*count;
     }
 }
 
@@ -218,13 +219,13 @@ cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Even
     device::Context& context = device::context_of(device);
     if (queue() == context.queue()() && !before.empty()) context.add_waiting_run();
     engine::CommandChain& chain = runs_.begin(queue, std::move(before));
-    if (parts_.empty())
+    if (planned_.empty())
         chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
-    for (Part& part : parts_) {
-        const bool has_other = is_in_place(part.block) && !targets.empty();
-        const std::size_t first = part.block.batch->requests.front();
-        part.plan->enqueue(chain, has_other ? *targets[first].in_place : part.buffers, {});
-        enqueue_stores(part, chain, targets);
+    for (PlannedSlab& planned : planned_) {
+        const bool has_other = is_in_place(planned.slab) && !targets.empty();
+        const std::size_t first = planned.slab.batch->requests.front();
+        planned.plan->enqueue(chain, has_other ? *targets[first].in_place : planned.buffers, {});
+        enqueue_stores(planned, chain, targets);
     }
     queue.flush();
     return chain.last();

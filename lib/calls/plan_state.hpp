@@ -15,8 +15,8 @@
 
 namespace clsdf::calls {
 
-/// The state of a Plan: a plan for each block, and the launches that copy samples to the targets. A block that is one
-/// request with packed memory is computed in place. The other blocks are computed one after another in memory that
+/// The state of a Plan: a plan for each slab, and the launches that copy samples to the targets. A slab that is one
+/// request with packed memory is computed in place. The other slabs are computed one after another in memory that
 /// they share, and copied to the targets. For one thread at a time.
 struct PlanState {
     /// pool_in: of the plan's buffers. is_own_pool: no other plan or transform takes buffers from it.
@@ -26,18 +26,18 @@ struct PlanState {
     PlanState(const PlanState&) = delete;
     PlanState& operator=(const PlanState&) = delete;
 
-    /// Divides the requests, with these targets, into the blocks that are computed. box: the mesh's.
-    void divide(std::span<const targets::DeviceTargets> targets, const Box& box);
+    /// Divides the requests, with these jobs and targets, into the slabs that are computed. box: the mesh's.
+    void divide(std::span<const engine::Job> jobs, std::span<const targets::DeviceTargets> targets, const Box& box);
     const std::vector<Batch>& batches() const { return batches_; }
-    const std::vector<Block>& blocks() const { return blocks_; }
-    /// Whether a block is copied to its targets.
+    const std::vector<Slab>& slabs() const { return slabs_; }
+    /// Whether a slab is copied to its targets.
     bool has_copies() const;
-    /// Memory for the samples of the largest of the blocks that are copied.
+    /// Memory for the samples of the largest of the slabs that are copied.
     void make_room();
     /// targets: of all requests.
-    void add(const Block& block, std::unique_ptr<engine::GridPlan> plan,
-             std::span<const targets::DeviceTargets> targets, const engine::Programs& programs);
-    /// All blocks have been added. call: what the call that added them took, beside the blocks' plans.
+    void add(const Slab& slab, std::unique_ptr<engine::GridPlan> plan, std::span<const targets::DeviceTargets> targets,
+             const engine::Programs& programs);
+    /// All slabs have been added. call: what the call that added them took, beside the slabs' plans.
     void complete(const CallStatistics& call, const engine::KeptMesh& kept_mesh);
     /// Waits for all runs, also for those that fail, and gives back what depends on positions and places.
     void clear();
@@ -64,26 +64,28 @@ struct PlanState {
     SignRule sign = SignRule::none;
     CallStatistics statistics;
     TransformStatistics published;  ///< of making or updating it
-    bool is_whole = false;          ///< all blocks have been added
+    bool is_whole = false;          ///< all slabs have been added
 
 private:
-    struct Part {
-        Block block;
+    struct PlannedSlab {
+        Slab slab;
         std::unique_ptr<engine::GridPlan> plan;
         targets::TargetArrays like;       ///< of the first request: all have the same types
         engine::OutputBuffers buffers{};  ///< that the samples are computed in
         PerOutput<std::optional<BoxStore>> stores{};
     };
-    /// The places of a part's samples in the targets of its requests.
-    PerOutput<std::vector<Place>> places_of(const Part& part, std::span<const targets::DeviceTargets> targets) const;
-    /// Throws if the part cannot write to the target of one of its requests.
-    void check(const Part& part, const targets::DeviceTargets& target) const;
-    void enqueue_stores(Part& part, engine::CommandChain& chain, std::span<const targets::DeviceTargets> targets) const;
+    /// The places of a slab's samples in the targets of its requests.
+    PerOutput<std::vector<Place>> places_of(const PlannedSlab& planned,
+                                            std::span<const targets::DeviceTargets> targets) const;
+    /// Throws if the slab cannot write to the target of one of its requests.
+    void check(const PlannedSlab& planned, const targets::DeviceTargets& target) const;
+    void enqueue_stores(PlannedSlab& planned, engine::CommandChain& chain,
+                        std::span<const targets::DeviceTargets> targets) const;
 
     std::vector<Batch> batches_;
-    std::vector<Block> blocks_;
-    PerOutput<device::BufferPool::Lease> samples_;  ///< of a block
-    std::vector<Part> parts_;
+    std::vector<Slab> slabs_;
+    PerOutput<device::BufferPool::Lease> samples_;  ///< of a slab
+    std::vector<PlannedSlab> planned_;
     Runs runs_;
 };
 

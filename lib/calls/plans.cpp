@@ -1,4 +1,4 @@
-#include "calls/block_plans.hpp"
+#include "calls/slab_plans.hpp"
 #include "calls/stored_boxes.hpp"
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
@@ -53,14 +53,14 @@ void DistanceTransform::State::plan(calls::PlanState& made, std::vector<Request>
     if (&device::context_of(made.device) != &context)
         throw Error(ErrorCode::invalid_argument,
                     "the transform has another device than the plan; update the plan with a transform of its Device");
-    const auto targets = calls::targets_of(
-        requests, [&](const Request& request) { return device_targets(request, outputs_without_targets); });
+    std::vector<engine::Job> jobs;
+    const auto targets = calls::targets_of(requests, device_targets(jobs, outputs_without_targets, made.counts));
     mutex.check_thread();
     made.clear();  // waits for its runs before the mutex is locked: other threads may use the transform
     std::swap(made.requests, requests);
     std::swap(made.outputs_without_targets, outputs_without_targets);
     try {
-        plan(made, targets, call);
+        plan(made, jobs, targets, call);
     } catch (...) {
         std::swap(made.requests, requests);
         std::swap(made.outputs_without_targets, outputs_without_targets);
@@ -70,14 +70,14 @@ void DistanceTransform::State::plan(calls::PlanState& made, std::vector<Request>
     }
 }
 
-void DistanceTransform::State::plan(calls::PlanState& made, std::span<const targets::DeviceTargets> targets,
-                                    const CallOptions& call) {
+void DistanceTransform::State::plan(calls::PlanState& made, std::span<const engine::Job> jobs,
+                                    std::span<const targets::DeviceTargets> targets, const CallOptions& call) {
     device::Context& context = this->context();
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
     calls::RunningCall running{call};
     running.throw_if_stopped();
-    made.divide(targets, kept_mesh->mesh().box());
+    made.divide(jobs, targets, kept_mesh->mesh().box());
     if (made.has_copies()) test(calls::stored_boxes_subject(device, programs), running);
     for (const calls::Batch& batch : made.batches()) compile(batch.job, running);
     made.sign = sign;
@@ -88,8 +88,8 @@ void DistanceTransform::State::plan(calls::PlanState& made, std::span<const targ
         // The set-up's commands use what is given back after an error.
         context.run_or_drain([&] {
             made.make_room();
-            BlockPlans block_plans(*this, made.pool, true, running);
-            for (const calls::Block& block : made.blocks()) made.add(block, block_plans.make(block), targets, programs);
+            SlabPlans slab_plans(*this, made.pool, true, running);
+            for (const calls::Slab& slab : made.slabs()) made.add(slab, slab_plans.make(slab), targets, programs);
             keep_within_budget();
         });
     };

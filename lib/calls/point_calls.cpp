@@ -31,16 +31,15 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, kept_mesh->mesh().triangles().size()));
-        const bool has_normals = engine::takes_normals(outputs);
-        inputs.sites = kept_mesh->sites(engine::names_sites(outputs), has_normals || inputs.sides != nullptr);
+        const NormalsNeeded normals = normals_for(outputs);
+        inputs.sites = kept_mesh->sites(engine::names_sites(outputs), normals.are_needed || inputs.sides != nullptr);
         inputs.sign = sign;
-        inputs.is_inside_out =
-            has_normals && sign != SignRule::none && topology.balanced && kept_mesh->encloses_negative_volume();
+        inputs.is_inside_out = normals.is_inside_out;
         if (!on_host) return inputs;
         // Only what these outputs need.
         engine::DeviceSites sites = *inputs.sites;
         if (!engine::names_sites(outputs)) sites.names.reset();
-        if (!has_normals) sites.normals.reset();
+        if (!normals.are_needed) sites.normals.reset();
         inputs.sites = std::make_shared<const engine::DeviceSites>(std::move(sites));
         points::bring_to_host(inputs);
         return inputs;
@@ -123,39 +122,32 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
                              },
                              true};
     };
-    const auto locked = [this](const calls::Remedy& remedy) {
-        return calls::Remedy{[this, remedy] {
-            const std::scoped_lock lock(mutex);
-            return remedy.apply();
-        }};
-    };
     const auto share = [&](std::size_t points) {
         return static_cast<double>(points) / static_cast<double>(all.size());
     };
     for (std::size_t begin = 0, count = 0; begin < all.size(); begin += count) {
         targets::HostArrays arrays;
-        const auto times = calls::with_remedies(
-            &running,
-            {locked(forgetting()), fewer_than(std::size_t{1} << 15), locked(without_tables()), fewer_than(256)}, [&] {
-                count = most = std::min(most, all.size() - begin);
-                const std::span<const Vec3> part = all.subspan(begin, count);
-                arrays = targets.are_packed ? targets::arrays_from(begin, targets.arrays)
-                                            : own->for_samples(targets.arrays, count);
-                const std::scoped_lock lock(mutex);
-                return points::query_points(device::context_of(device), programs, pool,
-                                            point_inputs(outputs, all.size(), false), part, half_width, arrays,
-                                            running.between(share(begin), share(begin + count)));
-            });
-        statistics.sign_seconds += times.sign;
-        statistics.field_seconds += times.nearest;
+        const auto answer = [&] {
+            count = most = std::min(most, all.size() - begin);
+            arrays = targets.are_packed ? targets::arrays_from(begin, targets.arrays)
+                                        : own->for_samples(targets.arrays, count);
+            return points::query_points(context(), programs, pool, point_inputs(outputs, all.size(), false),
+                                        all.subspan(begin, count), half_width, arrays,
+                                        running.between(share(begin), share(begin + count)));
+        };
+        {
+            const std::scoped_lock lock(mutex);
+            const auto times = calls::with_remedies(
+                &running, {forgetting(), fewer_than(std::size_t{1} << 15), without_tables(), fewer_than(256)}, answer);
+            statistics.sign_seconds += times.sign;
+            statistics.field_seconds += times.nearest;
+        }
         if (!targets.are_packed) targets.store(targets::row_of(count, begin), arrays);
     }
     own.end();
-    {
-        const std::scoped_lock lock(mutex);
-        pool->trim();
-        statistics.device_bytes = pool->peak();
-    }
+    const std::scoped_lock lock(mutex);
+    pool->trim();
+    statistics.device_bytes = pool->peak();
     return running.finish();
 }
 

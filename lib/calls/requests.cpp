@@ -24,10 +24,10 @@ double samples_of(const Grid& grid) {
 }
 
 /// The smallest block of the lattice that holds all of them.
-Grid block_around(std::span<const Request> requests, std::span<const std::size_t> chosen) {
-    Grid block = requests[chosen.front()].grid;
+Grid block_around(std::span<const engine::Job> jobs, std::span<const std::size_t> chosen) {
+    Grid block = jobs[chosen.front()].grid;
     for (const std::size_t n : chosen) {
-        const Grid& grid = requests[n].grid;
+        const Grid& grid = jobs[n].grid;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::int64_t begin = std::min(block.first[axis], grid.first[axis]);
             const std::int64_t end = std::max(block.first[axis] + block.size[axis], grid.first[axis] + grid.size[axis]);
@@ -38,10 +38,10 @@ Grid block_around(std::span<const Request> requests, std::span<const std::size_t
     return block;
 }
 
-/// Divides requests of one lattice, band and set of outputs.
+/// Divides the jobs of requests of one lattice, band and set of outputs.
 class Division {
 public:
-    Division(std::span<const Request> requests, const Box& box) : requests_(requests) {
+    Division(std::span<const engine::Job> jobs, const Box& box) : jobs_(jobs) {
         const Vec3 sides = box.extent();
         area_ = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
     }
@@ -50,7 +50,7 @@ public:
     /// longest axis. Changes their order.
     std::vector<Batch> divide(std::span<std::size_t> chosen) const {
         Batch whole;
-        whole.job.grid = block_around(requests_, chosen);
+        whole.job.grid = block_around(jobs_, chosen);
         whole.cost = cost(whole.job.grid, chosen);
         std::vector<Batch> batches;
         if (chosen.size() > 1) {
@@ -73,22 +73,22 @@ public:
 private:
     /// Ties are broken by the index, so that the division depends on the requests alone.
     std::pair<std::int64_t, std::size_t> place(std::size_t n, std::size_t axis) const {
-        const Grid& grid = requests_[n].grid;
+        const Grid& grid = jobs_[n].grid;
         return {2 * grid.first[axis] + grid.size[axis], n};
     }
 
     double cost(const Grid& block, std::span<const std::size_t> chosen) const {
         const double all = samples_of(block);
         double asked = 0;
-        for (const std::size_t n : chosen) asked += samples_of(requests_[n].grid);
-        const Band& band = requests_[chosen.front()].band;
+        for (const std::size_t n : chosen) asked += samples_of(jobs_[n].grid);
+        const Band& band = jobs_[chosen.front()].band;
         const double of_mesh =
             area_ * (band.inside + band.outside) / (block.spacing[0] * block.spacing[1] * block.spacing[2]);
         const double in_vain = std::max(0.0, 1 - asked / all);
         return cost_of_call + cost_of_sample * all + cost_of_band_sample * std::min(all, of_mesh) * in_vain;
     }
 
-    std::span<const Request> requests_;
+    std::span<const engine::Job> jobs_;
     double area_ = 0;
 };
 
@@ -112,11 +112,11 @@ std::ptrdiff_t block_stride(const OutputInfo& info, const OutputArray& array, st
 }
 
 /// The properties that the requests of a batch share.
-auto kind_of(const Request& request, const targets::HostArrays& arrays) {
+auto kind_of(const engine::Job& job, const targets::HostArrays& arrays) {
     std::uint32_t in_double = 0;
     for (const OutputInfo& row : extra_outputs()) in_double |= arrays[row.output].in_double ? bit_of(row) : 0;
-    return std::tuple(request.grid.origin, request.grid.spacing, request.band.inside, request.band.outside,
-                      targets::outputs_of(arrays).bits(), in_double);
+    return std::tuple(job.grid.origin, job.grid.spacing, job.band.inside, job.band.outside, job.outputs.bits(),
+                      in_double);
 }
 
 }  // namespace
@@ -160,36 +160,34 @@ std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std:
     return requests;
 }
 
-std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const targets::HostArrays> arrays,
-                              const Box& box, bool counts) {
-    if (requests.empty()) return {};
-    std::map<decltype(kind_of(requests.front(), arrays.front())), std::vector<std::size_t>> kinds;
-    for (std::size_t n = 0; n < requests.size(); ++n) kinds[kind_of(requests[n], arrays[n])].push_back(n);
+std::vector<Batch> batches_of(std::span<const engine::Job> jobs, std::span<const targets::HostArrays> arrays,
+                              const Box& box) {
+    if (jobs.empty()) return {};
+    std::map<decltype(kind_of(jobs.front(), arrays.front())), std::vector<std::size_t>> kinds;
+    for (std::size_t n = 0; n < jobs.size(); ++n) kinds[kind_of(jobs[n], arrays[n])].push_back(n);
     std::vector<Batch> batches;
     for (auto& [kind, chosen] : kinds) {
-        std::vector<Batch> of_kind = Division(requests, box).divide(chosen);
+        std::vector<Batch> of_kind = Division(jobs, box).divide(chosen);
         std::move(of_kind.begin(), of_kind.end(), std::back_inserter(batches));
     }
     for (Batch& batch : batches) {
         const std::size_t first = batch.requests.front();
-        batch.job.band = requests[first].band;
-        batch.job.outputs = targets::outputs_of(arrays[first]);
         batch.arrays = arrays[first];
-        batch.job.counts = counts;
+        batch.job = batch.requests.size() == 1 ? jobs[first] : jobs[first].with_grid(batch.job.grid);
         if (batch.requests.size() > 1)
-            for (const std::size_t n : batch.requests) batch.job.wanted.push_back(requests[n].grid);
+            for (const std::size_t n : batch.requests) batch.job.wanted.push_back(jobs[n].grid);
     }
     return batches;
 }
 
-std::vector<Block> blocks_of(std::span<const Batch> batches, const engine::SlabLimits& limits,
-                             const engine::SlabLimits& limits_in_place) {
-    std::vector<Block> blocks;
+std::vector<Slab> slabs_of(std::span<const Batch> batches, const engine::SlabLimits& limits,
+                           const engine::SlabLimits& limits_in_place) {
+    std::vector<Slab> slabs;
     for (const Batch& batch : batches)
-        for (const Grid& slab : engine::slabs_of(batch.job.grid, batch.in_place ? limits_in_place : limits,
+        for (const Grid& part : engine::slabs_of(batch.job.grid, batch.in_place ? limits_in_place : limits,
                                                  targets::widest_of(batch.arrays)))
-            blocks.push_back({&batch, slab});
-    return blocks;
+            slabs.push_back({&batch, part});
+    return slabs;
 }
 
 }  // namespace clsdf::calls

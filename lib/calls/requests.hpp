@@ -25,17 +25,17 @@ struct Batch {
     bool in_place = false;                ///< it is one request, whose arrays the device can compute in
 };
 
-/// A part of a batch that is computed at once: slices of its grid.
-struct Block {
+/// Slices of a batch's grid that are computed at once.
+struct Slab {
     const Batch* batch;
     Grid grid;
 
     bool is_whole() const { return grid == batch->job.grid; }
 };
 
-/// The blocks of batches, in their order. limits_in_place: of those that are computed in place.
-std::vector<Block> blocks_of(std::span<const Batch> batches, const engine::SlabLimits& limits,
-                             const engine::SlabLimits& limits_in_place);
+/// The slabs of batches, in their order. limits_in_place: of those that are computed in place.
+std::vector<Slab> slabs_of(std::span<const Batch> batches, const engine::SlabLimits& limits,
+                           const engine::SlabLimits& limits_in_place);
 
 /// The requests of blocks [begin, end). Throws Error(invalid_argument) for arrays that cannot hold all blocks.
 std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std::size_t end);
@@ -80,19 +80,18 @@ auto targets_of(std::span<const Request> requests, const Make& make) {
     return all;
 }
 
-/// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request
-/// asks for, and a call for each request has a cost of its own: requests of a lattice are divided if that is
-/// estimated to be cheaper. The division changes no byte. box: the mesh's.
-std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const targets::HostArrays> arrays,
-                              const Box& box, bool counts);
+/// Each request in one batch. `jobs` and `arrays`: those of each, with the outputs and their elements. A block has
+/// samples that no request asks for, and a call for each request has a cost of its own: requests of a lattice are
+/// divided if that is estimated to be cheaper. The division changes no byte. box: the mesh's.
+std::vector<Batch> batches_of(std::span<const engine::Job> jobs, std::span<const targets::HostArrays> arrays,
+                              const Box& box);
 
 /// The same of the requests' targets, HostTargets or DeviceTargets.
 template <class Targets>
-std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const Targets> targets, const Box& box,
-                              bool counts) {
+std::vector<Batch> batches_of(std::span<const engine::Job> jobs, std::span<const Targets> targets, const Box& box) {
     std::vector<targets::HostArrays> arrays;
     for (const Targets& target : targets) arrays.push_back(target.arrays);
-    std::vector<Batch> batches = batches_of(requests, std::span<const targets::HostArrays>(arrays), box, counts);
+    std::vector<Batch> batches = batches_of(jobs, std::span<const targets::HostArrays>(arrays), box);
     for (Batch& batch : batches)
         batch.in_place = batch.requests.size() == 1 && targets[batch.requests.front()].can_be_in_place();
     return batches;

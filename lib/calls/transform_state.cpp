@@ -119,37 +119,35 @@ void DistanceTransform::State::test(const checks::TestSubject& subject, calls::R
                     [&](const device::BuildWatch& watch) { return checks::ensure_tested(device, subject, watch); });
 }
 
-void DistanceTransform::State::check(const engine::Job& job) const {
-    for (const double width : {job.band.inside, job.band.outside})
+engine::Job DistanceTransform::State::check(engine::JobKey asked) const {
+    for (const double width : {asked.band.inside, asked.band.outside})
         if (width > 0 && static_cast<float>(width) == 0)
             throw Error(ErrorCode::invalid_argument,
                         fmt::format("the band's half width {} is below the range of floats, in which distances are "
                                     "given; scale the mesh and the grid up",
                                     width));
-    if (job.band.has_signs_only && sign == SignRule::none)
+    if (asked.band.has_signs_only && sign == SignRule::none)
         throw Error(ErrorCode::invalid_argument,
                     "a field of signs alone is asked for, and the transform has no sign; give the band a width, or "
                     "make the transform of a closed mesh with a sign rule");
     if (method) {
-        method->check_outputs(job.outputs);
-        if (job.outputs.contains(Output::distance))
+        method->check_outputs(asked.outputs);
+        if (asked.outputs.contains(Output::distance))
             throw Error(ErrorCode::unsupported,
                         "distances in double are computed from leaned frusta, scanned by bricks, alone; give the "
                         "distance an array of floats");
     }
-    kept_mesh->check(job.grid, job.band, sign);
+    return kept_mesh->checked(std::move(asked), sign);
 }
 
-targets::HostTargets DistanceTransform::State::host_targets(const Request& request) const {
-    check({request.grid, request.band, targets::outputs_of(request.targets)});
-    return {request.targets, request.grid};
+DistanceTransform::State::NormalsNeeded DistanceTransform::State::normals_for(OutputSet outputs) {
+    if (!engine::takes_normals(outputs)) return {false, false};
+    return {true, sign != SignRule::none && topology.balanced && kept_mesh->encloses_negative_volume()};
 }
 
-targets::DeviceTargets DistanceTransform::State::device_targets(
-    const Request& request, const std::optional<OutputSet>& outputs_without_targets) const {
-    check({request.grid, request.band, outputs_without_targets.value_or(targets::outputs_of(request.targets))});
-    if (outputs_without_targets) return {*outputs_without_targets, request.grid};
-    return {request.targets, request.grid, context()};
+CallStatistics DistanceTransform::State::compute(std::span<const Request> requests, const CallOptions& call) {
+    const bool on_device = !requests.empty() && targets::are_on_device(requests.front().targets);
+    return on_device ? compute_on_device(requests, call) : compute_on_host(requests, call);
 }
 
 void DistanceTransform::State::compile(const engine::Job& job, calls::RunningCall& running) const {
@@ -158,9 +156,9 @@ void DistanceTransform::State::compile(const engine::Job& job, calls::RunningCal
         test(checks::field_subject(*this, job, kernels), running);
 }
 
-std::unique_ptr<engine::GridPlan> DistanceTransform::State::take_plan(const engine::Job& job) {
-    const auto found = std::ranges::find(
-        plans, job, [](const auto& plan) -> const auto& { return plan->job; });
+std::unique_ptr<engine::GridPlan> DistanceTransform::State::take_plan(const engine::JobKey& asked) {
+    const auto found =
+        std::ranges::find(plans, asked, [](const auto& plan) -> const engine::JobKey& { return plan->job; });
     if (found == plans.end()) return nullptr;
     std::unique_ptr<engine::GridPlan> plan = std::move(*found);
     plans.erase(found);
@@ -176,7 +174,7 @@ void DistanceTransform::State::keep(std::unique_ptr<engine::GridPlan> plan) {
 }
 
 std::size_t DistanceTransform::State::bytes_of(const engine::GridPlan& plan) const {
-    return plan.own_bytes() + kept_mesh->bytes_beside(plan.inputs);
+    return plan.own_bytes() + engine::bytes_beside(*kept_mesh, plan.inputs);
 }
 
 void DistanceTransform::State::keep_within_budget() {

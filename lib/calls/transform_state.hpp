@@ -41,20 +41,31 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     void set_positions(std::span<const Vec3> positions);
     void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
-    /// Throws if such a job is refused, whatever the device does.
-    void check(const engine::Job& job) const;
-
-    /// The targets of a request after check().
-    targets::HostTargets host_targets(const Request& request) const;
+    /// The job of what is asked for. Throws if it is refused, whatever the device does.
+    engine::Job check(engine::JobKey asked) const;
+    /// For calls::targets_of(): functions that check a request, add its job to `jobs` and return its targets.
+    auto host_targets(std::vector<engine::Job>& jobs, bool counts = false) const {
+        return [this, &jobs, counts](const Request& request) -> targets::HostTargets {
+            jobs.push_back(check({request.grid, request.band, targets::outputs_of(request.targets), {}, counts}));
+            return {request.targets, request.grid};
+        };
+    }
     /// outputs_without_targets: see PlanState.
-    targets::DeviceTargets device_targets(const Request& request,
-                                          const std::optional<OutputSet>& outputs_without_targets = {}) const;
+    auto device_targets(std::vector<engine::Job>& jobs, const std::optional<OutputSet>& outputs_without_targets = {},
+                        bool counts = false) const {
+        return [this, &jobs, outputs_without_targets, counts](const Request& request) -> targets::DeviceTargets {
+            const OutputSet outputs = outputs_without_targets.value_or(targets::outputs_of(request.targets));
+            jobs.push_back(check({request.grid, request.band, outputs, {}, counts}));
+            if (outputs_without_targets) return {outputs, request.grid};
+            return {request.targets, request.grid, context()};
+        };
+    }
 
     /// Builds and tests, the first time, what such a job runs on the device.
     void compile(const engine::Job& job, calls::RunningCall& running) const;
 
-    /// The plan of an earlier call with the same job, which is the caller's now; null if none is kept.
-    std::unique_ptr<engine::GridPlan> take_plan(const engine::Job& job);
+    /// The plan of an earlier call for the same, which is the caller's now; null if none is kept.
+    std::unique_ptr<engine::GridPlan> take_plan(const engine::JobKey& asked);
     /// Keeps a plan for the next call.
     void keep(std::unique_ptr<engine::GridPlan> plan);
     /// Drops kept plans and prepared data beyond the budget.
@@ -88,18 +99,28 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
         return {[this] { return !std::exchange(points_are_short_of_memory, true); }};
     }
 
-    class BlockPlans;
+    /// What finishing needs of the mesh for these outputs, beside their names: normals, and whether they point inside.
+    struct NormalsNeeded {
+        bool are_needed;
+        bool is_inside_out;
+    };
+    NormalsNeeded normals_for(OutputSet outputs);
+
+    class SlabPlans;
 
     // host_run.cpp
     class HostRun;
-    /// By the plan of an earlier call for the same grid; nothing if none is kept, or if memory is short.
-    std::optional<CallStatistics> compute_kept(const Request& request, const CallOptions& call);
     CallStatistics compute_on_host(std::span<const Request> requests, const CallOptions& call);
     CallStatistics compute_slabs(const engine::Job& job, const SlabSink& sink, const SlabOptions& options,
                                  const CallOptions& call);
 
     /// Into memory of the host or of the device, which is that of the first request.
     CallStatistics compute(std::span<const Request> requests, const CallOptions& call);
+
+    // block_sets.cpp
+    CallStatistics compute(const BlockSet& blocks, const CallOptions& call);
+    /// Throws if one of the blocks is refused, or if their arrays overlap.
+    void check_all(const BlockSet& blocks) const;
 
     // plans.cpp
     /// has_own_pool: it takes its buffers from a pool of its own, not from those that the transform uses again.
@@ -110,7 +131,8 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// Makes the blocks of a plan anew, for these requests.
     void plan(calls::PlanState& made, std::vector<Request> requests, std::optional<OutputSet> outputs_without_targets,
               const CallOptions& call);
-    void plan(calls::PlanState& made, std::span<const targets::DeviceTargets> targets, const CallOptions& call);
+    void plan(calls::PlanState& made, std::span<const engine::Job> jobs,
+              std::span<const targets::DeviceTargets> targets, const CallOptions& call);
     /// By way of a plan.
     CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
 

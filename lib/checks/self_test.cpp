@@ -6,6 +6,7 @@
 #include "lattice/layout_of.hpp"
 #include "lists/coarse_lists.hpp"
 #include "plan/field_method.hpp"
+#include "plan/grid_inputs.hpp"
 #include "plan/grid_plan.hpp"
 #include "points/kept_points.hpp"
 #include "points/point_query.hpp"
@@ -37,12 +38,12 @@ constexpr std::array tested_fields{
     TestedField{FieldKernels::of_all, {}},
     TestedField{FieldKernels::of_all, {.on_surface = true}},
     TestedField{FieldKernels::of_all, {.fine = true}},
-    TestedField{FieldKernels::of_later_lattices, {.on_surface = true}},
+    TestedField{FieldKernels::of_kept_frusta, {.on_surface = true}},
     TestedField{FieldKernels::of_wide_bands, {.wide = true}},
 };
 
 /// By kernels.
-constexpr std::array names_of_kernels{"", ", later lattices", ", wide bands"};
+constexpr std::array names_of_kernels{"", ", kept frusta", ", wide bands"};
 
 bool is_switched_off() {
     const char* const value = tuning_variable("CLSDF_SELF_TEST");
@@ -102,9 +103,10 @@ std::optional<std::string> field_difference(const engine::Workshop& workshop, en
         own->for_samples(arrays_of(outputs, !kind.on_surface && !kind.fine, is_finished), grid.sample_count());
     targets::OutputMemories memories;
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
-    engine::Inputs inputs = kept_mesh.inputs(grid, known.band(), workshop.sign);
-    if (is_finished) inputs.sites = kept_mesh.sites(true, kept_mesh.may_meet_samples(grid));
-    engine::GridPlan plan(workshop, std::move(inputs), {grid, known.band(), outputs, {}, variant.count}, {});
+    const engine::Job job = kept_mesh.checked({grid, known.band(), outputs, {}, variant.count}, workshop.sign);
+    engine::Inputs inputs = engine::grid_inputs(kept_mesh, job, workshop.sign);
+    if (is_finished) inputs.sites = kept_mesh.sites(true, kept_mesh.may_meet_samples(kept_mesh.lattice(grid)));
+    engine::GridPlan plan(workshop, std::move(inputs), job, {});
     if (watch.tests) watch.tests();
     context.run_or_drain([&] {
         engine::CommandChain chain(context.queue(), {});
@@ -126,23 +128,23 @@ std::optional<std::string> field_difference(const engine::Workshop& workshop, en
 std::optional<std::string> point_difference(const Device& device, const engine::Programs& programs, bool are_scanned) {
     constexpr double limit = 2.5;
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    for (const bool is_later : {false, true}) {
-        const KnownField known =
-            is_later ? KnownField({.on_surface = true}).within(limit) : KnownField(KnownFieldKind{.wide = true});
+    for (const bool from_kept_frusta : {false, true}) {
+        const KnownField known = from_kept_frusta ? KnownField({.on_surface = true}).within(limit)
+                                                  : KnownField(KnownFieldKind{.wide = true});
         engine::KeptMesh kept_mesh(device::context_of(device), pool, known.mesh(), {programs});
-        if (is_later && are_scanned) kept_mesh.frusta();
+        if (from_kept_frusta && are_scanned) kept_mesh.frusta();
         points::KeptPoints kept(kept_mesh);
         points::PointInputs inputs;
         inputs.mesh = kept.tree();
         inputs.sign = SignRule::nonzero;
         if (are_scanned) inputs.scanned = kept.scanned_mesh(programs.point_scan);
         inputs.sites = kept_mesh.sites(true, true);
-        if (is_later) inputs.sides = kept.face_sides(inputs.sign, true);
+        if (from_kept_frusta) inputs.sides = kept.face_sides(inputs.sign, true);
         const std::vector<Vec3> positions = positions_of(known.grid());
         device::InFlight<targets::OwnArrays> own(kept_mesh.context());
         own.begin();
         const targets::HostArrays arrays =
-            own->for_samples(arrays_of(every_output(), !is_later, true), positions.size());
+            own->for_samples(arrays_of(every_output(), !from_kept_frusta, true), positions.size());
         points::query_points(kept_mesh.context(), programs, pool, inputs, positions, known.band().outside, arrays, {});
         own.end();
         if (auto difference = known.difference(arrays)) return difference;
@@ -154,8 +156,7 @@ std::optional<std::string> point_difference(const Device& device, const engine::
 
 std::vector<FieldKernels> kernels_of(const engine::Workshop& workshop, const engine::Job& job) {
     std::vector<FieldKernels> kernels{FieldKernels::of_all};
-    if (!workshop.method && !engine::has_uniform_bounds(engine::layout_of(job.grid, job.band, workshop.sign)))
-        kernels.push_back(FieldKernels::of_wide_bands);
+    if (!workshop.method && !engine::has_uniform_bounds(job.layout)) kernels.push_back(FieldKernels::of_wide_bands);
     return kernels;
 }
 
@@ -165,10 +166,7 @@ TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& j
     const engine::BrickVariant variant{job.outputs != OutputSet{}, job.counts, engine::has_long_bricks(job.grid)};
     std::shared_ptr<const FieldMethod> method;
     if (workshop.method)
-        method = device::guarded([&] {
-            return workshop.method->tested_as(workshop.context(), engine::layout_of(job.grid, job.band, workshop.sign),
-                                              variant);
-        });
+        method = device::guarded([&] { return workshop.method->tested_as(workshop.context(), job.layout, variant); });
     std::vector<KnownFieldKind> kinds;
     for (const TestedField& field : tested_fields)
         if (field.kernels == kernels && !(method && (field.kind.fine || field.kind.on_surface)))
@@ -194,8 +192,8 @@ TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& j
         for (KnownFieldKind kind : kinds) {
             engine::KeptMesh kept_mesh(tested.context(), tested.pool, KnownField({}).mesh(),
                                        {.programs = programs, .method = method, .is_whole = true});
-            // Records of later lattices are made from kept frusta.
-            if (kernels == FieldKernels::of_later_lattices) kept_mesh.frusta();
+            // As on every lattice but the first.
+            if (kernels == FieldKernels::of_kept_frusta) kept_mesh.frusta();
             kind.long_bricks = variant.long_bricks;
             if (auto difference = field_difference(tested, kept_mesh, kind, variant, watch)) return difference;
         }

@@ -25,7 +25,7 @@ struct TestSubject {
 
 /// The kernels of a field that are tested together: those that every field runs, or those that only some run beside
 /// them. Compilers take a second for the latter.
-enum class FieldKernels { of_all, of_later_lattices, of_wide_bands };
+enum class FieldKernels { of_all, of_kept_frusta, of_wide_bands };
 
 /// Those that a job runs whatever its transform keeps.
 std::vector<FieldKernels> kernels_of(const engine::Workshop& workshop, const engine::Job& job);

@@ -204,10 +204,10 @@ class BruteForce final : public FieldMethod {
 public:
     void check_outputs(OutputSet outputs) const override { check_distance_and_triangle(outputs, "by brute force"); }
 
-    std::shared_ptr<const engine::PreparedMesh> prepare(engine::KeptMesh& kept_mesh, const Grid& grid,
-                                                        const Layout&) const override {
+    std::shared_ptr<const engine::PreparedMesh> prepare(engine::KeptMesh& kept_mesh,
+                                                        const engine::Job& job) const override {
         auto prepared = std::make_shared<engine::PreparedMesh>();
-        const UninitializedVector<Polyhedron> records = face_records(kept_mesh, engine::lattice_of(grid));
+        const UninitializedVector<Polyhedron> records = face_records(kept_mesh, job.lattice);
         prepared->triangle_count = kept_mesh.mesh().triangles().size();
         prepared->record_count = prepared->polyhedron_count = records.size();
         prepared->polyhedra =

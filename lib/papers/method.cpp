@@ -49,11 +49,11 @@ public:
 
     void check_outputs(OutputSet outputs) const override { check_distance_and_triangle(outputs, "by slices"); }
 
-    std::shared_ptr<const PreparedMesh> prepare(engine::KeptMesh& kept_mesh, const Grid& grid,
-                                                const Layout& layout) const override {
+    std::shared_ptr<const PreparedMesh> prepare(engine::KeptMesh& kept_mesh, const engine::Job& job) const override {
         const Mesh& mesh = kept_mesh.mesh();
-        const engine::LatticeView lattice = engine::lattice_of(grid);
-        const double half_width = half_width_for_slices(mesh, grid, layout);
+        const Layout& layout = job.layout;
+        const engine::LatticeView& lattice = job.lattice;
+        const double half_width = half_width_for_slices(mesh, job.grid, layout);
         auto prepared = std::make_shared<PreparedPieces>();
         prepared->triangle_count = mesh.triangles().size();
         const auto upload_records = [&](std::span<const Polyhedron> records) {

@@ -7,7 +7,7 @@
 #include "launch/programs.hpp"
 #include "points/face_sides.hpp"
 #include "points/point_scan.hpp"
-#include "targets/slab_pipeline.hpp"
+#include "targets/host_arrays.hpp"
 #include "tree/point_mesh.hpp"
 
 #include <cstddef>

@@ -4,8 +4,8 @@
 #include <clsdf/outputs.hpp>
 
 #include "finish/finishing.hpp"
+#include "targets/host_arrays.hpp"
 #include "targets/mapped_memory.hpp"
-#include "targets/slab_pipeline.hpp"
 #include "targets/target_overlap.hpp"
 
 #include <cstddef>

@@ -78,7 +78,7 @@ ClusterIndex::ClusterIndex(const MeshTopology& topology, const Frusta& frusta)
     : face_count_(topology.order.size()),
       site_count_(frusta.sites.size()),
       clusters_(chunk_count(face_count_, cluster), empty_box),
-      blocks_(chunk_count(clusters_.size(), block), empty_box),
+      superclusters_(chunk_count(clusters_.size(), supercluster), empty_box),
       sites_(chunk_count(site_count_, record_group), empty_box) {
     const auto position = [&](std::uint32_t vertex) { return frusta.positions[vertex]; };
     for_each_chunk(face_count_, cluster, [&](std::size_t number, std::size_t begin, std::size_t end) {
@@ -88,7 +88,8 @@ ClusterIndex::ClusterIndex(const MeshTopology& topology, const Frusta& frusta)
         }
         widen(clusters_[number]);
     });
-    for (std::size_t number = 0; number < clusters_.size(); ++number) add(blocks_[number / block], clusters_[number]);
+    for (std::size_t number = 0; number < clusters_.size(); ++number)
+        add(superclusters_[number / supercluster], clusters_[number]);
     for (std::size_t site = 0; site < site_count_; ++site) {
         const Vec3 at = position(frusta.sites[site].vertex);
         add(sites_[site / record_group], box_of({at, at, at}));
@@ -100,9 +101,9 @@ NearRecords ClusterIndex::near(std::span<const Box> boxes) const {
     const BoxIndex given(boxes);
     const auto is_near = [&](const Box& box) { return given.any(box); };
     NearRecords found;
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        if (!is_near(blocks_[b])) continue;
-        for (std::size_t c = b * block; c < std::min((b + 1) * block, clusters_.size()); ++c)
+    for (std::size_t b = 0; b < superclusters_.size(); ++b) {
+        if (!is_near(superclusters_[b])) continue;
+        for (std::size_t c = b * supercluster; c < std::min((b + 1) * supercluster, clusters_.size()); ++c)
             if (is_near(clusters_[c])) append(found.faces, c * cluster, std::min((c + 1) * cluster, face_count_));
     }
     for (std::size_t s = 0; s < sites_.size(); ++s)

@@ -30,15 +30,15 @@ struct NearRecords {
     std::size_t host_bytes() const { return (faces.size() + sites.size()) * sizeof(RecordRange); }
 };
 
-/// Boxes around clusters of faces and of point sites, and around blocks of clusters.
+/// Boxes around clusters of faces and of point sites, and around superclusters of clusters.
 ///
 /// A cluster's box, in the mesh's units, holds a ball around each of its faces: its centre is the foot of the altitude
 /// on the longest edge, and it holds the face. The kernels test the same balls; a box includes their rounding.
 class ClusterIndex {
 public:
-    /// Faces of a cluster, and clusters of a block.
+    /// Faces of a cluster, and clusters of a supercluster.
     static constexpr std::size_t cluster = 4 * record_group;
-    static constexpr std::size_t block = 16;
+    static constexpr std::size_t supercluster = 16;
 
     ClusterIndex(const MeshTopology& topology, const Frusta& frusta);
 
@@ -46,13 +46,13 @@ public:
     NearRecords near(std::span<const Box> boxes) const;
     NearRecords near(const Box& box) const { return near({&box, 1}); }
 
-    std::size_t host_bytes() const { return (clusters_.size() + blocks_.size() + sites_.size()) * sizeof(Box); }
+    std::size_t host_bytes() const { return (clusters_.size() + superclusters_.size() + sites_.size()) * sizeof(Box); }
 
 private:
     std::size_t face_count_;
     std::size_t site_count_;
     std::vector<Box> clusters_;
-    std::vector<Box> blocks_;
+    std::vector<Box> superclusters_;
     std::vector<Box> sites_;  // of record_group point sites each
 };
 

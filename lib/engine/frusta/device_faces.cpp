@@ -106,7 +106,7 @@ PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
             groups.push_back(static_cast<cl_uint>(face / group));
     }
     PreparedMesh prepared;
-    prepared.is_later = true;
+    prepared.from_kept_frusta = true;
     prepared.record_count = groups.size() * group;
     for (const RecordRange& range : of_sites) {
         written.add_sites(range, prepared.record_count);

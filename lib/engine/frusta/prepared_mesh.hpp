@@ -32,7 +32,7 @@ struct PreparedMesh {
     std::size_t saddle_vertices = 0;
     std::size_t point_sites = 0;
     std::size_t boxes = 0;
-    bool is_later = false;                   ///< made from kept frusta, by another kernel than in the first call
+    bool from_kept_frusta = false;           ///< made by another kernel than those of the first call
     std::vector<MethodCount> method_counts;  ///< see TransformStatistics
 
     PreparedMesh() = default;

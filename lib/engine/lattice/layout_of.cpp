@@ -73,8 +73,7 @@ float squared_limit(double half_width) {
 
 }  // namespace
 
-Layout bricks_of(const Grid& grid) {
-    Layout layout{};
+void set_part(const Grid& grid, Layout& layout) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t first = grid.first[axis];
         const std::int64_t end = first + grid.size[axis];
@@ -93,6 +92,11 @@ Layout bricks_of(const Grid& grid) {
         range(CLSDF_COARSE, layout.coarse_first[axis], layout.coarse_bricks[axis]);
     }
     layout.sign_words = (layout.bricks[0] + 3) / 4;
+}
+
+Layout bricks_of(const Grid& grid) {
+    Layout layout{};
+    set_part(grid, layout);
     return layout;
 }
 

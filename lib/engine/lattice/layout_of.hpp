@@ -14,7 +14,10 @@ namespace clsdf::engine {
 /// ranges of bricks depend on the part. Throws Error(invalid_argument) if a number is out of the kernels' range.
 Layout layout_of(const Grid& grid, const Band& band, SignRule sign);
 
-/// The same, with the positions of samples, bricks and coarse bricks only.
+/// Gives a layout the bricks of another part of its lattice: the layout that layout_of() has for that part. Throws
+/// Error(invalid_argument) if the part is out of the kernels' range.
+void set_part(const Grid& part, Layout& layout);
+/// A layout with the positions of samples, bricks and coarse bricks only.
 Layout bricks_of(const Grid& grid);
 
 /// How polyhedra see the lattice.

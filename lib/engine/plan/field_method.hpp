@@ -6,6 +6,7 @@
 #include "bricks/field_scan.hpp"
 #include "frusta/prepared_mesh.hpp"
 #include "launch/programs.hpp"
+#include "plan/job.hpp"
 #include "plan/kept_mesh.hpp"
 
 #include <memory>
@@ -23,9 +24,9 @@ public:
     /// Throws Error(unsupported) for an output that it does not give.
     virtual void check_outputs(OutputSet outputs) const = 0;
 
-    /// The mesh on the device for a grid, which is not kept for other grids.
-    virtual std::shared_ptr<const engine::PreparedMesh> prepare(engine::KeptMesh& kept_mesh, const Grid& grid,
-                                                                const Layout& layout) const = 0;
+    /// The mesh on the device for a job, which is not kept for others.
+    virtual std::shared_ptr<const engine::PreparedMesh> prepare(engine::KeptMesh& kept_mesh,
+                                                                const engine::Job& job) const = 0;
 
     /// `inputs.mesh` is the result of prepare().
     virtual std::unique_ptr<engine::FieldScan> make_scan(const engine::ScanInputs& inputs) const = 0;

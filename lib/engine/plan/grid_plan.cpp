@@ -14,21 +14,18 @@ GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in
     : device(workshop.device), inputs(std::move(inputs_in)), job(job_in) {
     const Stopwatch watch;
     device::Context& context = workshop.context();
-    const Layout layout = layout_of(job.grid, job.band, workshop.sign);
     const ShortLaunches launches(context, between_launches);
     Stopwatch sign_watch;
-    SignSweep sweep({context, workshop.programs, workshop.pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection,
-                     workshop.sign, launches});
+    SignSweep sweep({context, workshop.programs, workshop.pool, job.layout, inputs.sweep_mesh.get(),
+                     inputs.sweep_selection, workshop.sign, launches});
     statistics.sign_seconds = sign_watch.seconds();
     const PreparedMesh& records = *inputs.records;
-    if (inputs.sites)
-        finishing_.emplace(job.grid, job.band, layout, inputs.sites,
-                           inputs.is_inside_out && workshop.sign != SignRule::none);
+    if (inputs.sites) finishing_.emplace(job.grid, job.band, job.layout, inputs.sites, inputs.is_inside_out);
     device::guarded([&] {
         const ScanInputs scan_inputs{.context = context,
                                      .programs = workshop.programs,
                                      .pool = workshop.pool,
-                                     .layout = layout,
+                                     .layout = job.layout,
                                      .mesh = records,
                                      .launches = launches,
                                      .variant = {job.outputs != OutputSet{}, job.counts, has_long_bricks(job.grid)},

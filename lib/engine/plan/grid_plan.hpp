@@ -1,8 +1,8 @@
 #pragma once
 
 #include "bricks/field_scan.hpp"
+#include "plan/grid_inputs.hpp"
 #include "plan/job.hpp"
-#include "plan/kept_mesh.hpp"
 
 #include <functional>
 #include <memory>

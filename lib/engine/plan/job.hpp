@@ -7,6 +7,8 @@
 #include <clsdf/topology.hpp>
 
 #include "device/buffer_pool.hpp"
+#include "lattice/lattice_view.hpp"
+#include "lattice/layout_of.hpp"
 #include "launch/programs.hpp"
 
 #include <memory>
@@ -19,19 +21,28 @@ class FieldMethod;
 
 namespace clsdf::engine {
 
-/// Samples that are computed together: a block of a lattice.
-struct Job {
+/// What is asked of samples that are computed together. A kept plan is found again by it.
+struct JobKey {
     Grid grid;
     Band band;
     OutputSet outputs;           ///< those that finishing makes: see targets::outputs_of()
     std::vector<Grid> wanted{};  ///< the blocks whose samples are needed; others may stay undefined. Empty: all
     bool counts = false;         ///< the device counts the work: see CallOptions::count_work
 
-    friend bool operator==(const Job&, const Job&) = default;
+    friend bool operator==(const JobKey&, const JobKey&) = default;
+};
 
-    Job part(const Grid& slab) const {
+/// The same as every stage takes it. KeptMesh::checked() makes it; the jobs of other parts of the lattice follow from
+/// it.
+struct Job : JobKey {
+    Layout layout{};        ///< of the grid, as kernels read it
+    LatticeView lattice{};  ///< how polyhedra see the grid's lattice
+
+    /// The job of another part of the same lattice. Throws as set_part() does.
+    Job with_grid(const Grid& part) const {
         Job result = *this;
-        result.grid = slab;
+        result.grid = part;
+        set_part(part, result.layout);
         return result;
     }
 };

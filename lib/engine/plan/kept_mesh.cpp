@@ -2,11 +2,8 @@
 
 #include "finish/sites.hpp"
 #include "lattice/layout_of.hpp"
-#include "lists/coarse_lists.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/topology.hpp"
-#include "plan/field_method.hpp"
-#include "plan/near_parts.hpp"
 
 #include <fmt/format.h>
 
@@ -60,11 +57,14 @@ std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPoo
     });
 }
 
-void KeptMesh::check(const Grid& grid, const Band& band, SignRule sign) const {
-    if (restriction_) restriction_->check(grid, band, sign);
-    check_distance(mesh_, lattice_of(grid));
-    layout_of(grid, band, sign);
-    check_unbounded_distances(mesh_, grid, band, sign);
+Job KeptMesh::checked(JobKey asked, SignRule sign) const {
+    if (restriction_) restriction_->check(asked.grid, asked.band, sign);
+    Job job{std::move(asked)};
+    job.lattice = lattice_of(job.grid);
+    check_distance(mesh_, job.lattice);
+    job.layout = layout_of(job.grid, job.band, sign);
+    check_unbounded_distances(mesh_, job.grid, job.band, sign);
+    return job;
 }
 
 void KeptMesh::move(std::vector<Vec3> positions) {
@@ -146,110 +146,26 @@ NearRecords KeptMesh::all_ranges() {
     return {{{0, faces}}, {{0, sites}}, faces, sites};
 }
 
-const NearRecords& KeptMesh::kept_ranges(const Grid& grid) {
-    std::optional<NearRecords>& ranges = lattice(grid).record_ranges;
+const NearRecords& KeptMesh::kept_ranges(const Grid& grid, Lattice& lattice) {
+    std::optional<NearRecords>& ranges = lattice.record_ranges;
     if (!ranges) ranges = restriction_ ? restriction_->near_bricks(index(), grid) : all_ranges();
     return *ranges;
 }
 
-Inputs KeptMesh::inputs(const Grid& grid, const Band& band, SignRule sign, bool lone) {
-    const Layout layout = layout_of(grid, band, sign);
-    return prepare([&] {
-        Inputs inputs;
-        if (options_.method)
-            inputs.records = options_.method->prepare(*this, grid, layout);
-        else
-            set_records(grid, layout, lone, inputs);
-        if (sign != SignRule::none) set_sweep_mesh(grid, layout, lone, inputs);
-        return inputs;
-    });
+SurfacePoints KeptMesh::points_of(const LatticeView& view) {
+    return surface_points(restriction_ ? restriction_->sample : surface_sample(topology(), frusta()), view);
 }
 
-bool KeptMesh::is_shared(bool is_kept, std::size_t packed, double most) {
-    if (!has_selections()) return false;
-    return is_kept || (static_cast<double>(packed) > most && device_bytes() + record_bytes() <= budget());
+SweepMesh KeptMesh::sweep_mesh(const Job& job) {
+    const auto faces = device_faces(job.lattice);
+    return make_sweep_mesh(set_up(), job.grid, mesh_, names(), faces.get());
 }
 
-std::optional<NearRecords> KeptMesh::near_box(const Box& box, std::size_t faces) {
-    if (options_.is_whole || !is_small(share_of(mesh_.box(), box))) return std::nullopt;
-    NearRecords near = index().near(box);
-    if (!is_small(static_cast<double>(near.face_count) / static_cast<double>(faces))) return std::nullopt;
-    return near;
-}
-
-std::optional<NearRecords> KeptMesh::near_bricks(const Grid& grid, const Layout& layout) {
-    const auto box = box_near_bricks(grid, layout);
-    if (!box) return std::nullopt;
-    return near_box(*box, restriction_ ? kept_ranges(grid).face_count : topology().order.size());
-}
-
-std::optional<NearRecords> KeptMesh::near_rows(const Grid& grid, const Layout& layout) {
-    if (!frusta_) return std::nullopt;
-    auto near = near_box(box_near_rows(grid, layout), topology().order.size());
-    return near && is_within_sweep(mesh_, grid) ? std::move(near) : std::nullopt;
-}
-
-void KeptMesh::set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
-    const LatticeView view = lattice_of(grid);
-    Lattice& kept = lattice(grid);
-    const auto near = near_bricks(grid, layout);
-    // All cores pack all of them, and one those of a small grid.
-    if (near && (lone || !is_shared(kept.records != nullptr, kept.faces_packed + near->face_count,
-                                    0.25 * static_cast<double>(kept_ranges(grid).face_count)))) {
-        inputs.records = std::make_shared<const PreparedMesh>(records(view, *near));
-        if (!lone) kept.faces_packed += near->face_count;
-    } else {
-        if (!kept.records)
-            kept.records = std::make_shared<const PreparedMesh>(restriction_ ? records(view, kept_ranges(grid))
-                                                                             : all_records(view));
-        inputs.records = kept.records;
-        if (near) inputs.selection = select_records(context_, kept_ranges(grid), *near);
-    }
-    if (has_uniform_bounds(layout)) return;
-    if (!kept.points)
-        kept.points = std::make_shared<const SurfacePoints>(
-            surface_points(restriction_ ? restriction_->sample : surface_sample(topology(), frusta()), view));
-    inputs.points = kept.points;
-}
-
-void KeptMesh::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
-    Lattice& kept = lattice(grid);
-    const auto near = near_rows(grid, layout);
-    // A small grid stores three vertices per face; the whole mesh shares them, about half a vertex per face.
-    if (near && (lone || !is_shared(kept.sweep_mesh != nullptr, kept.faces_swept + near->face_count,
-                                    0.1 * static_cast<double>(topology().order.size())))) {
-        inputs.sweep_mesh =
-            std::make_shared<const SweepMesh>(near_sweep_mesh(context_, pool_, grid, mesh_, topology(), near->faces));
-        if (!lone) kept.faces_swept += near->face_count;
-        return;
-    }
-    if (!kept.sweep_mesh) {
-        const auto faces = device_faces(lattice_of(grid));
-        kept.sweep_mesh =
-            std::make_shared<const SweepMesh>(make_sweep_mesh(set_up(), grid, mesh_, names(), faces.get()));
-    }
-    inputs.sweep_mesh = kept.sweep_mesh;
-    if (near) inputs.sweep_selection = select_triangles(context_, *near);
-}
-
-void KeptMesh::select(const Grid& part, const Band& band, SignRule sign, Inputs& inputs) {
-    if (!has_selections() || options_.method) return;
-    const Layout layout = layout_of(part, band, sign);
-    prepare([&] {
-        const Lattice& kept = lattice(part);
-        if (inputs.records == kept.records)
-            if (const auto near = near_bricks(part, layout))
-                inputs.selection = select_records(context_, kept_ranges(part), *near);
-        if (inputs.sweep_mesh && inputs.sweep_mesh == kept.sweep_mesh)
-            if (const auto near = near_rows(part, layout)) inputs.sweep_selection = select_triangles(context_, *near);
-    });
-}
-
-bool KeptMesh::may_meet_samples(const Grid& grid) {
-    Lattice& kept = lattice(grid);
-    if (!kept.may_meet_samples)
-        kept.may_meet_samples = engine::may_meet_samples(topology(), frusta().positions, kept.origin, kept.spacing);
-    return *kept.may_meet_samples;
+bool KeptMesh::may_meet_samples(Lattice& lattice) {
+    if (!lattice.may_meet_samples)
+        lattice.may_meet_samples =
+            engine::may_meet_samples(topology(), frusta().positions, lattice.origin, lattice.spacing);
+    return *lattice.may_meet_samples;
 }
 
 bool KeptMesh::encloses_negative_volume() {
@@ -317,13 +233,12 @@ KeptMemory KeptMesh::memory() {
     return sum;
 }
 
-std::size_t KeptMesh::bytes_beside(const Inputs& inputs) const {
-    std::size_t bytes = 0;
-    if (inputs.records && std::ranges::find(lattices_, inputs.records, &Lattice::records) == lattices_.end())
-        bytes += inputs.records->device_bytes();
-    if (inputs.sweep_mesh && std::ranges::find(lattices_, inputs.sweep_mesh, &Lattice::sweep_mesh) == lattices_.end())
-        bytes += inputs.sweep_mesh->device_bytes();
-    return bytes;
+bool KeptMesh::keeps(const std::shared_ptr<const PreparedMesh>& records) const {
+    return std::ranges::find(lattices_, records, &Lattice::records) != lattices_.end();
+}
+
+bool KeptMesh::keeps(const std::shared_ptr<const SweepMesh>& sweep_mesh) const {
+    return std::ranges::find(lattices_, sweep_mesh, &Lattice::sweep_mesh) != lattices_.end();
 }
 
 std::size_t KeptMesh::record_bytes() const {

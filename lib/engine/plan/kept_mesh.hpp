@@ -13,7 +13,7 @@
 #include "frusta/prepared_mesh.hpp"
 #include "frusta/topology.hpp"
 #include "launch/programs.hpp"
-#include "layout.h"
+#include "plan/job.hpp"
 #include "plan/kept.hpp"
 #include "plan/lattice.hpp"
 #include "plan/restriction.hpp"
@@ -31,17 +31,6 @@ class FieldMethod;
 
 namespace clsdf::engine {
 
-/// The inputs of the computation of a grid.
-struct Inputs {
-    std::shared_ptr<const PreparedMesh> records;
-    RecordSelection selection;                    ///< those that matter; null for all, and with another method
-    std::shared_ptr<const SurfacePoints> points;  ///< null if the band is so narrow that no bound would be below it
-    std::shared_ptr<const SweepMesh> sweep_mesh;  ///< null if the field has no sign
-    SweepSelection sweep_selection;               ///< its triangles that matter
-    std::shared_ptr<const DeviceSites> sites;     ///< null for the distance alone
-    bool is_inside_out = false;                   ///< the faces look inwards
-};
-
 /// The values that a transform keeps of its mesh. Each is made from those above it when it is needed first, and again
 /// only if one of them has changed.
 ///
@@ -50,11 +39,9 @@ struct Inputs {
 ///     device's faces + positions                         the same
 ///     sites' names   of the triangles                    kept, once an output names sites
 ///     pseudonormals  + positions                         kept until the vertices move, once gradients need them
-///     records        + lattice (origin and spacing)      kept for the lattices that were used last
+///     records        + lattice (origin and spacing)      kept for the lattices that were used last: see GridInputs
 ///
-/// A grid that is small beside the mesh gets records of what is near it, which are not kept. If many such grids of a
-/// lattice are asked for, all records of the lattice are made and kept, and each grid gets a selection of them. The
-/// field has the same bytes either way. For one thread at a time.
+/// For one thread at a time.
 class KeptMesh {
 public:
     struct Options {
@@ -74,9 +61,10 @@ public:
                                          SignRule sign);
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_.get().get(); }
-    /// Throws if a restricted mesh does not suffice for the field, or if the grid has more samples than kernels can
-    /// number or lies too far from the mesh; see Restriction::check(), layout_of() and check_distance().
-    void check(const Grid& grid, const Band& band, SignRule sign) const;
+    /// The job of what is asked for. Throws if a restricted mesh does not suffice for the field, or if the grid has
+    /// more samples than kernels can number or lies too far from the mesh; see Restriction::check(), layout_of() and
+    /// check_distance().
+    Job checked(JobKey asked, SignRule sign) const;
 
     device::Context& context() const { return context_; }
     const std::shared_ptr<device::BufferPool>& pool() const { return pool_; }
@@ -88,23 +76,35 @@ public:
     /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
 
-    /// lone: a small grid gets inputs of its own, which contain only triangles near it. Throws Error(invalid_argument,
-    /// unsupported or out_of_memory).
-    Inputs inputs(const Grid& grid, const Band& band, SignRule sign, bool lone = false);
-
-    /// Reduces a grid's inputs to those near a part of it, unless most of them are. Throws Error(out_of_memory).
-    void select(const Grid& part, const Band& band, SignRule sign, Inputs& inputs);
-
-    /// Whether samples of the grid's lattice may lie on an edge or a vertex, so that gradients need pseudonormals.
-    bool may_meet_samples(const Grid& grid);
     bool encloses_negative_volume();
 
     /// The sites that finishing reads: their names for outputs that tell them (names_sites()), their pseudonormals for
     /// gradients on edges and vertices. Throws Error(out_of_memory).
     std::shared_ptr<const DeviceSites> sites(bool with_names, bool with_normals);
 
-    /// The records of the whole mesh, which are not kept. Throws Error(out_of_memory).
-    PreparedMesh all_records(const LatticeView& lattice);
+    // Of a lattice.
+
+    /// The kept values of a grid's lattice, which becomes the one that was used last.
+    Lattice& lattice(const Grid& grid);
+    /// Whether samples of the lattice may lie on an edge or a vertex, so that gradients need pseudonormals.
+    bool may_meet_samples(Lattice& lattice);
+    /// The records that a lattice keeps: all; for a part of a mesh, those that distances in its box can need. Faces
+    /// that a part has for the sign alone need no records.
+    const NearRecords& kept_ranges(const Grid& grid, Lattice& lattice);
+    /// Records of the whole mesh, or of some ranges, which are not kept. Throws Error(out_of_memory).
+    PreparedMesh all_records(const LatticeView& view);
+    PreparedMesh records(const LatticeView& view, const NearRecords& ranges);
+    SurfacePoints points_of(const LatticeView& view);
+    /// The mesh of the sign, which is not kept. Throws Error(out_of_memory or unsupported).
+    SweepMesh sweep_mesh(const Job& job);
+    /// The clusters of faces, for what is near a box.
+    const ClusterIndex& index();
+    /// Whether the frusta are made, of which index() is made.
+    bool has_frusta() const { return static_cast<bool>(frusta_); }
+    /// Whether the kernels can make lists of a part of the records.
+    bool has_selections() const { return options_.programs.body == KernelBody::by_vector; }
+
+    const Options& options() const { return options_; }
 
     /// The values that it keeps, without those of lattices. Others may add values, and must live as long as calls are
     /// made.
@@ -130,8 +130,9 @@ public:
     /// All memory that is kept.
     KeptMemory memory();
     std::size_t device_bytes() { return memory().device_bytes; }
-    /// Device memory of a grid's records and triangles of the sweep, if they are not among what is kept.
-    std::size_t bytes_beside(const Inputs& inputs) const;
+    /// Whether a lattice keeps these records, or this mesh of the sign.
+    bool keeps(const std::shared_ptr<const PreparedMesh>& records) const;
+    bool keeps(const std::shared_ptr<const SweepMesh>& sweep_mesh) const;
     /// Bytes of the records that a lattice keeps.
     std::size_t record_bytes() const;
 
@@ -145,33 +146,14 @@ private:
     void forget_if(bool (*condition)(const KeptValue&));
     [[noreturn]] void refuse_memory() const;
 
-    const ClusterIndex& index();
     DeviceSetUp set_up() const { return {context_, pool_, options_.programs}; }
-    /// Whether the kernels can make lists of a part of the records.
-    bool has_selections() const { return options_.programs.body == KernelBody::by_vector; }
     const std::shared_ptr<const DeviceFaces::Names>& names();
     /// Makes the frusta, and their records for a lattice if it is not null and kernels make them.
     std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);
     /// Null if the host makes the lattice's records, and the vertices of its sweep.
     std::shared_ptr<const DeviceFaces> device_faces(const LatticeView& lattice);
-    PreparedMesh records(const LatticeView& lattice, const NearRecords& ranges);
-    /// The lattice of a grid, which becomes the one that was used last.
-    Lattice& lattice(const Grid& grid);
     /// The records of the whole mesh.
     NearRecords all_ranges();
-    /// The records that the lattice of a grid keeps: all; for a part of a mesh, those that distances in its box can
-    /// need. Faces that a part has for the sign alone need no records.
-    const NearRecords& kept_ranges(const Grid& grid);
-    /// The part of the mesh that a grid needs, for its coarse bricks' lists or for its rows' crossings; nothing if that
-    /// is more than half of the `faces` that there are.
-    std::optional<NearRecords> near_box(const Box& box, std::size_t faces);
-    std::optional<NearRecords> near_bricks(const Grid& grid, const Layout& layout);
-    std::optional<NearRecords> near_rows(const Grid& grid, const Layout& layout);
-    /// Whether small grids are to get selections of a lattice's values, which are kept or are to be made: if grids of
-    /// the lattice needed more than `most` faces so far, and the budget allows it.
-    bool is_shared(bool is_kept, std::size_t packed, double most);
-    void set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
-    void set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
 
     device::Context& context_;
     std::shared_ptr<device::BufferPool> pool_;

@@ -32,17 +32,18 @@ double greatest_distance_of(const Layout& layout) {
 
 }  // namespace
 
-std::optional<Box> box_near_bricks(const Grid& grid, const Layout& layout) {
+std::optional<Box> box_near_bricks(const Job& job) {
+    const Layout& layout = job.layout;
     const bool is_bounded = std::isfinite(layout.outside_squared) && std::isfinite(layout.inside_squared);
     if (!is_bounded) return std::nullopt;
     // Near the bricks alone: triangles near the rest of their coarse bricks decide none of the samples.
-    return widened(box_of_bricks(grid, layout), greatest_distance_of(layout));
+    return widened(box_of_bricks(job.grid, layout), greatest_distance_of(layout));
 }
 
-Box box_near_rows(const Grid& grid, const Layout& layout) {
-    Box box = box_of_bricks(grid, layout);
+Box box_near_rows(const Job& job) {
+    Box box = box_of_bricks(job.grid, job.layout);
     box.lower[0] = -infinite_length;  // rows run along x
-    return widened(box, grid.voxel());
+    return widened(box, job.grid.voxel());
 }
 
 double share_of(const Box& mesh, const Box& box) {

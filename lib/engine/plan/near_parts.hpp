@@ -2,17 +2,17 @@
 
 #include <clsdf/grid.hpp>
 
-#include "layout.h"
+#include "plan/job.hpp"
 
 #include <optional>
 
 namespace clsdf::engine {
 
-/// The box outside which no triangle decides a sample of the grid's bricks; nothing if there is no such box.
-std::optional<Box> box_near_bricks(const Grid& grid, const Layout& layout);
+/// The box outside which no triangle decides a sample of the job's bricks; nothing if there is no such box.
+std::optional<Box> box_near_bricks(const Job& job);
 
-/// The box of all triangles that rows of the grid's bricks can cross before their samples.
-Box box_near_rows(const Grid& grid, const Layout& layout);
+/// The box of all triangles that rows of the job's bricks can cross before their samples.
+Box box_near_rows(const Job& job);
 
 /// Whether a selection of this share of the mesh pays off.
 inline bool is_small(double share) {

@@ -6,16 +6,16 @@
 
 namespace clsdf {
 
-/// Makes the plans of blocks, one after another, under the transform's mutex. The inputs of a batch are made once, and
-/// each of its blocks gets the part that it needs.
-class DistanceTransform::State::BlockPlans {
+/// Makes the plans of slabs, one after another, under the transform's mutex. The inputs of a batch are made once, and
+/// each of its slabs gets the part that it needs.
+class DistanceTransform::State::SlabPlans {
 public:
     /// All references must outlive this. pool: of the plans' buffers. lone: see KeptMesh::inputs().
-    BlockPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, calls::RunningCall& running)
+    SlabPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, calls::RunningCall& running)
         : state_(state), workshop_(state.with(std::move(pool))), lone_(lone), running_(running) {}
 
     /// Throws what KeptMesh::inputs() and GridPlan do, and what the caller's functions do.
-    std::unique_ptr<engine::GridPlan> make(const calls::Block& block);
+    std::unique_ptr<engine::GridPlan> make(const calls::Slab& slab);
     /// Gives back the inputs of the latest batch.
     void release() {
         batch_ = nullptr;

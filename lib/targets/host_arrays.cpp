@@ -1,0 +1,119 @@
+#include "targets/host_arrays.hpp"
+
+#include "core/parallel.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace clsdf::targets {
+
+HostArrays arrays_for(OutputSet outputs) {
+    HostArrays arrays;
+    for (const OutputInfo& info : infos_of(outputs))
+        arrays[info.output] = {true, info.type == ElementType::float64, nullptr};
+    return arrays;
+}
+
+HostArrays arrays_from(std::size_t sample, const HostArrays& arrays) {
+    HostArrays part = arrays;
+    for_each_output(
+        [&](const OutputInfo& row, HostArray& array) {
+            if (array.data != nullptr) array.data += sample * sample_bytes(row, array.in_double);
+        },
+        part);
+    return part;
+}
+
+std::size_t widest_of(const HostArrays& arrays) {
+    std::size_t widest = 0;
+    for (const OutputInfo& row : output_table())
+        if (const HostArray& array = arrays[row.output]; array.is_wanted)
+            widest = std::max(widest, sample_bytes(row, array.in_double));
+    return widest;
+}
+
+FieldSlab slab_of(const HostArrays& arrays, std::size_t samples) {
+    FieldSlab slab;
+    for (const OutputInfo& row : output_table())
+        if (const HostArray& array = arrays[row.output]; array.is_wanted)
+            slab.set(row.output, std::span<const std::byte>(array.data, samples * row.sample_bytes()));
+    return slab;
+}
+
+void OutputMemories::place(const device::Context& context, device::BufferPool& pool, const HostArrays& wanted,
+                           std::size_t count) {
+    arrays = wanted;
+    samples = count;
+    buffers = {};
+    in_place = context.capabilities().is_processor;
+    for_each_output(
+        [&](const OutputInfo& row, const HostArray& array, device::BufferPool::Lease& lease, cl::Buffer& buffer) {
+            if (!array.is_wanted) return;
+            if (array.in_double) buffers.in_double |= bit_of(row);
+            const std::size_t bytes = samples * sample_bytes(row, array.in_double);
+            if (in_place) {
+                buffer = cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, array.data);
+                return;
+            }
+            if (lease.bytes() < bytes) {
+                lease = {};
+                lease = pool.lease(bytes, "samples of the field");
+            }
+            buffer = *lease;
+        },
+        arrays, leases, buffers);
+}
+
+void OutputMemories::enqueue_handover(const cl::CommandQueue& queue) const {
+    if (!in_place) return;
+    for_each_output(
+        [&](const OutputInfo& row, const HostArray& array, const cl::Buffer& buffer) {
+            if (!array.is_wanted) return;
+            void* mapped =
+                queue.enqueueMapBuffer(buffer, CL_FALSE, CL_MAP_READ, 0, samples * sample_bytes(row, array.in_double));
+            queue.enqueueUnmapMemObject(buffer, mapped);
+        },
+        arrays, buffers);
+}
+
+void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers) const {
+    if (in_place) return;
+    for_each_output(
+        [&](const OutputInfo& row, const HostArray& array, const cl::Buffer& buffer) {
+            if (array.is_wanted)
+                context.read(transfers, buffer, samples * sample_bytes(row, array.in_double), array.data);
+        },
+        arrays, buffers);
+}
+
+HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples) {
+    HostArrays result = wanted;
+    try {
+        for_each_output(
+            [&](const OutputInfo& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
+                const std::size_t bytes = array.is_wanted ? samples * sample_bytes(row, array.in_double) : 0;
+                const std::size_t lines = chunk_count(bytes, sizeof(MemoryLine));
+                if (own.capacity() < lines) own = {};  // so as to get exactly so many
+                own.resize(lines);
+                if (array.is_wanted) array.data = own.data()->bytes;
+            },
+            result, arrays_);
+    } catch (const std::exception&) {
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("the outputs of {} samples do not fit the memory; compute fewer at a time", samples));
+    }
+    return result;
+}
+
+std::size_t OwnArrays::bytes() const {
+    std::size_t bytes = 0;
+    for_each_output([&](const OutputInfo&,
+                        const UninitializedVector<MemoryLine>& own) { bytes += own.capacity() * sizeof(MemoryLine); },
+                    arrays_);
+    return bytes;
+}
+
+}  // namespace clsdf::targets
