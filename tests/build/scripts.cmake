@@ -25,7 +25,7 @@ if(count LESS 15)
   message(SEND_ERROR "only ${count} scripts were found")
 endif()
 set(refusing bundle bundle-driver fetch-meshes figures format gallery gpu-compile gpu-counts nightly on-debian on-opencl
-             python-tests same-bytes setup tidy walk wheel)
+             python-tests same-bytes setup tidy try-debian walk wheel)
 if(NOT EXISTS /usr/bin/python3)
   list(REMOVE_ITEM scripts figures gpu-compile)
   list(REMOVE_ITEM refusing figures gpu-compile)
@@ -118,3 +118,46 @@ expect_no_sources("sources has no pocl_6.0-6.dsc" --sources "${SCRATCH}/sources"
 file(WRITE "${SCRATCH}/sources/pocl_6.0-6.dsc" "another text")
 expect_no_sources("pocl_6.0-6.dsc is damaged" --sources "${SCRATCH}/sources")
 expect_no_sources("would delete" --sources "${SCRATCH}/opencl/pocl-6-bundled")
+
+# scripts/try-debian with a stand-in for the tree: its commands end with the status that the environment gives. If no tree
+# can be made or entered, or if packages cannot be fetched, the trial is not run. All else that fails is a failure.
+file(WRITE "${SCRATCH}/programs/unshare" "#!/bin/sh
+case \"$*\" in
+  *'chroot / true') echo 'not permitted' >&2; exit \${NAMESPACES:-0} ;;
+  *scripts/setup) printf '%b' \"$SETUP_SAYS\" >&2; exit \${SETUP:-0} ;;
+  *'cmake --build'*) exit \${BUILD:-0} ;;
+  *'clsdf check'*) exit \${FIELD:-0} ;;
+esac
+exit 1
+")
+file(CHMOD "${SCRATCH}/programs/unshare" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+file(MAKE_DIRECTORY "${SCRATCH}/trees/13/etc")
+# expect_trial(<user number> <status> <last line> <variable=value>...)
+function(expect_trial user expected_status line)
+  file(WRITE "${SCRATCH}/programs/id" "#!/bin/sh\necho ${user}\n")
+  file(CHMOD "${SCRATCH}/programs/id" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+  execute_process(
+    COMMAND
+      ${CMAKE_COMMAND} -E env "PATH=${SCRATCH}/programs:$ENV{PATH}" "GIT_CEILING_DIRECTORIES=${SCRATCH}" CCACHE_DISABLE=1
+      "CLSDF_DEBIAN_TREES=${SCRATCH}/trees" ${ARGN} "${tree}/scripts/try-debian"
+    RESULT_VARIABLE status
+    OUTPUT_VARIABLE output
+    ERROR_VARIABLE output)
+  if(NOT status EQUAL expected_status OR NOT output MATCHES "(^|\n)Debian 13: ${line}\n$")
+    message(SEND_ERROR "try-debian as user ${user} with ${ARGN} ends with ${status}: ${output}")
+  endif()
+endfunction()
+expect_trial(0 0 "passed at unknown in [0-9]+ s")
+expect_trial(1000 0 "NOT RUN, because only root can make a system and enter it")
+expect_trial(0 0 "NOT RUN, because this machine does not let root mount and chroot in namespaces: not permitted" NAMESPACES=1)
+expect_trial(0 0 "NOT RUN, because the folder could not be mounted" SETUP=125
+             "SETUP_SAYS=scripts/on-debian: the folder could not be mounted\\n")
+set(fetch "E: Failed to fetch http://a/b")
+set(locate "E: Unable to locate package libnew-dev")
+expect_trial(0 0 "NOT RUN, because its packages could not be installed: ${fetch}" SETUP=2 "SETUP_SAYS=${fetch}\\n${locate}\\n")
+expect_trial(0 1 "FAILED at unknown: scripts/setup names a package that Debian 13 does not have" SETUP=2 "SETUP_SAYS=${locate}\\n")
+expect_trial(0 1 "FAILED at unknown: scripts/setup ended with status 1" SETUP=1)
+foreach(status 1 2 125)
+  expect_trial(0 1 "FAILED at unknown: the sources do not compile there" BUILD=${status})
+  expect_trial(0 1 "FAILED at unknown: a field could not be computed there, or is wrong" FIELD=${status})
+endforeach()
