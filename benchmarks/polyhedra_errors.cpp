@@ -98,3 +98,40 @@ int main(int argc, char** argv) {
             return 0;
         }
         const clsdf::Device device = clsdf::Device::automatic();
+        for (const std::string& name : meshes) {
+            const clsdf::Mesh mesh = mesh_of(name);
+            const double extent = mesh.box().longest_side();
+            for (const double share : {0.01, 0.03, 0.1}) {
+                const clsdf::Band band = clsdf::Band::symmetric(share * extent);
+                const clsdf::Grid grid = clsdf::Grid::around(mesh, resolution, band);
+                const auto field_by = [&](Polyhedra polyhedra, Scan scan, bool close_gaps = true) {
+                    return clsdf::make_transform(device, mesh,
+                                                 {.polyhedra = polyhedra, .scan = scan, .close_gaps = close_gaps})
+                        .compute(grid, band, clsdf::Output::triangle);
+                };
+                const Field bricks = field_by(Polyhedra::leaned, Scan::bricks);
+                const std::vector<Sample> samples = choose_samples(mesh, bricks, sample_count, seed);
+                const auto errors = [&](const Field& field) { return errors_of(field, samples, 1e-6 * extent); };
+                const Errors paper = errors(field_by(Polyhedra::peikert_sigg, Scan::slices));
+                const Errors open = errors(field_by(Polyhedra::peikert_sigg, Scan::slices, false));
+                const Errors by_bricks = errors(bricks);
+                const Errors by_slices = errors(field_by(Polyhedra::leaned, Scan::slices));
+                const auto percent = [&](std::size_t part) {
+                    return 100.0 * static_cast<double>(part) / static_cast<double>(samples.size());
+                };
+                const auto row = [&](const Errors& of_kind) {
+                    return fmt::format("{:.3f} | {:.3f} | {:.2f}", percent(of_kind.without_value),
+                                       percent(of_kind.wrong), of_kind.greatest / band.outside);
+                };
+                fmt::print("| {} | {}% | {} | {} | {} | {} | {} |\n", std::filesystem::path(name).stem().string(),
+                           100 * share, samples.size(), row(open), row(paper),
+                           by_bricks.wrong + by_bricks.without_value, by_slices.wrong + by_slices.without_value);
+                std::fflush(stdout);
+            }
+        }
+    } catch (const clsdf::Error& error) {
+        fmt::print(stderr, "{}\n", error.what());
+        return 1;
+    }
+    return 0;
+}

@@ -23,7 +23,7 @@
 namespace clsdf {
 #endif
 
-// A lattice (polyhedra/frames.hpp).
+// A lattice (lattice/lattice_view.hpp).
 typedef struct FaceLattice {
     double origin[3];   // in the mesh's units
     double spacing[3];  // in units

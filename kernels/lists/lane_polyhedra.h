@@ -4,7 +4,7 @@
 // one addition for each plane. Each test gives a mask of lanes. The mask selects the block's list. (A test of one
 // polyhedron against LANES blocks would broadcast all numbers of the polyhedron first.)
 //
-// The test is that of blocks.h, except at the ends of the base: the planes of the corners replace the upper bound. For
+// The test is that of overlap.h, except at the ends of the base: the planes of the corners replace the upper bound. For
 // slivers they are almost as tight.
 #ifndef CLSDF_LANE_POLYHEDRA_H
 #define CLSDF_LANE_POLYHEDRA_H

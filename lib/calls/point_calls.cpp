@@ -27,7 +27,7 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         const bool has_room = !on_host && !points_are_short_of_memory;
         const bool are_many =
             has_room && points::is_scan_worthwhile(programs, count, kept_mesh->mesh().triangles().size());
-        if (are_many) inputs.scanned = kept_points->scanned_mesh(programs.point_scan);
+        if (are_many) inputs.scanned = kept_points->scanned_mesh();
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, kept_mesh->mesh().triangles().size()));
@@ -131,9 +131,8 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
             count = most = std::min(most, all.size() - begin);
             arrays = targets.are_packed ? targets::arrays_from(begin, targets.arrays)
                                         : own->for_samples(targets.arrays, count);
-            return points::query_points(context(), programs, pool, point_inputs(outputs, all.size(), false),
-                                        all.subspan(begin, count), half_width, arrays,
-                                        running.between(share(begin), share(begin + count)));
+            return points::query_points(tools(), point_inputs(outputs, all.size(), false), all.subspan(begin, count),
+                                        half_width, arrays, running.between(share(begin), share(begin + count)));
         };
         {
             const std::scoped_lock lock(mutex);

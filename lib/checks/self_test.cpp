@@ -137,7 +137,7 @@ std::optional<std::string> point_difference(const Device& device, const engine::
         points::PointInputs inputs;
         inputs.mesh = kept.tree();
         inputs.sign = SignRule::nonzero;
-        if (are_scanned) inputs.scanned = kept.scanned_mesh(programs.point_scan);
+        if (are_scanned) inputs.scanned = kept.scanned_mesh();
         inputs.sites = kept_mesh.sites(true, true);
         if (from_kept_frusta) inputs.sides = kept.face_sides(inputs.sign, true);
         const std::vector<Vec3> positions = positions_of(known.grid());
@@ -145,7 +145,7 @@ std::optional<std::string> point_difference(const Device& device, const engine::
         own.begin();
         const targets::HostArrays arrays =
             own->for_samples(arrays_of(every_output(), !from_kept_frusta, true), positions.size());
-        points::query_points(kept_mesh.context(), programs, pool, inputs, positions, known.band().outside, arrays, {});
+        points::query_points(kept_mesh.tools(), inputs, positions, known.band().outside, arrays, {});
         own.end();
         if (auto difference = known.difference(arrays)) return difference;
     }

@@ -43,13 +43,14 @@ public:
         : layout_(inputs.layout),
           variant_(inputs.variant),
           record_count_(inputs.mesh.record_count),
-          rows_of_item_(rows_of_item(inputs.programs.body)),
-          kernel_(program_of(inputs.context, brute_force_source(inputs.programs, variant_)), "brute_force"),
-          finish_kernel_(program_of(inputs.context, finish_source(inputs.programs, variant_)), "slices_finish") {
-        divide(inputs.context, inputs.programs);
+          rows_of_item_(rows_of_item(inputs.tools.programs.body)),
+          kernel_(program_of(inputs.tools.context, brute_force_source(inputs.tools.programs, variant_)), "brute_force"),
+          finish_kernel_(program_of(inputs.tools.context, finish_source(inputs.tools.programs, variant_)),
+                         "slices_finish") {
+        divide(inputs.tools.context, inputs.tools.programs);
         const std::size_t samples = static_cast<std::size_t>(chunk_layers_) * CLSDF_BRICK * samples_of_slice(layout_);
-        squares_ = inputs.pool->lease(samples * sizeof(cl_uint), "least distances");
-        if (variant_.nearest) triangles_ = inputs.pool->lease(samples * sizeof(cl_uint), "nearest triangles");
+        squares_ = inputs.tools.pool->lease(samples * sizeof(cl_uint), "least distances");
+        if (variant_.nearest) triangles_ = inputs.tools.pool->lease(samples * sizeof(cl_uint), "nearest triangles");
         const cl::Buffer& triangles = variant_.nearest ? *triangles_ : *squares_;
         kernel_.setArg(brute_layout, layout_);
         kernel_.setArg(brute_polyhedra, *inputs.mesh.polyhedra);
@@ -61,7 +62,8 @@ public:
         finish_kernel_.setArg(finish_pass, cl_int{0});
         finish_kernel_.setArg(finish_sign_bits, inputs.sign_bits);
         if (variant_.count)
-            band_samples_ = inputs.pool->lease(static_cast<std::size_t>(layout_.size[2]) * sizeof(cl_uint), "counters");
+            band_samples_ =
+                inputs.tools.pool->lease(static_cast<std::size_t>(layout_.size[2]) * sizeof(cl_uint), "counters");
     }
 
     std::size_t launch_count() const override { return slice_chunk_count() * launches_of_chunk(); }

@@ -138,7 +138,7 @@ private:
 
 device::BufferPool::Lease papers::upload(const engine::KeptMesh& kept_mesh, const void* values, std::size_t bytes,
                                          const char* purpose) {
-    auto lease = kept_mesh.pool()->lease(bytes, purpose);
+    auto lease = kept_mesh.tools().pool->lease(bytes, purpose);
     if (bytes > 0)
         device::guarded([&] { kept_mesh.context().queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values); });
     return lease;

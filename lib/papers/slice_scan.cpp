@@ -35,16 +35,17 @@ class SliceScan final : public engine::FieldScan {
 public:
     SliceScan(const engine::ScanInputs& inputs, const PreparedPieces& mesh, SliceMinimum minimum)
         : layout_(inputs.layout),
-          variant_{inputs.variant, takes_64_bits(inputs.context, layout_, inputs.variant.nearest, minimum)},
-          shape_(slice_shape(inputs.programs.body)),
-          part_group_(inputs.programs.part_group()),
-          parts_(inputs.programs.parallel_parts(inputs.context, static_cast<std::size_t>(layout_.size[2]))),
+          variant_{inputs.variant, takes_64_bits(inputs.tools.context, layout_, inputs.variant.nearest, minimum)},
+          shape_(slice_shape(inputs.tools.programs.body)),
+          part_group_(inputs.tools.programs.part_group()),
+          parts_(inputs.tools.programs.parallel_parts(inputs.tools.context, static_cast<std::size_t>(layout_.size[2]))),
           piece_count_(mesh.slices.size()) {
-        device::Context& context = inputs.context;
-        schedule_ = schedule_slices(mesh.slices, layout_.first[2], layout_.size[2], limits(context, inputs.programs));
-        make_kernels(context, inputs.programs, mesh);
-        make_lists(context, inputs.programs, inputs.pool);
-        make_buffers(inputs.pool, inputs.sign_bits);
+        device::Context& context = inputs.tools.context;
+        schedule_ =
+            schedule_slices(mesh.slices, layout_.first[2], layout_.size[2], limits(context, inputs.tools.programs));
+        make_kernels(context, inputs.tools.programs, mesh);
+        make_lists(inputs.tools);
+        make_buffers(inputs.tools.pool, inputs.sign_bits);
         if (context.is_first_use_of(scan_kernel_)) warm_up(context.queue());
     }
 
@@ -155,12 +156,12 @@ private:
     }
 
     /// Where each slice's part of the active list begins.
-    void make_lists(device::Context& context, const Programs& programs,
-                    const std::shared_ptr<device::BufferPool>& pool) {
+    void make_lists(const engine::DeviceTools& tools) {
+        const std::shared_ptr<device::BufferPool>& pool = tools.pool;
         cursors_ = pool->lease(cursor_count() * sizeof(cl_uint), "counts of the active pieces");
         starts_ = pool->lease((cursor_count() + 1) * sizeof(cl_uint), "starts of the active pieces");
         active_ = pool->lease(schedule_.most_active * sizeof(cl_uint2), "active pieces");
-        const cl::CommandQueue& queue = context.queue();
+        const cl::CommandQueue& queue = tools.queue();
         queue.enqueueFillBuffer(*cursors_, cl_uint{0}, 0, cursor_count() * sizeof(cl_uint));
         active_kernel_.setArg(active_counts, *cursors_);
         active_kernel_.setArg(active_list, *active_);
@@ -172,7 +173,7 @@ private:
             engine::launch(queue, active_kernel_, {parts_, part_group_});
             first = next;
         }
-        engine::PrefixSums sums(context, programs, pool, *cursors_, *starts_, cursor_count(),
+        engine::PrefixSums sums(tools, *cursors_, *starts_, cursor_count(),
                                 "intersections of a piece and a slice");
         sums.total();  // throws if the starts do not hold it
     }

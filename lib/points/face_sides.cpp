@@ -301,13 +301,12 @@ bool are_sides_worthwhile(std::size_t points, std::size_t faces) {
     return points >= std::max(faces, fewest);
 }
 
-FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const engine::PointMesh& mesh, SignRule rule) {
+FaceSides find_face_sides(const engine::DeviceTools& tools, const engine::PointMesh& mesh, SignRule rule) {
     const std::vector<std::uint16_t> sides = Finder(mesh, rule).find();
     FaceSides result;
     result.known =
         static_cast<std::size_t>(std::count_if(sides.begin(), sides.end(), [](auto bits) { return bits != 0; }));
-    result.sides = device::uploaded(context, pool, sides, "sides of faces");
+    result.sides = device::uploaded(tools.context, tools.pool, sides, "sides of faces");
     return result;
 }
 

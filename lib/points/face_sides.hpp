@@ -1,6 +1,7 @@
 #pragma once
 
 #include "device/buffer_pool.hpp"
+#include "launch/device_tools.hpp"
 #include "tree/point_mesh.hpp"
 
 #include <clsdf/topology.hpp>
@@ -28,7 +29,6 @@ struct FaceSides {
 bool are_sides_worthwhile(std::size_t points, std::size_t faces);
 
 /// Throws Error(out_of_memory).
-FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const engine::PointMesh& mesh, SignRule rule);
+FaceSides find_face_sides(const engine::DeviceTools& tools, const engine::PointMesh& mesh, SignRule rule);
 
 }  // namespace clsdf::points

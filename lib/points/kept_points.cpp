@@ -7,8 +7,8 @@ namespace clsdf::points {
 std::shared_ptr<const engine::PointMesh> KeptPoints::tree() {
     return kept_mesh_.prepare([&] {
         return tree_.get_or([&] {
-            engine::PointMesh made = engine::make_point_mesh(kept_mesh_.context(), kept_mesh_.pool(), kept_mesh_.mesh(),
-                                                             kept_mesh_.shared_topology());
+            engine::PointMesh made =
+                engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(), kept_mesh_.shared_topology());
             const engine::Restriction* restriction = kept_mesh_.restriction();
             made.is_part = restriction != nullptr;
             made.has_several_regions = made.is_part && restriction->regions.size() > 1;
@@ -17,12 +17,11 @@ std::shared_ptr<const engine::PointMesh> KeptPoints::tree() {
     });
 }
 
-std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh(const cl::Program& program) {
+std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh() {
     return kept_mesh_.prepare([&] {
         return scanned_mesh_.get_or([&] {
             const engine::PreparedMesh polyhedra = kept_mesh_.all_records(tree()->lattice);
-            return make_scanned_mesh(kept_mesh_.context(), program, kept_mesh_.pool(), *tree_, kept_mesh_.frusta(),
-                                     polyhedra);
+            return make_scanned_mesh(kept_mesh_.tools(), *tree_, kept_mesh_.frusta(), polyhedra);
         });
     });
 }
@@ -30,10 +29,8 @@ std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh(const cl::Program& p
 std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_found) {
     // In front of a part's faces there may be others that are missing.
     if (!is_found || kept_mesh_.restriction() != nullptr) return face_sides_.get();
-    return kept_mesh_.prepare([&] {
-        return face_sides_.get_or(
-            [&] { return find_face_sides(kept_mesh_.context(), kept_mesh_.pool(), *tree(), sign); });
-    });
+    return kept_mesh_.prepare(
+        [&] { return face_sides_.get_or([&] { return find_face_sides(kept_mesh_.tools(), *tree(), sign); }); });
 }
 
 std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {

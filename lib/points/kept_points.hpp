@@ -29,8 +29,8 @@ public:
     /// The tree in which points are looked up. Throws Error(invalid_argument, unsupported or out_of_memory).
     std::shared_ptr<const engine::PointMesh> tree();
 
-    /// The records that the scan of many points reads beside the tree. `program`: the scan's. Throws as tree().
-    std::shared_ptr<const ScannedMesh> scanned_mesh(const cl::Program& program);
+    /// The records that the scan of many points reads beside the tree. Throws as tree().
+    std::shared_ptr<const ScannedMesh> scanned_mesh();
 
     /// The signs on the sides of faces. If they are not known, they are found if `is_found`; otherwise null. Always
     /// null for a part of a mesh. The sign rule is the same in all calls.

@@ -51,20 +51,17 @@ private:
 /// The computation of some points, which lie on the device in the order of a curve.
 class Query {
 public:
-    Query(device::Context& context, const engine::Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-          const PointInputs& inputs, std::span<const Vec3> points, double half_width)
-        : context_(context),
-          programs_(programs),
-          pool_(pool),
-          queue_(context.queue()),
-          program_(programs.points),
+    Query(const engine::DeviceTools& tools, const PointInputs& inputs, std::span<const Vec3> points, double half_width)
+        : tools_(tools),
+          queue_(tools.queue()),
+          program_(tools.programs.points),
           inputs_(inputs),
           callers_(points),
           half_width_(half_width),
-          device_faces_(*pool_, points.size(), "nearest faces of points"),
-          device_squared_(*pool_, points.size(), "squared distances of points") {
+          device_faces_(*tools_.pool, points.size(), "nearest faces of points"),
+          device_squared_(*tools_.pool, points.size(), "squared distances of points") {
         order();
-        device::HostFilling filling(context_, pool_, count() * sizeof(Vec3), "points");
+        device::HostFilling filling(tools_.context, tools_.pool, count() * sizeof(Vec3), "points");
         const std::span<Vec3> in_units(static_cast<Vec3*>(filling.memory()), count());
         for_each_index(count(), [&](std::size_t i) { in_units[i] = inputs_.mesh->in_units(callers_[order_[i]]); });
         if (inputs_.scanned) groups_.emplace(group_points(in_units));
@@ -73,8 +70,7 @@ public:
 
     void find_nearest(const std::function<void(double)>& between) {
         if (inputs_.scanned)
-            scan_points({context_, programs_, pool_, *inputs_.mesh, *inputs_.scanned, *groups_, count(),
-                         *device_points_, most()},
+            scan_points({tools_, *inputs_.mesh, *inputs_.scanned, *groups_, count(), *device_points_, most()},
                         *device_faces_, *device_squared_, between);
         else
             search_tree(between);
@@ -85,21 +81,21 @@ public:
         cl::Kernel kernel(program_, "nearest_of_points");
         // How long a search takes depends on the mesh and the point.
         engine::measured_launches(
-            context_, count(), seconds_per_search, most_run * engine::cores_of(context_.capabilities()), between,
-            [&](std::size_t begin, std::size_t end) {
-                engine::launch(queue_, kernel, {chunk_count(end - begin, run()), programs_.part_group()}, mesh.tree,
-                               *mesh.device_nodes, *mesh.leaves, *mesh.polyhedra, *mesh.faces, *device_points_,
-                               static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(run()),
-                               cl_double{most()}, *device_faces_, *device_squared_);
+            tools_.context, count(), seconds_per_search, most_run * engine::cores_of(tools_.context.capabilities()),
+            between, [&](std::size_t begin, std::size_t end) {
+                engine::launch(queue_, kernel, {chunk_count(end - begin, run()), tools_.programs.part_group()},
+                               mesh.tree, *mesh.device_nodes, *mesh.leaves, *mesh.polyhedra, *mesh.faces,
+                               *device_points_, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
+                               static_cast<cl_uint>(run()), cl_double{most()}, *device_faces_, *device_squared_);
             });
     }
 
     /// Signs and outputs. Returns the seconds spent on signs that the sides of faces do not tell.
     double finish(const targets::HostArrays& arrays) {
-        const auto places = device::uploaded(context_, pool_, order_, "order of points");
-        PointBuffer<std::uint8_t> signs(*pool_, count(), "signs of points");
+        const auto places = device::uploaded(tools_.context, tools_.pool, order_, "order of points");
+        PointBuffer<std::uint8_t> signs(*tools_.pool, count(), "signs of points");
         targets::OutputMemories memories;
-        memories.place(context_, *pool_, arrays, count());
+        memories.place(tools_.context, *tools_.pool, arrays, count());
         const engine::OutputBuffers& outputs = memories.buffers;
         const engine::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
         cl::Kernel kernel(program_, "finish_points");
@@ -128,7 +124,7 @@ public:
         const double seconds = watch.seconds();
         memories.enqueue_handover(queue_);
         queue_.finish();
-        memories.read(context_, queue_);
+        memories.read(tools_.context, queue_);
         return seconds;
     }
 
@@ -153,13 +149,11 @@ private:
     double most() const { return search_limit(*inputs_.mesh, half_width_); }
 
     std::size_t run() const {
-        if (programs_.body == KernelBody::by_group) return 1;
-        return std::clamp<std::size_t>(count() / (8 * context_.capabilities().compute_units), 1, most_run);
+        if (tools_.programs.body == KernelBody::by_group) return 1;
+        return std::clamp<std::size_t>(count() / (8 * tools_.context.capabilities().compute_units), 1, most_run);
     }
 
-    device::Context& context_;
-    const engine::Programs& programs_;
-    const std::shared_ptr<device::BufferPool>& pool_;
+    engine::DeviceTools tools_;
     cl::CommandQueue queue_;
     cl::Program program_;
     const PointInputs& inputs_;
@@ -201,15 +195,14 @@ void check_points(const Box& box, std::span<const Vec3> points) {
     }
 }
 
-PointTimes query_points(device::Context& context, const engine::Programs& programs,
-                        const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
-                        std::span<const Vec3> points, double half_width, const targets::HostArrays& arrays,
+PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inputs, std::span<const Vec3> points,
+                        double half_width, const targets::HostArrays& arrays,
                         const std::function<void(double)>& between) {
     PointTimes times;
     if (points.empty()) return times;
-    context.run_or_drain([&] {
+    tools.context.run_or_drain([&] {
         const Stopwatch watch;
-        Query query(context, programs, pool, inputs, points, half_width);
+        Query query(tools, inputs, points, half_width);
         query.find_nearest(between);
         times.sign = query.finish(arrays);
         times.nearest = watch.seconds() - times.sign;

@@ -4,6 +4,7 @@
 #include <clsdf/topology.hpp>
 
 #include "finish/finishing.hpp"
+#include "launch/device_tools.hpp"
 #include "launch/programs.hpp"
 #include "points/face_sides.hpp"
 #include "points/point_scan.hpp"
@@ -45,9 +46,8 @@ void check_points(const Box& box, std::span<const Vec3> points);
 
 /// The outputs of at most `most_points` points into packed arrays on the host. `between`, which may be empty and may
 /// throw, is called between launches with the fraction done. Throws Error(device_failure or out_of_memory).
-PointTimes query_points(device::Context& context, const engine::Programs& programs,
-                        const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
-                        std::span<const Vec3> points, double half_width, const targets::HostArrays& arrays,
+PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inputs, std::span<const Vec3> points,
+                        double half_width, const targets::HostArrays& arrays,
                         const std::function<void(double)>& between);
 
 }  // namespace clsdf::points

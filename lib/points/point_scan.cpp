@@ -89,8 +89,7 @@ FaceNeighbours neighbours_of(const engine::MeshTopology& topology, std::size_t f
 
 }  // namespace
 
-ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& program,
-                              const std::shared_ptr<device::BufferPool>& pool, const engine::PointMesh& point_mesh,
+ScannedMesh make_scanned_mesh(const engine::DeviceTools& tools, const engine::PointMesh& point_mesh,
                               const engine::Frusta& frusta, const engine::PreparedMesh& polyhedra) {
     ScannedMesh mesh;
     const engine::MeshTopology& topology = *point_mesh.topology;
@@ -107,14 +106,14 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
         }
     }
     mesh.counts.longest = static_cast<float>(std::sqrt(squared) / point_mesh.lattice.unit * (1 + 1e-6));
-    mesh.records = pool->lease(records * sizeof(ScanRecord), "records of the scan of points");
+    mesh.records = tools.pool->lease(records * sizeof(ScanRecord), "records of the scan of points");
     device::guarded([&] {
-        cl::Kernel pack(program, "pack_records");
-        engine::launch(context.queue(), pack, {records}, *polyhedra.polyhedra, mesh.counts,
+        cl::Kernel pack(tools.programs.point_scan, "pack_records");
+        engine::launch(tools.queue(), pack, {records}, *polyhedra.polyhedra, mesh.counts,
                        static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()), *mesh.records);
-        context.queue().finish();
+        tools.queue().finish();
     });
-    device::HostFilling neighbours(context, pool, faces * sizeof(FaceNeighbours), "neighbours of faces");
+    device::HostFilling neighbours(tools.context, tools.pool, faces * sizeof(FaceNeighbours), "neighbours of faces");
     auto* const to = static_cast<FaceNeighbours*>(neighbours.memory());
     for_each_index(faces, [&](std::size_t face) { to[face] = neighbours_of(topology, face); });
     mesh.neighbours = neighbours.finish();
@@ -127,9 +126,9 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
             ring_faces[starts[v] + i] = topology.rings.corner(v, i).face;
     });
     for (std::size_t i = 0; i < site_vertices.size(); ++i) site_vertices[i] = frusta.sites[i].vertex;
-    mesh.ring_starts = device::uploaded(context, pool, starts, "rings of vertices");
-    mesh.ring_faces = device::uploaded(context, pool, ring_faces, "faces of rings");
-    mesh.site_vertices = device::uploaded(context, pool, site_vertices, "vertices of point sites");
+    mesh.ring_starts = device::uploaded(tools.context, tools.pool, starts, "rings of vertices");
+    mesh.ring_faces = device::uploaded(tools.context, tools.pool, ring_faces, "faces of rings");
+    mesh.site_vertices = device::uploaded(tools.context, tools.pool, site_vertices, "vertices of point sites");
     return mesh;
 }
 
@@ -156,19 +155,21 @@ namespace {
 /// The computation of a ScanJob.
 class Scan {
 public:
-    explicit Scan(const ScanJob& job) : job_(job), queue_(job.context.queue()), program_(job.programs.point_scan) {
+    explicit Scan(const ScanJob& job)
+        : job_(job), queue_(job.tools.context.queue()), program_(job.tools.programs.point_scan) {
         block_count_ = job.groups.blocks.size();
         superblock_count_ = job.groups.superblocks.size();
-        bricks_ = device::uploaded(job.context, job.pool, job.groups.bricks, "bricks of points");
-        blocks_ = device::uploaded(job.context, job.pool, job.groups.blocks, "blocks of points");
-        superblocks_ = device::uploaded(job.context, job.pool, job.groups.superblocks, "superblocks of points");
+        bricks_ = device::uploaded(job.tools.context, job.tools.pool, job.groups.bricks, "bricks of points");
+        blocks_ = device::uploaded(job.tools.context, job.tools.pool, job.groups.blocks, "blocks of points");
+        superblocks_ =
+            device::uploaded(job.tools.context, job.tools.pool, job.groups.superblocks, "superblocks of points");
     }
 
     /// The polyhedra that the blocks' points are looked up in.
     void mark_blocks(const std::function<void(double)>& between) {
-        const auto squares = job_.pool->lease(superblock_count_ * width * sizeof(float), "bounds of points");
+        const auto squares = job_.tools.pool->lease(superblock_count_ * width * sizeof(float), "bounds of points");
         const std::size_t records = job_.scanned.counts.records;
-        marks_ = job_.pool->lease(superblock_count_ * records * sizeof(cl_ushort), "lists of blocks of points");
+        marks_ = job_.tools.pool->lease(superblock_count_ * records * sizeof(cl_ushort), "lists of blocks of points");
         cl::Kernel bound(program_, "bound_blocks");
         engine::launch(queue_, bound, {superblock_count_, 1}, *superblocks_, cl_uint{0},
                        static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1),
@@ -176,7 +177,7 @@ public:
         cl::Kernel mark(program_, "mark_blocks");
         const std::size_t items = superblock_count_ * chunk_count(records, marked_together);
         const auto before_each = between ? [&] { between(0); } : std::function<void()>();
-        engine::ShortLaunches(job_.context, before_each)
+        engine::ShortLaunches(job_.tools.context, before_each)
             .over(items, seconds_per_mark * marked_together, [&](std::size_t begin, std::size_t end) {
                 engine::launch(queue_, mark, {end - begin, 1}, *superblocks_, static_cast<cl_uint>(begin),
                                static_cast<cl_uint>(marked_together), job_.scanned.counts, *job_.scanned.records,
@@ -186,16 +187,16 @@ public:
     }
 
     void find_nearest(const cl::Buffer& faces, const cl::Buffer& squared, const std::function<void(double)>& between) {
-        const std::size_t items = std::min<std::size_t>(job_.context.capabilities().compute_units, block_count_),
+        const std::size_t items = std::min<std::size_t>(job_.tools.context.capabilities().compute_units, block_count_),
                           records = job_.scanned.counts.records;
         const auto lists =
-            job_.pool->lease(items * 2 * (records + 1) * sizeof(cl_uint), "lists of polyhedra near points");
-        const auto marks = job_.pool->lease(items * records * sizeof(cl_ushort), "lists of bricks of points");
-        const auto memory = job_.pool->lease(items * sizeof(PointBrick), "bricks of points in work");
-        const auto next_block = job_.pool->lease(sizeof(cl_uint), "next block");
+            job_.tools.pool->lease(items * 2 * (records + 1) * sizeof(cl_uint), "lists of polyhedra near points");
+        const auto marks = job_.tools.pool->lease(items * records * sizeof(cl_ushort), "lists of bricks of points");
+        const auto memory = job_.tools.pool->lease(items * sizeof(PointBrick), "bricks of points in work");
+        const auto next_block = job_.tools.pool->lease(sizeof(cl_uint), "next block");
         cl::Kernel kernel(program_, "nearest_by_groups");
         engine::measured_launches(
-            job_.context, block_count_, seconds_per_scanned_point * CLSDF_POINTS_OF_BLOCK, items, between,
+            job_.tools.context, block_count_, seconds_per_scanned_point * CLSDF_POINTS_OF_BLOCK, items, between,
             [&](std::size_t begin, std::size_t end) {
                 queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
                 engine::launch(queue_, kernel, {items, 1}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),

@@ -2,6 +2,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "frusta/prepared_mesh.hpp"
+#include "launch/device_tools.hpp"
 #include "launch/programs.hpp"
 #include "point_groups.h"
 #include "tree/point_mesh.hpp"
@@ -27,10 +28,9 @@ struct ScannedMesh {
     }
 };
 
-/// `program`: of the scan. `polyhedra`: of all faces and point sites, for PointMesh::lattice, which are not needed any
+/// `polyhedra`: of all faces and point sites, for PointMesh::lattice, which are not needed any
 /// more. Throws Error(out_of_memory).
-ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& program,
-                              const std::shared_ptr<device::BufferPool>& pool, const engine::PointMesh& mesh,
+ScannedMesh make_scanned_mesh(const engine::DeviceTools& tools, const engine::PointMesh& mesh,
                               const engine::Frusta& frusta, const engine::PreparedMesh& polyhedra);
 
 /// Whether points are scanned in groups rather than looked up one by one. The results are the same.
@@ -46,9 +46,7 @@ PointGroups group_points(std::span<const Vec3> in_units);
 
 /// Points for the scan.
 struct ScanJob {
-    device::Context& context;
-    const engine::Programs& programs;
-    const std::shared_ptr<device::BufferPool>& pool;
+    engine::DeviceTools tools;
     const engine::PointMesh& mesh;
     const ScannedMesh& scanned;
     const PointGroups& groups;

@@ -54,7 +54,7 @@ std::vector<cl_uchar> marks_of(const Layout& layout, std::span<const Grid> wante
 }
 
 bool is_by_group(const ScanInputs& inputs) {
-    return inputs.programs.body == KernelBody::by_group;
+    return inputs.tools.programs.body == KernelBody::by_group;
 }
 
 // In a launch. Each has 64 groups of 128 work-items, and some drivers count work-items in 32 bits.
@@ -80,10 +80,10 @@ std::vector<BrickLaunch> launches_of(const CoarseLists& lists, const LaunchWork&
 }
 
 BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
-    : lists_(make_coarse_lists({inputs.context, inputs.programs, inputs.pool, inputs.layout, inputs.mesh,
-                                inputs.launches, inputs.selection, inputs.points})),
+    : lists_(make_coarse_lists(
+          {inputs.tools, inputs.layout, inputs.mesh, inputs.launches, inputs.selection, inputs.points})),
       launches_(launches_of(lists_, most)),
-      computed_(inputs.pool->lease(brick_count(inputs.layout), "marks of the computed bricks")),
+      computed_(inputs.tools.pool->lease(brick_count(inputs.layout), "marks of the computed bricks")),
       layout_(inputs.layout),
       bricks_(brick_count(layout_)),
       // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
@@ -91,18 +91,18 @@ BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
       fill_group_slices_(is_by_group(inputs) ? common_group / fill_group_pieces_ : slices_of_a_group),
       fill_pieces_(
           is_by_group(inputs) ? in_whole_groups(static_cast<std::size_t>(layout_.bricks[0]), fill_group_pieces_) : 1),
-      fill_kernel_(inputs.programs.fill, "fill_empty_bricks"),
-      leave_kernel_(inputs.programs.fill, "leave_empty_bricks"),
+      fill_kernel_(inputs.tools.programs.fill, "fill_empty_bricks"),
+      leave_kernel_(inputs.tools.programs.fill, "leave_empty_bricks"),
       finishing_(inputs.finishing),
       fill_outputs_(set_arguments(fill_kernel_, 0, layout_, *computed_, inputs.sign_bits)),
       leave_outputs_(set_arguments(leave_kernel_, 0, layout_, *computed_)) {
-    if (!lists_.order.empty()) order_ = device::copied(inputs.context, lists_.order);
-    if (!inputs.wanted.empty()) first_marks_ = device::copied(inputs.context, marks_of(layout_, inputs.wanted));
+    if (!lists_.order.empty()) order_ = device::copied(inputs.tools.context, lists_.order);
+    if (!inputs.wanted.empty()) first_marks_ = device::copied(inputs.tools.context, marks_of(layout_, inputs.wanted));
     const double slice = static_cast<double>(layout_.size[0]) * static_cast<double>(layout_.size[1]);
     const std::size_t most_slices = inputs.launches.most(seconds_per_filled_sample * slice);
     if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
     slices_per_fill_ = most_slices / fill_group_slices_ * fill_group_slices_;
-    if (inputs.context.is_first_use_of(fill_kernel_)) specialise_fill(inputs);
+    if (inputs.tools.context.is_first_use_of(fill_kernel_)) specialise_fill(inputs);
 }
 
 /// Has the kernels that end a field compiled before the bricks', which another process may be compiling. Launches a
@@ -111,16 +111,16 @@ void BrickScan::specialise_fill(const ScanInputs& inputs) {
     const cl_int behind = layout_.size[2];
     const cl::NDRange group(fill_group_pieces_, 1, fill_group_slices_);
     set_arguments(fill_kernel_, fill_outputs_, *computed_, cl_int{1}, cl_ulong{0}, cl_ulong{0}, behind);
-    inputs.queue().enqueueNDRangeKernel(fill_kernel_, cl::NullRange, group, group);
+    inputs.tools.queue().enqueueNDRangeKernel(fill_kernel_, cl::NullRange, group, group);
     if (!inputs.variant.nearest) return;
     set_arguments(leave_kernel_, leave_outputs_, *computed_, cl_int{1}, behind);
-    inputs.queue().enqueueNDRangeKernel(leave_kernel_, cl::NullRange, group, group);
+    inputs.tools.queue().enqueueNDRangeKernel(leave_kernel_, cl::NullRange, group, group);
 }
 
 void BrickScan::make_counters(const ScanInputs& inputs, std::size_t sets) {
     if (!inputs.variant.count) return;
     counter_sets_ = sets;
-    counters_ = inputs.pool->lease(sets * CLSDF_COUNTERS * sizeof(cl_ulong), "counters");
+    counters_ = inputs.tools.pool->lease(sets * CLSDF_COUNTERS * sizeof(cl_ulong), "counters");
 }
 
 void BrickScan::set_outputs(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {

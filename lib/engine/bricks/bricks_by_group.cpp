@@ -16,11 +16,12 @@ class BricksByGroup final : public BrickScan {
 public:
     BricksByGroup(const ScanInputs& inputs)
         : BrickScan(inputs, {pairs_per_group_launch}),
-          group_size_(inputs.programs.group_size),
-          program_(inputs.programs.bricks(inputs.context, inputs.variant)),
-          bounds_(inputs.pool->lease_for_list(lists_.order.size() * groups_per_coarse_brick * sizeof(float),
-                                              "bounds of the bricks")),
-          masks_(inputs.pool->lease_for_list(lists_.pairs * sizeof(cl_ulong), "masks of the coarse lists' bricks")),
+          group_size_(inputs.tools.programs.group_size),
+          program_(inputs.tools.programs.bricks(inputs.tools.context, inputs.variant)),
+          bounds_(inputs.tools.pool->lease_for_list(lists_.order.size() * groups_per_coarse_brick * sizeof(float),
+                                                    "bounds of the bricks")),
+          masks_(
+              inputs.tools.pool->lease_for_list(lists_.pairs * sizeof(cl_ulong), "masks of the coarse lists' bricks")),
           kernel_(program_, "bricks_by_group") {
         make_counters(inputs, lists_.order.size() * groups_per_coarse_brick);
         kernel_.setArg(0, inputs.layout);  // 1: enqueue_launch()
@@ -57,8 +58,8 @@ private:
                                      static_cast<cl_uint>(lists_.parts), *lists_.entries, *lists_.bounds,
                                      *inputs.mesh.polyhedra, *bounds_);
             set_arguments(masks, next, static_cast<cl_uint>(mask_groups), *masks_);
-            engine::launch(inputs.queue(), bounds, {items, group_size_});
-            engine::launch(inputs.queue(), masks, {mask_groups * items, group_size_});
+            engine::launch(inputs.tools.queue(), bounds, {items, group_size_});
+            engine::launch(inputs.tools.queue(), masks, {mask_groups * items, group_size_});
         }
     }
 

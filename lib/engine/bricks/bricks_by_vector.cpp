@@ -27,7 +27,8 @@ std::size_t work_items(const device::Context& context, const BrickVariant& varia
 
 class BricksByVector final : public BrickScan {
 public:
-    BricksByVector(const ScanInputs& inputs) : BricksByVector(inputs, work_items(inputs.context, inputs.variant)) {}
+    BricksByVector(const ScanInputs& inputs)
+        : BricksByVector(inputs, work_items(inputs.tools.context, inputs.variant)) {}
 
     void enqueue_reset(CommandChain& chain, const OutputBuffers& outputs) override {
         set_outputs(kernel_, first_output_, outputs);
@@ -48,10 +49,11 @@ private:
     BricksByVector(const ScanInputs& inputs, std::size_t work_items)
         : BrickScan(inputs, {pairs_per_core_and_launch * static_cast<double>(work_items), pairs_of_a_brick}),
           work_items_(work_items),
-          kernel_(inputs.programs.bricks(inputs.context, inputs.variant), "bricks_by_vector"),
-          next_slots_(inputs.pool->lease_for_list(launches_.size() * sizeof(cl_uint), "next slots of the launches")),
-          scratch_(inputs.pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks")),
-          minima_(inputs.pool->lease(work_items_ * minima_bytes(inputs.variant), "minima of the bricks")) {
+          kernel_(inputs.tools.programs.bricks(inputs.tools.context, inputs.variant), "bricks_by_vector"),
+          next_slots_(
+              inputs.tools.pool->lease_for_list(launches_.size() * sizeof(cl_uint), "next slots of the launches")),
+          scratch_(inputs.tools.pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks")),
+          minima_(inputs.tools.pool->lease(work_items_ * minima_bytes(inputs.variant), "minima of the bricks")) {
         make_counters(inputs, work_items_);
         kernel_.setArg(0, inputs.layout);  // 1 to 3: set_launch()
         first_output_ = set_arguments(kernel_, 4, *next_slots_, order_, *lists_.starts,

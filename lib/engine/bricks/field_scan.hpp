@@ -6,6 +6,7 @@
 #include "finish/finishing.hpp"
 #include "frusta/prepared_mesh.hpp"
 #include "launch/commands.hpp"
+#include "launch/device_tools.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 #include "lists/surface_points.hpp"
@@ -18,9 +19,7 @@ namespace clsdf::engine {
 /// The inputs of a plan's scan. The mesh, `finishing` and the memory of the sign bits must outlive the scan; the rest
 /// is needed until it is made.
 struct ScanInputs {
-    device::Context& context;
-    const Programs& programs;
-    std::shared_ptr<device::BufferPool> pool;
+    DeviceTools tools;
     const Layout& layout;
     const PreparedMesh& mesh;
     const ShortLaunches& launches;  ///< of the set-up
@@ -31,8 +30,6 @@ struct ScanInputs {
     std::shared_ptr<const SurfacePoints> points{};  ///< null if the band is so narrow that no bound would be below it
     const Finishing* finishing = nullptr;           ///< null if the distance alone is asked for
     std::span<const Grid> wanted{};                 ///< blocks whose samples are needed; empty: all
-
-    const cl::CommandQueue& queue() const { return context.queue(); }
 };
 
 /// Computes every sample of a plan's part, in launches of bounded length: by bricks, or as another method does.

@@ -9,11 +9,11 @@
 
 namespace clsdf::engine {
 
-device::BufferPool::Lease site_names(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                     const MeshTopology& topology, std::span<const std::uint32_t> numbers) {
+device::BufferPool::Lease site_names(const DeviceTools& tools, const MeshTopology& topology,
+                                     std::span<const std::uint32_t> numbers) {
     const std::size_t count = topology.order.size();
     const std::size_t rows = count + chunk_count(numbers.size_bytes(), sizeof(TriangleSites));
-    device::HostFilling filling(context, pool, rows * sizeof(TriangleSites), "names of the sites");
+    device::HostFilling filling(tools.context, tools.pool, rows * sizeof(TriangleSites), "names of the sites");
     const std::span names(static_cast<TriangleSites*>(filling.memory()), count);
     name_sites(topology, names);
     if (!numbers.empty()) {
@@ -24,10 +24,10 @@ device::BufferPool::Lease site_names(const device::Context& context, const std::
     return filling.finish();
 }
 
-device::BufferPool::Lease site_normals(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                       const MeshTopology& topology, std::span<const Vec3> positions) {
+device::BufferPool::Lease site_normals(const DeviceTools& tools, const MeshTopology& topology,
+                                       std::span<const Vec3> positions) {
     const std::size_t count = 18 * topology.order.size();
-    device::HostFilling filling(context, pool, count * sizeof(float), "pseudonormals of the sites");
+    device::HostFilling filling(tools.context, tools.pool, count * sizeof(float), "pseudonormals of the sites");
     make_pseudonormals(topology, positions, {static_cast<float*>(filling.memory()), count});
     return filling.finish();
 }

@@ -8,6 +8,7 @@
 #include "device/buffer_pool.hpp"
 #include "frusta/frames.hpp"
 #include "frusta/topology.hpp"
+#include "launch/device_tools.hpp"
 #include "layout.h"
 #include "outputs.h"
 
@@ -40,10 +41,10 @@ struct DeviceSites {
 };
 
 /// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh.
-device::BufferPool::Lease site_names(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                     const MeshTopology& topology, std::span<const std::uint32_t> numbers);
-device::BufferPool::Lease site_normals(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                       const MeshTopology& topology, std::span<const Vec3> positions);
+device::BufferPool::Lease site_names(const DeviceTools& tools, const MeshTopology& topology,
+                                     std::span<const std::uint32_t> numbers);
+device::BufferPool::Lease site_normals(const DeviceTools& tools, const MeshTopology& topology,
+                                       std::span<const Vec3> positions);
 
 /// The arguments with which brick kernels finish the samples of a grid (kernels/finish/finish.h).
 class Finishing {

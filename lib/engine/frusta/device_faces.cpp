@@ -16,11 +16,11 @@ namespace {
 void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const LatticeView& lattice,
                    const std::vector<cl_uint>& groups, const cl::Buffer& records) {
     const auto group_numbers = job.upload(groups, "numbers of the faces");
-    cl::Kernel kernel(job.programs.mesh_records, "face_records");
-    ShortLaunches(job.context, {})
+    cl::Kernel kernel(job.tools.programs.mesh_records, "face_records");
+    ShortLaunches(job.tools.context, {})
         .over(groups.size(), seconds_per_face * record_group, [&](std::size_t begin, std::size_t end) {
             const std::size_t first = begin * record_group, last = end * record_group;
-            launch(job.context.queue(), kernel, job.items_of(last - first), face_lattice(lattice),
+            launch(job.tools.context.queue(), kernel, job.items_of(last - first), face_lattice(lattice),
                    static_cast<cl_uint>(first), static_cast<cl_uint>(last),
                    static_cast<cl_uint>(faces.names->face_count()), static_cast<cl_uint>(job.item_faces()),
                    *group_numbers, *faces.names->triangles, *faces.positions, *faces.slopes, *faces.names->names,
@@ -32,8 +32,8 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const Latti
 
 DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const MeshTopology> topology) {
     const std::size_t count = topology->order.size();
-    job.pool->check_size(count * sizeof(Triangle), "triangles");
-    device::HostFilling filling(job.context, job.pool, count * sizeof(cl_uint), "numbers of the triangles");
+    job.tools.pool->check_size(count * sizeof(Triangle), "triangles");
+    device::HostFilling filling(job.tools.context, job.tools.pool, count * sizeof(cl_uint), "numbers of the triangles");
     auto* const names = static_cast<cl_uint*>(filling.memory());
     for_each_index(count, [&](std::size_t face) {
         names[face] = topology->order[face] | (topology->edges.is_non_manifold(face) ? CLSDF_NAME_NON_MANIFOLD : 0U);
@@ -50,9 +50,9 @@ DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFac
 
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items) {
-    cl::Kernel kernel(job.programs.mesh_records, "place_items");
-    launch(job.context.queue(), kernel, {count}, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words), written,
-           places, items);
+    cl::Kernel kernel(job.tools.programs.mesh_records, "place_items");
+    launch(job.tools.context.queue(), kernel, {count}, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words),
+           written, places, items);
 }
 
 void WrittenRecords::add_faces(const RecordRange& range, std::size_t record) {
@@ -112,7 +112,7 @@ PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
         written.add_sites(range, prepared.record_count);
         prepared.record_count += range.end - range.begin;
     }
-    prepared.polyhedra = job.pool->lease(prepared.record_count * sizeof(Polyhedron), "polyhedra");
+    prepared.polyhedra = job.tools.pool->lease(prepared.record_count * sizeof(Polyhedron), "polyhedra");
     set_counts(topology, frusta, prepared);
     device::guarded([&] {
         if (!groups.empty()) enqueue_faces(job, faces, lattice, groups, *prepared.polyhedra);

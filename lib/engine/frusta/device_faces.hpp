@@ -7,6 +7,7 @@
 #include "frusta/prepared_mesh.hpp"
 #include "frusta/topology.hpp"
 #include "launch/commands.hpp"
+#include "launch/device_tools.hpp"
 #include "launch/programs.hpp"
 
 #include <cstddef>
@@ -22,19 +23,17 @@ inline constexpr double seconds_per_face = 1e-6;
 
 /// Makes data of a mesh on the device, by the program of kernels/frusta/mesh_records.cl.
 struct DeviceSetUp {
-    device::Context& context;
-    const std::shared_ptr<device::BufferPool>& pool;
-    const Programs& programs;
+    DeviceTools tools;
 
     /// Faces of a work-item.
-    std::size_t item_faces() const { return programs.mesh_lanes() == 1 ? 1 : 256; }
+    std::size_t item_faces() const { return tools.programs.mesh_lanes() == 1 ? 1 : 256; }
     /// The launch of a kernel for so many faces.
     WorkItems items_of(std::size_t faces) const {
         return {(faces + item_faces() - 1) / item_faces(), item_faces() == 1 ? common_group : 1};
     }
 
     /// Whether kernels use arrays of the host in place.
-    bool shares_memory() const { return context.capabilities().is_processor; }
+    bool shares_memory() const { return tools.context.capabilities().is_processor; }
     /// A buffer in an array of the host; it has no bytes of its own. It keeps `owner` alive, which has the array.
     template <class Values>
     device::BufferPool::Lease shared(const std::shared_ptr<const void>& owner, const Values& values,
@@ -42,12 +41,13 @@ struct DeviceSetUp {
         if (values.empty()) return {};
         const std::shared_ptr<const void> memory(owner, values.data());
         const std::size_t bytes = values.size() * sizeof(values[0]);
-        return {nullptr, device::guarded([&] { return device::buffer_in(context, memory, bytes, access); }), 0};
+        return {nullptr, device::guarded([&] { return device::buffer_in(tools.context, memory, bytes, access); }), 0};
     }
     /// Copies values to the device, and does not wait.
     template <class Values>
     device::BufferPool::Lease upload(const Values& values, const char* purpose) const {
-        return values.empty() ? device::BufferPool::Lease() : device::uploaded(context, pool, values, purpose);
+        return values.empty() ? device::BufferPool::Lease()
+                              : device::uploaded(tools.context, tools.pool, values, purpose);
     }
     /// Values of `owner` that kernels read: the host's own if it shares its memory, else a copy.
     template <class Values>

@@ -45,13 +45,13 @@ public:
         faces_.names = names;
         faces_.positions = job.input(frusta_, frusta_->positions, "vertices");
         faces_.slopes = job.shares_memory() ? job.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE)
-                                            : job.pool->lease(slope_bytes(), "slopes of the polyhedra");
-        signs_ = job.pool->lease(3 * count_ * sizeof(float), "signs of the edges");
-        face_answers_ = job.pool->lease(count_, "answers about faces");
-        vertex_answers_ = job.pool->lease(vertex_answer_bytes(), "answers about vertices");
+                                            : job.tools.pool->lease(slope_bytes(), "slopes of the polyhedra");
+        signs_ = job.tools.pool->lease(3 * count_ * sizeof(float), "signs of the edges");
+        face_answers_ = job.tools.pool->lease(count_, "answers about faces");
+        vertex_answers_ = job.tools.pool->lease(vertex_answer_bytes(), "answers about vertices");
         if (lattice != nullptr)
-            records_ =
-                job.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron), "polyhedra");
+            records_ = job.tools.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron),
+                                             "polyhedra");
     }
 
     MadeFrusta make() {
@@ -68,13 +68,13 @@ private:
     std::size_t vertex_answer_bytes() const { return sources_->of_kernels->fan_items.size() * CLSDF_FAN_ITEM; }
 
     void enqueue_slopes() const {
-        cl::Kernel kernel(job_.programs.mesh_records, "face_slopes");
+        cl::Kernel kernel(job_.tools.programs.mesh_records, "face_slopes");
         const std::size_t all = in_record_groups(count_);
         const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
-        ShortLaunches(job_.context, {})
+        ShortLaunches(job_.tools.context, {})
             .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
                 const std::size_t last = std::min(end * unit, all);
-                launch(job_.context.queue(), kernel, job_.items_of(last - begin * unit), face_lattice(view_),
+                launch(job_.tools.context.queue(), kernel, job_.items_of(last - begin * unit), face_lattice(view_),
                        cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
                        static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()), *faces_.names->triangles,
                        *sources_->opposite, *faces_.positions, *faces_.names->names, *faces_.slopes, *signs_,
@@ -83,11 +83,11 @@ private:
     }
 
     void enqueue_fans() const {
-        cl::Kernel kernel(job_.programs.mesh_records, "vertex_fans");
-        ShortLaunches(job_.context, {})
+        cl::Kernel kernel(job_.tools.programs.mesh_records, "vertex_fans");
+        ShortLaunches(job_.tools.context, {})
             .over(sources_->of_kernels->fan_items.size(), seconds_per_fan_item,
                   [&](std::size_t begin, std::size_t end) {
-                      launch(job_.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
+                      launch(job_.tools.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
                              static_cast<cl_uint>(begin), static_cast<cl_uint>(end), cl_double{1 / view_.unit},
                              *sources_->fan_items, *sources_->fan_words, *faces_.names->triangles, *faces_.positions,
                              *signs_, *vertex_answers_);
@@ -96,13 +96,13 @@ private:
 
     /// Waits for the kernels. Then the slopes are complete, here and on the device.
     void complete() {
-        const cl::CommandQueue& queue = job_.context.queue();
+        const cl::CommandQueue& queue = job_.tools.context.queue();
         struct Read {
             std::shared_ptr<Frusta> frusta;
             std::vector<std::uint8_t> face_answers, vertex_answers;
         };
-        device::InFlight<Read> read(job_.context, {frusta_, std::vector<std::uint8_t>(count_),
-                                                   std::vector<std::uint8_t>(vertex_answer_bytes())});
+        device::InFlight<Read> read(job_.tools.context, {frusta_, std::vector<std::uint8_t>(count_),
+                                                         std::vector<std::uint8_t>(vertex_answer_bytes())});
         read.begin();
         // After an error, too: a driver keeps a buffer that is mapped.
         const auto unmap = [&](void* memory) {

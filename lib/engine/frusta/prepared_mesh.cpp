@@ -55,13 +55,13 @@ void check_distance(const Mesh& mesh, const LatticeView& lattice) {
     }
 }
 
-PreparedMesh records_by_host(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                             const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
-                             std::span<const RecordRange> of_faces, std::span<const RecordRange> of_sites) {
+PreparedMesh records_by_host(const DeviceTools& tools, const MeshTopology& topology, const Frusta& frusta,
+                             const LatticeView& lattice, std::span<const RecordRange> of_faces,
+                             std::span<const RecordRange> of_sites) {
     std::size_t count = 0;
     for (const RecordRange& range : of_faces) count += in_record_groups(range.end - range.begin);
     for (const RecordRange& range : of_sites) count += range.end - range.begin;
-    device::HostFilling filling(context, pool, count * sizeof(Polyhedron), "polyhedra");
+    device::HostFilling filling(tools.context, tools.pool, count * sizeof(Polyhedron), "polyhedra");
     auto* record = static_cast<Polyhedron*>(filling.memory());
     for (const auto& [begin, end] : of_faces) {
         const std::size_t size = end - begin;

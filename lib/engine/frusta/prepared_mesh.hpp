@@ -8,6 +8,7 @@
 #include "device/buffer_pool.hpp"
 #include "frusta/cluster_index.hpp"
 #include "frusta/records.hpp"
+#include "launch/device_tools.hpp"
 #include "layout.h"
 
 #include <array>
@@ -62,9 +63,9 @@ void set_counts(const MeshTopology& topology, const Frusta& frusta, PreparedMesh
 
 /// The records of ranges of faces, each of which begins with a group (record_group), and of point sites, by
 /// the host: for any lattice.
-PreparedMesh records_by_host(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                             const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
-                             std::span<const RecordRange> of_faces, std::span<const RecordRange> of_sites);
+PreparedMesh records_by_host(const DeviceTools& tools, const MeshTopology& topology, const Frusta& frusta,
+                             const LatticeView& lattice, std::span<const RecordRange> of_faces,
+                             std::span<const RecordRange> of_sites);
 
 /// Throws Error(invalid_argument) if squares of distances would leave a float's range.
 void check_distance(const Mesh& mesh, const LatticeView& lattice);

@@ -28,21 +28,20 @@ Error too_many(const char* what) {
             fmt::format("there are more than 2^32 {}; compute a smaller part of the grid at a time", what)};
 }
 
-PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
-                       const std::shared_ptr<device::BufferPool>& pool, const cl::Buffer& values,
-                       const cl::Buffer& starts, std::size_t count, const char* what)
-    : what_(what), total_(context, std::make_unique<cl_ulong>(0)) {
+PrefixSums::PrefixSums(const DeviceTools& tools, const cl::Buffer& values, const cl::Buffer& starts, std::size_t count,
+                       const char* what)
+    : what_(what), total_(tools.context, std::make_unique<cl_ulong>(0)) {
     if (count >= std::numeric_limits<cl_uint>::max()) throw too_many(what);
-    const bool by_group = programs.body == KernelBody::by_group;
+    const bool by_group = tools.programs.body == KernelBody::by_group;
     const std::size_t parts = parts_of(count, by_group);
     // The work-items that scan the parts' sums, and all.
     const WorkItems one_part = by_group ? WorkItems{common_group} : WorkItems{1, 1}, all{parts * one_part.count};
     device::guarded([&] {
-        const cl::CommandQueue& queue = context.queue();
-        sums_ = pool->lease((parts + 1) * sizeof(cl_ulong), "sums of a scan");
+        const cl::CommandQueue& queue = tools.queue();
+        sums_ = tools.pool->lease((parts + 1) * sizeof(cl_ulong), "sums of a scan");
         const auto values_count = static_cast<cl_uint>(count);
-        cl::Kernel sum(programs.scan, "scan_sums"), offset(programs.scan, "scan_offsets"),
-            write(programs.scan, "scan_write");
+        cl::Kernel sum(tools.programs.scan, "scan_sums"), offset(tools.programs.scan, "scan_offsets"),
+            write(tools.programs.scan, "scan_write");
         launch(queue, sum, all, values_count, values, *sums_);
         launch(queue, offset, one_part, static_cast<cl_uint>(parts), *sums_);
         launch(queue, write, all, values_count, values, *sums_, starts);

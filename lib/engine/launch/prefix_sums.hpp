@@ -4,13 +4,12 @@
 
 #include "device/buffer_pool.hpp"
 #include "device/in_flight.hpp"
+#include "launch/device_tools.hpp"
 
 #include <cstddef>
 #include <memory>
 
 namespace clsdf::engine {
-
-struct Programs;
 
 /// For lists of `what` that 32 bits cannot count.
 Error too_many(const char* what);
@@ -20,8 +19,8 @@ class PrefixSums {
 public:
     /// Enqueues the sums and does not wait: what else the host must know can be asked for before it waits for all.
     /// Throws Error(out_of_memory), naming `what`, if the values are too many to be counted in 32 bits.
-    PrefixSums(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-               const cl::Buffer& values, const cl::Buffer& starts, std::size_t count, const char* what);
+    PrefixSums(const DeviceTools& tools, const cl::Buffer& values, const cl::Buffer& starts, std::size_t count,
+               const char* what);
 
     /// The sum of all values; waits for it. Throws Error(out_of_memory), naming `what`, if it exceeds 32 bits, so that
     /// the starts are wrong.

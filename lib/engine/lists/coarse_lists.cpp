@@ -45,24 +45,24 @@ double seconds_of_a_cluster(const Layout& layout) {
 
 device::BufferPool::Lease find_bounds(const ListInputs& inputs) {
     const std::size_t groups = coarse_group_count(inputs.layout), bricks = groups * CLSDF_COARSE_GROUP;
-    auto bounds = inputs.pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
+    auto bounds = inputs.tools.pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
     if (!inputs.points) {
-        inputs.queue().enqueueFillBuffer(*bounds, inputs.layout.half_width, 0, bricks * sizeof(float));
+        inputs.tools.queue().enqueueFillBuffer(*bounds, inputs.layout.half_width, 0, bricks * sizeof(float));
         return bounds;
     }
     const std::size_t count = inputs.points->size();
-    const auto points = inputs.pool->lease(count * sizeof(SurfacePoint), "points of the surface");
-    inputs.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), inputs.points->data());
+    const auto points = inputs.tools.pool->lease(count * sizeof(SurfacePoint), "points of the surface");
+    inputs.tools.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), inputs.points->data());
 
-    cl::Kernel kernel(inputs.programs.coarse_lists, "coarse_bounds");
+    cl::Kernel kernel(inputs.tools.programs.coarse_lists, "coarse_bounds");
     const double seconds = seconds_per_surface_point * static_cast<double>(count);
     // PoCL compiles a kernel anew for each size of a group: one size for all grids.
-    const cl::NDRange alone = inputs.programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
+    const cl::NDRange alone = inputs.tools.programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
     inputs.launches.over(
-        groups * CLSDF_COARSE_COLUMNS / inputs.programs.lanes, seconds, [&](std::size_t begin, std::size_t end) {
+        groups * CLSDF_COARSE_COLUMNS / inputs.tools.programs.lanes, seconds, [&](std::size_t begin, std::size_t end) {
             set_arguments(kernel, 0, inputs.layout, static_cast<cl_uint>(count), *points, *bounds,
                           static_cast<cl_uint>(begin));
-            inputs.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
+            inputs.tools.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
         });
     return bounds;
 }
@@ -73,20 +73,20 @@ public:
     explicit ListsByVector(const ListInputs& inputs)
         : inputs_(inputs),
           bricks_(coarse_brick_count(inputs.layout)),
-          parts_(inputs.programs.parallel_parts(inputs.context, bricks_)),
+          parts_(inputs.tools.programs.parallel_parts(inputs.tools.context, bricks_)),
           counters_(bricks_ * parts_),
-          histograms_(inputs.pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
-          pair_counts_(inputs.pool->lease(parts_ * sizeof(cl_uint), pairs_purpose)),
-          pair_starts_(inputs.pool->lease((parts_ + 1) * sizeof(cl_uint), pairs_purpose)),
-          host_(inputs.context, {{}, std::vector<cl_uint>(parts_), std::vector<cl_uint>(counters_ + 1)}) {}
+          histograms_(inputs.tools.pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
+          pair_counts_(inputs.tools.pool->lease(parts_ * sizeof(cl_uint), pairs_purpose)),
+          pair_starts_(inputs.tools.pool->lease((parts_ + 1) * sizeof(cl_uint), pairs_purpose)),
+          host_(inputs.tools.context, {{}, std::vector<cl_uint>(parts_), std::vector<cl_uint>(counters_ + 1)}) {}
 
     /// Returns the start of each brick's list, and the end of the last.
     std::vector<cl_uint> make(CoarseLists& lists) {
         lists.parts = parts_;
-        lists.starts = inputs_.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
+        lists.starts = inputs_.tools.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
         find_pairs(*lists.bounds, *lists.starts);
         lists.pairs = host_->starts.back();
-        lists.entries = inputs_.pool->lease_for_list((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
+        lists.entries = inputs_.tools.pool->lease_for_list((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
         write_entries(*lists.starts, *lists.entries);
         std::vector<cl_uint> list_starts(bricks_ + 1);
         for (std::size_t brick = 0; brick <= bricks_; ++brick) list_starts[brick] = host_->starts[brick * parts_];
@@ -99,20 +99,20 @@ private:
 
     /// Counts the entries, where those of each coarse brick and part start, and keeps the pairs.
     void find_pairs(const cl::Buffer& bounds, const cl::Buffer& starts) {
-        const auto counts = inputs_.pool->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
+        const auto counts = inputs_.tools.pool->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
         const bool has_groups = inputs_.selection.groups() != nullptr;
         const std::size_t records =
             has_groups ? inputs_.selection.group_count * record_group : inputs_.mesh.record_count;
-        const std::size_t clusters = chunk_count(records, inputs_.programs.lanes);
-        cl::Kernel kernel(inputs_.programs.coarse_lists, "coarse_count");
+        const std::size_t clusters = chunk_count(records, inputs_.tools.programs.lanes);
+        cl::Kernel kernel(inputs_.tools.programs.coarse_lists, "coarse_count");
         const double seconds = seconds_of_a_cluster(inputs_.layout) * static_cast<double>(clusters);
         const std::size_t expected =
-            std::min({expected_pairs(inputs_.layout, inputs_.programs.lanes) * records,
-                      inputs_.context.capabilities().largest_allocation / sizeof(ClusterPair) / 2,
+            std::min({expected_pairs(inputs_.layout, inputs_.tools.programs.lanes) * records,
+                      inputs_.tools.context.capabilities().largest_allocation / sizeof(ClusterPair) / 2,
                       static_cast<std::size_t>(std::numeric_limits<cl_uint>::max())});
         // The first room is a guess. If there is no memory for it, the first pass only counts pairs.
         std::vector<cl_uint> room(parts_, static_cast<cl_uint>(expected / parts_));
-        if (auto guess = inputs_.pool->lease_if_it_fits(bytes_of(room), pairs_purpose))
+        if (auto guess = inputs_.tools.pool->lease_if_it_fits(bytes_of(room), pairs_purpose))
             pairs_ = std::move(*guess);
         else
             make_room(room = std::vector<cl_uint>(parts_));
@@ -124,13 +124,12 @@ private:
                    cl_int{has_uniform_bounds(inputs_.layout) ? 1 : 0}, *pair_starts_, *pairs_, *pair_counts_,
                    *histograms_, *counts);
             // All that the host waits for at once: to wake it takes as long as a small kernel.
-            PrefixSums sums(inputs_.context, inputs_.programs, inputs_.pool, *counts, starts, counters_,
-                            "pairs of a triangle and a coarse brick");
+            PrefixSums sums(inputs_.tools, *counts, starts, counters_, "pairs of a triangle and a coarse brick");
             std::vector<cl::Event> read(2);
-            inputs_.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
-                                              host_->pairs_found.data(), nullptr, &read[0]);
-            inputs_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, host_->starts.size() * sizeof(cl_uint),
-                                              host_->starts.data(), nullptr, &read[1]);
+            inputs_.tools.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
+                                                    host_->pairs_found.data(), nullptr, &read[0]);
+            inputs_.tools.queue().enqueueReadBuffer(starts, CL_FALSE, 0, host_->starts.size() * sizeof(cl_uint),
+                                                    host_->starts.data(), nullptr, &read[1]);
             cl::Event::waitForEvents(read);
             sums.total();  // throws if the starts do not hold it
             if (std::equal(host_->pairs_found.begin(), host_->pairs_found.end(), room.begin(), std::less_equal<>()))
@@ -148,7 +147,7 @@ private:
     /// For so many pairs of each part.
     void make_room(const std::vector<cl_uint>& pairs_of_parts) {
         pairs_ = {};  // the smaller one goes back first
-        pairs_ = inputs_.pool->lease_for_list(bytes_of(pairs_of_parts), pairs_purpose);
+        pairs_ = inputs_.tools.pool->lease_for_list(bytes_of(pairs_of_parts), pairs_purpose);
     }
 
     /// Writes the start of the room for each part's pairs. Does not wait: the launch that follows is waited for.
@@ -156,12 +155,12 @@ private:
         host_.begin();
         host_->room_starts.assign(parts_ + 1, 0);
         std::partial_sum(pairs_of_parts.begin(), pairs_of_parts.end(), host_->room_starts.begin() + 1);
-        inputs_.queue().enqueueWriteBuffer(*pair_starts_, CL_FALSE, 0, host_->room_starts.size() * sizeof(cl_uint),
-                                           host_->room_starts.data());
+        inputs_.tools.queue().enqueueWriteBuffer(
+            *pair_starts_, CL_FALSE, 0, host_->room_starts.size() * sizeof(cl_uint), host_->room_starts.data());
     }
 
     void write_entries(const cl::Buffer& starts, const cl::Buffer& entries) {
-        cl::Kernel kernel(inputs_.programs.coarse_lists, "coarse_fill");
+        cl::Kernel kernel(inputs_.tools.programs.coarse_lists, "coarse_fill");
         launch(kernel, seconds_per_pair * static_cast<double>(pair_count_), inputs_.layout, *pair_starts_, *pairs_,
                *pair_counts_, starts, *histograms_, entries);
     }
@@ -172,7 +171,7 @@ private:
     void launch(cl::Kernel& kernel, double core_seconds, const Arguments&... arguments) const {
         const std::size_t steps = inputs_.launches.steps(core_seconds);
         inputs_.launches.one_by_one(steps, [&](std::size_t step) {
-            engine::launch(inputs_.queue(), kernel, {parts_, inputs_.programs.part_group()}, arguments...,
+            engine::launch(inputs_.tools.queue(), kernel, {parts_, inputs_.tools.programs.part_group()}, arguments...,
                            static_cast<cl_uint>(step), static_cast<cl_uint>(steps));
         });
     }
@@ -215,14 +214,14 @@ bool has_uniform_bounds(const Layout& layout) {
 
 CoarseLists make_coarse_lists(const ListInputs& inputs) {
     return device::guarded([&] {
-        device::InFlight<std::shared_ptr<const SurfacePoints>> points(inputs.context, inputs.points);
+        device::InFlight<std::shared_ptr<const SurfacePoints>> points(inputs.tools.context, inputs.points);
         if (inputs.points) points.begin();
         CoarseLists lists;
         lists.bounds = find_bounds(inputs);
-        order_by_length(lists, inputs.programs.body == KernelBody::by_group
+        order_by_length(lists, inputs.tools.programs.body == KernelBody::by_group
                                    ? make_lists_by_group(inputs, seconds_of_a_cluster(inputs.layout), lists)
                                    : ListsByVector(inputs).make(lists));
-        inputs.queue().flush();
+        inputs.tools.queue().flush();
         points.end();  // the host has read the lists' lengths, which were computed behind the copy
         return lists;
     });

@@ -2,6 +2,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "frusta/prepared_mesh.hpp"
+#include "launch/device_tools.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 #include "layout.h"
@@ -17,16 +18,12 @@ inline constexpr double seconds_per_pair = 5e-8;
 
 /// The inputs of the lists of a part. They are needed until the lists are made.
 struct ListInputs {
-    device::Context& context;
-    const Programs& programs;
-    const std::shared_ptr<device::BufferPool>& pool;
+    DeviceTools tools;
     const Layout& layout;
     const PreparedMesh& mesh;
     const ShortLaunches& launches;  ///< of the set-up
     const RecordSelection& selection;
     std::shared_ptr<const SurfacePoints> points;  ///< null if the band is so narrow that no bound would be below it
-
-    const cl::CommandQueue& queue() const { return context.queue(); }
 };
 
 /// Which polyhedra overlap which coarse bricks, on the device.

@@ -34,31 +34,32 @@ public:
           bricks_(coarse_brick_count(inputs.layout)),
           per_segment_(polyhedra_of_a_segment(inputs.mesh.record_count, bricks_)),
           segments_(inputs.mesh.record_count / per_segment_ + 1),
-          counts_(inputs.pool->lease(bricks_ * segments_ * sizeof(cl_uint), "counts of the coarse lists")),
-          taken_(inputs.pool->lease(sizeof(cl_uint), pairs_purpose)),
-          device_starts_(inputs.pool->lease((bricks_ + 1) * sizeof(cl_uint), "starts of the coarse lists")),
-          pair_kernel_(inputs.programs.coarse_lists, "coarse_pairs"),
-          found_(inputs.context, std::vector<cl_uint>(bricks_ + 2)) {}
+          counts_(inputs.tools.pool->lease(bricks_ * segments_ * sizeof(cl_uint), "counts of the coarse lists")),
+          taken_(inputs.tools.pool->lease(sizeof(cl_uint), pairs_purpose)),
+          device_starts_(inputs.tools.pool->lease((bricks_ + 1) * sizeof(cl_uint), "starts of the coarse lists")),
+          pair_kernel_(inputs.tools.programs.coarse_lists, "coarse_pairs"),
+          found_(inputs.tools.context, std::vector<cl_uint>(bricks_ + 2)) {}
 
     /// Returns the start of each brick's list, and the end of the last.
     std::vector<cl_uint> make(CoarseLists& lists) {
         lists.parts = segments_;
-        lists.starts = inputs_.pool->lease((bricks_ * segments_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
+        lists.starts =
+            inputs_.tools.pool->lease((bricks_ * segments_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
         const std::size_t most =
-            std::min<std::size_t>(inputs_.context.capabilities().largest_allocation / sizeof(CoarsePair),
+            std::min<std::size_t>(inputs_.tools.context.capabilities().largest_allocation / sizeof(CoarsePair),
                                   std::numeric_limits<cl_uint>::max());
         // The first room is a guess. If there is no memory for it, pairs are only counted at first.
         std::size_t capacity = std::min(expected_pairs(inputs_.layout) * inputs_.mesh.record_count, most);
-        if (auto guess = inputs_.pool->lease_if_it_fits(capacity * sizeof(CoarsePair), pairs_purpose))
+        if (auto guess = inputs_.tools.pool->lease_if_it_fits(capacity * sizeof(CoarsePair), pairs_purpose))
             pairs_ = std::move(*guess);
         else
-            pairs_ = inputs_.pool->lease(capacity = 0, pairs_purpose);
+            pairs_ = inputs_.tools.pool->lease(capacity = 0, pairs_purpose);
         for (;;) {
             find_pairs(lists, capacity);
             if (found_->back() <= capacity) break;
             capacity = found_->back();
             pairs_ = {};  // the smaller one goes back first
-            pairs_ = inputs_.pool->lease_for_list(capacity * sizeof(CoarsePair), pairs_purpose);
+            pairs_ = inputs_.tools.pool->lease_for_list(capacity * sizeof(CoarsePair), pairs_purpose);
         }
         write_entries(lists, found_->back());
         found_->pop_back();
@@ -80,7 +81,7 @@ private:
     /// Finds the pairs, and waits for their number and the lists' starts.
     void find_pairs(CoarseLists& lists, std::size_t capacity) {
         found_.begin();
-        const cl::CommandQueue& queue = inputs_.queue();
+        const cl::CommandQueue& queue = inputs_.tools.queue();
         const std::size_t counters = bricks_ * segments_;
         queue.enqueueFillBuffer(*counts_, cl_uint{0}, 0, counters * sizeof(cl_uint));
         queue.enqueueFillBuffer(*taken_, cl_uint{0}, 0, sizeof(cl_uint));
@@ -89,8 +90,8 @@ private:
                           cl_int{has_uniform_bounds(inputs_.layout) ? 1 : 0}, static_cast<cl_uint>(per_segment_),
                           static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
         });
-        PrefixSums sums(inputs_.context, inputs_.programs, inputs_.pool, *counts_, *lists.starts, counters, listed);
-        cl::Kernel gather(inputs_.programs.coarse_lists, "coarse_list_starts");
+        PrefixSums sums(inputs_.tools, *counts_, *lists.starts, counters, listed);
+        cl::Kernel gather(inputs_.tools.programs.coarse_lists, "coarse_list_starts");
         launch(queue, gather, {bricks_ + 1}, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_),
                *lists.starts, *device_starts_);
         queue.enqueueReadBuffer(*device_starts_, CL_FALSE, 0, (bricks_ + 1) * sizeof(cl_uint), found_->data());
@@ -104,10 +105,10 @@ private:
     }
 
     void write_entries(CoarseLists& lists, std::size_t taken) {
-        const auto scattered = inputs_.pool->lease_for_list(lists.pairs * sizeof(cl_uint), "coarse lists");
-        lists.entries = inputs_.pool->lease_for_list(lists.pairs * sizeof(cl_uint), "coarse lists");
-        cl::Kernel scatter(inputs_.programs.coarse_lists, "coarse_scatter"),
-            sort(inputs_.programs.coarse_lists, "coarse_sort");
+        const auto scattered = inputs_.tools.pool->lease_for_list(lists.pairs * sizeof(cl_uint), "coarse lists");
+        lists.entries = inputs_.tools.pool->lease_for_list(lists.pairs * sizeof(cl_uint), "coarse lists");
+        cl::Kernel scatter(inputs_.tools.programs.coarse_lists, "coarse_scatter"),
+            sort(inputs_.tools.programs.coarse_lists, "coarse_sort");
         const auto per_segment = static_cast<cl_uint>(per_segment_), segments = static_cast<cl_uint>(segments_);
         inputs_.launches.over_items(scatter, taken, seconds_per_pair, [&](cl_uint begin, cl_uint end) {
             set_arguments(scatter, 0, begin, end, *pairs_, per_segment, segments, *lists.starts, *scattered);

@@ -43,8 +43,7 @@ public:
         if (is_own(near, lone, lattice_.sweep_mesh != nullptr, lattice_.faces_swept,
                    [&] { return 0.1 * count(all_faces()); })) {
             inputs.sweep_mesh = std::make_shared<const SweepMesh>(
-                near_sweep_mesh(kept_mesh_.context(), kept_mesh_.pool(), job_.grid, kept_mesh_.mesh(),
-                                kept_mesh_.topology(), near->faces));
+                near_sweep_mesh(kept_mesh_.tools(), job_.grid, kept_mesh_.mesh(), kept_mesh_.topology(), near->faces));
             if (!lone) lattice_.faces_swept += near->face_count;
         } else {
             if (!lattice_.sweep_mesh)

@@ -16,15 +16,13 @@ GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in
     device::Context& context = workshop.context();
     const ShortLaunches launches(context, between_launches);
     Stopwatch sign_watch;
-    SignSweep sweep({context, workshop.programs, workshop.pool, job.layout, inputs.sweep_mesh.get(),
-                     inputs.sweep_selection, workshop.sign, launches});
+    const DeviceTools tools = workshop.tools();
+    SignSweep sweep({tools, job.layout, inputs.sweep_mesh.get(), inputs.sweep_selection, workshop.sign, launches});
     statistics.sign_seconds = sign_watch.seconds();
     const PreparedMesh& records = *inputs.records;
     if (inputs.sites) finishing_.emplace(job.grid, job.band, job.layout, inputs.sites, inputs.is_inside_out);
     device::guarded([&] {
-        const ScanInputs scan_inputs{.context = context,
-                                     .programs = workshop.programs,
-                                     .pool = workshop.pool,
+        const ScanInputs scan_inputs{.tools = tools,
                                      .layout = job.layout,
                                      .mesh = records,
                                      .launches = launches,

@@ -9,6 +9,7 @@
 #include "device/buffer_pool.hpp"
 #include "lattice/lattice_view.hpp"
 #include "lattice/layout_of.hpp"
+#include "launch/device_tools.hpp"
 #include "launch/programs.hpp"
 
 #include <memory>
@@ -56,6 +57,7 @@ struct Workshop {
     SignRule sign = SignRule::none;
 
     device::Context& context() const { return device::context_of(device); }
+    DeviceTools tools() const { return {context(), pool, programs}; }
     /// The same with buffers from another pool.
     Workshop with(std::shared_ptr<device::BufferPool> other) const {
         Workshop result = *this;

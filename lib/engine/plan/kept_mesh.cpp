@@ -126,7 +126,7 @@ PreparedMesh KeptMesh::all_records(const LatticeView& lattice) {
 PreparedMesh KeptMesh::records(const LatticeView& lattice, const NearRecords& ranges) {
     if (const auto faces = device_faces(lattice))
         return records_on_device(set_up(), *faces, topology(), frusta(), lattice, ranges.faces, ranges.sites);
-    return records_by_host(context_, pool_, topology(), frusta(), lattice, ranges.faces, ranges.sites);
+    return records_by_host(tools(), topology(), frusta(), lattice, ranges.faces, ranges.sites);
 }
 
 Lattice& KeptMesh::lattice(const Grid& grid) {
@@ -176,9 +176,8 @@ std::shared_ptr<const DeviceSites> KeptMesh::sites(bool with_names, bool with_no
     return prepare([&] {
         std::span<const std::uint32_t> numbers;
         if (restriction_) numbers = restriction_->numbers;
-        if (with_names) site_names_.get_or([&] { return site_names(context_, pool_, topology(), numbers); });
-        if (with_normals)
-            pseudonormals_.get_or([&] { return site_normals(context_, pool_, topology(), mesh_.vertices()); });
+        if (with_names) site_names_.get_or([&] { return site_names(tools(), topology(), numbers); });
+        if (with_normals) pseudonormals_.get_or([&] { return site_normals(tools(), topology(), mesh_.vertices()); });
         return std::make_shared<const DeviceSites>(
             DeviceSites{site_names_.get(), pseudonormals_.get(), site_names_ ? numbers.size() : 0});
     });

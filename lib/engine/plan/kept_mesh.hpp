@@ -67,7 +67,7 @@ public:
     Job checked(JobKey asked, SignRule sign) const;
 
     device::Context& context() const { return context_; }
-    const std::shared_ptr<device::BufferPool>& pool() const { return pool_; }
+    DeviceTools tools() const { return {context_, pool_, options_.programs}; }
     const Mesh& mesh() const { return mesh_; }
     const MeshTopology& topology() { return *shared_topology(); }
     std::shared_ptr<const MeshTopology> shared_topology();
@@ -146,7 +146,7 @@ private:
     void forget_if(bool (*condition)(const KeptValue&));
     [[noreturn]] void refuse_memory() const;
 
-    DeviceSetUp set_up() const { return {context_, pool_, options_.programs}; }
+    DeviceSetUp set_up() const { return {tools()}; }
     const std::shared_ptr<const DeviceFaces::Names>& names();
     /// Makes the frusta, and their records for a lattice if it is not null and kernels make them.
     std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);

@@ -42,27 +42,27 @@ class CrossingSearch {
 public:
     explicit CrossingSearch(const SweepInputs& inputs)
         : inputs_(inputs),
-          queue_(inputs.context.queue()),
+          queue_(inputs.tools.context.queue()),
           seen_(inputs.layout),
           row_count_(sign_row_count(inputs.layout)),
           triangle_count_(has_selection() ? inputs.selection.count : inputs.mesh->triangle_count),
-          parts_(inputs.programs.parallel_parts(inputs.context, 1)),
-          row_counts_(inputs.pool->lease(row_count_ * sizeof(cl_uint), "counts of the sign's crossings")),
-          totals_(inputs.pool->lease(sizeof(SweepTotals), "totals of the sign's sweep")),
-          large_(inputs.pool->lease(triangle_count_ * sizeof(cl_uint), "large triangles of the sign's sweep")),
-          kernel_(inputs.programs.sign_sweep, "sign_crossings") {
+          parts_(inputs.tools.programs.parallel_parts(inputs.tools.context, 1)),
+          row_counts_(inputs.tools.pool->lease(row_count_ * sizeof(cl_uint), "counts of the sign's crossings")),
+          totals_(inputs.tools.pool->lease(sizeof(SweepTotals), "totals of the sign's sweep")),
+          large_(inputs.tools.pool->lease(triangle_count_ * sizeof(cl_uint), "large triangles of the sign's sweep")),
+          kernel_(inputs.tools.programs.sign_sweep, "sign_crossings") {
         seen_.brick_first[0] -= inputs.mesh->first_x / CLSDF_BRICK;
-        starts_ = inputs.pool->lease((row_count_ + 1) * sizeof(cl_uint), "starts of the sign's crossings");
+        starts_ = inputs.tools.pool->lease((row_count_ + 1) * sizeof(cl_uint), "starts of the sign's crossings");
         const std::size_t left_over = std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK;
         const std::size_t most =
-            std::min<std::size_t>(inputs.context.capabilities().largest_allocation / sizeof(SweepRecord),
+            std::min<std::size_t>(inputs.tools.context.capabilities().largest_allocation / sizeof(SweepRecord),
                                   std::numeric_limits<cl_uint>::max());
         // The first capacity is a guess. If there is no memory for it, crossings are only counted at first.
         capacity_ = std::min(records_per_row * row_count_ + left_over, most);
-        if (auto guess = inputs.pool->lease_if_it_fits(capacity_ * sizeof(SweepRecord), records_purpose))
+        if (auto guess = inputs.tools.pool->lease_if_it_fits(capacity_ * sizeof(SweepRecord), records_purpose))
             records_ = std::move(*guess);
         else
-            records_ = inputs.pool->lease(capacity_ = 0, records_purpose);
+            records_ = inputs.tools.pool->lease(capacity_ = 0, records_purpose);
     }
 
     /// Enqueues the search with room for `capacity_` records, and what says where each row's start; does not wait.
@@ -87,7 +87,7 @@ public:
             if (record_count_ <= capacity_) break;
             capacity_ = record_count_;
             records_ = {};  // the smaller one goes back first
-            records_ = inputs_.pool->lease_for_list(capacity_ * sizeof(SweepRecord), records_purpose);
+            records_ = inputs_.tools.pool->lease_for_list(capacity_ * sizeof(SweepRecord), records_purpose);
             begin();
         }
         sweep_rows(bits);
@@ -121,7 +121,7 @@ private:
     void enqueue(std::size_t items, std::size_t begin, std::size_t end, bool has_chosen, const cl::Buffer& chosen,
                  std::size_t strips) {
         const SweepMesh& mesh = *inputs_.mesh;
-        launch(queue_, kernel_, {items, inputs_.programs.part_group()}, seen_, static_cast<cl_uint>(begin),
+        launch(queue_, kernel_, {items, inputs_.tools.programs.part_group()}, seen_, static_cast<cl_uint>(begin),
                static_cast<cl_uint>(end), mesh.triangles(), *mesh.vertices, cl_int{mesh.bits_y}, cl_int{mesh.bits_z},
                *row_counts_, static_cast<cl_uint>(capacity_), *records_, *totals_, *large_, cl_int{has_chosen ? 1 : 0},
                chosen, static_cast<cl_uint>(strips));
@@ -130,7 +130,7 @@ private:
     /// Sums the crossings so far. The sums do not wait until it is known whether large triangles are left: waking the
     /// host takes as long.
     void add_up() {
-        sums_.emplace(inputs_.context, inputs_.programs, inputs_.pool, *row_counts_, *starts_, row_count_, listed);
+        sums_.emplace(inputs_.tools, *row_counts_, *starts_, row_count_, listed);
         queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_->get(), nullptr,
                                  &totals_read_);
     }
@@ -143,8 +143,9 @@ private:
 
     /// The keys of the crossings, row by row.
     device::BufferPool::Lease keys_by_row() const {
-        auto keys = inputs_.pool->lease_for_list(count_ * sizeof(cl_uint), "crossings of the sign's sweep by rows");
-        cl::Kernel scatter(inputs_.programs.sign_sweep, "sign_scatter");
+        auto keys =
+            inputs_.tools.pool->lease_for_list(count_ * sizeof(cl_uint), "crossings of the sign's sweep by rows");
+        cl::Kernel scatter(inputs_.tools.programs.sign_sweep, "sign_scatter");
         inputs_.launches.over_items(scatter, record_count_, seconds_per_record, [&](cl_uint begin, cl_uint end) {
             set_arguments(scatter, 0, begin, end, *records_, *starts_, *keys);
         });
@@ -154,14 +155,14 @@ private:
     void sweep_rows(const cl::Buffer& bits) const {
         const Layout& layout = inputs_.layout;
         const auto keys = keys_by_row();
-        cl::Kernel sweep(inputs_.programs.sign_sweep, "sign_rows");
-        const std::size_t item_rows = inputs_.programs.body == KernelBody::by_group ? 1 : rows_of_a_core;
+        cl::Kernel sweep(inputs_.tools.programs.sign_sweep, "sign_rows");
+        const std::size_t item_rows = inputs_.tools.programs.body == KernelBody::by_group ? 1 : rows_of_a_core;
         const double words_and_keys =
             layout.sign_words + 8.0 * static_cast<double>(record_count_) / static_cast<double>(row_count_);
         inputs_.launches.over(row_count_, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
             const std::size_t items = chunk_count(end - begin, item_rows);
-            engine::launch(queue_, sweep, {items, inputs_.programs.part_group()}, layout, static_cast<cl_uint>(begin),
-                           static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
+            engine::launch(queue_, sweep, {items, inputs_.tools.programs.part_group()}, layout,
+                           static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
                            cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *starts_, *keys, bits);
         });
     }
@@ -183,18 +184,19 @@ private:
     device::BufferPool::Lease records_;  ///< SweepRecord, in no order
     std::size_t record_count_ = 0;       ///< those that are left over included
     std::size_t capacity_ = 0;           ///< records that there is room for
-    device::InFlight<std::unique_ptr<SweepTotals>> totals_found_{inputs_.context, std::make_unique<SweepTotals>()};
+    device::InFlight<std::unique_ptr<SweepTotals>> totals_found_{inputs_.tools.context,
+                                                                 std::make_unique<SweepTotals>()};
 };
 
 SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
     device::guarded([&] {
         const std::size_t bytes =
             sign_row_count(inputs.layout) * static_cast<std::size_t>(inputs.layout.sign_words) * sizeof(cl_uint);
-        bits_ = inputs.pool->lease(bytes, "sign bits");
+        bits_ = inputs.tools.pool->lease(bytes, "sign bits");
         const bool is_empty = inputs.mesh == nullptr || inputs.mesh->triangle_count == 0 ||
                               (inputs.selection.triangles() != nullptr && inputs.selection.count == 0);
         if (is_empty) {
-            inputs.context.queue().enqueueFillBuffer(*bits_, cl_uint{0}, 0, bytes);
+            inputs.tools.context.queue().enqueueFillBuffer(*bits_, cl_uint{0}, 0, bytes);
         } else {
             search_ = std::make_unique<CrossingSearch>(inputs_);
             search_->begin();

@@ -3,6 +3,7 @@
 #include <clsdf/topology.hpp>
 
 #include "device/buffer_pool.hpp"
+#include "launch/device_tools.hpp"
 #include "launch/short_launches.hpp"
 #include "layout.h"
 #include "sign/sweep_mesh.hpp"
@@ -16,9 +17,7 @@ struct Programs;
 
 /// The inputs of a sweep; all of them must outlive it.
 struct SweepInputs {
-    device::Context& context;
-    const Programs& programs;
-    const std::shared_ptr<device::BufferPool>& pool;
+    DeviceTools tools;
     const Layout& layout;
     const SweepMesh* mesh;  ///< null: all bits are 0
     const SweepSelection& selection;

@@ -91,7 +91,8 @@ struct SweepLattice {
 /// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.
 device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLattice& lattice, const Mesh& mesh,
                                          const UninitializedVector<std::uint32_t>& numbers) {
-    device::HostFilling filling(job.context, job.pool, numbers.size() * sizeof(SweepVertex), vertices_purpose);
+    device::HostFilling filling(job.tools.context, job.tools.pool, numbers.size() * sizeof(SweepVertex),
+                                vertices_purpose);
     auto* const vertices = static_cast<SweepVertex*>(filling.memory());
     const std::size_t none = mesh.vertices().size();
     LeastIndex far(none);
@@ -110,9 +111,9 @@ device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLatt
 device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const SweepLattice& lattice,
                                              const DeviceFaces& faces) {
     const std::size_t count = faces.names->topology->faces.vertices.size();
-    auto vertices = job.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
-    cl::Kernel kernel(job.programs.mesh_records, "sweep_vertices");
-    ShortLaunches(job.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
+    auto vertices = job.tools.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
+    cl::Kernel kernel(job.tools.programs.mesh_records, "sweep_vertices");
+    ShortLaunches(job.tools.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
         set_arguments(kernel, 0, face_lattice(lattice.view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
                       begin, end, *faces.positions, *vertices);
     });
@@ -160,16 +161,16 @@ bool is_within_sweep(const Mesh& mesh, const Grid& grid) {
     return lattice.snap(mesh.box().lower, any) && lattice.snap(mesh.box().upper, any);
 }
 
-SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const Grid& grid, const Mesh& mesh, const MeshTopology& topology,
+SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Mesh& mesh, const MeshTopology& topology,
                           const std::vector<RecordRange>& faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, mesh);
         std::size_t count = 0;
         for (const RecordRange& range : faces) count += range.end - range.begin;
         // Each face has vertices of its own.
-        device::HostFilling triangle_filling(context, pool, count * sizeof(Triangle), "triangles");
-        device::HostFilling vertex_filling(context, pool, 3 * count * sizeof(SweepVertex), vertices_purpose);
+        device::HostFilling triangle_filling(tools.context, tools.pool, count * sizeof(Triangle), "triangles");
+        device::HostFilling vertex_filling(tools.context, tools.pool, 3 * count * sizeof(SweepVertex),
+                                           vertices_purpose);
         auto* const triangles = static_cast<Triangle*>(triangle_filling.memory());
         auto* const vertices = static_cast<SweepVertex*>(vertex_filling.memory());
         std::size_t begin = 0;

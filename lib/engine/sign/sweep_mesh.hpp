@@ -7,6 +7,7 @@
 #include "frusta/cluster_index.hpp"
 #include "frusta/device_faces.hpp"
 #include "frusta/topology.hpp"
+#include "launch/device_tools.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -49,8 +50,7 @@ SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& 
 bool is_within_sweep(const Mesh& mesh, const Grid& grid);
 
 /// The faces that rows of a part of the lattice can cross, without the others. The sign has the same bits.
-SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const Grid& grid, const Mesh& mesh, const MeshTopology& topology,
+SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Mesh& mesh, const MeshTopology& topology,
                           const std::vector<RecordRange>& faces);
 
 }  // namespace clsdf::engine

@@ -255,8 +255,7 @@ UnitBox face_box(const PointMesh& mesh, std::size_t face) {
     return box;
 }
 
-PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          std::shared_ptr<const MeshTopology> topology) {
+PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, std::shared_ptr<const MeshTopology> topology) {
     PointMesh result;
     result.lattice = lattice_for_points(mesh);
     result.box = mesh.box();
@@ -267,9 +266,11 @@ PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device
 
     result.tree = shape_of(result.face_count());
     result.nodes.assign(result.tree.first[result.tree.levels - 1] + 1, empty_node());
-    device::HostFilling leaves(context, pool, result.tree.count[0] * sizeof(PointLeaf), "leaves of the points' tree");
-    device::HostFilling records(context, pool, result.face_count() * sizeof(Polyhedron), "polyhedra");
-    device::HostFilling faces(context, pool, result.face_count() * sizeof(PointFace), "faces of the points' tree");
+    device::HostFilling leaves(tools.context, tools.pool, result.tree.count[0] * sizeof(PointLeaf),
+                               "leaves of the points' tree");
+    device::HostFilling records(tools.context, tools.pool, result.face_count() * sizeof(Polyhedron), "polyhedra");
+    device::HostFilling faces(tools.context, tools.pool, result.face_count() * sizeof(PointFace),
+                              "faces of the points' tree");
     const FaceWriter writer(result, {static_cast<PointLeaf*>(leaves.memory()), result.tree.count[0]},
                             {static_cast<PointFace*>(faces.memory()), result.face_count()},
                             {static_cast<Polyhedron*>(records.memory()), result.face_count()});
@@ -281,8 +282,8 @@ PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device
     result.leaves = leaves.finish();
     result.polyhedra = records.finish();
     result.faces = faces.finish();
-    result.device_nodes = device::uploaded(context, pool, std::span(result.nodes).subspan(result.tree.count[0]),
-                                           "nodes of the points' tree");
+    result.device_nodes = device::uploaded(
+        tools.context, tools.pool, std::span(result.nodes).subspan(result.tree.count[0]), "nodes of the points' tree");
     return result;
 }
 

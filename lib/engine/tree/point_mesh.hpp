@@ -4,6 +4,7 @@
 #include "device/buffer_pool.hpp"
 #include "frusta/frames.hpp"
 #include "frusta/topology.hpp"
+#include "launch/device_tools.hpp"
 
 #include "point_tree.h"
 
@@ -121,7 +122,6 @@ bool visit_faces(const PointMesh& mesh, const UnitBox& box, const Visit& visit) 
 }
 
 /// Throws Error(invalid_argument or out_of_memory).
-PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          std::shared_ptr<const MeshTopology> topology);
+PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, std::shared_ptr<const MeshTopology> topology);
 
 }  // namespace clsdf::engine

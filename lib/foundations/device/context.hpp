@@ -95,7 +95,7 @@ public:
     /// Returns when `to` holds the first `bytes` bytes of `from`, which have been computed. Throws cl::Error.
     void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const;
 
-    /// Which subjects of the self-test (self_test/self_test.hpp), by name, this process need not run any more.
+    /// Which subjects of the self-test (checks/self_test.hpp), by name, this process need not run any more.
     bool is_tested(const std::string& subject) const;
     void set_tested(const std::string& subject);
     void forget_records();
