@@ -5,8 +5,8 @@
 #include "layout.h"
 #include "simd.h"
 
-// The number of the part's sample (x, y, z), counted from its first one, in the arrays of outputs. A sample before the
-// first has the number from which those of the part are counted on.
+// The number of a sample in the arrays of outputs; x, y, z are counted from the part's first sample. It wraps below
+// zero for a sample before the first; numbers that are added undo that.
 INLINE size_t sample_offset(Layout layout, int x, int y, int z) {
     return ((size_t)z * layout.size[1] + y) * layout.size[0] + x;
 }

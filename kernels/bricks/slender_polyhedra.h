@@ -11,16 +11,22 @@
 //
 // The same for one polyhedron and one side, s = 1 above the face and s = -1 below it, in plain arithmetic:
 //
-//   h(p) = s Z(p) + margin               the height of a sample p, from a margin beneath the face
-//   w(e, h) = slope(s, e) h + margin     how far outward the plane of edge e lies at that height
-//   p is listed if 0 <= h(p) <= bound + 2 margin and, for each edge e, outward(e, X(p), Y(p)) <= w(e, h(p))
+// - height of a sample p, from a margin beneath the face: h(p) = s Z(p) + margin.
 //
-//   [h0, h1] = heights of the coarse brick, clipped to [0, bound + 2 margin]; there are no layers if it is empty
-//   corners = those of the triangles {(X, Y): outward(e, X, Y) <= w(e, h) for each e} at h0 and h1: six points (a, u,
-//   v) low(a) <= u <= high(a) at all six corners, and so between them, for two lines low and high; the same for v
-//   layers: the samples a from the least corner to the greatest, within the coarse brick
-//   samples of a layer: u from ceil(low_u(a)) to floor(high_u(a)), v from ceil(low_v(a)) to floor(high_v(a)), each
-//   listed if it is on the inner side of the planes above
+// - how far outward the plane of edge e lies at that height: w(e, h) = slope(s, e) h + margin.
+//
+// - p is listed if 0 <= h(p) <= bound + 2 margin and, for each edge e, outward(e, X(p), Y(p)) <= w(e, h(p)).
+//
+// - [h0, h1] are the heights of the coarse brick, clipped to [0, bound + 2 margin]; if it is empty, there are no
+// layers.
+//
+// - corners (a, u, v): those of the triangles {(X, Y): outward(e, X, Y) <= w(e, h) for each e} at h0 and at h1, six in
+// all.
+//
+// - lines: low(a) <= u <= high(a) at all six corners, and so everywhere between them; the same for v.
+//
+// - samples: layer a from the least corner to the greatest, within the coarse brick; in it u from ceil(low_u(a)) to
+//   floor(high_u(a)) and v from ceil(low_v(a)) to floor(high_v(a)); of these, those on the inner side of the planes.
 #ifndef CLSDF_SLENDER_POLYHEDRA_H
 #define CLSDF_SLENDER_POLYHEDRA_H
 

@@ -1,4 +1,5 @@
-// Finishing: what a field holds beside the distance in float, from a sample's nearest polyhedron.
+// Finishing: what a field holds beside the distance in float, from a sample's nearest polyhedron. A new output is a row
+// of <clsdf/output_table.h> and a function here (docs/architecture.md, 'An output').
 //
 // The sample's coordinates in the triangle's frame (polyhedron.h) are formed in double, and tell the nearest of the
 // seven sites, the closest point and the direction. The altitude divides the triangle in two right-angled halves; the

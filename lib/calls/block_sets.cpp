@@ -9,8 +9,8 @@ namespace clsdf {
 
 namespace {
 
-// Blocks are computed so many at once, because as requests they take over 200 bytes each. Neighbours in the list are
-// mostly neighbours in space.
+// Blocks are computed so many at once, because as requests with their jobs and targets they take about a kilobyte each.
+// Neighbours in the list are mostly neighbours in space.
 constexpr std::size_t most_at_once = std::size_t{1} << 15;
 
 }  // namespace

@@ -5,15 +5,12 @@
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "core/outputs.hpp"
-#include "core/parallel.hpp"
-#include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/output_targets.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
+#include <limits>
+#include <mutex>
 #include <utility>
 
 namespace clsdf {
@@ -148,6 +145,7 @@ std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
     grid.validate();
     device::Context::Capabilities unlimited;
     unlimited.memory = unlimited.largest_allocation = std::numeric_limits<std::size_t>::max();
+    engine::check_grid(grid);
     return with_host_memory("for the list of slabs",
                             [&] { return engine::slabs_of(grid, engine::stream_limits_of(unlimited)); });
 }

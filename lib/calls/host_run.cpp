@@ -51,7 +51,7 @@ public:
           slabs_(calls::slabs_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
           running_{call},
           plans_(state, state.pool, false, running_),
-          pipeline_(state.context(), overlap) {
+          pipeline_(state.context(), overlap && slabs_.size() > 1) {
         std::ranges::reverse(slabs_);
         for (const Batch& batch : batches) cost_ += batch.cost;
     }

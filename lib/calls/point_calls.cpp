@@ -108,7 +108,7 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += all.size();
-        const points::PointInputs inputs = point_inputs(outputs, all.size(), false);
+        point_inputs(outputs, all.size(), false);  // what it makes is kept
         statistics.polyhedra_seconds = watch.seconds();
     }
     device::InFlight<targets::OwnArrays> own(context());
@@ -144,10 +144,12 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         if (!targets.are_packed) targets.store(targets::row_of(count, begin), arrays);
     }
     own.end();
-    const std::scoped_lock lock(mutex);
-    pool->trim();
-    statistics.device_bytes = pool->peak();
-    return running.finish();
+    {
+        const std::scoped_lock lock(mutex);
+        pool->trim();
+        statistics.device_bytes = pool->peak();
+    }
+    return running.finish();  // which calls the caller's function
 }
 
 TransformStatistics DistanceTransform::query(const InputArray& points, double half_width, const OutputTargets& targets,

@@ -3,7 +3,6 @@
 #include "core/outputs.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <map>
 #include <numeric>
@@ -46,26 +45,32 @@ public:
         area_ = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
     }
 
+    /// Requests that are computed together.
+    struct Part {
+        Grid block;  ///< around them
+        double cost;
+        std::vector<std::size_t> requests{};
+    };
+
     /// The cheaper of one block and the best of two halves, which lie on both sides of the median along the block's
     /// longest axis. Changes their order.
-    std::vector<Batch> divide(std::span<std::size_t> chosen) const {
-        Batch whole;
-        whole.job.grid = block_around(jobs_, chosen);
-        whole.cost = cost(whole.job.grid, chosen);
-        std::vector<Batch> batches;
+    std::vector<Part> divide(std::span<std::size_t> chosen) const {
+        const Grid block = block_around(jobs_, chosen);
+        Part whole{block, cost(block, chosen)};
+        std::vector<Part> parts;
         if (chosen.size() > 1) {
-            const Index3& size = whole.job.grid.size;
+            const Index3& size = block.size;
             const auto axis = static_cast<std::size_t>(std::max_element(size.begin(), size.end()) - size.begin());
             const auto middle = chosen.begin() + static_cast<std::ptrdiff_t>(chosen.size() / 2);
             std::nth_element(chosen.begin(), middle, chosen.end(),
                              [&](std::size_t a, std::size_t b) { return place(a, axis) < place(b, axis); });
-            batches = divide({chosen.begin(), middle});
-            std::vector<Batch> upper = divide({middle, chosen.end()});
-            std::move(upper.begin(), upper.end(), std::back_inserter(batches));
+            parts = divide({chosen.begin(), middle});
+            std::vector<Part> upper = divide({middle, chosen.end()});
+            std::move(upper.begin(), upper.end(), std::back_inserter(parts));
         }
-        const double cost_of_parts = std::accumulate(batches.begin(), batches.end(), 0.0,
-                                                     [](double sum, const Batch& batch) { return sum + batch.cost; });
-        if (!batches.empty() && cost_of_parts < whole.cost) return batches;
+        const double cost_of_parts = std::accumulate(parts.begin(), parts.end(), 0.0,
+                                                     [](double sum, const Part& part) { return sum + part.cost; });
+        if (!parts.empty() && cost_of_parts < whole.cost) return parts;
         whole.requests.assign(chosen.begin(), chosen.end());
         return {std::move(whole)};
     }
@@ -166,17 +171,15 @@ std::vector<Batch> batches_of(std::span<const engine::Job> jobs, std::span<const
     std::map<decltype(kind_of(jobs.front(), arrays.front())), std::vector<std::size_t>> kinds;
     for (std::size_t n = 0; n < jobs.size(); ++n) kinds[kind_of(jobs[n], arrays[n])].push_back(n);
     std::vector<Batch> batches;
-    for (auto& [kind, chosen] : kinds) {
-        std::vector<Batch> of_kind = Division(jobs, box).divide(chosen);
-        std::move(of_kind.begin(), of_kind.end(), std::back_inserter(batches));
-    }
-    for (Batch& batch : batches) {
-        const std::size_t first = batch.requests.front();
-        batch.arrays = arrays[first];
-        batch.job = batch.requests.size() == 1 ? jobs[first] : jobs[first].with_grid(batch.job.grid);
-        if (batch.requests.size() > 1)
-            for (const std::size_t n : batch.requests) batch.job.wanted.push_back(jobs[n].grid);
-    }
+    for (auto& [kind, chosen] : kinds)
+        for (Division::Part& part : Division(jobs, box).divide(chosen)) {
+            const std::size_t first = part.requests.front();
+            const bool is_one = part.requests.size() == 1;
+            Batch& batch = batches.emplace_back(Batch{is_one ? jobs[first] : jobs[first].with_grid(part.block),
+                                                      std::move(part.requests), part.cost, arrays[first]});
+            if (!is_one)
+                for (const std::size_t n : batch.requests) batch.job.wanted.push_back(jobs[n].grid);
+        }
     return batches;
 }
 

@@ -10,11 +10,11 @@ namespace clsdf {
 /// each of its slabs gets the part that it needs.
 class DistanceTransform::State::SlabPlans {
 public:
-    /// All references must outlive this. pool: of the plans' buffers. lone: see KeptMesh::inputs().
+    /// All references must outlive this. pool: of the plans' buffers. lone: see engine::grid_inputs().
     SlabPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, calls::RunningCall& running)
         : state_(state), workshop_(state.with(std::move(pool))), lone_(lone), running_(running) {}
 
-    /// Throws what KeptMesh::inputs() and GridPlan do, and what the caller's functions do.
+    /// Throws what engine::grid_inputs() and GridPlan do, and what the caller's functions do.
     std::unique_ptr<engine::GridPlan> make(const calls::Slab& slab);
     /// Gives back the inputs of the latest batch.
     void release() {

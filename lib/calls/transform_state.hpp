@@ -14,9 +14,8 @@
 #include "plan/kept_mesh.hpp"
 #include "points/kept_points.hpp"
 #include "points/point_query.hpp"
-#include "targets/slab_pipeline.hpp"
+#include "targets/output_targets.hpp"
 
-#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -108,14 +107,14 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
 
     class SlabPlans;
 
+    /// Into memory of the host or of the device, which is that of the first request.
+    CallStatistics compute(std::span<const Request> requests, const CallOptions& call);
+
     // host_run.cpp
     class HostRun;
     CallStatistics compute_on_host(std::span<const Request> requests, const CallOptions& call);
     CallStatistics compute_slabs(const engine::Job& job, const SlabSink& sink, const SlabOptions& options,
                                  const CallOptions& call);
-
-    /// Into memory of the host or of the device, which is that of the first request.
-    CallStatistics compute(std::span<const Request> requests, const CallOptions& call);
 
     // block_sets.cpp
     CallStatistics compute(const BlockSet& blocks, const CallOptions& call);

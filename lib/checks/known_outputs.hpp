@@ -6,7 +6,7 @@
 
 #include "outputs.h"
 #include "polyhedron.h"
-#include "targets/slab_pipeline.hpp"
+#include "targets/host_arrays.hpp"
 
 #include <cstddef>
 #include <cstdint>

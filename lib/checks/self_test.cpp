@@ -105,7 +105,7 @@ std::optional<std::string> field_difference(const engine::Workshop& workshop, en
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
     const engine::Job job = kept_mesh.checked({grid, known.band(), outputs, {}, variant.count}, workshop.sign);
     engine::Inputs inputs = engine::grid_inputs(kept_mesh, job, workshop.sign);
-    if (is_finished) inputs.sites = kept_mesh.sites(true, kept_mesh.may_meet_samples(kept_mesh.lattice(grid)));
+    if (is_finished) inputs.sites = kept_mesh.sites(true, inputs.may_meet_samples);
     engine::GridPlan plan(workshop, std::move(inputs), job, {});
     if (watch.tests) watch.tests();
     context.run_or_drain([&] {
@@ -123,8 +123,8 @@ std::optional<std::string> field_difference(const engine::Workshop& workshop, en
 }
 
 /// Looks up the samples of known fields as points: those of the first lattice without a limit, with signs by crossings;
-/// those of the later one within a limit, with signs by the sides of faces, and from records of the kernel that makes
-/// them after the first call.
+/// those of the second within a limit, with signs by the sides of faces, and from records that are made from kept
+/// frusta.
 std::optional<std::string> point_difference(const Device& device, const engine::Programs& programs, bool are_scanned) {
     constexpr double limit = 2.5;
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));

@@ -173,8 +173,7 @@ private:
             engine::launch(queue, active_kernel_, {parts_, part_group_});
             first = next;
         }
-        engine::PrefixSums sums(tools, *cursors_, *starts_, cursor_count(),
-                                "intersections of a piece and a slice");
+        engine::PrefixSums sums(tools, *cursors_, *starts_, cursor_count(), "intersections of a piece and a slice");
         sums.total();  // throws if the starts do not hold it
     }
 

@@ -83,15 +83,6 @@ OutputSet outputs_of(const OutputTargets& targets) {
     return outputs;
 }
 
-OutputSet outputs_of(const HostArrays& arrays) {
-    OutputSet outputs;
-    for (const OutputInfo& info : output_table()) {
-        const HostArray& array = arrays[info.output];
-        if (info.output == Output::distance ? array.in_double : array.is_wanted) outputs.insert(info.output);
-    }
-    return outputs;
-}
-
 bool are_on_device(const OutputTargets& targets) {
     const OutputArray* distance = targets.find(Output::distance);
     return distance != nullptr && distance->device != nullptr;

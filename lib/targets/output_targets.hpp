@@ -18,8 +18,6 @@ namespace clsdf::targets {
 /// What finishing (kernels/finish/finish.h) makes for the targets: the outputs beside the distance, and the distance
 /// if it is in double.
 OutputSet outputs_of(const OutputTargets& targets);
-/// The same for arrays.
-OutputSet outputs_of(const HostArrays& arrays);
 /// The set without the distance, which is always computed.
 OutputSet extras_of(OutputSet outputs);
 

@@ -10,15 +10,13 @@ SlabPipeline::SlabPipeline(const device::Context& context, bool overlap)
     : context_(context),
       // A thread if one can be started.
       policy_(overlap ? std::launch::async | std::launch::deferred : std::launch::deferred),
-      transfers_(device::guarded([&] {
-          return context.capabilities().is_processor ? cl::CommandQueue()
-                                                     : cl::CommandQueue(context.context(), context.device());
-      })) {}
+      transfers_(device::guarded(
+          [&] { return overlap ? cl::CommandQueue(context.context(), context.device()) : context.queue(); })) {}
 
 SlabPipeline::~SlabPipeline() {
     if (is_finished_) return;
     abandoned_ = true;
-    const bool is_read = transfers_() == nullptr || clFinish(transfers_()) == CL_SUCCESS;
+    const bool is_read = clFinish(transfers_()) == CL_SUCCESS;
     if (latest_.valid()) latest_.wait();
     if (!is_read || context_.is_lost()) keep_for_good(slots_);
 }
@@ -40,7 +38,7 @@ void SlabPipeline::deliver(Slot& slot, HandOn hand_on) {
     slot.delivered = std::async(policy_, [this, previous = latest_, &slot, hand_on = std::move(hand_on)]() mutable {
         if (!abandoned_) device::guarded([&] { slot.memories.read(context_, transfers_); });
         if (previous.valid()) previous.get();
-        previous = {};  // or the chain of all blocks would stay
+        previous = {};  // or the chain of all slabs would stay
         if (hand_on && !abandoned_) hand_on(slot.memories.arrays);
     });
     latest_ = slot.delivered;

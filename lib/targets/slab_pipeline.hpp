@@ -9,9 +9,9 @@
 
 namespace clsdf::targets {
 
-/// Blocks of samples on their way from the device: while one is computed, the one before is read and handed on. Two
-/// sets of buffers, a queue of its own for what is read, and a thread that reads and hands on, one block at a time, in
-/// their order.
+/// Slabs on their way from the device: while one is computed, the one before is read and handed on. Two sets of
+/// buffers, a queue of its own for what is read, and a thread that reads and hands on, one slab at a time, in their
+/// order.
 class SlabPipeline {
 public:
     struct Slot {
@@ -23,7 +23,7 @@ public:
 
     /// Without overlap, deliver() reads and hands on itself.
     SlabPipeline(const device::Context& context, bool overlap);
-    /// Blocks that were not handed on yet are dropped; waits for the thread.
+    /// Slabs that were not handed on yet are dropped; waits for the thread.
     ~SlabPipeline();
     SlabPipeline(const SlabPipeline&) = delete;
     SlabPipeline& operator=(const SlabPipeline&) = delete;
@@ -43,7 +43,7 @@ public:
 private:
     const device::Context& context_;
     std::launch policy_;
-    cl::CommandQueue transfers_;  ///< null on a processor, where nothing is read
+    cl::CommandQueue transfers_;  ///< the context's own without overlap
     std::array<Slot, 2> slots_;
     std::size_t next_slot_ = 0;
     std::shared_future<void> latest_;

@@ -244,7 +244,7 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
          distances,
          both,
          {records, "to_foot = is_right ? f.right : -f.left;", "to_foot = is_right ? f.right : f.left;"}},
-        {"records of other faces, on later lattices",
+        {"records of other faces, from kept frusta",
          on_a_later_lattice,
          both,
          {records, "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"}},
@@ -406,7 +406,7 @@ BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
         BOOST_TEST(transform.compile(grid, band).first_use);
         BOOST_TEST(!transform.compile(grid, band).first_use);
     }
-    // Fields without a sign need the same kernels, wide bands and later lattices some more.
+    // Fields without a sign need the same kernels, wide bands and kept frusta some more.
     {
         Changed nothing;
         const Device device = nothing.device("");

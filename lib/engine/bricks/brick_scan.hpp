@@ -75,7 +75,7 @@ private:
     std::size_t counter_sets_ = 0;
 };
 
-/// The body for processors: a work-item a core, lanes of samples.
+/// The body for processors: a work-item a core, lanes of samples. Programs::body says which body a device has.
 std::unique_ptr<FieldScan> make_bricks_by_vector(const ScanInputs& inputs);
 /// Compilers specialise a kernel at its first launch. This launches an empty one and waits for it. Throws cl::Error.
 void specialise_bricks_by_vector(device::Context& context, const Programs& programs, const BrickVariant& variant);

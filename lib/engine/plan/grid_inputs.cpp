@@ -42,8 +42,8 @@ public:
         // A small grid stores three vertices per face; the whole mesh shares them, about half a vertex per face.
         if (is_own(near, lone, lattice_.sweep_mesh != nullptr, lattice_.faces_swept,
                    [&] { return 0.1 * count(all_faces()); })) {
-            inputs.sweep_mesh = std::make_shared<const SweepMesh>(
-                near_sweep_mesh(kept_mesh_.tools(), job_.grid, kept_mesh_.mesh(), kept_mesh_.topology(), near->faces));
+            inputs.sweep_mesh = std::make_shared<const SweepMesh>(near_sweep_mesh(
+                kept_mesh_.tools(), job_.grid, job_.lattice, kept_mesh_.mesh(), kept_mesh_.topology(), near->faces));
             if (!lone) lattice_.faces_swept += near->face_count;
         } else {
             if (!lattice_.sweep_mesh)
@@ -52,6 +52,8 @@ public:
             select_triangles(near, inputs);
         }
     }
+
+    void set_may_meet_samples(Inputs& inputs) { inputs.may_meet_samples = kept_mesh_.may_meet_samples(lattice_); }
 
     /// Selects from those inputs that the lattice keeps.
     void select(Inputs& inputs) {
@@ -82,7 +84,7 @@ private:
     }
 
     std::size_t all_faces() { return kept_mesh_.topology().order.size(); }
-    const NearRecords& kept_ranges() { return kept_mesh_.kept_ranges(job_.grid, lattice_); }
+    const NearRecords& kept_ranges() { return kept_mesh_.kept_ranges(lattice_); }
 
     /// The part of the mesh that the grid needs, for its coarse bricks' lists or for its rows' crossings; nothing if
     /// that is more than half of the `faces` that there are.
@@ -100,7 +102,7 @@ private:
     std::optional<NearRecords> near_rows() {
         if (!kept_mesh_.has_frusta()) return std::nullopt;
         auto near = near_box(box_near_rows(job_), all_faces());
-        return near && is_within_sweep(kept_mesh_.mesh(), job_.grid) ? std::move(near) : std::nullopt;
+        return near && is_within_sweep(kept_mesh_.mesh(), job_.grid, job_.lattice) ? std::move(near) : std::nullopt;
     }
 
     KeptMesh& kept_mesh_;
@@ -113,12 +115,13 @@ private:
 Inputs grid_inputs(KeptMesh& kept_mesh, const Job& job, SignRule sign, bool lone) {
     return kept_mesh.prepare([&] {
         Inputs inputs;
+        const auto& method = kept_mesh.options().method;
+        if (method) inputs.records = method->prepare(kept_mesh, job);
+        if (method && sign == SignRule::none) return inputs;
         GridInputs of_grid(kept_mesh, job);
-        if (const auto& method = kept_mesh.options().method)
-            inputs.records = method->prepare(kept_mesh, job);
-        else
-            of_grid.set_records(lone, inputs);
+        if (!method) of_grid.set_records(lone, inputs);
         if (sign != SignRule::none) of_grid.set_sweep_mesh(lone, inputs);
+        if (!method && takes_normals(job.outputs)) of_grid.set_may_meet_samples(inputs);
         return inputs;
     });
 }

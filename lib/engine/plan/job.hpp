@@ -26,15 +26,15 @@ namespace clsdf::engine {
 struct JobKey {
     Grid grid;
     Band band;
-    OutputSet outputs;           ///< those that finishing makes: see targets::outputs_of()
+    OutputSet outputs;           ///< those that finishing makes: all but distances in float
     std::vector<Grid> wanted{};  ///< the blocks whose samples are needed; others may stay undefined. Empty: all
     bool counts = false;         ///< the device counts the work: see CallOptions::count_work
 
     friend bool operator==(const JobKey&, const JobKey&) = default;
 };
 
-/// The same as every stage takes it. KeptMesh::checked() makes it; the jobs of other parts of the lattice follow from
-/// it.
+/// A JobKey with its grid as kernels and polyhedra see it. KeptMesh::checked() makes it; the jobs of other parts of the
+/// lattice follow from it.
 struct Job : JobKey {
     Layout layout{};        ///< of the grid, as kernels read it
     LatticeView lattice{};  ///< how polyhedra see the grid's lattice

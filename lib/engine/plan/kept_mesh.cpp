@@ -146,9 +146,10 @@ NearRecords KeptMesh::all_ranges() {
     return {{{0, faces}}, {{0, sites}}, faces, sites};
 }
 
-const NearRecords& KeptMesh::kept_ranges(const Grid& grid, Lattice& lattice) {
+const NearRecords& KeptMesh::kept_ranges(Lattice& lattice) {
     std::optional<NearRecords>& ranges = lattice.record_ranges;
-    if (!ranges) ranges = restriction_ ? restriction_->near_bricks(index(), grid) : all_ranges();
+    if (!ranges)
+        ranges = restriction_ ? restriction_->near_bricks(index(), lattice.origin, lattice.spacing) : all_ranges();
     return *ranges;
 }
 
@@ -158,7 +159,7 @@ SurfacePoints KeptMesh::points_of(const LatticeView& view) {
 
 SweepMesh KeptMesh::sweep_mesh(const Job& job) {
     const auto faces = device_faces(job.lattice);
-    return make_sweep_mesh(set_up(), job.grid, mesh_, names(), faces.get());
+    return make_sweep_mesh(set_up(), job.grid, job.lattice, mesh_, names(), faces.get());
 }
 
 bool KeptMesh::may_meet_samples(Lattice& lattice) {

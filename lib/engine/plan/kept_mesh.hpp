@@ -39,7 +39,7 @@ namespace clsdf::engine {
 ///     device's faces + positions                         the same
 ///     sites' names   of the triangles                    kept, once an output names sites
 ///     pseudonormals  + positions                         kept until the vertices move, once gradients need them
-///     records        + lattice (origin and spacing)      kept for the lattices that were used last: see GridInputs
+///     records        + lattice (origin and spacing)      kept for the lattices that were used last: see grid_inputs()
 ///
 /// For one thread at a time.
 class KeptMesh {
@@ -90,7 +90,7 @@ public:
     bool may_meet_samples(Lattice& lattice);
     /// The records that a lattice keeps: all; for a part of a mesh, those that distances in its box can need. Faces
     /// that a part has for the sign alone need no records.
-    const NearRecords& kept_ranges(const Grid& grid, Lattice& lattice);
+    const NearRecords& kept_ranges(Lattice& lattice);
     /// Records of the whole mesh, or of some ranges, which are not kept. Throws Error(out_of_memory).
     PreparedMesh all_records(const LatticeView& view);
     PreparedMesh records(const LatticeView& view, const NearRecords& ranges);

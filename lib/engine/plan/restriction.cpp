@@ -70,20 +70,20 @@ NearRecords Restriction::near(const ClusterIndex& index, SignRule sign) {
     return near;
 }
 
-NearRecords Restriction::near_bricks(const ClusterIndex& index, const Grid& grid) const {
+NearRecords Restriction::near_bricks(const ClusterIndex& index, const Vec3& origin, const Vec3& spacing) const {
     // The slack of their tests is far less than the longest spacing.
-    const double slack = *std::max_element(grid.spacing.begin(), grid.spacing.end());
+    const double slack = *std::max_element(spacing.begin(), spacing.end());
     std::vector<Box> boxes;  // near the bricks with samples in the regions
     for (const Region& region : regions) {
         Box box;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double size = CLSDF_BRICK * grid.spacing[axis];
+            const double size = CLSDF_BRICK * spacing[axis];
             // Samples may lie beyond it by the rounding of their positions.
             const auto brick = [&](double position, double slack_of_sample) {
-                return std::floor((position - grid.origin[axis] + slack_of_sample * grid.spacing[axis]) / size);
+                return std::floor((position - origin[axis] + slack_of_sample * spacing[axis]) / size);
             };
-            box.lower[axis] = grid.origin[axis] + brick(region.box.lower[axis], -1e-3) * size;
-            box.upper[axis] = grid.origin[axis] + (brick(region.box.upper[axis], 1e-3) + 1) * size;
+            box.lower[axis] = origin[axis] + brick(region.box.lower[axis], -1e-3) * size;
+            box.upper[axis] = origin[axis] + (brick(region.box.upper[axis], 1e-3) + 1) * size;
         }
         boxes.push_back(widened(box, region.half_width * (1 + 1e-3) + slack));
     }

@@ -32,8 +32,8 @@ public:
     /// The triangles that decide distances, and signs, of samples of any lattice in the regions; at least one. Sets
     /// record_count.
     NearRecords near(const ClusterIndex& index, SignRule sign);
-    /// Those that decide distances of samples of the grid's lattice.
-    NearRecords near_bricks(const ClusterIndex& index, const Grid& grid) const;
+    /// Those that decide distances of samples of a lattice.
+    NearRecords near_bricks(const ClusterIndex& index, const Vec3& origin, const Vec3& spacing) const;
 
     /// Each throws Error(invalid_argument) if the part of the mesh does not suffice for the field, points or boxes.
     void check(const Grid& grid, const Band& band, SignRule sign) const;

@@ -54,8 +54,11 @@ SlabLimits stream_limits_of(const device::Context::Capabilities& device) {
     return {64 * mebibyte, 256 * mebibyte, largest_of(device)};
 }
 
-std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest) {
+void check_grid(const Grid& grid) {
     layout_of(grid, Band::signs_only(), SignRule::none);
+}
+
+std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest) {
     const std::int64_t most = most_slices(grid, limits, widest);
     if (most >= grid.size[2]) return {grid};
     std::vector<Grid> slabs;

@@ -25,8 +25,11 @@ SlabLimits limits_of(const device::Context::Capabilities& device);
 /// For fields that are handed on slab by slab: 64 MiB of samples, or 32 slices if they take at most 256 MiB.
 SlabLimits stream_limits_of(const device::Context::Capabilities& device);
 
-/// Parts of the grid in the order of z, which together are the grid. widest: bytes that one sample has in the largest
-/// of the outputs. Throws Error(invalid_argument) for a grid that kernels cannot compute, see layout_of().
+/// Throws Error(invalid_argument) for a grid that kernels cannot compute, see layout_of().
+void check_grid(const Grid& grid);
+
+/// Parts of a grid that was checked, in the order of z, which together are the grid. widest: bytes that one sample has
+/// in the largest of the outputs.
 std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest = sizeof(float));
 
 /// Whether a slab has brick boundaries within.

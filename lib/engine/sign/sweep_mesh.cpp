@@ -56,9 +56,9 @@ std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const LatticeView& l
 
 /// A lattice as the sweep sees it.
 struct SweepLattice {
-    SweepLattice(const Grid& grid_in, const Mesh& mesh)
+    SweepLattice(const Grid& grid_in, const LatticeView& view_in, const Mesh& mesh)
         : grid(grid_in),
-          view(lattice_of(grid)),
+          view(view_in),
           bits_y(bits_of(grid.spacing[1] / grid.voxel())),
           bits_z(bits_of(grid.spacing[2] / grid.voxel())),
           first_x(first_x_of(mesh, grid, view)),
@@ -82,7 +82,7 @@ struct SweepLattice {
     }
 
     const Grid& grid;
-    LatticeView view;
+    const LatticeView& view;
     int bits_y, bits_z;
     std::int32_t first_x;
     double scale_y, scale_z;
@@ -138,13 +138,13 @@ const cl::Buffer& SweepMesh::triangles() const {
     return faces ? *faces->triangles : *own_triangles;
 }
 
-SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& mesh,
+SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
                           const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces) {
     return device::guarded([&] {
-        const SweepLattice lattice(grid, mesh);
+        const SweepLattice lattice(grid, view, mesh);
         SweepMesh result;
         result.faces = names;
-        result.vertices = faces != nullptr && is_within_sweep(mesh, grid)
+        result.vertices = faces != nullptr && is_within_sweep(mesh, grid, view)
                               ? vertices_on_device(job, lattice, *faces)
                               : sweep_vertices(job, lattice, mesh, names->topology->faces.vertices);
         result.triangle_count = names->face_count();
@@ -155,16 +155,16 @@ SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& 
     });
 }
 
-bool is_within_sweep(const Mesh& mesh, const Grid& grid) {
-    const SweepLattice lattice(grid, mesh);
+bool is_within_sweep(const Mesh& mesh, const Grid& grid, const LatticeView& view) {
+    const SweepLattice lattice(grid, view, mesh);
     SweepVertex any;
     return lattice.snap(mesh.box().lower, any) && lattice.snap(mesh.box().upper, any);
 }
 
-SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Mesh& mesh, const MeshTopology& topology,
-                          const std::vector<RecordRange>& faces) {
+SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
+                          const MeshTopology& topology, const std::vector<RecordRange>& faces) {
     return device::guarded([&] {
-        const SweepLattice lattice(grid, mesh);
+        const SweepLattice lattice(grid, view, mesh);
         std::size_t count = 0;
         for (const RecordRange& range : faces) count += range.end - range.begin;
         // Each face has vertices of its own.

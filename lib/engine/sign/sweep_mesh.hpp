@@ -42,15 +42,15 @@ struct SweepSelection {
 SweepSelection select_triangles(const device::Context& context, const NearRecords& near);
 
 /// Throws Error(unsupported) if the mesh reaches farther from the grid's origin than the sweep's integers.
-/// `faces`: null if the host makes the vertices.
-SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Mesh& mesh,
+/// view: of the grid's lattice. `faces`: null if the host makes the vertices.
+SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
                           const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces);
 
 /// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
-bool is_within_sweep(const Mesh& mesh, const Grid& grid);
+bool is_within_sweep(const Mesh& mesh, const Grid& grid, const LatticeView& view);
 
 /// The faces that rows of a part of the lattice can cross, without the others. The sign has the same bits.
-SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Mesh& mesh, const MeshTopology& topology,
-                          const std::vector<RecordRange>& faces);
+SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
+                          const MeshTopology& topology, const std::vector<RecordRange>& faces);
 
 }  // namespace clsdf::engine

@@ -18,7 +18,6 @@
 #include <span>
 #include <vector>
 
-/// Distances at points anywhere.
 namespace clsdf::engine {
 
 /// The lattice that points are measured in: its origin is the lower corner of the mesh's box, its unit the greatest

@@ -13,7 +13,7 @@
 
 namespace clsdf {
 
-/// A value for each output.
+/// A value for each output of <clsdf/output_table.h>, in which a new output begins.
 template <typename Value>
 class PerOutput {
 public:
