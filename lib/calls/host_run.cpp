@@ -1,4 +1,5 @@
 #include "calls/slab_plans.hpp"
+#include "calls/stored_boxes.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
@@ -6,6 +7,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
+#include <optional>
 
 namespace clsdf {
 
@@ -15,9 +18,10 @@ using calls::Batch;
 using calls::Slab;
 using engine::Job;
 
-/// Computes a plan's samples, which are [begin, end) of the call's work, and returns when they are there.
+/// Computes a plan's samples, which are [begin, end) of the call's work, and returns when they are there. gather:
+/// enqueues the commands behind them.
 void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls::RunningCall& running, double begin,
-         double end) {
+         double end, const std::function<void(engine::CommandChain&)>& gather) {
     const Stopwatch watch;
     const device::Context& context = device::context_of(plan.device);
     // Its commands write to the caller's memory.
@@ -25,6 +29,7 @@ void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls:
         running.throw_if_stopped();
         engine::CommandChain chain(context.queue(), {});
         plan.enqueue(chain, memories.buffers, running.between(begin, end));
+        gather(chain);
         memories.enqueue_handover(context.queue());
         context.queue().finish();
         device::wait_for(chain.last());  // PoCL's queue finishes without an error if a command has failed
@@ -33,6 +38,78 @@ void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls:
     plan.statistics.field_seconds = watch.seconds();
 }
 
+/// The boxes of a slab that its requests ask for, if the device has memory of its own and they are few: the device
+/// gathers them, so that they alone come to the host.
+class Gathering {
+public:
+    Gathering(const device::Context& context, const Slab& slab, std::span<const Request> requests) {
+        if (!context.capabilities().has_own_memory || slab.batch->requests.size() < 2) return;
+        for (const std::size_t n : slab.batch->requests) {
+            boxes_.push_back(common_part(slab.grid, requests[n].grid));
+            starts_.push_back(samples_);
+            if (boxes_.back()) samples_ += boxes_.back()->sample_count();
+        }
+        // To copy them takes time, too.
+        if (samples_ > slab.grid.sample_count() / 10 * 9) *this = {};
+    }
+
+    bool is_empty() const { return samples_ == 0; }
+    std::size_t samples() const { return samples_; }
+
+    /// visit(request of the batch, its box, where its samples begin)
+    template <class Visit>
+    void for_each_box(const Visit& visit) const {
+        for (std::size_t n = 0; n < boxes_.size(); ++n)
+            if (boxes_[n]) visit(n, *boxes_[n], starts_[n]);
+    }
+
+    /// Copies the boxes of a slab's samples on the device.
+    void enqueue(engine::CommandChain& chain, const device::Context& context, const cl::Program& program,
+                 const Grid& slab, const targets::OutputMemories& from, const targets::OutputMemories& to) {
+        for_each_output(
+            [&](const OutputInfo& row, const targets::HostArray& array, const cl::Buffer& samples,
+                const cl::Buffer& gathered) {
+                if (!array.is_wanted) return;
+                const std::size_t bytes = sample_bytes(row, array.in_double);
+                std::vector<calls::Place> places;
+                for_each_box([&](std::size_t, const Grid& box, std::size_t start) {
+                    OutputArray packed;
+                    packed.offset = start * bytes;
+                    const auto sample = static_cast<std::ptrdiff_t>(bytes);
+                    packed.strides = {sample, sample * box.size[0], sample * box.size[0] * box.size[1]};
+                    packed.component_stride = sample / static_cast<std::ptrdiff_t>(row.components);
+                    places.push_back({gathered(), *calls::stored_box(slab, box, packed)});
+                });
+                stores_.emplace_back(context, program, slab,
+                                     calls::StoredElements{row.components, bytes / row.components}, samples,
+                                     std::move(places));
+                stores_.back().enqueue(chain);
+            },
+            from.arrays, from.buffers, to.buffers);
+    }
+
+private:
+    Gathering() = default;
+
+    static std::optional<Grid> common_part(const Grid& slab, const Grid& request) {
+        Grid common = request;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int64_t begin = std::max(slab.first[axis], request.first[axis]);
+            const std::int64_t end =
+                std::min(slab.first[axis] + slab.size[axis], request.first[axis] + request.size[axis]);
+            if (begin >= end) return std::nullopt;
+            common.first[axis] = begin;
+            common.size[axis] = end - begin;
+        }
+        return common;
+    }
+
+    std::vector<std::optional<Grid>> boxes_;  // of each request of the batch
+    std::vector<std::size_t> starts_;
+    std::size_t samples_ = 0;
+    std::vector<calls::BoxStore> stores_;
+};
+
 }  // namespace
 
 /// Computes slabs one after another, each in the arrays of its request or in memory that is handed on to store(). If
@@ -40,13 +117,17 @@ void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls:
 /// has been released.
 class DistanceTransform::State::HostRun {
 public:
-    using Store = std::function<void(const Slab& slab, const targets::HostArrays& values)>;
+    /// The values of a slab; gathered: of the boxes that its requests ask for, one after another.
+    using Store = std::function<void(const Slab& slab, const Gathering& gathered, const targets::HostArrays& values)>;
 
-    /// All arguments that are references must outlive this. overlap: the next slab is computed while one is stored.
-    HostRun(State& state, std::span<const Batch> batches, bool overlap, const Store& store, const CallOptions& call)
+    /// All arguments that are references must outlive this. requests: those that the batches name. overlap: the next
+    /// slab is computed while one is stored.
+    HostRun(State& state, std::span<const Batch> batches, std::span<const Request> requests, bool overlap,
+            const Store& store, const CallOptions& call)
         : keeps_budget_{state},
           state_(state),
           batches_(batches),
+          requests_(requests),
           store_(store),
           slabs_(calls::slabs_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
           running_{call},
@@ -60,6 +141,7 @@ public:
         start();
         while (!slabs_.empty()) {
             targets::SlabPipeline::Slot* slot = &pipeline_.next();
+            std::shared_ptr<Gathering> gathering;
             const auto divide = [&] {
                 make_room(*slot);
                 slot = &pipeline_.next();
@@ -68,14 +150,16 @@ public:
             // The length of a slab's lists is known only when they are made.
             calls::with_remedies(&running_, {{divide, true}, {[] { return true; }}}, [&] {
                 const std::scoped_lock lock(state_.mutex);
-                compute(*slot);
+                gathering = std::make_shared<Gathering>(state_.context(), slabs_.back(), requests_);
+                compute(*slot, *gathering);
             });
             const Slab slab = slabs_.back();
             slabs_.pop_back();
             pipeline_.deliver(
-                *slot, slab.batch->in_place
-                           ? targets::SlabPipeline::HandOn()
-                           : [this, slab](const targets::HostArrays& values) { store_(slab, values); });
+                *slot, slab.batch->in_place ? targets::SlabPipeline::HandOn()
+                                            : [this, slab, gathering](const targets::HostArrays& values) {
+                                                  store_(slab, *gathering, values);
+                                              });
         }
         return finish();
     }
@@ -87,27 +171,43 @@ private:
         const std::scoped_lock lock(state_.mutex);
         running_.throw_if_stopped();
         for (const Batch& batch : batches_) state_.compile(batch.job, running_);
+        const bool may_gather = state_.context().capabilities().has_own_memory && requests_.size() > batches_.size();
+        if (may_gather) state_.test(calls::stored_boxes_subject(state_.device, state_.programs), running_);
         state_.pool->restart_peak();
     }
 
     /// Computes the next slab, by the plan of an earlier call if there is one.
-    void compute(targets::SlabPipeline::Slot& slot) {
+    void compute(targets::SlabPipeline::Slot& slot, Gathering& gathering) {
         const Slab& slab = slabs_.back();
         const engine::Job& job = slab.batch->job;
         const targets::HostArrays& arrays = slab.batch->arrays;
         const std::size_t samples = slab.grid.sample_count();
         const std::size_t first = job.grid.offset(0, 0, slab.grid.first[2] - job.grid.first[2]);
+        slot.is_gathered = !gathering.is_empty();
         device::guarded([&] {
-            slot.memories.place(
-                state_.context(), *state_.pool,
-                slab.batch->in_place ? targets::arrays_from(first, arrays) : slot.own.for_samples(arrays, samples),
-                samples);
+            device::Context& context = state_.context();
+            device::BufferPool& pool = *state_.pool;
+            if (slot.is_gathered) {
+                const std::size_t wanted = gathering.samples();
+                slot.memories.place(context, pool, arrays, samples);
+                slot.gathered.place(context, pool, slot.own.for_samples(arrays, wanted), wanted);
+            } else {
+                slot.memories.place(
+                    context, pool,
+                    slab.batch->in_place ? targets::arrays_from(first, arrays) : slot.own.for_samples(arrays, samples),
+                    samples);
+            }
         });
+        const auto gather = [&](engine::CommandChain& chain) {
+            if (slot.is_gathered)
+                gathering.enqueue(chain, state_.context(), state_.programs.store.get(), slab.grid, slot.memories,
+                                  slot.gathered);
+        };
         if (!plan_ && slab.is_whole()) plan_ = state_.take_plan(job);
         if (!plan_) plan_ = plans_.make(slab);
         const double share =
             slab.batch->cost / cost_ * static_cast<double>(samples) / static_cast<double>(job.grid.sample_count());
-        clsdf::run(*plan_, slot.memories, running_, done_, done_ + share);
+        clsdf::run(*plan_, slot.memories, running_, done_, done_ + share, gather);
         done_ += share;
         if (slabs_.size() > 1) running_.report({.fraction = done_});
         add_slab(running_.statistics, plan_->statistics);
@@ -153,6 +253,7 @@ private:
     KeepsBudget keeps_budget_;  // destroyed last, when the other members have released their memory
     State& state_;
     std::span<const Batch> batches_;
+    std::span<const Request> requests_;
     const Store& store_;
     std::vector<Slab> slabs_;  ///< the next one is the last
     calls::RunningCall running_;
@@ -166,10 +267,10 @@ private:
 CallStatistics DistanceTransform::State::compute_slabs(const engine::Job& job, const SlabSink& sink,
                                                        const SlabOptions& options, const CallOptions& call) {
     const Batch batch{.job = job, .arrays = targets::arrays_for(job.outputs)};
-    const HostRun::Store hand_on = [&](const Slab& slab, const targets::HostArrays& values) {
+    const HostRun::Store hand_on = [&](const Slab& slab, const Gathering&, const targets::HostArrays& values) {
         sink(slab.grid, targets::slab_of(values, slab.grid.sample_count()));
     };
-    return HostRun(*this, {&batch, 1}, options.sink_has_own_thread, hand_on, call).run();
+    return HostRun(*this, {&batch, 1}, {}, options.sink_has_own_thread, hand_on, call).run();
 }
 
 CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request> requests, const CallOptions& call) {
@@ -178,15 +279,19 @@ CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request
     const auto targets = calls::targets_of(requests, host_targets(jobs, call.count_work));
     const std::vector<Batch> batches =
         calls::batches_of(std::span<const engine::Job>(jobs), std::span(targets), kept_mesh->mesh().box());
-    const HostRun::Store store = [&](const Slab& slab, const targets::HostArrays& values) {
+    const HostRun::Store store = [&](const Slab& slab, const Gathering& gathered, const targets::HostArrays& values) {
         const std::vector<std::size_t>& chosen = slab.batch->requests;
+        gathered.for_each_box([&](std::size_t n, const Grid& box, std::size_t start) {
+            targets[chosen[n]].store(box, targets::arrays_from(start, values));
+        });
+        if (!gathered.is_empty()) return;
         constexpr std::size_t chunk = 8;
         for_each_chunk(chosen.size(), chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) targets[chosen[n]].store(slab.grid, values);
         });
     };
     // On a processor the next slab would take the cores that store the one before.
-    return HostRun(*this, batches, !context().capabilities().is_processor, store, call).run();
+    return HostRun(*this, batches, requests, !context().capabilities().is_processor, store, call).run();
 }
 
 }  // namespace clsdf

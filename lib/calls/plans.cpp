@@ -95,7 +95,7 @@ void DistanceTransform::State::plan(calls::PlanState& made, std::span<const engi
     };
     calls::with_remedies(&running, {forgetting()}, make);
     device::guarded([&] { context.queue().finish(); });
-    if (made.has_own_pool) made.pool->release();
+    if (made.has_own_pool) made.pool->hand_back();
     made.complete(running.statistics, *kept_mesh);
 }
 

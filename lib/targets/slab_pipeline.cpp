@@ -36,10 +36,10 @@ void SlabPipeline::discard(Slot& slot) {
 void SlabPipeline::deliver(Slot& slot, HandOn hand_on) {
     is_finished_ = false;
     slot.delivered = std::async(policy_, [this, previous = latest_, &slot, hand_on = std::move(hand_on)]() mutable {
-        if (!abandoned_) device::guarded([&] { slot.memories.read(context_, transfers_); });
+        if (!abandoned_) device::guarded([&] { slot.results().read(context_, transfers_); });
         if (previous.valid()) previous.get();
         previous = {};  // or the chain of all slabs would stay
-        if (hand_on && !abandoned_) hand_on(slot.memories.arrays);
+        if (hand_on && !abandoned_) hand_on(slot.results().arrays);
     });
     latest_ = slot.delivered;
     if (policy_ == std::launch::deferred) latest_.get();

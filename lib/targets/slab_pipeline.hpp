@@ -16,7 +16,11 @@ class SlabPipeline {
 public:
     struct Slot {
         OutputMemories memories;  ///< to which the device writes the samples
+        OutputMemories gathered;  ///< those of them that are wanted, if they are few
+        bool is_gathered = false;
         OwnArrays own;
+
+        const OutputMemories& results() const { return is_gathered ? gathered : memories; }
         std::shared_future<void> delivered;
     };
     using HandOn = std::function<void(const HostArrays& values)>;

@@ -113,7 +113,8 @@ private:
             in_place.reset(
                 queue.enqueueMapBuffer(*faces_.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes()));
         else
-            queue.enqueueReadBuffer(*faces_.slopes, CL_FALSE, 0, slope_bytes(), frusta_->slopes.data());
+            job_.tools.context.read(queue, *faces_.slopes, slope_bytes(),
+                                    reinterpret_cast<std::byte*>(frusta_->slopes.data()));
         if (!read->vertex_answers.empty())
             queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, read->vertex_answers.size(),
                                     read->vertex_answers.data());

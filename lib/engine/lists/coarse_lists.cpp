@@ -52,7 +52,9 @@ device::BufferPool::Lease find_bounds(const ListInputs& inputs) {
     }
     const std::size_t count = inputs.points->size();
     const auto points = inputs.tools.pool->lease(count * sizeof(SurfacePoint), "points of the surface");
-    inputs.tools.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), inputs.points->data());
+    const auto* const first = reinterpret_cast<const std::byte*>(inputs.points->data());
+    if (!inputs.tools.context.write(inputs.tools.queue(), first, count * sizeof(SurfacePoint), *points))
+        inputs.tools.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), first);
 
     cl::Kernel kernel(inputs.tools.programs.coarse_lists, "coarse_bounds");
     const double seconds = seconds_per_surface_point * static_cast<double>(count);

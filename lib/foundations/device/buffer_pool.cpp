@@ -86,16 +86,18 @@ void BufferPool::Lease::give_back() noexcept {
 
 std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {
     const std::scoped_lock lock(mutex_);
-    // The smallest that is large enough, and not so large that its memory would be wasted.
-    auto best = free_.end();
-    for (auto it = free_.begin(); it != free_.end(); ++it)
-        if (it->bytes >= wanted && it->bytes <= 2 * wanted + 4096 && (best == free_.end() || it->bytes < best->bytes))
-            best = it;
-    if (best == free_.end()) return std::nullopt;
-    std::optional<Lease> lease(std::in_place, shared_from_this(), std::move(best->buffer), best->bytes);
-    leased_bytes_ += best->bytes;
-    free_.erase(best);
-    return lease;
+    if (const auto best = smallest_fit(free_, wanted); best != free_.end()) {
+        std::optional<Lease> lease(std::in_place, shared_from_this(), std::move(best->buffer), best->bytes);
+        leased_bytes_ += best->bytes;
+        free_.erase(best);
+        return lease;
+    }
+    auto spare = context_->spare_buffers().take(wanted);
+    if (!spare) return std::nullopt;
+    *all_bytes_ += spare->bytes;
+    leased_bytes_ += spare->bytes;
+    peak_ = std::max(peak_, leased_bytes_ + free_bytes());
+    return std::optional<Lease>(std::in_place, shared_from_this(), std::move(spare->buffer), spare->bytes);
 }
 
 static constexpr std::size_t least_bytes = 64;  // of a buffer
@@ -119,7 +121,7 @@ BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
     const Context::Capabilities& device = context_->capabilities();
     const std::scoped_lock lock(mutex_);
     const auto reserve = [&] {
-        const std::size_t before = all_bytes_->fetch_add(wanted);
+        const std::size_t before = all_bytes_->fetch_add(wanted) + context_->spare_buffers().bytes();
         if (before + wanted <= device.memory) return true;
         forget(wanted);
         return false;
@@ -156,10 +158,22 @@ std::optional<BufferPool::Lease> BufferPool::lease_if_it_fits(std::size_t bytes,
 
 void BufferPool::trim() {
     const std::scoped_lock lock(mutex_);
-    const std::size_t before = free_bytes();
-    std::erase_if(free_, [](const Free& free) { return !free.used; });
-    forget(before - free_bytes());
+    const auto unused = std::ranges::stable_partition(free_, [](const Free& free) { return free.used; });
+    give_up(unused);
     for (Free& free : free_) free.used = false;
+}
+
+void BufferPool::hand_back() {
+    const std::scoped_lock lock(mutex_);
+    give_up(free_);
+}
+
+void BufferPool::give_up(std::span<Free> buffers) {
+    for (Free& free : buffers) {
+        forget(free.bytes);
+        if (!context_->is_lost()) context_->spare_buffers().keep({std::move(free.buffer), free.bytes});
+    }
+    free_.erase(free_.end() - static_cast<std::ptrdiff_t>(buffers.size()), free_.end());
 }
 
 std::size_t BufferPool::release() {
@@ -171,7 +185,7 @@ std::size_t BufferPool::release_free() {
     const std::size_t bytes = free_bytes();
     free_.clear();
     forget(bytes);
-    return bytes;
+    return bytes + context_->spare_buffers().release();
 }
 
 std::size_t BufferPool::peak() const {
@@ -239,6 +253,7 @@ BufferPool::Lease HostFilling::finish() {
     BufferPool::Lease buffer = pool_->lease(bytes_, purpose_);
     if (bytes_ == 0) return buffer;
     guarded([&] {
+        if (context_.write(context_.queue(), array_.get(), bytes_, *buffer)) return;
         cl::Event copied;
         context_.queue().enqueueWriteBuffer(*buffer, CL_FALSE, 0, bytes_, memory_, nullptr, &copied);
         keep_until(copied, std::move(array_));

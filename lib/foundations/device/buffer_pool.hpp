@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -20,7 +21,7 @@ class BufferPool : public std::enable_shared_from_this<BufferPool> {
 public:
     explicit BufferPool(std::shared_ptr<Context> context)
         : context_(std::move(context)), all_bytes_(std::make_shared<std::atomic<std::size_t>>(0)) {}
-    ~BufferPool() { forget(free_bytes()); }
+    ~BufferPool() { hand_back(); }
     BufferPool(const BufferPool&) = delete;
     BufferPool& operator=(const BufferPool&) = delete;
 
@@ -76,10 +77,12 @@ public:
     /// The same for an optional buffer: nothing if it does not fit.
     std::optional<Lease> lease_if_it_fits(std::size_t bytes, const char* purpose);
 
-    /// Releases the free buffers that were not in use since the last call.
+    /// Gives up the free buffers that were not in use since the last call: see Context::spare_buffers().
     void trim();
+    /// Gives up all free buffers.
+    void hand_back();
 
-    /// Releases all free buffers. Returns their bytes.
+    /// Releases all free buffers and all spare ones of the context, because memory is short. Returns their bytes.
     std::size_t release();
 
     /// The most bytes that all buffers, free ones included, took at once since the last restart_peak().
@@ -98,6 +101,8 @@ private:
     std::size_t free_bytes() const;
     void forget(std::size_t bytes) { *all_bytes_ -= bytes; }
     std::size_t release_free();
+    /// The last of the free buffers become spare ones.
+    void give_up(std::span<Free> buffers);
 
     std::shared_ptr<Context> context_;
     mutable std::mutex mutex_;

@@ -149,17 +149,23 @@ void Context::take_settings(const Context& other) {
     identity_ = other.identity_;
 }
 
+// Enough for the next transform of the same size; a small part of a GPU's memory.
+static constexpr std::size_t most_spare_bytes = std::size_t{1} << 29;
+
 Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     : context_(std::move(context)),
       device_(std::move(device)),
       callers_queue_(std::move(queue)),
       queue_(callers_queue_),
-      pinned_(context_, device_) {
+      pinned_reads_(context_, device_),
+      pinned_writes_(context_, device_) {
     guarded([&] {
         if (const std::string reason = missing_feature(device_); !reason.empty())
             throw Error(ErrorCode::unsupported, fmt::format("the device \"{}\" cannot be used: {}; choose another one",
                                                             device_.getInfo<CL_DEVICE_NAME>(), reason));
         capabilities_ = capabilities_of(device_);
+        if (capabilities_.has_own_memory)
+            spare_buffers_.set_limit(std::min(capabilities_.memory / 32, most_spare_bytes));
         identity_ = identity_of(device_);
         if (is_bundled(device_)) prepared_.read_first(bundled_programs(device_));
         if (callers_queue_.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
@@ -169,9 +175,14 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
 
 void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const {
     if (capabilities_.has_own_memory)
-        pinned_.read(queue, from, bytes, to);
+        pinned_reads_.read(queue, from, bytes, to);
     else
         queue.enqueueReadBuffer(from, CL_TRUE, 0, bytes, to);
+}
+
+bool Context::write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes,
+                    const cl::Buffer& to) const {
+    return capabilities_.has_own_memory && pinned_writes_.write(queue, from, bytes, to);
 }
 
 void Context::require_usable() const {

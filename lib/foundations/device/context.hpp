@@ -2,9 +2,10 @@
 
 #include "core/call_mutex.hpp"
 #include "device/opencl.hpp"
-#include "device/pinned_reads.hpp"
+#include "device/pinned_copies.hpp"
 #include "device/prepared_programs.hpp"
 #include "device/records.hpp"
+#include "device/spare_buffers.hpp"
 
 #include <clsdf/device.hpp>
 
@@ -92,8 +93,15 @@ public:
     /// Device, platform and driver with their versions, for messages. Throws cl::Error.
     std::string description() const;
 
-    /// Returns when `to` holds the first `bytes` bytes of `from`, which have been computed. Throws cl::Error.
+    /// Returns when `to` holds the first `bytes` bytes of `from`, which have been computed or are computed earlier in
+    /// the queue. Throws cl::Error.
     void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const;
+    /// Enqueues the copy of an array in the device's own memory by way of pinned memory; `from` is not needed any more
+    /// when it returns. Returns false, and has done nothing, if the driver should copy. Throws cl::Error.
+    bool write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes, const cl::Buffer& to) const;
+
+    /// Buffers that no transform uses; none on a processor.
+    SpareBuffers& spare_buffers() { return spare_buffers_; }
 
     /// Which subjects of the self-test (checks/self_test.hpp), by name, this process need not run any more.
     bool is_tested(const std::string& subject) const;
@@ -166,7 +174,8 @@ private:
     cl::CommandQueue callers_queue_;
     cl::CommandQueue queue_;
     Capabilities capabilities_;
-    mutable PinnedReads pinned_;
+    mutable PinnedCopies pinned_reads_, pinned_writes_;  // apart: a read need not end before a write
+    SpareBuffers spare_buffers_;
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
     std::map<std::string, Slot> programs_;
     std::set<cl_program> used_programs_;  // of those above, which stay
