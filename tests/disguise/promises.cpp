@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -116,8 +117,8 @@ BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
     const Band narrow = Band::symmetric(2 * fine.voxel());
     const DistanceTransform transform(test_device(), mesh());
     std::vector<float> whole(fine.sample_count());
-    const std::size_t pieces = chunk_count(whole.size() * sizeof(float), device::PinnedReads::piece_bytes);
-    BOOST_REQUIRE(pieces > 3U);  // more than there is memory for
+    const std::size_t pieces = chunk_count(whole.size() * sizeof(float), device::PinnedCopies::piece_bytes);
+    BOOST_REQUIRE(pieces > 4U);  // more than there is memory for
     transform.compute(fine, narrow, whole);
     std::fill(whole.begin(), whole.end(), -7.0F);
     disguise::restart();
@@ -141,11 +142,11 @@ BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
 
 BOOST_AUTO_TEST_CASE(without_pinned_memory_the_driver_copies) {
     const device::Context& context = device::context_of(test_device());
-    std::vector<unsigned char> written(2 * device::PinnedReads::piece_bytes + 3), read(written.size());
+    std::vector<unsigned char> written(2 * device::PinnedCopies::piece_bytes + 3), read(written.size());
     for (std::size_t i = 0; i < written.size(); ++i) written[i] = static_cast<unsigned char>(i * 2654435761U >> 13);
     const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, written.size(),
                             written.data());
-    device::PinnedReads reads(context.context(), context.device());
+    device::PinnedCopies reads(context.context(), context.device());
     disguise::restart({.call = "clEnqueueMapBuffer", .number = 2});
     for (const std::uint64_t pinned : {0U, 3U}) {
         std::fill(read.begin(), read.end(), 0);
@@ -154,6 +155,54 @@ BOOST_AUTO_TEST_CASE(without_pinned_memory_the_driver_copies) {
         BOOST_TEST(disguise::counts().pinned_reads == pinned);
     }
     disguise::restart();
+}
+
+BOOST_AUTO_TEST_CASE(of_many_patches_only_their_own_samples_come_to_the_host) {
+    const Grid lattice = grid_around(mesh(), 96, 3);
+    const Band narrow = Band::symmetric(3 * lattice.voxel());
+    constexpr std::int64_t side = 6;
+    std::vector<Request> requests;
+    for (std::int64_t z = 0; z + side <= lattice.size[2]; z += 17)
+        for (std::int64_t y = 0; y + side <= lattice.size[1]; y += 19)
+            requests.push_back({lattice.part({y % (lattice.size[0] - side), y, z}, {side, side, side}), narrow, {}});
+    const std::size_t samples = side * side * side;
+    std::vector<float> distance(requests.size() * samples);
+    std::vector<double> gradient(3 * distance.size());
+    for (std::size_t n = 0; n < requests.size(); ++n)
+        requests[n].targets = {{Output::distance, distance.data() + n * samples},
+                               {Output::gradient, gradient.data() + 3 * n * samples}};
+    const DistanceTransform transform(test_device(), mesh());
+    transform.compute(requests);
+    std::ranges::fill(distance, -7.0F);
+    std::ranges::fill(gradient, -7.0);
+    disguise::restart();
+    transform.compute(requests);
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    const std::size_t asked_for = distance.size() * sizeof(float) + gradient.size() * sizeof(double);
+    BOOST_TEST(counts.bytes_down <= asked_for + asked_for / 10 + 1024U);
+    std::vector<float> alone(samples);
+    std::vector<double> gradient_alone(3 * samples);
+    for (std::size_t n = 0; n < requests.size(); ++n) {
+        transform.compute(requests[n].grid, narrow,
+                          {{Output::distance, alone.data()}, {Output::gradient, gradient_alone.data()}});
+        const auto at = static_cast<std::ptrdiff_t>(n * samples);
+        BOOST_TEST(std::ranges::equal(alone, std::span(distance).subspan(n * samples, samples)));
+        BOOST_TEST(std::equal(gradient_alone.begin(), gradient_alone.end(), gradient.begin() + 3 * at,
+                              [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_new_transform_finds_the_memory_of_the_one_before) {
+    compute(mesh(), grid(), band());
+    compute(mesh(), grid(), band());
+    disguise::restart();
+    compute(mesh(), grid(), band());
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    // The order of the coarse lists alone is copied when its buffer is made.
+    BOOST_TEST(counts.allocations <= 1U);
+    BOOST_TEST(counts.first_uses <= 1U);
 }
 
 BOOST_AUTO_TEST_CASE(a_first_call_waits_for_open_vertices_lists_and_the_field_only) {

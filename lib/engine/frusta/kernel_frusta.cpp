@@ -109,18 +109,21 @@ private:
             clEnqueueUnmapMemObject(queue(), (*faces_.slopes)(), memory, 0, nullptr, nullptr);
         };
         std::unique_ptr<void, decltype(unmap)> in_place(nullptr, unmap);
+        const bool is_large = slope_bytes() > device::PinnedCopies::least_bytes;
         if (job_.shares_memory())
             in_place.reset(
                 queue.enqueueMapBuffer(*faces_.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes()));
-        else
-            job_.tools.context.read(queue, *faces_.slopes, slope_bytes(),
-                                    reinterpret_cast<std::byte*>(frusta_->slopes.data()));
+        else if (!is_large)
+            queue.enqueueReadBuffer(*faces_.slopes, CL_FALSE, 0, slope_bytes(), frusta_->slopes.data());
         if (!read->vertex_answers.empty())
             queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, read->vertex_answers.size(),
                                     read->vertex_answers.data());
         cl::Event last;
         queue.enqueueReadBuffer(*face_answers_, CL_FALSE, 0, count_, read->face_answers.data(), nullptr, &last);
         last.wait();  // which fails if a kernel has failed; a blocking read by PoCL does not
+        if (!in_place && is_large)
+            job_.tools.context.read(queue, *faces_.slopes, slope_bytes(),
+                                    reinterpret_cast<std::byte*>(frusta_->slopes.data()));
         read.end();
         left_ = sources_->of_kernels->left_to_host(topology_, read->face_answers, read->vertex_answers);
         complete_frusta(topology_, box_, left_, *frusta_);
