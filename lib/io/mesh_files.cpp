@@ -8,6 +8,7 @@
 #include <clsdf/mesh_files.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 
 #include <fcntl.h>
@@ -55,6 +56,18 @@ double out_of_range_value(std::string_view word) {
     return negative ? -magnitude : magnitude;
 }
 
+/// "0,000000e+00": as programs write numbers in the language of a country that has a comma there.
+bool is_decimal_comma(std::string_view word) {
+    const std::size_t comma = word.find(',');
+    if (comma == std::string_view::npos || comma + 1 == word.size()) return false;
+    std::string text(word);
+    text[comma] = '.';
+    const std::string_view digits = std::string_view(text).substr(text[0] == '+' ? 1 : 0);
+    double value = 0;
+    const auto [end, error] = read_real(digits.data(), digits.data() + digits.size(), value);
+    return error != std::errc::invalid_argument && end == digits.data() + digits.size();
+}
+
 }  // namespace
 
 TextScanner::TextScanner(std::string_view text, const std::string& path, Syntax syntax, std::size_t first_line)
@@ -65,7 +78,12 @@ TextScanner::TextScanner(std::string_view text, const std::string& path, Syntax 
 
 std::size_t TextScanner::line_end_length() const {
     if (position_ == end_ || !is_line_end(*position_)) return 0;
-    return *position_ == '\r' && position_ + 1 != end_ && position_[1] == '\n' ? 2 : 1;
+    const auto next_is = [&](std::ptrdiff_t ahead, char c) {
+        return end_ - position_ > ahead && position_[ahead] == c;
+    };
+    if (*position_ == '\r') return next_is(1, '\n') ? 2 : 1;
+    // LF CR, unless that CR begins a CR LF.
+    return next_is(1, '\r') && !next_is(2, '\n') ? 2 : 1;
 }
 
 void TextScanner::skip_line_end() {
@@ -142,7 +160,10 @@ std::string_view TextScanner::word_of_text() {
 }
 
 double TextScanner::real(const char* what) {
-    const std::string_view text = word();
+    return real_in(word(), what);
+}
+
+double TextScanner::real_in(std::string_view text, const char* what) const {
     std::string_view digits = text;
     if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
     double value = 0;
@@ -174,7 +195,9 @@ void TextScanner::fail(ErrorCode code, const std::string& reason) const {
 }
 
 void TextScanner::fail_word(const char* what, std::string_view word) const {
-    if (!word.empty()) fail(fmt::format("expected {}, found {}", what, quoted(word)));
+    if (!word.empty())
+        fail(fmt::format("expected {}, found {}{}", what, quoted(word),
+                         is_decimal_comma(word) ? "; numbers have a decimal point, not a comma" : ""));
     if (position_ == end_) fail(fmt::format("expected {}, but the file ends", what));
     fail(fmt::format("expected {}, but the line ends", what));
 }
@@ -216,6 +239,20 @@ FileContent::FileContent(std::string path) : path_(std::move(path)) {
         fail(path_, fmt::format("it became shorter, {} instead of {} bytes", result.bytes, bytes_.size()));
 }
 
+const char* ending_of(MeshFormat format) {
+    switch (format) {
+        case MeshFormat::off:
+            return ".off";
+        case MeshFormat::obj:
+            return ".obj";
+        case MeshFormat::stl:
+            return ".stl";
+        case MeshFormat::ply:
+            break;
+    }
+    return ".ply";
+}
+
 MeshFormat format_of_ending(const std::string& path) {
     const std::string ending = std::filesystem::path(path).extension().string();
     if (equals_ignoring_case(ending, ".off")) return MeshFormat::off;
@@ -228,29 +265,95 @@ MeshFormat format_of_ending(const std::string& path) {
 
 namespace {
 
-MeshArrays read_arrays(const FileContent& file, MeshFormat format) {
+MeshArrays read_arrays(const FileContent& file, MeshFormat format, ReadingNotes& notes) {
+    refuse_other_content(file, format);
     switch (format) {
         case MeshFormat::off:
-            return read_off(file);
+            return read_off(file, notes);
         case MeshFormat::obj:
-            return read_obj(file);
+            return read_obj(file, notes);
         case MeshFormat::stl:
             return read_stl(file);
         case MeshFormat::ply:
             break;
     }
-    return read_ply(file);
+    return read_ply(file, notes);
+}
+
+Mesh read_file(const std::string& path, const ReadOptions& options) {
+    const MeshFormat format = format_of_ending(path);
+    ReadingNotes notes;
+    MeshArrays arrays = read_arrays(FileContent(path), format, notes);
+    const std::vector<std::string> texts = notes.texts();
+    if (arrays.triangles.empty() && !texts.empty())
+        throw Error(ErrorCode::invalid_mesh, fmt::format("{}: there is no triangle; {}", path, fmt::join(texts, "; ")));
+    Mesh mesh(std::move(arrays.vertices), std::move(arrays.triangles), path);
+    if (format == MeshFormat::stl) mesh = weld(mesh);
+    if (options.log)
+        for (const std::string& text : texts) options.log(fmt::format("{}: {}", path, text));
+    return mesh;
+}
+
+template <typename Read>
+auto with_memory_for(const std::string& what, const Read& read) try {
+    return read();
+} catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read {}", what));
 }
 
 }  // namespace
 
-Mesh read_mesh(const std::string& path) try {
-    const MeshFormat format = format_of_ending(path);
-    MeshArrays arrays = read_arrays(FileContent(path), format);
-    Mesh mesh(std::move(arrays.vertices), std::move(arrays.triangles), path);
-    return format == MeshFormat::stl ? weld(mesh) : mesh;
-} catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
+std::vector<std::string> ReadingNotes::texts() const {
+    std::vector<std::string> texts;
+    const auto plural = [](std::size_t count) { return count == 1 ? "" : "s"; };
+    if (small_faces.count > 0)
+        texts.push_back(fmt::format("{} face{} of fewer than three corners {} skipped, the first at {}",
+                                    small_faces.count, plural(small_faces.count), small_faces.count == 1 ? "is" : "are",
+                                    small_faces.first));
+    if (weights.count > 0)
+        texts.push_back(
+            fmt::format("{} {} a fourth number w other than 1, the first at {}; x, y and z are divided by it",
+                        weights.count, weights.count == 1 ? "vertex has" : "vertices have", weights.first));
+    if (unknown_lines.count > 0)
+        texts.push_back(fmt::format("{} line{} with keywords that OBJ does not have {} skipped, the first at {}",
+                                    unknown_lines.count, plural(unknown_lines.count),
+                                    unknown_lines.count == 1 ? "is" : "are", unknown_lines.first));
+    if (header_lines.count > 0)
+        texts.push_back(fmt::format("{} line{} of the header {} no keyword and {} skipped, the first at {}",
+                                    header_lines.count, plural(header_lines.count),
+                                    header_lines.count == 1 ? "has" : "have", header_lines.count == 1 ? "is" : "are",
+                                    header_lines.first));
+    if (bytes_after > 0)
+        texts.push_back(fmt::format("{} byte{} after the last row {} skipped", bytes_after, plural(bytes_after),
+                                    bytes_after == 1 ? "is" : "are"));
+    return texts;
+}
+
+Mesh read_mesh(const std::string& path, const ReadOptions& options) {
+    return with_memory_for(fmt::format("'{}'", path), [&] { return read_file(path, options); });
+}
+
+Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options) {
+    if (paths.empty()) throw Error(ErrorCode::invalid_argument, "no file of a mesh is given; name one or more");
+    if (paths.size() == 1) return read_mesh(paths[0], options);
+    return with_memory_for(fmt::format("the meshes '{}'", fmt::join(paths, "', '")), [&] {
+        MeshArrays all;
+        for (const std::string& path : paths) {
+            const Mesh mesh = read_file(path, options);
+            const std::size_t first = all.vertices.size();
+            if (mesh.vertices().size() >= std::numeric_limits<std::uint32_t>::max() - first)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("'{}' and the files before it have {} vertices, and a mesh has fewer than "
+                                        "4294967295; leave some out",
+                                        path, first + mesh.vertices().size()));
+            all.vertices.insert(all.vertices.end(), mesh.vertices().begin(), mesh.vertices().end());
+            for (const Triangle& triangle : mesh.triangles()) {
+                const auto shift = static_cast<std::uint32_t>(first);
+                all.triangles.push_back({shift + triangle[0], shift + triangle[1], shift + triangle[2]});
+            }
+        }
+        return Mesh(std::move(all.vertices), std::move(all.triangles), fmt::format("{}", fmt::join(paths, " + ")));
+    });
 }
 
 namespace {

@@ -19,7 +19,7 @@
 
 namespace clsdf {
 
-/// Reads a text in memory word by word, and counts lines. Lines end with LF, CR LF or CR.
+/// Reads a text in memory word by word, and counts lines. Lines end with LF, CR LF, LF CR or CR.
 class TextScanner {
 public:
     struct Syntax {
@@ -49,6 +49,8 @@ public:
     /// The next word of this line as a number; `what` describes it in messages. Infinity and NaN are numbers; a number
     /// too large for a double is infinite.
     double real(const char* what);
+    /// The same of a word that has been taken.
+    double real_in(std::string_view word, const char* what) const;
     std::int64_t integer(const char* what);
 
     bool at_end_of_line();
@@ -120,6 +122,45 @@ std::byte* store_little_endian(std::byte* address, Number number) {
 
 enum class MeshFormat { off, obj, stl, ply };
 
+/// ".off", ".obj", ".stl" or ".ply".
+const char* ending_of(MeshFormat format);
+
+/// What a reader skipped or changed.
+struct ReadingNotes {
+    struct Count {
+        std::size_t count = 0;
+        std::string first;  ///< the first place, "line 12"
+
+        /// where: returns the place.
+        template <typename Where>
+        void add(const Where& where) {
+            if (count++ == 0) first = where();
+        }
+    };
+
+    Count small_faces;            ///< faces of one or two corners: skipped
+    Count weights;                ///< vertices of .obj with a fourth number other than 1: divided by it
+    Count unknown_lines;          ///< lines of .obj whose keyword OBJ does not have: skipped
+    Count header_lines;           ///< lines of a .ply header without a keyword: skipped
+    std::size_t bytes_after = 0;  ///< the last row of a binary .ply file: skipped
+
+    /// A sentence for each kind that occurred, without the file's name.
+    std::vector<std::string> texts() const;
+};
+
+/// Throws Error(unreadable_input) that says what the file is and what to do if it is clearly not of this format: a
+/// pointer of Git LFS, a web page, text in UTF-16, a compressed file, or a mesh of another format.
+void refuse_other_content(const FileContent& file, MeshFormat format);
+
+/// The same for files that hold no mesh, without other meshes.
+void refuse_other_content(const FileContent& file);
+
+/// The first line of a text for a message, in quotes. Empty if the file does not begin with text.
+std::string quoted_begin(const FileContent& file);
+
+/// Whether the size of the file is that of a binary STL file with the number of triangles that its header claims.
+bool has_size_of_binary_stl(const FileContent& file);
+
 /// The format that the file's ending stands for, in upper or lower case. Throws Error(unsupported) that lists the
 /// endings there are.
 MeshFormat format_of_ending(const std::string& path);
@@ -127,9 +168,9 @@ MeshFormat format_of_ending(const std::string& path);
 /// One reader per format. Each throws Error(unreadable_input) if the file is truncated or malformed, with the line or
 /// the element and what was found there, and Error(invalid_mesh) if an index is out of range. Counts in a header are
 /// compared with the file's size before memory is allocated.
-MeshArrays read_off(const FileContent& file);
-MeshArrays read_obj(const FileContent& file);
-MeshArrays read_ply(const FileContent& file);
+MeshArrays read_off(const FileContent& file, ReadingNotes& notes);
+MeshArrays read_obj(const FileContent& file, ReadingNotes& notes);
+MeshArrays read_ply(const FileContent& file, ReadingNotes& notes);
 
 /// The vertices alone; the file need not have faces.
 std::vector<Vec3> read_ply_points(const FileContent& file);

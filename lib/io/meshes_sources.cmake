@@ -6,6 +6,7 @@ set_target_properties(clsdf_meshes PROPERTIES EXPORT_NAME meshes)
 target_sources(
   clsdf_meshes
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/mistaken_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy_header.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/polygons.cpp

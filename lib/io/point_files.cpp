@@ -69,7 +69,13 @@ std::vector<Vec3> read_npy_points(const std::string& path) {
     return points;
 }
 
-/// The rows of a table with commas between its fields; lines end with LF, CR LF or CR.
+FileContent text_of_points(const std::string& path) {
+    FileContent content(path);
+    refuse_other_content(content);
+    return content;
+}
+
+/// The rows of a table with commas between its fields; lines end with LF, CR LF, LF CR or CR.
 class CsvRows {
 public:
     explicit CsvRows(const FileContent& file) : path_(file.path()), rest_(file.text()) {
@@ -84,7 +90,9 @@ public:
             if (rest_.empty()) return false;
             const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
             line = rest_.substr(0, end);
-            const bool is_pair = rest_.substr(end).starts_with("\r\n");
+            const std::string_view ending = rest_.substr(end);
+            const bool is_pair =
+                ending.starts_with("\r\n") || (ending.starts_with("\n\r") && !ending.starts_with("\n\r\n"));
             rest_.remove_prefix(std::min(end + (is_pair ? 2U : 1U), rest_.size()));
             ++line_;
         } while (line.find_first_not_of(" \t") == std::string_view::npos);
@@ -341,11 +349,11 @@ std::vector<Vec3> read_points(const std::string& path) try {
         case PointFormat::npy:
             return read_npy_points(path);
         case PointFormat::csv:
-            return read_csv_points(FileContent(path));
+            return read_csv_points(text_of_points(path));
         case PointFormat::ply:
             break;
     }
-    return read_ply_points(FileContent(path));
+    return read_ply_points(text_of_points(path));
 } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
 }

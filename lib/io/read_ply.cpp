@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,7 +19,7 @@ namespace {
 
 enum class PlyFormat { ascii, binary_little_endian, binary_big_endian };
 
-enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+enum class PlyType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
 struct PlyProperty {
     std::string name;
@@ -38,7 +39,9 @@ struct PlyElement {
 struct PlyHeader {
     PlyFormat format = PlyFormat::ascii;
     std::vector<PlyElement> elements;
-    std::size_t bytes = 0;  ///< with the end of its last line
+    /// With the end of its last line. Two if the first byte of the rows may belong to that end; the likely one is
+    /// first.
+    std::vector<std::size_t> bytes;
     std::size_t lines = 0;
 
     const PlyElement* find(const std::string& element) const;
@@ -49,22 +52,16 @@ struct TypeName {
     PlyType type;
 };
 
-constexpr std::array<TypeName, 16> type_names{{{"char", PlyType::int8},
-                                               {"int8", PlyType::int8},
-                                               {"uchar", PlyType::uint8},
-                                               {"uint8", PlyType::uint8},
-                                               {"short", PlyType::int16},
-                                               {"int16", PlyType::int16},
-                                               {"ushort", PlyType::uint16},
-                                               {"uint16", PlyType::uint16},
-                                               {"int", PlyType::int32},
-                                               {"int32", PlyType::int32},
-                                               {"uint", PlyType::uint32},
-                                               {"uint32", PlyType::uint32},
-                                               {"float", PlyType::float32},
-                                               {"float32", PlyType::float32},
-                                               {"double", PlyType::float64},
-                                               {"float64", PlyType::float64}}};
+// The format has no integers of 64 bits; programs write them under these names.
+constexpr std::array<TypeName, 24> type_names{
+    {{"char", PlyType::int8},       {"int8", PlyType::int8},        {"uchar", PlyType::uint8},
+     {"uint8", PlyType::uint8},     {"short", PlyType::int16},      {"int16", PlyType::int16},
+     {"ushort", PlyType::uint16},   {"uint16", PlyType::uint16},    {"int", PlyType::int32},
+     {"int32", PlyType::int32},     {"uint", PlyType::uint32},      {"uint32", PlyType::uint32},
+     {"int64", PlyType::int64},     {"uint64", PlyType::uint64},    {"int64_t", PlyType::int64},
+     {"uint64_t", PlyType::uint64}, {"long", PlyType::int64},       {"ulong", PlyType::uint64},
+     {"longlong", PlyType::int64},  {"ulonglong", PlyType::uint64}, {"float", PlyType::float32},
+     {"float32", PlyType::float32}, {"double", PlyType::float64},   {"float64", PlyType::float64}}};
 
 bool is_integer(PlyType type) {
     return type != PlyType::float32 && type != PlyType::float64;
@@ -127,6 +124,8 @@ std::size_t size_of(PlyType type) {
         case PlyType::uint32:
         case PlyType::float32:
             return 4;
+        case PlyType::int64:
+        case PlyType::uint64:
         case PlyType::float64:
             break;
     }
@@ -168,18 +167,61 @@ const PlyElement* PlyHeader::find(const std::string& element) const {
     return found == elements.end() ? nullptr : &*found;
 }
 
+/// Whether a header's line that begins with this word may be skipped: a comment without its keyword, and no keyword or
+/// type in another spelling, which would change the meaning of the rows.
+bool is_free_text(TextScanner rest, std::string_view word) {
+    const bool is_letter = (word[0] >= 'a' && word[0] <= 'z') || (word[0] >= 'A' && word[0] <= 'Z');
+    if (!is_letter || word == "list") return false;
+    for (const auto& [name, type] : type_names)
+        if (word == name) return false;
+    std::string lower(word);
+    for (char& c : lower)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    constexpr std::size_t most_slips = 2;
+    for (const char* keyword : {"format", "element", "property", "end_header"})
+        if (edit_distance(lower, keyword) <= most_slips) return false;
+    const auto is_printable = [](char c) { return static_cast<unsigned char>(c) >= ' ' && c != '\x7F'; };
+    while (std::ranges::all_of(word, is_printable)) {
+        if (rest.at_end_of_line()) return true;
+        word = rest.word();
+    }
+    return false;
+}
+
+/// Where the rows may begin, if the last line of the header ends at `end`: LF, CR LF, LF CR or CR, as its other lines.
+/// If the first byte of binary rows is that of a line end, two places fit.
+std::vector<std::size_t> begins_of_rows(std::string_view text, std::size_t end) {
+    const std::string_view rest = text.substr(end), header = text.substr(0, end);
+    if (!rest.starts_with("\r\n") && !rest.starts_with("\n\r")) return {end + 1};
+    const std::string_view pair = rest.substr(0, 2);
+    bool has_pair = false, has_single = false;
+    for (std::size_t at = header.find(pair[0]); at != std::string_view::npos; at = header.find(pair[0], at + 1)) {
+        const std::string_view here = header.substr(at);
+        // CR LF after LF is an empty line; LF after CR LF is none of LF CR.
+        const bool is_pair = here.starts_with(pair) && (pair == "\r\n" || !here.starts_with("\n\r\n"));
+        const bool is_end_of_pair = at > 0 && header[at - 1] == pair[1] && pair == "\n\r";
+        if (is_pair)
+            has_pair = true;
+        else if (!is_end_of_pair)
+            has_single = true;
+    }
+    const bool is_pair_likely = has_pair || (pair == "\r\n" && !has_single);
+    return is_pair_likely ? std::vector<std::size_t>{end + 2, end + 1} : std::vector<std::size_t>{end + 1, end + 2};
+}
+
 /// Throws Error(unreadable_input) with the line, also if the elements could not fit into the file.
-PlyHeader read_ply_header(const FileContent& file) {
+PlyHeader read_ply_header(const FileContent& file, ReadingNotes& notes) {
     TextScanner scanner(file.text(), file.path(), {});
     scanner.first_line();
-    if (const std::string_view word = scanner.word(); word != "ply") scanner.fail_word("the keyword ply", word);
+    if (const std::string_view word = scanner.word(); !equals_ignoring_case(word, "ply"))
+        scanner.fail_word("the keyword ply", word);
     PlyHeader header;
     bool has_format = false;
     for (;;) {
         if (!scanner.next_line()) scanner.fail("the file ends within its header");
         const std::string_view keyword = scanner.word();
         if (keyword == "end_header") break;
-        if (keyword == "comment" || keyword == "obj_info") continue;
+        if (equals_ignoring_case(keyword, "comment") || keyword == "obj_info") continue;
         if (keyword == "format") {
             header.format = read_format(scanner);
             has_format = true;
@@ -188,15 +230,18 @@ PlyHeader read_ply_header(const FileContent& file) {
         } else if (keyword == "property") {
             if (header.elements.empty()) scanner.fail("a property comes before the first element");
             header.elements.back().properties.push_back(read_property(scanner));
+        } else if (is_free_text(scanner, keyword)) {
+            notes.header_lines.add([&] { return fmt::format("line {}, {}", scanner.line(), quoted(keyword)); });
         } else {
             scanner.fail_word("format, element, property, comment or end_header", keyword);
         }
     }
     if (!has_format) scanner.fail("the header names no format");
-    if (!scanner.end_line()) scanner.fail("expected the end of the line after end_header");
-    header.bytes = file.size() - scanner.remaining();
-    header.lines = scanner.line() - 1;
-    check_counts(scanner, header, scanner.remaining());
+    if (!scanner.at_end_of_line() || scanner.remaining() == 0)
+        scanner.fail("expected the end of the line after end_header");
+    header.bytes = begins_of_rows(file.text(), file.size() - scanner.remaining());
+    header.lines = scanner.line();
+    check_counts(scanner, header, scanner.remaining() - 1);
     return header;
 }
 
@@ -204,7 +249,7 @@ PlyHeader read_ply_header(const FileContent& file) {
 class TextRows {
 public:
     TextRows(const FileContent& file, const PlyHeader& header)
-        : scanner_(file.text().substr(header.bytes), file.path(), {}, header.lines + 1) {}
+        : scanner_(file.text().substr(header.bytes.front()), file.path(), {}, header.lines + 1) {}
 
     void begin_row(const PlyElement& element, std::size_t row) {
         if (!scanner_.next_line())
@@ -214,10 +259,12 @@ public:
     void end_row() {
         if (!scanner_.at_end_of_line()) scanner_.fail("the line has more values than the header has properties");
     }
-    void end(const PlyElement& last) {
+    /// The bytes after the last row: none.
+    std::size_t end(const PlyElement& last) {
         if (scanner_.next_line())
             scanner_.fail(fmt::format("this line follows the {} rows of {} that the header counts", last.count,
                                       quoted(last.name)));
+        return 0;
     }
     double real(PlyType) { return scanner_.real("a number"); }
     std::int64_t integer(PlyType) { return scanner_.integer("an integer"); }
@@ -225,6 +272,7 @@ public:
         if (scanner_.word().empty()) scanner_.fail_word("a number", {});
     }
     [[noreturn]] void fail(ErrorCode code, const std::string& reason) const { scanner_.fail(code, reason); }
+    std::string place() const { return fmt::format("line {}", scanner_.line()); }
 
 private:
     TextScanner scanner_;
@@ -233,9 +281,9 @@ private:
 /// The rows of a binary file: numbers without anything between them.
 class BinaryRows {
 public:
-    BinaryRows(const FileContent& file, const PlyHeader& header)
+    BinaryRows(const FileContent& file, const PlyHeader& header, std::size_t begin)
         : path_(&file.path()),
-          bytes_(file.bytes().subspan(header.bytes)),
+          bytes_(file.bytes().subspan(begin)),
           order_(header.format == PlyFormat::binary_big_endian ? std::endian::big : std::endian::little) {}
 
     void begin_row(const PlyElement& element, std::size_t row) {
@@ -243,21 +291,28 @@ public:
         row_ = row;
     }
     void end_row() {}
-    void end(const PlyElement& last) const {
+    /// The bytes after the last row, some programs write more; 0 if they are blank.
+    std::size_t end(const PlyElement&) const {
         const auto is_blank = [](std::byte b) {
             return b == std::byte{' '} || (b >= std::byte{'\t'} && b <= std::byte{'\r'});
         };
-        if (!std::ranges::all_of(bytes_, is_blank))
-            throw Error(ErrorCode::unreadable_input,
-                        fmt::format("{}: {} bytes follow the {} rows of {} that the header counts", *path_,
-                                    bytes_.size(), last.count, quoted(last.name)));
+        return std::ranges::all_of(bytes_, is_blank) ? 0 : bytes_.size();
     }
     double real(PlyType type) { return read<double>(type); }
-    std::int64_t integer(PlyType type) { return read<std::int64_t>(type); }
+    std::int64_t integer(PlyType type) {
+        if (type == PlyType::uint64) {
+            const auto number = read<std::uint64_t>(type);
+            if (number > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+                fail(ErrorCode::unreadable_input, fmt::format("the integer {} is out of range", number));
+            return static_cast<std::int64_t>(number);
+        }
+        return read<std::int64_t>(type);
+    }
     void skip(PlyType type) { take(size_of(type)); }
     [[noreturn]] void fail(ErrorCode code, const std::string& reason) const {
-        throw Error(code, fmt::format("{}: row {} of {}: {}", *path_, row_, quoted(element_->name), reason));
+        throw Error(code, fmt::format("{}: {}: {}", *path_, place(), reason));
     }
+    std::string place() const { return fmt::format("row {} of {}", row_, quoted(element_->name)); }
 
 private:
     const std::byte* take(std::size_t count) {
@@ -283,6 +338,10 @@ private:
                 return static_cast<Result>(load<std::int32_t>(address, order_));
             case PlyType::uint32:
                 return static_cast<Result>(load<std::uint32_t>(address, order_));
+            case PlyType::int64:
+                return static_cast<Result>(load<std::int64_t>(address, order_));
+            case PlyType::uint64:
+                return static_cast<Result>(load<std::uint64_t>(address, order_));
             case PlyType::float32:
                 return static_cast<Result>(load<float>(address, order_));
             case PlyType::float64:
@@ -386,7 +445,7 @@ void skip_rows(Rows& rows, const PlyElement& element) {
 }
 
 template <typename Rows>
-std::vector<Vec3> read_points(Rows rows, const PlyHeader& header, const Layout& layout) {
+std::vector<Vec3> read_points(Rows rows, const PlyHeader& header, const Layout& layout, ReadingNotes& notes) {
     std::vector<Vec3> points;
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex")
@@ -394,14 +453,14 @@ std::vector<Vec3> read_points(Rows rows, const PlyHeader& header, const Layout& 
         else
             skip_rows(rows, element);
     }
-    rows.end(header.elements.back());
+    notes.bytes_after = rows.end(header.elements.back());
     return points;
 }
 
 template <typename Rows>
 void read_corners(Rows& rows, const PlyProperty& list, std::size_t vertex_count, std::vector<std::uint32_t>& corners) {
     const std::size_t length = read_length(rows, list);
-    if (length < 3)
+    if (length < 1)
         rows.fail(ErrorCode::unreadable_input, fmt::format("a face needs three corners or more, not {}", length));
     corners.clear();
     for (std::size_t k = 0; k < length; ++k) {
@@ -415,7 +474,8 @@ void read_corners(Rows& rows, const PlyProperty& list, std::size_t vertex_count,
 }
 
 template <typename Rows>
-void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, MeshArrays& mesh, Polygons& polygons) {
+void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, MeshArrays& mesh, Polygons& polygons,
+                ReadingNotes& notes) {
     mesh.triangles.reserve(element.count);
     std::vector<std::uint32_t> corners;
     for (std::size_t row = 0; row < element.count; ++row) {
@@ -426,42 +486,74 @@ void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, Mes
             else
                 skip_property(rows, element.properties[p]);
         rows.end_row();
-        polygons.add(mesh, corners);
+        if (corners.size() < 3)
+            notes.small_faces.add([&] { return rows.place(); });
+        else
+            polygons.add(mesh, corners);
     }
 }
 
 template <typename Rows>
-MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout) {
+MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout, ReadingNotes& notes) {
     MeshArrays mesh;
     Polygons polygons;
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex") {
             read_vertices(rows, element, layout, mesh.vertices);
         } else if (element.name == "face") {
-            read_faces(rows, element, layout, mesh, polygons);
+            read_faces(rows, element, layout, mesh, polygons, notes);
         } else {
             skip_rows(rows, element);
         }
     }
-    rows.end(header.elements.back());
+    notes.bytes_after = rows.end(header.elements.back());
     polygons.triangulate(mesh);
     return mesh;
 }
 
+/// Reads the rows from where they begin. read(begin, notes): reads them from there. If two places fit the header, it is
+/// the one from which the rows end with the file, or else the first that can be read.
+template <typename Read>
+auto read_from_begin(const PlyHeader& header, ReadingNotes& notes, const Read& read) {
+    if (header.bytes.size() == 1) return read(header.bytes[0], notes);
+    std::optional<Error> error;
+    std::optional<std::size_t> fitting;
+    for (const std::size_t begin : header.bytes) {
+        try {
+            ReadingNotes found = notes;
+            auto result = read(begin, found);
+            if (found.bytes_after == 0) {
+                notes = std::move(found);
+                return result;
+            }
+            if (!fitting) fitting = begin;
+        } catch (const Error& failure) {
+            if (!error) error = failure;
+        }
+    }
+    if (!fitting) throw *error;
+    return read(*fitting, notes);
+}
+
 }  // namespace
 
-MeshArrays read_ply(const FileContent& file) {
-    const PlyHeader header = read_ply_header(file);
+MeshArrays read_ply(const FileContent& file, ReadingNotes& notes) {
+    const PlyHeader header = read_ply_header(file, notes);
     const Layout layout = find_layout(file, header);
-    if (header.format == PlyFormat::ascii) return read_body(TextRows(file, header), header, layout);
-    return read_body(BinaryRows(file, header), header, layout);
+    if (header.format == PlyFormat::ascii) return read_body(TextRows(file, header), header, layout, notes);
+    return read_from_begin(header, notes, [&](std::size_t begin, ReadingNotes& found) {
+        return read_body(BinaryRows(file, header, begin), header, layout, found);
+    });
 }
 
 std::vector<Vec3> read_ply_points(const FileContent& file) {
-    const PlyHeader header = read_ply_header(file);
+    ReadingNotes notes;
+    const PlyHeader header = read_ply_header(file, notes);
     const Layout layout = find_vertices(file, header);
-    if (header.format == PlyFormat::ascii) return read_points(TextRows(file, header), header, layout);
-    return read_points(BinaryRows(file, header), header, layout);
+    if (header.format == PlyFormat::ascii) return read_points(TextRows(file, header), header, layout, notes);
+    return read_from_begin(header, notes, [&](std::size_t begin, ReadingNotes& found) {
+        return read_points(BinaryRows(file, header, begin), header, layout, found);
+    });
 }
 
 }  // namespace clsdf

@@ -57,6 +57,20 @@ void expect(TextScanner& scanner, std::string_view keyword) {
     if (!equals_ignoring_case(word, keyword)) scanner.fail_word(fmt::format("'{}'", keyword).c_str(), word);
 }
 
+/// Takes the second word of "end loop", "end facet" or "end solid", if the first is "end". Returns "endloop" etc. in
+/// this and the usual spelling, and any other word as it is.
+std::string_view joined_end(TextScanner& scanner, std::string_view word) {
+    if (!equals_ignoring_case(word, "end")) return word;
+    TextScanner ahead = scanner;
+    const std::string_view second = ahead.word_of_text();
+    for (const std::string_view keyword : {"endloop", "endfacet", "endsolid"})
+        if (equals_ignoring_case(second, keyword.substr(3))) {
+            scanner = ahead;
+            return keyword;
+        }
+    return word;
+}
+
 /// Reads the text between "facet" and "endfacet".
 void read_facet(TextScanner& scanner, MeshArrays& mesh) {
     expect(scanner, "normal");
@@ -67,7 +81,7 @@ void read_facet(TextScanner& scanner, MeshArrays& mesh) {
     expect(scanner, "loop");
     const std::size_t first = mesh.vertices.size();
     for (;;) {
-        const std::string_view word = scanner.word_of_text();
+        const std::string_view word = joined_end(scanner, scanner.word_of_text());
         if (equals_ignoring_case(word, "endloop")) break;
         if (!equals_ignoring_case(word, "vertex")) scanner.fail_word("'vertex' or 'endloop'", word);
         Vec3 vertex;
@@ -90,7 +104,8 @@ void read_facet(TextScanner& scanner, MeshArrays& mesh) {
         polygons.add(mesh, polygon);
         polygons.triangulate(mesh);
     }
-    expect(scanner, "endfacet");
+    const std::string_view end = joined_end(scanner, scanner.word_of_text());
+    if (!equals_ignoring_case(end, "endfacet")) scanner.fail_word("'endfacet'", end);
 }
 
 /// Facets until no more than `rest` bytes of the text are left, or else until all solids have ended. Whether the
@@ -104,7 +119,7 @@ bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t>
             in_solid = true;
         }
         if (rest && scanner.remaining() <= *rest) return true;
-        const std::string_view word = scanner.word_of_text();
+        const std::string_view word = joined_end(scanner, scanner.word_of_text());
         if (equals_ignoring_case(word, "endsolid"))
             in_solid = false;
         else if (equals_ignoring_case(word, "facet"))
@@ -197,10 +212,15 @@ MeshArrays read_ascii(const FileContent& file) {
 
 }  // namespace
 
+bool has_size_of_binary_stl(const FileContent& file) {
+    const std::optional<std::size_t> count = binary_triangle_count(file);
+    return count && file.size() == header_bytes + *count * triangle_bytes;
+}
+
 MeshArrays read_stl(const FileContent& file) {
     // The size tells, because the header of a binary file may begin with "solid" as well.
     const std::optional<std::size_t> count = binary_triangle_count(file);
-    if (count && file.size() == header_bytes + *count * triangle_bytes) return read_binary(file, *count);
+    if (has_size_of_binary_stl(file)) return read_binary(file, *count);
     const bool has_zero_byte = file.text().substr(0, 4096).find('\0') != std::string_view::npos;
     if (starts_with_solid(file) && !has_zero_byte) return read_ascii(file);
     // Some programs write bytes after the last triangle. With room for another triangle the count may be wrong.
@@ -208,6 +228,11 @@ MeshArrays read_stl(const FileContent& file) {
         count && file.size() > size && file.size() - size < triangle_bytes)
         return read_binary(file, *count);
     if (file.size() == 0) throw Error(ErrorCode::unreadable_input, fmt::format("{}: the file is empty", file.path()));
+    if (const std::string begin = quoted_begin(file); !begin.empty())
+        throw Error(ErrorCode::unreadable_input,
+                    fmt::format("{}: the file begins with {}; an STL file of text begins with 'solid', and the size of "
+                                "this one, {} bytes, is not that of a binary STL file",
+                                file.path(), begin, file.size()));
     if (!count)
         throw Error(
             ErrorCode::unreadable_input,

@@ -124,7 +124,7 @@ BOOST_AUTO_TEST_CASE(damaged_off_files_are_refused_with_the_line) {
     refused("3 0 2 3", "3 0 2 -1", invalid, {"line 8", "index -1"});
     refused("3 0 2 3", "3 0 2", unreadable, {"line 8", "index", "line ends"});
     refused("3 0 2 3", "3 0 2 3.5", unreadable, {"line 8", "'3.5'"});
-    refused("3 0 2 3", "2 0 2 3", unreadable, {"line 8", "three corners"});
+    refused("3 0 2 3", "0 0 2 3", unreadable, {"line 8", "three corners", "not 0"});
     refused("3 0 2 3", "-3 0 2 3", unreadable, {"line 8", "three corners"});
     refused("3 0 2 3", "3000000000 0 2 3", unreadable, {"line 8", "line ends"});
     refused("3 0 2 3\n", "", unreadable, {"after 1 of 2 faces"});
@@ -166,7 +166,6 @@ BOOST_AUTO_TEST_CASE(damaged_obj_files_are_refused_with_the_line) {
     refused("f 1 2 99999999999999999999\n", unreadable, {"line 5", "99999999999999999999"});
     refused("f 1 2 x/3\n", unreadable, {"line 5", "'x/3'"});
     refused("f 1 2 /3\n", unreadable, {"line 5", "'/3'"});
-    refused("f 1 2\n", unreadable, {"line 5", "three corners", "2"});
     refused("f\n", unreadable, {"line 5", "three corners"});
     refused("v 1 2\nf 1 2 3\n", unreadable, {"line 5", "coordinate"});
     refused("v 1 2 z\nf 1 2 3\n", unreadable, {"line 5", "'z'"});
@@ -223,7 +222,7 @@ BOOST_AUTO_TEST_CASE(damaged_ply_files_are_refused_with_the_line_or_the_row) {
     refused("1 0 0\n", "1 0 nan\n", invalid, {"vertex 1", "nan"});
     refused("4 0 1 2 3", "4 0 1 2 4", invalid, {"line 14", "index 4", "4 vertices"});
     refused("4 0 1 2 3", "4 0 1 2 -1", invalid, {"line 14", "index -1"});
-    refused("4 0 1 2 3", "2 0 1", unreadable, {"line 14", "three corners"});
+    refused("4 0 1 2 3", "0", unreadable, {"line 14", "three corners"});
     refused("4 0 1 2 3", "-1 0 1", unreadable, {"line 14", "-1"});
     refused("4 0 1 2 3", "1000000000 0 1", unreadable, {"line 14"});
     refused("4 0 1 2 3\n", "", unreadable, {"'face'"});
@@ -237,7 +236,6 @@ BOOST_AUTO_TEST_CASE(damaged_ply_files_are_refused_with_the_line_or_the_row) {
     const std::string binary = binary_ply(std::endian::little);
     for (std::size_t cut = 1; cut < 30; ++cut)
         check_is_refused("a.ply", binary.substr(0, binary.size() - cut), unreadable, {});
-    check_is_refused("a.ply", binary + "\n ab", unreadable, {"4 bytes", "1 rows of 'face'"});
     check_is_square("a.ply", binary + " \r\n");
     const std::size_t corner = binary.size() - 9 - 4;
     std::string far = binary;

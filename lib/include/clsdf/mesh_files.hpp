@@ -10,17 +10,32 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace clsdf {
 
+/// How files of meshes are read.
+struct ReadOptions {
+    /// Called with a warning that names the file for each kind of thing that was skipped or changed: faces of one or
+    /// two corners, bytes after the last row of a binary .ply, lines without a keyword in its header, lines of an .obj
+    /// with unknown keywords, and vertices of an .obj with a fourth number w other than 1, by which x, y and z are
+    /// divided.
+    std::function<void(const std::string& message)> log{};
+};
+
 /// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders). A polygon becomes a fan
 /// around its first corner; if the fan would leave a concave polygon, the polygon is cut into ears. A polygon that
 /// crosses itself stays a fan. Vertices of equal coordinates in an STL file become one. Throws Error(unreadable_input
-/// or invalid_mesh) that names the file, the line or element and the value; Error(unsupported) for an unknown ending.
-CLSDF_EXPORT Mesh read_mesh(const std::string& path);
+/// or invalid_mesh) that names the file, the line or element and the value, also for a file that is not what its ending
+/// says, as a pointer of Git LFS; Error(unsupported) for an unknown ending.
+CLSDF_EXPORT Mesh read_mesh(const std::string& path, const ReadOptions& options = {});
+
+/// Reads several files as one mesh: the vertices and the triangles of each file follow those of the one before it.
+/// Throws as read_mesh(), and Error(invalid_argument) for no path.
+CLSDF_EXPORT Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options = {});
 
 /// Red, green and blue, sRGB.
 using FaceColour = std::array<std::uint8_t, 3>;

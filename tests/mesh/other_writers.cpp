@@ -1,0 +1,246 @@
+#include <clsdf/io.hpp>
+#include <clsdf/mesh.hpp>
+
+#include "written_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+/// Files as other programs write them: each states what is read, and what a reading warns of.
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+/// The warnings of reading the file, without its name, which each begins with.
+std::vector<std::string> warnings_of(const std::string& name, const std::string& content) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file(name, content);
+    std::vector<std::string> warnings;
+    read_mesh(path, {.log = [&](const std::string& message) {
+                  BOOST_TEST(message.starts_with(path + ": "));
+                  warnings.push_back(message.substr(path.size() + 2));
+              }});
+    return warnings;
+}
+
+/// Checks that the file is the unit square, and that reading it gives one warning with these fragments, or none.
+void check_is_square_with(const std::string& name, const std::string& content,
+                          const std::vector<std::string>& fragments) {
+    check_is_square(name, content);
+    BOOST_TEST_CONTEXT(name << ":\n" << content) {
+        const std::vector<std::string> warnings = warnings_of(name, content);
+        BOOST_TEST_REQUIRE(warnings.size() == (fragments.empty() ? 0U : 1U));
+        for (const std::string& fragment : fragments)
+            BOOST_TEST(warnings[0].find(fragment) != std::string::npos, "no '" << fragment << "': " << warnings[0]);
+    }
+}
+
+/// The unit square in a PLY file. counts and indices: the types of a face's list, with which `number` writes.
+template <typename Count, typename Index>
+std::string binary_ply(std::endian order, const char* counts, const char* indices, std::vector<Index> corners,
+                       Count count) {
+    std::string content = fmt::format(
+        "ply\nformat binary_{}_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list {} {} vertex_indices\nend_header\n",
+        order == std::endian::big ? "big" : "little", counts, indices);
+    for (const Vec3& vertex : square)
+        for (const double x : vertex) content += bytes_of(static_cast<float>(x), order);
+    content += bytes_of(count, order);
+    for (const Index corner : corners) content += bytes_of(corner, order);
+    return content;
+}
+
+std::string small_ply(std::endian order = std::endian::little) {
+    return binary_ply<std::uint8_t, std::int32_t>(order, "uchar", "int", {0, 1, 2, 3}, 4);
+}
+
+const std::string off_body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(the_ends_of_text_stl_may_be_two_words) {
+    const std::string facet1 =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nend loop\nend facet\n";
+    const std::string facet2 =
+        "FACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 1 0\nVERTEX 0 1 0\nEND LOOP\nEnd\n Facet\n";
+    check_is_square("a.stl", "solid a\n" + facet1 + facet2 + "end solid a\n");
+    check_is_square("a.stl", "solid end\n" + facet1 + "End Solid end\nsolid b\n" + facet2 + "endsolid b\n");
+    check_is_square("a.stl", "solid a\n" + facet1 + replaced(facet2, "END LOOP", "ENDLOOP") + "END SOLID");
+    check_is_square("a.stl", with_line_ends("solid a\n" + facet1 + facet2 + "end solid a\n", "\n\r"));
+    check_is_refused("a.stl", "solid a\n" + replaced(facet1, "end loop", "end lop"), unreadable,
+                     {"line 7", "'vertex' or 'endloop'", "'end'"});
+    check_is_refused("a.stl", "solid a\n" + replaced(facet1, "end facet", "end solid"), unreadable,
+                     {"line 8", "'endfacet'", "'endsolid'"});
+}
+
+BOOST_AUTO_TEST_CASE(ply_may_have_integers_of_64_bits) {
+    for (const std::endian order : {std::endian::little, std::endian::big}) {
+        const std::vector<std::int64_t> of_signed{0, 1, 2, 3};
+        const std::vector<std::uint64_t> of_unsigned{0, 1, 2, 3};
+        check_is_square("a.ply", binary_ply<std::uint8_t>(order, "uchar", "int64", of_signed, 4));
+        check_is_square("a.ply", binary_ply<std::uint8_t>(order, "uchar", "uint64", of_unsigned, 4));
+        check_is_square("a.ply", binary_ply<std::int64_t>(order, "int64", "int64", of_signed, 4));
+        check_is_square("a.ply", binary_ply<std::uint64_t>(order, "uint64", "uint64", of_unsigned, 4));
+        for (const std::int64_t far :
+             {std::int64_t{4}, std::int64_t{-1}, std::int64_t{1} << 32, std::numeric_limits<std::int64_t>::min()})
+            check_is_refused("a.ply",
+                             binary_ply<std::uint8_t, std::int64_t>(order, "uchar", "int64", {0, 1, 2, far}, 4),
+                             invalid, {"row 0", "index " + std::to_string(far)});
+        check_is_refused("a.ply",
+                         binary_ply<std::uint8_t, std::uint64_t>(
+                             order, "uchar", "uint64", {0, 1, 2, std::numeric_limits<std::uint64_t>::max()}, 4),
+                         unreadable, {"row 0", "18446744073709551615"});
+        for (const std::uint64_t count : {std::uint64_t{5}, std::uint64_t{1} << 40, std::uint64_t{1} << 63})
+            check_is_refused("a.ply", binary_ply<std::uint64_t>(order, "uint64", "uint64", of_unsigned, count),
+                             unreadable, {"row 0"});
+    }
+    for (const char* type : {"int64", "uint64"}) {
+        const std::string text = fmt::format(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty {0} z\n"
+            "element face 1\nproperty list {0} {0} vertex_index\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n",
+            type);
+        check_is_square("a.ply", text);
+        check_is_refused("a.ply", replaced(text, "4 0 1 2 3", "4 0 1 2 4294967299"), invalid, {"4294967299"});
+    }
+}
+
+BOOST_AUTO_TEST_CASE(bytes_after_the_last_row_of_a_binary_ply_are_skipped) {
+    for (const std::endian order : {std::endian::little, std::endian::big}) {
+        const std::string content = small_ply(order);
+        check_is_square_with("a.ply", content + std::string(3, '\0'), {"3 bytes after the last row are skipped"});
+        check_is_square_with("a.ply", content + "x", {"1 byte after the last row is skipped"});
+        check_is_square_with("a.ply", content + " \r\n", {});
+    }
+}
+
+BOOST_AUTO_TEST_CASE(header_lines_of_ply_end_in_any_way) {
+    const std::string content = small_ply();
+    const std::size_t length = content.find("end_header\n") + 11;
+    const std::string header = content.substr(0, length), rows = content.substr(length);
+    for (const char* line_end : {"\n", "\r\n", "\n\r", "\r"}) {
+        check_is_square_with("a.ply", with_line_ends(header, line_end) + rows, {});
+        // Mixed with LF.
+        std::string mixed = with_line_ends(header, line_end);
+        check_is_square_with("a.ply", "ply\n" + mixed.substr(mixed.find("format")) + rows, {});
+        // The first byte of the rows may be that of a line end.
+        for (const char first : {'\n', '\r'}) {
+            const std::string padded = replaced(mixed, "element vertex",
+                                                fmt::format("element pad 1{0}property uchar a{0}"
+                                                            "element vertex",
+                                                            line_end));
+            check_is_square_with("a.ply", padded + first + rows, {});
+        }
+    }
+    check_is_square_with("a.ply", replaced(header, "end_header\n", "end_header\n\r") + rows, {});
+    check_is_square_with("a.ply", replaced(header, "end_header\n", "end_header\r\n") + rows, {});
+    for (const char* line_end : {"\n\r", "\r"})
+        check_is_square("a.off", with_line_ends("OFF\n4 2 5\n" + off_body, line_end));
+}
+
+BOOST_AUTO_TEST_CASE(header_lines_of_ply_that_are_no_comment_are_skipped) {
+    const std::string content = small_ply();
+    const std::string line = "Created by Blender3D 2.47 - www.blender.org, source file: a.blend\n";
+    check_is_square_with("a.ply", replaced(content, "element vertex", line + "element vertex"),
+                         {"1 line of the header", "line 3, 'Created'"});
+    check_is_square_with("a.ply", replaced(content, "element vertex", "Comment a\nCOMMENT b\nelement vertex"), {});
+    // What may be a keyword or a type would change the meaning of the rows.
+    for (const char* slip : {"propertyy uchar red\n", "Property uchar red\n", "elemnt pad 1\n", "uchar red\n",
+                             "list uchar int a\n", "end_heder\n", "3 4 5\n"})
+        check_is_refused("a.ply", replaced(content, "element face", slip + std::string("element face")), unreadable,
+                         {"line 7", "expected format, element, property"});
+}
+
+BOOST_AUTO_TEST_CASE(white_space_is_free_in_off) {
+    const std::string body = with_line_ends(off_body, " ");
+    for (const std::string& content : std::vector<std::string>{
+             "OFF 4 2 5 " + body, "OFF\n4 2 5 " + body, "OFF\n4 2 5\n" + body, "OFF 4\n2 5 0 0\n" + body.substr(4),
+             "OFF # here\n4 2 # there\n5 0 0 0 1 0 0 1 # a vertex\n1 0 0 1 0 3 0\n1 2 3 0 2 3\n",
+             "off\n4 2 5\n" + off_body, "Off 4 2 5\n" + off_body, "4 2 5 " + body})
+        check_is_square_with("a.off", content, {});
+    check_is_square("a.off", "COFF 4 1 0 0 0 0 1 1 1 1 1 0 0 1 1 1 1 1 1 0 1 1 1 1 0 1 0 1 1 1 1 4 0 1 2 3");
+    check_is_square("a.off", "coff 4 1 0 0 0 0 255 0 0 1 0 0 255 0 0 1 1 0 255 0 0 0 1 0 255 0 0 4 0 1 2 3");
+    check_is_square("a.off", "NOFF 4 1 0 0 0 0 0 0 1 1 0 0 0 0 1 1 1 0 0 0 1 0 1 0 0 0 1 4 0 1 2 3");
+    // Errors are those of free text if the file has fewer lines.
+    check_is_refused("a.off", "OFF 4 2 5 " + body.substr(0, body.size() - 9), unreadable, {"after 1 of 2 faces"});
+    check_is_refused("a.off", "OFF 4 2 5 " + replaced(body, "3 0 2 3", "3 0 2 4"), invalid, {"index 4"});
+    check_is_refused("a.off", "OFF 4 2 5 " + body + "7", unreadable, {"4 vertices and 2 faces"});
+    check_is_refused("a.off", "OFF 4 2 5 " + replaced(body, "1 1 0", "1 1 x"), unreadable, {"coordinate", "'x'"});
+    for (const char* keyword : {"OFF BINARY\n", "off binary\n", "OFF\tBinary\n"})
+        check_is_refused("a.off", keyword + std::string("\0\0\0\4", 4), ErrorCode::unsupported,
+                         {"binary", "convert it to text"});
+    check_is_refused("a.off", "4off\n4 2 5\n" + off_body, ErrorCode::unsupported, {"'4off'", "three dimensions"});
+}
+
+BOOST_AUTO_TEST_CASE(faces_of_one_or_two_corners_are_skipped_and_counted) {
+    const std::string text = "1 face of fewer than three corners is skipped, the first at ";
+    check_is_square_with("a.off", "OFF\n4 3 5\n" + off_body + "2 0 1\n", {text + "line 9"});
+    check_is_square_with("a.off", "OFF 4 3 5 " + with_line_ends(off_body, " ") + "1 0", {text + "line 1"});
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    check_is_square_with("a.obj", vertices + "f 1 2\nf 1 2 3 4\n", {text + "line 5"});
+    check_is_square_with("a.obj", vertices + "f 1/1\nf 1 2 3 4\nf 2//3 1\n",
+                         {"2 faces of fewer than three corners are skipped, the first at line 5"});
+    check_is_refused("a.obj", vertices + "f 1 5\nf 1 2 3 4\n", invalid, {"line 5", "index 5"});
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 1\n4 0 1 2 3\n";
+    check_is_square_with("a.ply", ply, {text + "line 14"});
+    check_is_refused("a.ply", replaced(ply, "2 0 1", "2 0 4"), invalid, {"line 14", "index 4"});
+    const std::string binary = replaced(small_ply(), "element face 1", "element face 2") + std::string("\1", 1) +
+                               bytes_of(std::int32_t{3}, std::endian::little);
+    check_is_square_with("a.ply", binary, {text + "row 1 of 'face'"});
+    check_is_refused("a.obj", vertices + "f 1 2\n", invalid, {"no triangle", "1 face of fewer than three corners"});
+}
+
+BOOST_AUTO_TEST_CASE(the_fourth_number_of_an_obj_vertex_divides_the_others) {
+    check_is_square_with("a.obj", "v 0 0 0 2\nv 2 0 0 2\nv -1 -1 0 -1\nv 0 1 0 1\nf 1 2 3 4\n",
+                         {"3 vertices have a fourth number w other than 1, the first at line 1 (w is 2)", "divided"});
+    check_is_square_with("a.obj", "v 0 0 0 1.0\nv 1 0 0 .5 .5 .5\nv 1 1 0 2 2 2 2\nv 0 1 0\nf 1 2 3 4\n", {});
+    check_is_refused("a.obj", "v 0 0 0\nv 1 0 0 0\nv 1 1 0\nf 1 2 3\n", invalid, {"line 2", "weight w 0"});
+    check_is_refused("a.obj", "v 0 0 0\nv 1 0 0 inf\nv 1 1 0\nf 1 2 3\n", invalid, {"line 2", "weight w inf"});
+    check_is_refused("a.obj", "v 0 0 0\nv 1 0 0 red\nv 1 1 0\nf 1 2 3\n", unreadable, {"line 2", "weight", "'red'"});
+}
+
+BOOST_AUTO_TEST_CASE(lines_of_obj_with_unknown_keywords_are_counted) {
+    const std::string mesh = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    check_is_square_with("a.obj", "mtllib a.mtl\ng\ns off\nusemtl x\nl 1 2\np 1\nvp 0.3\ncstype bezier\n" + mesh, {});
+    check_is_square_with(
+        "a.obj", mesh + "something new\nelse\n",
+        {"2 lines with keywords that OBJ does not have are skipped, the first at line 6, 'something'"});
+    check_is_refused("a.obj", "this is\nno mesh\n", invalid,
+                     {"no triangle", "2 lines with keywords", "line 1, 'this'"});
+}
+
+BOOST_AUTO_TEST_CASE(a_decimal_comma_is_named) {
+    check_is_refused("a.off", "OFF\n4 2 5\n" + replaced(off_body, "1 0 0", "1,0 0 0"), unreadable,
+                     {"line 4", "'1,0'", "decimal point, not a comma"});
+    check_is_refused("a.obj", "v 0,000000e+00 0 0\n", unreadable, {"line 1", "'0,000000e+00'", "not a comma"});
+}
+
+BOOST_AUTO_TEST_CASE(several_files_are_read_as_one_mesh) {
+    const TemporaryFolder folder;
+    const Mesh cube = make_shape("cube"), torus = make_shape("torus");
+    const std::vector<std::string> paths{folder.file("cube.stl"), folder.file("torus.off"), folder.file("again.ply")};
+    for (std::size_t i = 0; i < 3; ++i) write_mesh(i == 1 ? torus : cube, paths[i]);
+    const Mesh all = read_meshes(paths);
+    BOOST_TEST(all.triangles().size() == 2 * cube.triangles().size() + torus.triangles().size());
+    std::size_t triangle = 0;
+    std::uint32_t vertex = 0;
+    for (const std::string& path : paths) {
+        const Mesh part = read_mesh(path);
+        for (const Triangle& t : part.triangles()) {
+            const Triangle expected{t[0] + vertex, t[1] + vertex, t[2] + vertex};
+            BOOST_REQUIRE((all.triangles()[triangle++] == expected));
+        }
+        for (const Vec3& position : part.vertices()) BOOST_REQUIRE((all.vertices()[vertex++] == position));
+    }
+    BOOST_TEST(read_meshes(std::span(paths).first(1)).hash() == read_mesh(paths[0]).hash());
+    BOOST_TEST(all.name() == paths[0] + " + " + paths[1] + " + " + paths[2]);
+    check_throws(ErrorCode::invalid_argument, {"no file"}, [] { read_meshes({}); });
+    check_throws(unreadable, {"none.off"}, [&] { read_meshes(std::vector{paths[0], folder.file("none.off")}); });
+}
