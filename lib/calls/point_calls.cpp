@@ -7,6 +7,7 @@
 #include "points/face_sides.hpp"
 #include "points/few_points.hpp"
 #include "points/point_query.hpp"
+#include "points/usable_points.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/output_targets.hpp"
 
@@ -46,14 +47,19 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
     });
 }
 
-points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3> all, double half_width,
+void DistanceTransform::State::find_usable(points::UsablePoints& asked, const Box& box, double half_width) const {
+    asked.find(box);
+    if (kept_mesh->restriction() != nullptr && asked.has_usable())
+        kept_mesh->restriction()->check(asked.points(), half_width);
+}
+
+points::PointInputs DistanceTransform::State::inputs_of_few(points::UsablePoints& asked, double half_width,
                                                             OutputSet outputs, calls::RunningCall& running) {
     mutex.check_thread();
     context().require_usable();
     const auto check = [&](const Box& box) {
         running.throw_if_stopped();
-        points::check_points(box, all);
-        if (kept_mesh->restriction() != nullptr) kept_mesh->restriction()->check(all, half_width);
+        find_usable(asked, box, half_width);
     };
     if (std::optional<points::PointInputs> inputs = kept_points->inputs_of_few(outputs)) {
         check(inputs->mesh->box);
@@ -65,7 +71,7 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
     context().begin_call();
     pool->restart_peak();
     const Stopwatch watch;
-    points::PointInputs inputs = point_inputs(outputs, all.size(), true);
+    points::PointInputs inputs = point_inputs(outputs, asked.points().size(), true);
     kept_points->remember(inputs, outputs);
     running.statistics.polyhedra_seconds = watch.seconds();
     pool->trim();
@@ -73,24 +79,26 @@ points::PointInputs DistanceTransform::State::inputs_of_few(std::span<const Vec3
     return inputs;
 }
 
-CallStatistics DistanceTransform::State::query_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
+CallStatistics DistanceTransform::State::query_few(points::UsablePoints& asked, double half_width, OutputSet outputs,
                                                    const targets::HostTargets& targets, const CallOptions& call) {
     calls::RunningCall running{call};
     CallStatistics& statistics = running.statistics;
-    const points::PointInputs inputs = inputs_of_few(all, half_width, outputs, running);
+    const points::PointInputs inputs = inputs_of_few(asked, half_width, outputs, running);
+    const std::span<const Vec3> all = asked.points();
     statistics.triangles = inputs.mesh->face_count();
     statistics.device_bytes = std::max(statistics.device_bytes, inputs.mesh->device_bytes());
     targets::OwnArrays own;
     const bool in_place = targets.are_packed;
     const targets::HostArrays arrays = in_place ? targets.arrays : own.for_samples(targets.arrays, all.size());
     const points::PointTimes times = points::answer_points(inputs, all, half_width, arrays);
+    asked.store(0, all.size(), half_width, arrays);
     if (!in_place) targets.store(targets::row_of(all.size()), arrays);
     statistics.field_seconds = times.nearest;
     statistics.sign_seconds = times.sign;
     return running.finish();
 }
 
-CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, double half_width, OutputSet outputs,
+CallStatistics DistanceTransform::State::query_many(points::UsablePoints& asked, double half_width, OutputSet outputs,
                                                     const targets::HostTargets& targets, const CallOptions& call) {
     const KeepsBudget keeps_budget(*this);
     calls::RunningCall running{call};
@@ -100,17 +108,17 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
         const std::scoped_lock lock(mutex);
         context().begin_call();
         running.throw_if_stopped();
-        points::check_points(kept_mesh->mesh().box(), all);  // before anything is made
-        if (kept_mesh->restriction() != nullptr) kept_mesh->restriction()->check(all, half_width);
+        find_usable(asked, kept_mesh->mesh().box(), half_width);  // before anything is made
         test(checks::point_subject(device, programs, false), running);
-        if (points::is_scan_worthwhile(programs, all.size(), kept_mesh->mesh().triangles().size()))
+        if (points::is_scan_worthwhile(programs, asked.points().size(), kept_mesh->mesh().triangles().size()))
             test(checks::point_subject(device, programs, true), running);
         pool->restart_peak();
         const Stopwatch watch;
-        points_asked += all.size();
-        point_inputs(outputs, all.size(), false);  // what it makes is kept
+        points_asked += asked.points().size();
+        point_inputs(outputs, asked.points().size(), false);  // what it makes is kept
         statistics.polyhedra_seconds = watch.seconds();
     }
+    const std::span<const Vec3> all = asked.points();
     device::InFlight<targets::OwnArrays> own(context());
     own.begin();
     std::size_t most = points::most_points;
@@ -141,6 +149,7 @@ CallStatistics DistanceTransform::State::query_many(std::span<const Vec3> all, d
             statistics.sign_seconds += times.sign;
             statistics.field_seconds += times.nearest;
         }
+        asked.store(begin, count, half_width, arrays);
         if (!targets.are_packed) targets.store(targets::row_of(count, begin), arrays);
     }
     own.end();
@@ -193,9 +202,13 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
             copy.assign(positions.get().begin(), positions.get().end());
         const std::span<const Vec3> all = copy.empty() ? positions.get() : copy;
         const auto answer = all.size() <= points::most_few_points ? &State::query_few : &State::query_many;
-        const CallStatistics statistics =
-            (state.*answer)(all, std::abs(half_width), targets::outputs_of(targets), on_host, call);
+        points::UsablePoints asked(all, call.refuse_unusable_points);
+        CallStatistics statistics =
+            (state.*answer)(asked, std::abs(half_width), targets::outputs_of(targets), on_host, call);
+        statistics.unusable_points = asked.unusable();
+        const std::string warning = asked.warning(std::abs(half_width));
         memory.unmap();
+        if (call.log && !warning.empty()) call.log(warning);
         return statistics.published();
     });
 }

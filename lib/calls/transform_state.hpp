@@ -14,6 +14,7 @@
 #include "plan/kept_mesh.hpp"
 #include "points/kept_points.hpp"
 #include "points/point_query.hpp"
+#include "points/usable_points.hpp"
 #include "targets/output_targets.hpp"
 
 #include <list>
@@ -137,10 +138,10 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
 
     // point_calls.cpp
     /// By the host, at most points::most_few_points.
-    CallStatistics query_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
+    CallStatistics query_few(points::UsablePoints& asked, double half_width, OutputSet outputs,
                              const targets::HostTargets& targets, const CallOptions& call);
     /// By the device.
-    CallStatistics query_many(std::span<const Vec3> all, double half_width, OutputSet outputs,
+    CallStatistics query_many(points::UsablePoints& asked, double half_width, OutputSet outputs,
                               const targets::HostTargets& targets, const CallOptions& call);
 
     Topology topology;
@@ -169,8 +170,10 @@ private:
     /// For a query of `count` points. on_host: the host answers it.
     points::PointInputs point_inputs(OutputSet outputs, std::size_t count, bool on_host);
     /// The same for the host, after the checks of the call. Waits for other calls only if something is to be made.
-    points::PointInputs inputs_of_few(std::span<const Vec3> all, double half_width, OutputSet outputs,
+    points::PointInputs inputs_of_few(points::UsablePoints& asked, double half_width, OutputSet outputs,
                                       calls::RunningCall& running);
+    /// Finds the points that are not usable. Throws if they, or points beyond the regions, are refused.
+    void find_usable(points::UsablePoints& asked, const Box& box, double half_width) const;
 };
 
 }  // namespace clsdf

@@ -174,27 +174,6 @@ double search_limit(const engine::PointMesh& mesh, double half_width) {
     return units * units;
 }
 
-void check_points(const Box& box, std::span<const Vec3> points) {
-    const double longest = box.longest_side();
-    const double far_voxels = engine::farthest * (longest > 0 ? longest / 256 : 1);
-    constexpr double most = std::numeric_limits<float>::max() / 4;  // distances of a point and a mesh in it are floats
-    const double far = std::min(far_voxels, most);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3& p = points[i];
-        bool is_usable = true;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            is_usable = is_usable && p[axis] >= box.lower[axis] - far && p[axis] <= box.upper[axis] + far;
-        if (is_usable) continue;
-        const bool is_finite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("point {} at ({}, {}, {}) {}; leave it out", i, p[0], p[1], p[2],
-                        !is_finite   ? "is not finite"
-                        : far < most ? "lies more than 1e14 voxels from the mesh, a voxel being 1/256 of the mesh"
-                                     : "lies so far from the mesh that its distance may be beyond the floats"));
-    }
-}
-
 PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inputs, std::span<const Vec3> points,
                         double half_width, const targets::HostArrays& arrays,
                         const std::function<void(double)>& between) {

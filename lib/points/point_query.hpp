@@ -41,9 +41,6 @@ inline constexpr std::size_t most_points = std::size_t{1} << 20;
 /// with `half_width` at the end.
 double search_limit(const engine::PointMesh& mesh, double half_width);
 
-/// Throws Error(invalid_argument) that names the first point that is not finite or too far from the mesh's box.
-void check_points(const Box& box, std::span<const Vec3> points);
-
 /// The outputs of at most `most_points` points into packed arrays on the host. `between`, which may be empty and may
 /// throw, is called between launches with the fraction done. Throws Error(device_failure or out_of_memory).
 PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inputs, std::span<const Vec3> points,

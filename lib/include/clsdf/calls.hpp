@@ -41,12 +41,15 @@ struct CallOptions {
     std::function<void(const Progress& progress)> progress{};
     /// Asked between launches and before each step of building programs; if it says true, Error(cancelled) is thrown.
     std::function<bool()> should_stop{};
-    /// Warnings of this call, as of the mesh's sign rule.
+    /// Warnings of this call, as of the mesh's sign rule or of points that are not finite.
     std::function<void(const std::string& message)> log{};
     /// The call reads and writes the caller's memory after these events, which belong to the device's context.
     std::span<const cl_event> wait_list{};
     /// For measuring: the device counts the work, which takes time. Plans do not count.
     bool count_work = false;
+    /// Of query(): a point that is not finite, or too far from the mesh, is Error(invalid_argument) that names it.
+    /// Otherwise it gets no distance, and `log` gets one warning with the count.
+    bool refuse_unusable_points = false;
 };
 
 struct WorkCounts;
@@ -67,6 +70,8 @@ struct TransformStatistics {
     bool first_use = false;
     double polyhedra_seconds = 0;  ///< preparing the mesh
     double field_seconds = 0;      ///< the samples or points
+
+    std::size_t unusable_points = 0;  ///< of query(): points that are not finite or too far from the mesh
 
     /// For measuring: clsdf/tuning.hpp. Never null after a call.
     std::shared_ptr<const WorkCounts> work{};

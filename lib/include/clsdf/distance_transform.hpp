@@ -163,9 +163,14 @@ public:
     /// At most 96 points are answered by the calling thread, without a kernel. Any number of threads may ask at once;
     /// once the mesh is prepared they do not wait for other calls of the transform.
     ///
-    /// Throws Error(invalid_argument) that names the index of a point that is not finite or more than 1e14 voxels from
-    /// the mesh's box; for a `half_width` that is negative, NaN or finite beyond a float; for memory too small or of
-    /// another context, and for arrays that overlap. Error(unsupported) for a buffer that the host may not read or
+    /// A point that is not finite gets the distance NaN and no triangle. A finite one more than 1e14 voxels from the
+    /// mesh's box, or so far that its distance may be beyond the floats, gets `half_width` (outside) if that is finite,
+    /// else NaN, and no triangle; in a part of a mesh, too. CallOptions::log gets one warning with their number, which
+    /// is TransformStatistics::unusable_points. With CallOptions::refuse_unusable_points they are refused.
+    ///
+    /// Throws Error(invalid_argument) that names the index of a point that is refused; for a `half_width` that is
+    /// negative, NaN or finite beyond a float; for memory too small or of another context, and for arrays that overlap.
+    /// Error(unsupported) for a buffer that the host may not read or
     /// write; Error(device_failure, wrong_results, out_of_memory or cancelled).
     TransformStatistics query(const InputArray& points, double half_width, const OutputTargets& targets,
                               const CallOptions& call = {}) const;

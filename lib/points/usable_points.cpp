@@ -1,0 +1,104 @@
+#include "points/usable_points.hpp"
+
+#include "frusta/prepared_mesh.hpp"
+#include "mesh/mesh_arrays.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace clsdf::points {
+
+namespace {
+
+/// Stores a number in a packed array of floats or doubles.
+void store_number(const targets::HostArray& array, std::size_t index, double number) {
+    if (array.in_double) {
+        std::memcpy(array.data + index * sizeof number, &number, sizeof number);
+    } else {
+        const auto rounded = static_cast<float>(number);
+        std::memcpy(array.data + index * sizeof rounded, &rounded, sizeof rounded);
+    }
+}
+
+}  // namespace
+
+void UsablePoints::find(const Box& box) {
+    const double longest = box.longest_side();
+    const double far_voxels = engine::farthest * (longest > 0 ? longest / 256 : 1);
+    constexpr double most = std::numeric_limits<float>::max() / 4;  // distances of a point and a mesh in it are floats
+    const double far = std::min(far_voxels, most);
+    is_limit_of_floats_ = far_voxels >= most;
+    unusable_.clear();
+    for (std::size_t i = 0; i < given_.size(); ++i) {
+        const Vec3& p = given_[i];
+        bool is_usable = true;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            is_usable = is_usable && p[axis] >= box.lower[axis] - far && p[axis] <= box.upper[axis] + far;
+        if (is_usable) continue;
+        unusable_.push_back({i, is_finite(p)});
+        if (are_refused_)
+            throw Error(ErrorCode::invalid_argument, fmt::format("point {} at ({}, {}, {}) {}; leave it out", i, p[0],
+                                                                 p[1], p[2], reason_of(unusable_.back())));
+    }
+    if (unusable_.empty()) return;
+    // A point before or behind, which costs least.
+    replaced_.assign(given_.begin(), given_.end());
+    std::size_t first_usable = 0;
+    while (first_usable < unusable_.size() && unusable_[first_usable].index == first_usable) ++first_usable;
+    const Vec3 first = has_usable() ? given_[first_usable] : box.lower;
+    for (const Unusable& unusable : unusable_)
+        replaced_[unusable.index] = unusable.index == 0 ? first : replaced_[unusable.index - 1];
+}
+
+std::string UsablePoints::reason_of(const Unusable& unusable) const {
+    if (!unusable.is_finite) return "is not finite";
+    return is_limit_of_floats_ ? "lies so far from the mesh that its distance may be beyond the floats"
+                               : "lies more than 1e14 voxels from the mesh, a voxel being 1/256 of the mesh";
+}
+
+void UsablePoints::store(std::size_t begin, std::size_t count, double half_width,
+                         const targets::HostArrays& arrays) const {
+    const auto first = std::ranges::lower_bound(unusable_, begin, {}, &Unusable::index);
+    for (auto unusable = first; unusable != unusable_.end() && unusable->index < begin + count; ++unusable) {
+        const std::size_t at = unusable->index - begin;
+        for_each_output(
+            [&](const OutputInfo& info, const targets::HostArray& array) {
+                if (array.data == nullptr) return;
+                const std::size_t bytes = sample_bytes(info, array.in_double);
+                if (info.output == Output::distance)
+                    store_number(array, at,
+                                 unusable->is_finite && std::isfinite(half_width)
+                                     ? half_width
+                                     : std::numeric_limits<double>::quiet_NaN());
+                else
+                    std::memset(array.data + at * bytes, 0xFF, bytes);
+            },
+            arrays);
+    }
+}
+
+std::string UsablePoints::warning(double half_width) const {
+    std::string text;
+    for (const bool is_finite : {false, true}) {
+        const auto count = static_cast<std::size_t>(std::ranges::count(unusable_, is_finite, &Unusable::is_finite));
+        if (count == 0) continue;
+        const Unusable& first = *std::ranges::find(unusable_, is_finite, &Unusable::is_finite);
+        const Vec3& p = given_[first.index];
+        const std::string distance =
+            is_finite && std::isfinite(half_width) ? fmt::format("the half width, {}", half_width) : "NaN";
+        text += fmt::format(
+            "{}{} of {} points {} no triangle and the distance {}; the first, point {} at ({}, {}, {}), "
+            "{}",
+            text.empty() ? "" : "; ", count, given_.size(), count == 1 ? "has" : "have", distance, first.index, p[0],
+            p[1], p[2], reason_of(first));
+    }
+    return text;
+}
+
+}  // namespace clsdf::points

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include "targets/host_arrays.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace clsdf::points {
+
+/// The points of a query, of which some may be marks of what is not there: not finite, or too far from the mesh for a
+/// distance. They have no nearest triangle.
+class UsablePoints {
+public:
+    /// are_refused: a point that is not usable is an error.
+    UsablePoints(std::span<const Vec3> points, bool are_refused) : given_(points), are_refused_(are_refused) {}
+
+    /// Finds the points that are not usable. box: of the mesh. Throws Error(invalid_argument) that names the first if
+    /// they are refused.
+    void find(const Box& box);
+
+    /// As many as given: after find() another point lies in the place of each that is not usable.
+    std::span<const Vec3> points() const { return replaced_.empty() ? given_ : replaced_; }
+    std::size_t unusable() const { return unusable_.size(); }
+    bool has_usable() const { return unusable_.size() < given_.size(); }
+
+    /// Stores the outputs of those that are not usable among points [begin, begin + count), whose packed arrays these
+    /// are: beside the distance, every bit is set. The distance is NaN; half_width, outside, if that and the point are
+    /// finite.
+    void store(std::size_t begin, std::size_t count, double half_width, const targets::HostArrays& arrays) const;
+
+    /// How many are not usable, the first of them, and what they get; empty if there is none.
+    std::string warning(double half_width) const;
+
+private:
+    struct Unusable {
+        std::size_t index = 0;
+        bool is_finite = false;  ///< but too far
+    };
+
+    std::string reason_of(const Unusable& unusable) const;
+
+    std::span<const Vec3> given_;
+    bool are_refused_;
+    bool is_limit_of_floats_ = false;  ///< too far for a float, not for voxels
+    std::vector<Unusable> unusable_;   // in ascending order
+    std::vector<Vec3> replaced_;       // empty if all are usable
+};
+
+}  // namespace clsdf::points
