@@ -22,9 +22,12 @@ using clsdf::reference::CheckReport;
 
 struct Options {
     std::string mesh;
-    std::string field;
+    std::vector<std::string> more;  ///< further files of the mesh, and last the field
     clsdf::reference::CheckOptions check;
     bool complete = false;
+
+    std::vector<std::string> meshes() const { return mesh_files(mesh, more); }
+    const std::string& field() const { return more.back(); }
 };
 
 Json describe_report(const CheckReport& report, const clsdf::Grid& grid) {
@@ -52,14 +55,24 @@ Json describe_report(const CheckReport& report, const clsdf::Grid& grid) {
 }
 
 // No note for a field that passes: the same mesh may have many names.
-std::string note_on_the_mesh(const std::string& mesh, const clsdf::Field& field) {
+std::string note_on_the_mesh(const std::vector<std::string>& mesh, const clsdf::Field& field) {
     const std::string name = std::filesystem::path(field.mesh_name).filename().string();
-    if (name.empty() || name == std::filesystem::path(mesh).filename().string()) return {};
+    if (name.empty() || name == names_of(mesh)) return {};
     // A file's text must not reach the terminal as it is.
     std::string printable = name.substr(0, 80);
     std::ranges::replace_if(
         printable, [](unsigned char letter) { return letter < 0x20 || letter > 0x7E; }, '?');
-    return fmt::format("the field says it was made from '{}', and was held against {}", printable, mesh);
+    return fmt::format("the field says it was made from '{}', and was held against {}", printable, paths_of(mesh));
+}
+
+// Fields of other programs may be positive inside: then the negated field has the right sign everywhere.
+std::string note_on_signs(const clsdf::Mesh& mesh, const CheckReport& report, clsdf::Field field,
+                          const clsdf::reference::CheckOptions& options) {
+    if (report.wrong_signs * 10 < report.samples * 9 || report.wrong_signs == 0) return {};
+    for (float& distance : field.distance())
+        if (distance != 0) distance = -distance;
+    if (clsdf::reference::check(mesh, field, options).wrong_signs > 0) return {};
+    return "all signs are opposite: positive inside? The distances of clsdf are negative inside; negate the field";
 }
 
 // Samples beyond a band that the file does not state have its limits, which are the field's extreme values.
@@ -105,13 +118,14 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
 }
 
 ExitStatus run(const Options& options, Report& report) {
-    const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
-    clsdf::Field field = clsdf::read_field(options.field);
-    if (const std::vector<std::string> missing = clsdf::missing_field_files(options.field); !missing.empty())
+    const std::vector<std::string> meshes = options.meshes();
+    const clsdf::Mesh mesh = read_body(meshes, report);
+    clsdf::Field field = clsdf::read_field(options.field());
+    if (const std::vector<std::string> missing = clsdf::missing_field_files(options.field()); !missing.empty())
         throw clsdf::Error(
             clsdf::ErrorCode::unreadable_input,
             fmt::format("{}: it names '{}', which cannot be found; copy all files of the field, or compute it again",
-                        options.field, fmt::join(missing, "', '")));
+                        options.field(), fmt::join(missing, "', '")));
     if (field.sign == clsdf::SignRule::automatic)
         field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
 
@@ -121,12 +135,13 @@ ExitStatus run(const Options& options, Report& report) {
     const CheckReport found = clsdf::reference::check(mesh, field, check_options);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
-    std::string note = found.passed() ? std::string() : note_on_the_mesh(options.mesh, field);
+    std::string note = note_on_signs(mesh, found, field, check_options);
+    if (note.empty() && !found.passed()) note = note_on_the_mesh(meshes, field);
     if (note.empty()) note = note_on_the_band(found, field);
     if (!report.quiet || !found.passed()) print_human(found, field, seconds.count());
     if (!note.empty()) print_text("note: {}\n", note);
-    report.result = {{"mesh", options.mesh},
-                     {"field", options.field},
+    report.result = {{"mesh", paths_of(meshes)},
+                     {"field", options.field()},
                      {"grid", describe(field.grid)},
                      {"band", describe(field.band)},
                      {"sign", name_of(field.sign)},
@@ -143,8 +158,8 @@ ExitStatus run(const Options& options, Report& report) {
 Command add_check(Parser& program) {
     const auto options = std::make_shared<Options>();
     Parser parser = program.add_subcommand("check", "Compare a field with the reference, in double precision");
-    parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply").required();
-    parser.add("FIELD", options->field, "its field: .nrrd, .npy, .vti, .h5, .vdb or .sdf").required();
+    add_mesh_and_argument(parser, options->mesh, "FIELD", options->more,
+                          "its field, last: .nrrd, .npy, .vti, .h5, .vdb or .sdf");
     parser
         .add("--samples", options->check.samples,
              "samples to check, half of them near the band's limits, edges and vertices")

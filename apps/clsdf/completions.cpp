@@ -83,7 +83,8 @@ std::string bash_completion(const ProgramDescription& description) {
         append_bash_options(options, subcommand, subcommand.name);
         for (std::size_t i = 0; i < subcommand.arguments.size(); ++i)
             fmt::format_to(std::back_inserter(arguments), "        {}:{})\n            {}\n            ;;\n",
-                           subcommand.name, i, bash_completer(subcommand.arguments[i]));
+                           subcommand.name, subcommand.arguments[i].repeats ? "*" : fmt::to_string(i),
+                           bash_completer(subcommand.arguments[i]));
         for (const OptionDescription& option : subcommand.options())
             if (!option.is_flag())
                 for (const std::string& name : option.names)
@@ -203,7 +204,8 @@ std::string zsh_completion(const ProgramDescription& description) {
         fmt::format_to(std::back_inserter(text), "            {})\n                _arguments", subcommand.name);
         for (const OptionDescription& option : subcommand.options()) append_zsh_option(text, option);
         for (std::size_t i = 0; i < subcommand.arguments.size(); ++i)
-            fmt::format_to(std::back_inserter(text), " \\\n                '{}{}'", i + 1,
+            fmt::format_to(std::back_inserter(text), " \\\n                '{}{}'",
+                           subcommand.arguments[i].repeats ? "*" : fmt::to_string(i + 1),
                            zsh_value(subcommand.arguments[i]));
         text += "\n                ;;\n";
     }

@@ -130,7 +130,7 @@ void add_method_options(Parser& parser, ComputeOptions& options) {
 }  // namespace
 
 void add_options(Parser& parser, ComputeOptions& options) {
-    parser.add("MESH", options.mesh, "the mesh: .off, .obj, .stl or .ply").required();
+    add_mesh_argument(parser, options.mesh);
     parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf").takes("FIELD");
     add_grid_options(parser, options);
     add_field_options(parser, options);
@@ -220,7 +220,7 @@ clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
     field.band = layout.band;
     field.sign = layout.sign;
     // The field carries the name of the mesh file without its folder, which is private.
-    field.mesh_name = std::filesystem::path(layout.mesh_file).filename().string();
+    field.mesh_name = names_of(layout.mesh_files);
     return field;
 }
 
@@ -315,7 +315,7 @@ void warn(Report& report, const std::string& warning) {
 
 ExitStatus run(const ComputeOptions& options, Report& report) {
     const ComputeRequest request(options);
-    keep_input(options.mesh, options.output, "mesh");
+    keep_mesh(options.mesh, options.output);
     if (!options.output.empty())
         clsdf::check_field_path(options.output, request.outputs);
     else if (!options.dry_run)
@@ -327,7 +327,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         second_compiler.emplace(options.device, bricks_ahead(request.outputs));
 
     const Stopwatch read;
-    const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
+    const clsdf::Mesh mesh = read_body(options.mesh, report);
     const double read_seconds = read.seconds();
 
     const clsdf::Grid grid = request.grid_around(mesh.box());
@@ -344,6 +344,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     warn(report, sign.warning);
     if (sign.rule == clsdf::SignRule::none && !options.band_inside.empty())
         report.warn("--band-inside has no effect, because the field has no sign");
+    warn(report, warning_of_narrow_band(layout));
     warn(report, warning_of_polyhedra(layout));
     warn(report, warning_of_format(layout, options.output));
     if (!report.quiet) print_layout(layout);

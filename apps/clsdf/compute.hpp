@@ -13,7 +13,7 @@
 
 /// The options of "clsdf compute" as they are typed.
 struct ComputeOptions {
-    std::string mesh;
+    std::vector<std::string> mesh;
     std::string output;
     std::int64_t resolution = 256;
     std::string spacing;
@@ -57,7 +57,7 @@ struct ComputeRequest {
 /// The grid, the band and the files of "clsdf compute", once the mesh is known.
 struct ComputeLayout {
     const clsdf::Mesh& mesh;
-    std::string mesh_file;
+    std::vector<std::string> mesh_files;
     clsdf::Topology topology;
     clsdf::Grid grid;
     clsdf::Band band;
@@ -88,6 +88,8 @@ std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf
 
 /// A warning for the user; empty if there is none.
 std::string warning_of_polyhedra(const ComputeLayout& layout);
+/// A warning if the band is so narrow that a surface made from the field is off.
+std::string warning_of_narrow_band(const ComputeLayout& layout);
 std::string warning_of_memory(const ComputeLayout& layout);
 /// A warning if the output's format cannot store the band.
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output);

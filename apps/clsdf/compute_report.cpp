@@ -98,8 +98,8 @@ const char* meaning_of(clsdf::SignRule rule) {
 
 Json describe_layout(const ComputeLayout& layout) {
     return {{"mesh",
-             {{"file", layout.mesh_file},
-              {"name", fs::path(layout.mesh_file).filename().string()},
+             {{"file", paths_of(layout.mesh_files)},
+              {"name", names_of(layout.mesh_files)},
               {"vertices", layout.mesh.vertices().size()},
               {"triangles", layout.mesh.triangles().size()},
               {"lower", layout.mesh.box().lower},
@@ -146,6 +146,20 @@ std::string warning_of_polyhedra(const ComputeLayout& layout) {
                        name_of(layout.polyhedra));
 }
 
+std::string warning_of_narrow_band(const ComputeLayout& layout) {
+    const double voxel = layout.grid.voxel();
+    const bool has_inside = layout.sign != clsdf::SignRule::none;
+    double narrow = std::numeric_limits<double>::infinity();
+    for (const double width : {layout.band.outside, has_inside ? layout.band.inside : 0.0})
+        if (width > 0) narrow = std::min(narrow, width);  // 0: that side is not wanted
+    if (!(narrow < voxel)) return {};
+    return fmt::format(
+        "the band is {:.3g} voxels wide on a side: a surface that is made from the field may be off by a good part of "
+        "a "
+        "voxel, because samples beside it have the band's limit; choose --band 2v or more",
+        narrow / voxel);
+}
+
 std::string warning_of_memory(const ComputeLayout& layout) {
     const std::uint64_t memory = physical_memory();
     const std::uint64_t needed = slab_memory(layout).bytes + working_bytes(layout);
@@ -186,7 +200,7 @@ std::string warning_of_stale_outputs(const ComputeLayout& layout, const Computat
 }
 
 void print_layout(const ComputeLayout& layout) {
-    print_text("mesh    {}: {} vertices, {} triangles\n", layout.mesh_file, layout.mesh.vertices().size(),
+    print_text("mesh    {}: {} vertices, {} triangles\n", paths_of(layout.mesh_files), layout.mesh.vertices().size(),
                layout.mesh.triangles().size());
     print_text("grid    {}\n", human(layout.grid));
     print_text("band    {}\n", human(layout.band, layout.grid.voxel()));

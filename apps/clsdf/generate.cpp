@@ -67,6 +67,7 @@ OptionDescription describe(const Option& option, const Parser& program) {
         result.text.resize(bracket);
     }
     result.required = option.is_required();
+    result.repeats = option.repeats();
     result.words = known_words(result.takes, program);
     if (result.words.empty()) result.words = known_words(option.placeholder(), program);
     for (const char* file : file_placeholders) result.is_file = result.is_file || result.takes == file;

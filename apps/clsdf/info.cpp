@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "option_values.hpp"
 #include "report.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -9,6 +10,8 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -16,7 +19,7 @@ using clsdf::EdgeKind;
 using clsdf::VertexKind;
 
 struct InfoOptions {
-    std::string mesh;
+    std::vector<std::string> mesh;
     bool self_intersections = false;
 };
 
@@ -106,9 +109,9 @@ void print_human(const Info& info) {
 }
 
 ExitStatus run(const InfoOptions& options, Report& report) {
-    const Info info(options, clsdf::read_mesh(options.mesh));
+    const Info info(options, read_body(options.mesh, report));
     if (!report.quiet) print_human(info);
-    report.result["mesh"] = options.mesh;
+    report.result["mesh"] = paths_of(options.mesh);
     report.result.update(describe(info));
     return ExitStatus::done;
 }
@@ -118,7 +121,7 @@ ExitStatus run(const InfoOptions& options, Report& report) {
 Command add_info(Parser& program) {
     const auto options = std::make_shared<InfoOptions>();
     Parser parser = program.add_subcommand("info", "Count a mesh's saddle vertices, gaps and defects");
-    parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply").required();
+    add_mesh_argument(parser, options->mesh);
     parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
     parser.set_footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"

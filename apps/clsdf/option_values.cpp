@@ -2,6 +2,8 @@
 
 #include "tools/text.hpp"
 
+#include <clsdf/mesh_files.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,6 +36,51 @@ void keep_input(const std::string& input, const std::string& output, const std::
     if (std::filesystem::equivalent(input, output, ignored))
         throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
                            fmt::format("-o '{}' is the {} that is read; name another file", output, what));
+}
+
+void keep_mesh(const std::vector<std::string>& files, const std::string& output) {
+    for (const std::string& file : files) keep_input(file, output, "mesh");
+}
+
+namespace {
+
+constexpr const char* mesh_text = "the mesh: .off, .obj, .stl or .ply; several files are one body";
+
+std::string joined(const std::vector<std::string>& files, bool with_folders) {
+    std::string text;
+    for (const std::string& file : files)
+        text += (text.empty() ? "" : " + ") + (with_folders ? file : std::filesystem::path(file).filename().string());
+    return text;
+}
+
+}  // namespace
+
+void add_mesh_argument(Parser& parser, std::vector<std::string>& files) {
+    parser.add("MESH", files, mesh_text).required();
+}
+
+void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string& name, std::vector<std::string>& more,
+                           const std::string& text) {
+    parser.add("MESH", mesh, mesh_text).required();
+    parser.add(name, more, text).required();
+}
+
+std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more) {
+    std::vector<std::string> files{mesh};
+    files.insert(files.end(), more.begin(), more.end() - 1);
+    return files;
+}
+
+clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report) {
+    return clsdf::read_meshes(files, {.log = [&](const std::string& message) { report.warn(message); }});
+}
+
+std::string paths_of(const std::vector<std::string>& files) {
+    return joined(files, true);
+}
+
+std::string names_of(const std::vector<std::string>& files) {
+    return joined(files, false);
 }
 
 clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, const std::string& file) {

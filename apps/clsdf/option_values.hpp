@@ -1,8 +1,10 @@
 #pragma once
 
 #include "options.hpp"
+#include "report.hpp"
 
 #include <clsdf/error.hpp>
+#include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
@@ -22,6 +24,24 @@ std::string did_you_mean(const std::string& word);
 
 /// Throws Error(invalid_argument) if the output is the input under this or another name. `what` is "mesh".
 void keep_input(const std::string& input, const std::string& output, const std::string& what);
+
+/// The same for the files of a mesh.
+void keep_mesh(const std::vector<std::string>& files, const std::string& output);
+
+/// Adds the argument MESH: one file, or several of one body.
+void add_mesh_argument(Parser& parser, std::vector<std::string>& files);
+/// Adds MESH and another argument, the last one of the command line; further files of the mesh may come between them.
+/// `more` gets what follows MESH.
+void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string& name, std::vector<std::string>& more,
+                           const std::string& text);
+/// The files of the mesh among these two.
+std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more);
+
+/// The mesh of all files. Warnings say what was skipped or changed.
+clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report);
+/// "a.stl + b.stl", with or without folders.
+std::string paths_of(const std::vector<std::string>& files);
+std::string names_of(const std::vector<std::string>& files);
 
 /// If the message begins with the subject, returns the error with the file's name before the message, and with
 /// unreadable_input in place of invalid_argument. Otherwise returns it unchanged. The library names a point by its

@@ -151,6 +151,10 @@ std::string Option::group() const {
     return option_->get_group();
 }
 
+bool Option::repeats() const {
+    return option_->get_positional() && option_->get_items_expected_max() > 1;
+}
+
 bool Option::is_required() const {
     return option_->get_required();
 }

@@ -52,6 +52,7 @@ public:
     std::string default_text() const;  ///< empty if there is none
     std::string group() const;
     bool is_required() const;
+    bool repeats() const;  ///< an argument that may come several times
 
 private:
     CLI::Option* option_;

@@ -145,7 +145,7 @@ ColouredMesh join(const std::vector<BoundingSolid>& solids, const std::vector<st
 
 ExitStatus run(const PolyhedraOptions& options, Report& report) {
     keep_input(options.mesh, options.output, "mesh");
-    const Mesh mesh = clsdf::read_mesh(options.mesh);
+    const Mesh mesh = read_body({options.mesh}, report);
     std::optional<std::uint32_t> vertex = options.around;
     if (!vertex && options.triangles.empty()) vertex = interesting_vertex(mesh);
     const std::vector<std::uint32_t> triangles = vertex ? triangles_at(mesh, *vertex) : options.triangles;

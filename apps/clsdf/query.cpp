@@ -27,12 +27,16 @@ using clsdf::Vec3;
 
 struct QueryOptions {
     std::string mesh;
-    std::string points;
+    std::vector<std::string> more;  ///< further files of the mesh, and last the points
     std::string output;
     std::string half_width = "full";
     std::string sign = "auto";
     std::vector<std::string> with;
+    bool refuse_unusable_points = false;
     std::string device;
+
+    std::vector<std::string> meshes() const { return mesh_files(mesh, more); }
+    const std::string& points() const { return more.back(); }
 };
 
 /// The outputs of all points, and what making them took.
@@ -63,6 +67,7 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
     };
     call.should_stop = [&stop] { return stop.stop_requested(); };
     call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
+    call.refuse_unusable_points = options.refuse_unusable_points;
     for (const clsdf::OutputInfo& info : clsdf::output_table())
         if (info.output == clsdf::Output::distance || parse_outputs(options.with).contains(info.output))
             found.values.resize(info.output, points.size());
@@ -86,19 +91,20 @@ Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& 
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("the outputs of {} points do not fit the memory; divide the points", points.size()));
     } catch (const Error& error) {
-        if (!interruption.token().stop_requested()) throw with_file(error, "point ", options.points);
+        if (!interruption.token().stop_requested()) throw with_file(error, "point ", options.points());
     }
     throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
 }
 
 ExitStatus run(const QueryOptions& options, Report& report) {
     clsdf::check_points_path(options.output);
-    keep_input(options.mesh, options.output, "mesh");
-    keep_input(options.points, options.output, "file of points");
+    const std::vector<std::string> meshes = options.meshes();
+    keep_mesh(meshes, options.output);
+    keep_input(options.points(), options.output, "file of points");
     const clsdf::Device device = open_device(options.device);
     const Stopwatch read;
-    const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
-    const std::vector<Vec3> points = clsdf::read_points(options.points);
+    const clsdf::Mesh mesh = read_body(meshes, report);
+    const std::vector<Vec3> points = clsdf::read_points(options.points());
     const double read_seconds = read.seconds();
     const double half_width = limit_of(options, mesh);
 
@@ -112,15 +118,16 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     const auto inside = static_cast<std::size_t>(
         std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));
     if (!report.quiet) {
-        report.print("mesh    {}: {} vertices, {} triangles\n", options.mesh, mesh.vertices().size(),
+        report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(meshes), mesh.vertices().size(),
                      mesh.triangles().size());
         report.print("device  {} ({})\n", found.device_name, found.device_platform);
         report.print("done    {} points in {:.3f} s, {} of them inside\n", points.size(), found.seconds, inside);
         report.print("wrote   {}\n", options.output);
     }
-    report.result = {{"mesh", options.mesh},
-                     {"points", options.points},
+    report.result = {{"mesh", paths_of(meshes)},
+                     {"points", options.points()},
                      {"count", points.size()},
+                     {"unusable_points", found.statistics.unusable_points},
                      {"half_width", half_width},
                      {"sign", name_of(found.sign)},
                      {"inside", inside},
@@ -143,16 +150,18 @@ ExitStatus run(const QueryOptions& options, Report& report) {
 Command add_query(Parser& program) {
     const auto options = std::make_shared<QueryOptions>();
     Parser parser = program.add_subcommand("query", "Compute distances at points");
-    parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply").required();
-    parser.add("POINTS", options->points, "the points: .npy, .csv or .ply").required();
+    add_mesh_and_argument(parser, options->mesh, "POINTS", options->more, "the points, last: .npy, .csv or .ply");
     parser.add("-o,--output", options->output, "a row for each point: .npy, .csv or .ply").takes("RESULT").required();
     parser.add("--half-width", options->half_width, "how far the surface is looked for").takes_text("LENGTH");
     add_outputs_option(parser, options->with);
     add_sign_option(parser, options->sign);
+    parser.add("--refuse-unusable-points", options->refuse_unusable_points,
+               "fail if a point is not finite or too far from the mesh");
     add_device_option(parser, options->device, "what computes");
     parser.set_footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels of 1/256 of that side), 0.05 (the\n"
-        "mesh's units) or full (without end). Farther points have the distance LENGTH, with their sign.\n\n"
+        "mesh's units) or full (without end). Farther points have the distance LENGTH, with their sign.\n"
+        "A point that is not finite has the distance nan, and a warning has the number of such points.\n\n"
         "Examples:\n"
         "  clsdf query bunny.off particles.npy -o distances.npy\n"
         "  clsdf query part.stl scan.ply -o deviation.csv --with closest,triangle\n"

@@ -177,6 +177,7 @@ module clsdf
     procedure(clsdf_stop_procedure), pointer :: should_stop => null()   !< asked there, too
     procedure(clsdf_log_procedure), pointer :: log => null()            !< warnings of this call
     type(c_ptr), allocatable :: wait_list(:)  !< cl_events after which the call uses the caller's memory
+    logical :: refuse_unusable_points = .false.  !< query fails if a point is not finite or too far from the mesh
   end type
 
   abstract interface
@@ -205,6 +206,7 @@ module clsdf
     integer(c_int64_t) :: slabs = 0, device_bytes = 0, host_bytes = 0
     real(c_double) :: compile_seconds = 0, polyhedra_seconds = 0, field_seconds = 0
     integer(c_int32_t) :: first_use = 0, reserved = 0
+    integer(c_int64_t) :: unusable_points = 0
   end type
 
   !> Memory that a transform keeps between calls, beside the mesh.
@@ -312,7 +314,8 @@ module clsdf
     procedure, private :: mesh_create, mesh_create_r4_i4, mesh_create_r4_i8, mesh_create_r8_i4, mesh_create_r8_i8
     generic :: create => mesh_create, mesh_create_r4_i4, mesh_create_r4_i8, mesh_create_r8_i4, mesh_create_r8_i8
     procedure :: shape => mesh_shape
-    procedure :: read => mesh_read
+    procedure, private :: mesh_read, mesh_read_files
+    generic :: read => mesh_read, mesh_read_files
     procedure :: weld => mesh_weld
     procedure :: write => mesh_write
     procedure, private :: mesh_set_positions, mesh_set_positions_r4, mesh_set_positions_r8
@@ -474,6 +477,12 @@ module clsdf
     type(c_funptr) :: progress = c_null_funptr, should_stop = c_null_funptr, log = c_null_funptr
     type(c_ptr) :: wait_list = c_null_ptr
     integer(c_int64_t) :: wait_count = 0
+    integer(c_int32_t) :: refuse_unusable_points = 0, reserved = 0
+  end type
+  type, bind(C) :: c_read_options
+    integer(c_size_t) :: struct_size = 0
+    type(c_ptr) :: user = c_null_ptr
+    type(c_funptr) :: log = c_null_funptr
   end type
   type, bind(C) :: c_transform_options
     integer(c_size_t) :: struct_size = 0
@@ -867,10 +876,12 @@ module clsdf
       character(kind=c_char), intent(in) :: name(*)
       type(c_ptr), intent(out) :: mesh
     end function
-    function c_mesh_read(path, mesh) bind(C, name="clsdf_mesh_read") result(value)
+    function c_mesh_read_files(paths, count, options, mesh) bind(C, name="clsdf_mesh_read_files") result(value)
       import
       integer(c_int32_t) :: value
-      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(in) :: paths(*)
+      integer(c_int64_t), value :: count
+      type(c_read_options), intent(in) :: options
       type(c_ptr), intent(out) :: mesh
     end function
     function c_mesh_weld(mesh, welded) bind(C, name="clsdf_mesh_weld") result(value)
@@ -2174,6 +2185,7 @@ contains
       given%c%wait_count = size(options%wait_list)
       if (size(options%wait_list) > 0) given%c%wait_list = c_loc(options%wait_list(1))
     end if
+    given%c%refuse_unusable_points = merge(1_c_int32_t, 0_c_int32_t, options%refuse_unusable_points)
     pointer = c_loc(given%c)
   end function
 
@@ -2572,15 +2584,41 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  !> Reads .off, .obj, .stl or .ply; polygons become fans.
-  subroutine mesh_read(self, path, stat, errmsg)
+  !> Reads .off, .obj, .stl or .ply; polygons become fans. The log of the options gets what was skipped or changed.
+  subroutine mesh_read(self, path, stat, errmsg, options)
     class(clsdf_mesh), intent(inout) :: self
     character(*), intent(in) :: path
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    call self%read([path], stat, errmsg, options)
+  end subroutine
+
+  !> Reads files as one mesh: the vertices and the triangles of each follow those of the one before it.
+  subroutine mesh_read_files(self, paths, stat, errmsg, options)
+    class(clsdf_mesh), intent(inout) :: self
+    character(*), intent(in) :: paths(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    character(len=len(paths) + 1, kind=c_char), target :: texts(size(paths))
+    type(c_ptr) :: pointers(size(paths))
+    type(caller), target :: given
+    type(c_read_options) :: read
     integer(c_int32_t) :: status
+    integer :: i
     call self%release()
-    status = c_mesh_read(trim(path)//c_null_char, self%handle)
+    do i = 1, size(paths)
+      texts(i) = trim(paths(i))//c_null_char
+      pointers(i) = c_loc(texts(i))
+    end do
+    read%struct_size = c_sizeof(read)
+    if (present(options)) then
+      given%options => options
+      read%user = c_loc(given)
+      if (associated(options%log)) read%log = c_funloc(on_log)
+    end if
+    status = c_mesh_read_files(pointers, size(paths, kind=c_int64_t), read, self%handle)
     if (status == CLSDF_OK) status = c_mesh_set_index_base(self%handle, 1_c_int32_t)
     call clsdf_finish(status, stat, errmsg)
   end subroutine

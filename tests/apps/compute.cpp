@@ -362,6 +362,47 @@ BOOST_AUTO_TEST_CASE(notes_that_a_field_which_fails_names_another_mesh_and_is_qu
     BOOST_TEST(failed.error.find("made from 'mesh.off'") != std::string::npos);
 }
 
+BOOST_AUTO_TEST_CASE(notes_that_a_field_is_positive_inside) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    for (const char* band : {"full", "3v"}) {
+        const std::string path = folder.file("field.nrrd");
+        BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "16", "--band", band}).status == 0);
+        const auto note_with = [&](std::size_t kept) {
+            clsdf::Field field = clsdf::read_field(path);
+            for (std::size_t i = kept; i < field.distance().size(); ++i) field.distance()[i] *= -1;
+            const std::string other = folder.file("other.nrrd");
+            write_field(field, other);
+            const Outcome outcome = run_command({"check", mesh, other, "--complete", "--json"});
+            BOOST_TEST(outcome.status == 1);
+            return json::parse(outcome.out).value("note", "");
+        };
+        BOOST_TEST(note_with(0).starts_with("all signs are opposite: positive inside?"), note_with(0));
+        BOOST_TEST(note_with(100).empty(), note_with(100));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(warns_that_a_band_is_narrower_than_a_voxel) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const auto warnings = [&](const std::vector<std::string>& options) {
+        std::vector<std::string> arguments{"compute", mesh, "--dry-run", "--json", "--resolution", "64"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        return json::parse(run_command(arguments).out)["warnings"];
+    };
+    for (const std::vector<std::string>& narrow :
+         {std::vector<std::string>{"--band", "0.25%"}, {"--band", "0.9v"}, {"--band", "3v", "--band-inside", "0.5v"}}) {
+        BOOST_REQUIRE(warnings(narrow).size() == 1U);
+        BOOST_TEST(warnings(narrow)[0].get<std::string>().find("voxels wide") != std::string::npos);
+    }
+    for (const std::vector<std::string>& wide : {std::vector<std::string>{},
+                                                 {"--band", "1v"},
+                                                 {"--band", "0"},
+                                                 {"--band", "3v", "--band-inside", "0"},
+                                                 {"--band", "full"}})
+        BOOST_TEST(warnings(wide).empty());
+}
+
 BOOST_AUTO_TEST_CASE(notes_that_wrong_values_look_like_the_limits_of_a_band_that_is_not_stated) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);

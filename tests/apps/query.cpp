@@ -48,6 +48,10 @@ std::vector<std::vector<std::string>> table_of(const std::string& path) {
     return rows;
 }
 
+std::string replaced_once(std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+}
+
 std::string npy(const std::string& type, const std::string& shape, const std::string& values) {
     std::string header = "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }\n";
     return std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(header.size()) + '\0' + header + values;
@@ -187,6 +191,59 @@ BOOST_AUTO_TEST_CASE(reads_points_in_fortran_order_and_fields_in_quotes) {
         BOOST_TEST((read_points(inputs.folder.file("inches.csv", text)) == expected));
 }
 
+BOOST_AUTO_TEST_CASE(counts_points_that_are_not_finite_or_too_far) {
+    const Inputs inputs;
+    const std::string result = inputs.folder.file("found.csv");
+    const std::string points = inputs.folder.file("marks.csv", "x,y,z\n0.5,0,0\nnan,nan,nan\n1e30,0,0\n0.25,0,0\n");
+    const Outcome outcome = run_command(
+        {"query", inputs.mesh, points, "-o", result, "--with", "triangle", "--half-width", "0.6", "--json"});
+    BOOST_TEST(outcome.status == 0);
+    const nlohmann::json report = nlohmann::json::parse(outcome.out);
+    BOOST_TEST(report["unusable_points"] == 2);
+    BOOST_REQUIRE(report["warnings"].size() == 1U);
+    const auto warning = report["warnings"][0].get<std::string>();
+    BOOST_TEST(warning.find("1 of 4 points has no triangle and the distance NaN") != std::string::npos, warning);
+    BOOST_TEST(warning.find("1 of 4 points has no triangle and the distance the half width, 0.6") != std::string::npos);
+    const auto rows = table_of(result);
+    BOOST_TEST(std::stod(rows[1][3]) == -0.5);
+    const std::vector<std::string> expected{"nan", "nan", "nan", "nan", "4294967295"};
+    BOOST_TEST(rows[2] == expected, boost::test_tools::per_element());
+    BOOST_TEST(rows[3][3] == "0.6");
+    BOOST_TEST(rows[4][3] == "-0.6");
+}
+
+BOOST_AUTO_TEST_CASE(takes_several_files_as_one_body) {
+    const Inputs inputs;
+    const std::string second = inputs.folder.file("second.stl"), result = inputs.folder.file("found.csv");
+    write_mesh(box({2, -1, -1}, {4, 1, 1}), second);
+    BOOST_TEST(run_command({"query", inputs.mesh, second, inputs.csv, "-o", result, "--quiet"}).status == 0);
+    BOOST_TEST(std::stod(table_of(result)[2][3]) == -0.5);  // (3, 0.25, -0.5)
+    BOOST_TEST(std::stod(table_of(result)[1][3]) == -0.5);
+    const std::string field = inputs.folder.file("two.nrrd");
+    const Outcome computed =
+        run_command({"compute", inputs.mesh, second, "-o", field, "--resolution", "24", "--band", "full", "--json"});
+    BOOST_TEST(computed.status == 0);
+    BOOST_TEST(nlohmann::json::parse(computed.out)["mesh"]["name"] == "cube.off + second.stl");
+    BOOST_TEST(nlohmann::json::parse(computed.out)["mesh"]["triangles"] == 24);
+    BOOST_TEST(run_command({"check", inputs.mesh, second, field}).status == 0);
+    BOOST_TEST(run_command({"check", inputs.mesh, field}).status == 1);
+    const Outcome info = run_command({"info", inputs.mesh, second, "--json"});
+    BOOST_TEST(nlohmann::json::parse(info.out)["triangles"] == 24);
+    check_refused(run_command({"compute", inputs.mesh, second, "-o", second}), 2, {"second.stl"});
+}
+
+BOOST_AUTO_TEST_CASE(says_what_was_skipped_in_the_mesh) {
+    const Inputs inputs;
+    const std::string mesh =
+        inputs.folder.file("edge.off", replaced_once(content_of(inputs.mesh), " 12 0", " 13 0") + "2 0 1\n");
+    const Outcome outcome = run_command({"query", mesh, inputs.csv, "-o", inputs.folder.file("a.csv"), "--json"});
+    BOOST_TEST(outcome.status == 0);
+    const auto warnings = nlohmann::json::parse(outcome.out)["warnings"];
+    BOOST_REQUIRE(warnings.size() == 1U);
+    BOOST_TEST(warnings[0].get<std::string>().find("1 face of fewer than three corners is skipped") !=
+               std::string::npos);
+}
+
 BOOST_AUTO_TEST_CASE(keeps_the_columns_of_the_outputs_without_points) {
     const Inputs inputs;
     const std::string result = inputs.folder.file("none.csv"), array = inputs.folder.file("none.npy");
@@ -213,7 +270,9 @@ BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
     check_refused(query(inputs.folder.file("n.csv", "1,2,3\n")), 3,
                   {"n.csv: line 1: ", "'1,2,3', has no column 'x'", "as in x,y,z"});
     check_refused(query(inputs.folder.file("c.csv", "x,y,z\n1,2\n")), 3, {"c.csv: line 2: ", "2 fields", "3 columns"});
-    check_refused(query(inputs.folder.file("d.csv", "x,y,z\n1,2,3\n1,nan,3\n")), 3, {"d.csv", "point 1", "not finite"});
+    check_refused(run_command({"query", inputs.mesh, inputs.folder.file("d.csv", "x,y,z\n1,2,3\n1,nan,3\n"), "-o",
+                               result, "--refuse-unusable-points"}),
+                  3, {"d.csv", "point 1", "not finite"});
     check_refused(query(inputs.folder.file("e.npy", npy("<f4", "2, 2", std::string(16, '\0')))), 3,
                   {"e.npy", "(2, 2)", "(n, 3)"});
     check_refused(query(inputs.folder.file("i.npy", npy("<i8", "2, 3", std::string(48, '\0')))), 3,

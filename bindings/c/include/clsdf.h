@@ -510,12 +510,29 @@ typedef struct clsdf_defects {
 #define CLSDF_DEFECTS_INIT \
     { sizeof(clsdf_defects), 0, 0, 0 }
 
+typedef int32_t (*clsdf_log_function)(void* user, const char* message);
+
+/* How files of meshes are read. */
+typedef struct clsdf_read_options {
+    size_t struct_size;
+    void* user; /* the first argument of the function */
+    /* Warnings, each with the file: what was skipped (faces of one or two corners, bytes after the last row of a binary
+     * .ply, unknown lines) or changed (vertices of an .obj with a fourth number are divided by it). May be null. */
+    clsdf_log_function log;
+} clsdf_read_options;
+#define CLSDF_READ_OPTIONS_INIT \
+    { sizeof(clsdf_read_options), NULL, NULL }
+
 /* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element, the value and the base of its numbers. */
 CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh);
 /* A mesh made by code: "sphere0" to "sphere9", "torus", "knot", ... */
 CLSDF_API clsdf_status clsdf_mesh_shape(const char* name, clsdf_mesh** mesh);
 /* Reads .off, .obj, .stl or .ply; polygons become fans. CLSDF_UNREADABLE_INPUT names the line and the value. */
 CLSDF_API clsdf_status clsdf_mesh_read(const char* path, clsdf_mesh** mesh);
+/* Reads files as one mesh: the vertices and the triangles of each follow those of the one before it. `options` may be
+ * null. */
+CLSDF_API clsdf_status clsdf_mesh_read_files(const char* const* paths, int64_t count, const clsdf_read_options* options,
+                                             clsdf_mesh** mesh);
 /* The mesh in which vertices of equal coordinates are one, with the same index base. */
 CLSDF_API clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** welded);
 /* Writes by the file's ending, complete or not at all. `colours`: red, green, blue of each triangle, as uint8_t
@@ -561,7 +578,6 @@ typedef struct clsdf_progress {
 
 typedef int32_t (*clsdf_progress_function)(void* user, const clsdf_progress* progress);
 typedef int32_t (*clsdf_stop_function)(void* user); /* CLSDF_CANCELLED: cancel; 0: go on */
-typedef int32_t (*clsdf_log_function)(void* user, const char* message);
 
 /* Options of one call. Functions may be null. */
 typedef struct clsdf_call_options {
@@ -572,9 +588,11 @@ typedef struct clsdf_call_options {
     clsdf_log_function log;           /* warnings of this call */
     void* const* wait_list;           /* cl_events after which the call uses the caller's memory */
     int64_t wait_count;
+    int32_t refuse_unusable_points; /* 1: clsdf_query() fails if a point is not finite or too far from the mesh */
+    int32_t reserved;
 } clsdf_call_options;
 #define CLSDF_CALL_OPTIONS_INIT \
-    { sizeof(clsdf_call_options), NULL, NULL, NULL, NULL, NULL, 0 }
+    { sizeof(clsdf_call_options), NULL, NULL, NULL, NULL, NULL, 0, 0, 0 }
 
 /* Times (wall-clock seconds of the host) and memory of a call. */
 typedef struct clsdf_statistics {
@@ -587,9 +605,10 @@ typedef struct clsdf_statistics {
     double field_seconds;     /* samples or points */
     int32_t first_use;        /* 1: programs computed for the first time on this device */
     int32_t reserved;
+    int64_t unusable_points; /* of clsdf_query(): points that are not finite or too far from the mesh */
 } clsdf_statistics;
 #define CLSDF_STATISTICS_INIT \
-    { sizeof(clsdf_statistics), 0, 0, 0, 0, 0, 0, 0, 0 }
+    { sizeof(clsdf_statistics), 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 typedef struct clsdf_transform_options {
     size_t struct_size;
@@ -711,9 +730,10 @@ CLSDF_API clsdf_status clsdf_slabs_of(const clsdf_grid* grid, clsdf_grid* slabs,
 
 /* The distance at points, and all else that has an array of points->count items. Beyond half_width, which may be 0 or
  * infinite, the distance is half_width with the point's sign. At most 96 points are answered by the calling thread.
- * A point that is not finite, or more than 1e14 voxels (1/256 of the mesh's longest side) from the mesh's box, fails
- * the whole call; the message has its index from 0, and no output is written. Targets may lie on the points: they are
- * read first. */
+ * A point that is not finite gets the distance NaN and no triangle. A finite one more than 1e14 voxels (1/256 of the
+ * mesh's longest side) from the mesh's box gets half_width if that is finite, else NaN, and no triangle. call->log gets
+ * one warning with their number. With call->refuse_unusable_points such a point fails the whole call; the message has
+ * its index from 0, and no output is written. Targets may lie on the points: they are read first. */
 CLSDF_API clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* points, double half_width,
                                    const clsdf_target* targets, int64_t target_count, const clsdf_call_options* call,
                                    clsdf_statistics* statistics);

@@ -5,6 +5,9 @@
 
 #include <clsdf/mesh_files.hpp>
 
+#include <string>
+#include <vector>
+
 using namespace clsdf;
 using c::given;
 using c::guarded;
@@ -33,6 +36,16 @@ clsdf_status clsdf_mesh_shape(const char* name, clsdf_mesh** mesh) {
 
 clsdf_status clsdf_mesh_read(const char* path, clsdf_mesh** mesh) {
     return made(mesh, "mesh", [&] { return new clsdf_mesh(read_mesh(c::text_of(path, "path"))); });
+}
+
+clsdf_status clsdf_mesh_read_files(const char* const* paths, std::int64_t count, const clsdf_read_options* options,
+                                   clsdf_mesh** mesh) {
+    return made(mesh, "mesh", [&] {
+        c::elements(paths, count, "paths");
+        std::vector<std::string> files;
+        for (std::int64_t i = 0; i < count; ++i) files.emplace_back(c::text_of(paths[i], "paths"));
+        return new clsdf_mesh(read_meshes(files, c::read_options_of(options)));
+    });
 }
 
 clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** welded) {

@@ -263,6 +263,7 @@ clsdf_statistics as_c(const TransformStatistics& statistics) {
     result.polyhedra_seconds = statistics.polyhedra_seconds;
     result.field_seconds = statistics.field_seconds;
     result.first_use = statistics.first_use ? 1 : 0;
+    result.unusable_points = static_cast<std::int64_t>(statistics.unusable_points);
     return result;
 }
 
@@ -313,6 +314,17 @@ Call::Call(const clsdf_call_options* options) {
         options_.log = [from](const std::string& message) { call_back("log", from.log, from.user, message.c_str()); };
     wait_list_ = events_of(from.wait_list, from.wait_count);
     options_.wait_list = wait_list_;
+    options_.refuse_unusable_points = flag(from.refuse_unusable_points, "refuse_unusable_points");
+    check_reserved(from.reserved, "clsdf_call_options");
+}
+
+ReadOptions read_options_of(const clsdf_read_options* options) {
+    ReadOptions read;
+    if (options == nullptr) return read;
+    const clsdf_read_options from = read_struct(options, CLSDF_READ_OPTIONS_INIT, "clsdf_read_options");
+    if (from.log != nullptr)
+        read.log = [from](const std::string& message) { call_back("log", from.log, from.user, message.c_str()); };
+    return read;
 }
 
 std::vector<cl_event> events_of(void* const* wait_list, std::int64_t count) {

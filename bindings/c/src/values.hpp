@@ -5,6 +5,7 @@
 #include <clsdf/calls.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/mesh_files.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
@@ -60,6 +61,9 @@ private:
     CallOptions options_;
     std::vector<cl_event> wait_list_;
 };
+
+/// Null: the defaults.
+ReadOptions read_options_of(const clsdf_read_options* options);
 
 std::vector<cl_event> events_of(void* const* wait_list, std::int64_t count);
 

@@ -112,6 +112,43 @@ static void check_grids(void) {
     OK(clsdf_grid_validate(&other));
 }
 
+static int32_t keep_message(void* user, const char* message) {
+    strncat(user, message, 399 - strlen(user));
+    return CLSDF_OK;
+}
+
+static int32_t end_with_7(void* user, const char* message) {
+    (void)user;
+    (void)message;
+    return 7;
+}
+
+/* "tetrahedron.ply" and a file with an edge as one mesh. */
+static void check_files(void) {
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\n";
+    const char* paths[] = {"tetrahedron.ply", "edge.obj"};
+    char messages[400] = "";
+    clsdf_read_options options = CLSDF_READ_OPTIONS_INIT;
+    clsdf_mesh* mesh = NULL;
+    const uint32_t* indices;
+    int64_t count;
+    FILE* file = fopen("edge.obj", "w");
+    CHECK(file != NULL && fputs(text, file) >= 0 && fclose(file) == 0);
+    options.user = messages;
+    options.log = keep_message;
+    OK(clsdf_mesh_read_files(paths, 2, &options, &mesh));
+    OK(clsdf_mesh_triangles(mesh, &indices, &count));
+    CHECK(count == 5 && indices[12] == 4 && indices[14] == 6);
+    CHECK(strstr(messages, "edge.obj: 1 face of fewer than three corners is skipped, the first at line 4") != NULL);
+    clsdf_mesh_release(mesh);
+    OK(clsdf_mesh_read_files(paths, 1, NULL, &mesh));
+    clsdf_mesh_release(mesh);
+    options.log = end_with_7;
+    CHECK(clsdf_mesh_read_files(paths, 2, &options, &mesh) == 7);
+    FAILS(CLSDF_INVALID_ARGUMENT, "no file", clsdf_mesh_read_files(NULL, 0, NULL, &mesh));
+    FAILS(CLSDF_INVALID_ARGUMENT, "paths is null", clsdf_mesh_read_files(NULL, 1, NULL, &mesh));
+}
+
 static void check_meshes(void) {
     const float vertices[4][4] = {{0, 0, 0, 9}, {1, 0, 0, 9}, {0, 1, 0, 9}, {0, 0, 1, 9}};
     const int64_t faces[3][4] = {{1, 1, 1, 2}, {3, 2, 4, 3}, {2, 4, 3, 4}}; /* from 1, by component */
@@ -179,6 +216,7 @@ static void check_meshes(void) {
     CHECK(count == 4 && indices[1] == 2);
     clsdf_mesh_release(other);
     FAILS(CLSDF_INVALID_ARGUMENT, "colour", clsdf_mesh_write(own, "tetrahedron.ply", colours, 3));
+    check_files();
     OK(clsdf_mesh_weld(own, &other));
     OK(clsdf_mesh_index_base(other, &base));
     CHECK(base == 1);
@@ -365,6 +403,9 @@ static void check_points(void) {
     clsdf_target targets[2];
     clsdf_box boxes[2];
     clsdf_kept_memory memory = CLSDF_KEPT_MEMORY_INIT;
+    clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
+    clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
+    char messages[400] = "";
     int n;
     targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT64, found, 4);
     targets[1] = clsdf_host_target(CLSDF_SITE, CLSDF_UINT8, site, 4);
@@ -391,8 +432,21 @@ static void check_points(void) {
     points[1][2] = HUGE_VAL;
     targets[0].array.count = 4;
     for (n = 0; n < 4; ++n) found[n] = 77;
-    FAILS(CLSDF_INVALID_ARGUMENT, "point 1", clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    call.refuse_unusable_points = 1;
+    FAILS(CLSDF_INVALID_ARGUMENT, "point 1", clsdf_query(transform, &array, 2, targets, 2, &call, NULL));
     for (n = 0; n < 4; ++n) CHECK(found[n] == 77);
+    call.refuse_unusable_points = 2;
+    FAILS(CLSDF_INVALID_ARGUMENT, "refuse_unusable_points is 2",
+          clsdf_query(transform, &array, 2, targets, 2, &call, NULL));
+    call.refuse_unusable_points = 0;
+    call.user = messages;
+    call.log = keep_message;
+    OK(clsdf_query(transform, &array, 2, targets, 2, &call, &statistics));
+    CHECK(statistics.unusable_points == 1 && found[1] != found[1] && site[1] == 255 && site[0] != 255);
+    CHECK(strstr(messages, "1 of 4 points has no triangle") != NULL);
+    points[1][2] = 1e30;
+    OK(clsdf_query(transform, &array, 2, targets, 2, NULL, NULL));
+    CHECK(found[1] == 2 && site[1] == 255);
     OK(clsdf_transform_box(transform, &boxes[0]));
     memset(&boxes[1], 0, sizeof boxes[1]); /* the hole of the torus */
     OK(clsdf_classify(transform, boxes, 2, 1e-3, place));

@@ -115,6 +115,10 @@ int main(void) {
     MEMBER(clsdf_progress, fraction);
     MEMBER(clsdf_progress, step);
     MEMBER(clsdf_progress, steps);
+    SIZE(clsdf_read_options);
+    MEMBER(clsdf_read_options, struct_size);
+    MEMBER(clsdf_read_options, user);
+    MEMBER(clsdf_read_options, log);
     SIZE(clsdf_call_options);
     MEMBER(clsdf_call_options, struct_size);
     MEMBER(clsdf_call_options, user);
@@ -123,6 +127,8 @@ int main(void) {
     MEMBER(clsdf_call_options, log);
     MEMBER(clsdf_call_options, wait_list);
     MEMBER(clsdf_call_options, wait_count);
+    MEMBER(clsdf_call_options, refuse_unusable_points);
+    MEMBER(clsdf_call_options, reserved);
     SIZE(clsdf_statistics);
     MEMBER(clsdf_statistics, struct_size);
     MEMBER(clsdf_statistics, slabs);
@@ -133,6 +139,7 @@ int main(void) {
     MEMBER(clsdf_statistics, field_seconds);
     MEMBER(clsdf_statistics, first_use);
     MEMBER(clsdf_statistics, reserved);
+    MEMBER(clsdf_statistics, unusable_points);
     SIZE(clsdf_transform_options);
     MEMBER(clsdf_transform_options, struct_size);
     MEMBER(clsdf_transform_options, sign);

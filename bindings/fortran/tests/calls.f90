@@ -52,6 +52,7 @@ end module
 
 program calls
   use, intrinsic :: iso_c_binding
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use clsdf
   use collectors
   use test
@@ -200,6 +201,9 @@ contains
     call welded%read('fortran_mesh.ply')
     call welded%vertices(vertices)
     call check(all(vertices == x), 'a mesh from a file')
+    call welded%read([character(20) :: 'fortran_mesh.ply', 'fortran_mesh.ply'])
+    call welded%vertices(vertices)
+    call check(size(vertices, 2) == 2 * size(x, 2), 'a mesh from two files')
     call own%write('fortran_mesh.ply', colours(:2, :), stat, errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'colours')
     triangles(2, 3) = 5
@@ -270,6 +274,32 @@ contains
     call own%create(device, open_mesh, options=w)
     call check(w%messages == 1 .and. index(w%message, 'open') > 0, 'a warning')
     call check(own%sign() == CLSDF_SIGN_NONE, 'a mesh without a sign')
+    call marks(w)
+  end subroutine
+
+  ! What is skipped in a file, and points that are not finite.
+  subroutine marks(w)
+    type(watcher), intent(inout) :: w
+    type(clsdf_mesh) :: edge
+    type(clsdf_statistics) :: statistics
+    real(8) :: points(3, 2)
+    real(4) :: distance(2)
+    integer :: unit
+    open (newunit=unit, file='fortran_edge.obj', status='replace')
+    write (unit, '(a)') 'v 0 0 0', 'v 1 0 0', 'v 0 1 0', 'f 1 2', 'f 1 2 3'
+    close (unit)
+    call edge%read('fortran_edge.obj', options=w)
+    call check(w%messages == 2 .and. index(w%message, '1 face of fewer than three corners is skipped') > 0, 'a reading')
+    points = 0
+    points(1, 2) = ieee_value(1d0, ieee_quiet_nan)
+    call transform%query(points, clsdf_infinity(), distance, options=w, statistics=statistics)
+    call check(w%messages == 3 .and. index(w%message, '1 of 2 points has no triangle') > 0, 'a mark')
+    call check(ieee_is_nan(distance(2)) .and. .not. ieee_is_nan(distance(1)), 'the distance of a mark')
+    call check(statistics%unusable_points == 1, 'the number of marks')
+    w%refuse_unusable_points = .true.
+    call transform%query(points, clsdf_infinity(), distance, options=w, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'not finite')
+    w%refuse_unusable_points = .false.
   end subroutine
 
   subroutine count_calls(options, progress, status)

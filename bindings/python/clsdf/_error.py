@@ -21,4 +21,5 @@ class Error(RuntimeError):
 
 
 class MeshWarning(UserWarning):
-    """A property of the mesh that changes what is computed, for instance that it is open and the field has no sign."""
+    """A property of the mesh that changes what is computed, for instance that it is open and the field has no sign; what
+    was skipped in its file; points that are not finite."""

@@ -17,7 +17,7 @@ def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
     open3d."""
     if isinstance(mesh, (str, os.PathLike)):
         path = os.fsdecode(mesh)
-        vertices, faces = _core.read_mesh(path)
+        vertices, faces = _core.read_mesh([path])
         return vertices, faces, os.path.basename(path)
     if isinstance(mesh, (tuple, list)):
         if len(mesh) != 2:
@@ -69,10 +69,14 @@ def _of_open3d(mesh: Any) -> tuple[Any, Any] | None:
     return None
 
 
-def read_mesh(path: str | os.PathLike[str]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-    """Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply. Raises clsdf.Error:
-    unreadable_input or invalid_mesh that names the line or the element; unsupported for an unknown ending."""
-    return _core.read_mesh(os.fspath(path))
+def read_mesh(
+    path: str | os.PathLike[str], *more: str | os.PathLike[str]
+) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply; of several files as one
+    mesh: the vertices and faces of each follow those of the one before it. A MeshWarning says what was skipped or
+    changed. Raises clsdf.Error: unreadable_input or invalid_mesh that names the line or the element; unsupported for an
+    unknown ending."""
+    return _core.read_mesh([os.fspath(name) for name in (path, *more)])
 
 
 def mesh_hash(mesh: Any) -> int:

@@ -355,6 +355,7 @@ class Transform:
         out: Any = None,
         progress: Progress = None,
         wait_for: Any = None,
+        refuse_unusable_points: bool = False,
     ) -> Points:
         """The exact signed distance at points anywhere, and other outputs.
 
@@ -363,8 +364,10 @@ class Transform:
             cheaper; a farther point has that limit as its distance, with its sign, and no triangle.
         out: arrays (n,), and (n, 3) of vectors, to write to, as of field().
 
-        The sign is exact at the given doubles; a point on the surface has the distance +0. Raises clsdf.Error:
-        invalid_argument that names the row of a point that is not finite, and for arrays as of field().
+        The sign is exact at the given doubles; a point on the surface has the distance +0. A point that is not finite
+        gets the distance NaN and no triangle; a finite one more than 1e14 voxels from the mesh (1/256 of its longest
+        side) gets `within` if that is finite, else NaN. One MeshWarning has their number; with refuse_unusable_points
+        they raise clsdf.Error (invalid_argument) that names the row. Raises clsdf.Error for arrays as of field().
         """
         points = _meshes.as_array(points, np.float64)
         is_one = len(points.shape) < 2
@@ -382,10 +385,10 @@ class Transform:
         else:
             arrays = given(out, outputs)
         if progress is None:
-            self._body.query(points, within, arrays, None, wait_for)
+            self._body.query(points, within, arrays, None, wait_for, refuse_unusable_points)
         else:
             with shown(progress) as show:
-                self._body.query(points, within, arrays, show, wait_for)
+                self._body.query(points, within, arrays, show, wait_for, refuse_unusable_points)
         return Points({name: array[0] for name, array in arrays.items()} if is_one and out is None else arrays)
 
     def classify(self, boxes: Any, half_width: float) -> npt.NDArray[np.uint8]:

@@ -12,12 +12,15 @@ namespace {
 // Between two questions whether Ctrl-C was pressed: each takes the GIL.
 constexpr std::chrono::milliseconds interval{50};
 
-// A warning on the line that called the package: two frames up, past the package's own.
+}  // namespace
+
 void warn(const std::string& message) {
     const nb::gil_scoped_acquire gil;
     const nb::object category = nb::module_::import_("clsdf").attr("MeshWarning");
     if (PyErr_WarnEx(category.ptr(), message.c_str(), 2) != 0) throw nb::python_error();
 }
+
+namespace {
 
 const char* name_of(Progress::Stage stage) {
     switch (stage) {

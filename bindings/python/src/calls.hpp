@@ -3,6 +3,7 @@
 #include "binding.hpp"
 
 #include <chrono>
+#include <string>
 #include <vector>
 
 namespace clsdf::python {
@@ -18,6 +19,7 @@ public:
     Call& operator=(const Call&) = delete;
 
     const CallOptions& options() const { return options_; }
+    void refuse_unusable_points(bool are_refused) { options_.refuse_unusable_points = are_refused; }
 
 private:
     void ask_for_signals();
@@ -28,6 +30,10 @@ private:
     std::chrono::steady_clock::time_point asked_;
     CallOptions options_;
 };
+
+/// A warning on the line that called the package: two frames up, past the package's own. For callbacks of the library,
+/// without the GIL.
+void warn(const std::string& message);
 
 /// The handles of a list of pyopencl's events, which must outlive them; empty for None.
 std::vector<cl_event> events_of(nb::handle wait_for);

@@ -1,5 +1,6 @@
 #include "arrays.hpp"
 #include "binding.hpp"
+#include "calls.hpp"
 
 #include <clsdf/mesh_files.hpp>
 #include <clsdf/topology.hpp>
@@ -8,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace clsdf::python {
@@ -28,9 +30,9 @@ auto arrays_of(const Mesh& mesh) {
     return std::pair(array_of<double>(mesh.vertices()), array_of<std::uint32_t>(mesh.triangles()));
 }
 
-Mesh read(const std::string& path) {
+Mesh read(const std::vector<std::string>& paths) {
     const nb::gil_scoped_release no_gil;
-    return read_mesh(path);
+    return read_meshes(paths, {.log = warn});
 }
 
 // Calls the function with a mesh of the arrays, without the GIL.
@@ -102,9 +104,9 @@ void add_meshes(nb::module_& module) {
                                defects.zero_area_faces, defects.duplicate_faces, defects.components);
         });
     module.def(
-        "read_mesh", [](const std::string& path) { return arrays_of(read(path)); }, nb::arg("path"),
-        "Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply. Raises clsdf.Error\n"
-        "(unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
+        "read_mesh", [](const std::vector<std::string>& paths) { return arrays_of(read(paths)); }, nb::arg("paths"),
+        "Vertices (n, 3), float64, and faces (m, 3), uint32, of files .off, .obj, .stl or .ply, one after the other.\n"
+        "Raises clsdf.Error (unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));
     module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"));
     module.def("find_defects", &defects_of, nb::arg("vertices"), nb::arg("faces"));

@@ -60,11 +60,12 @@ void compute_blocks(const Body& body, const Grid& lattice, const Band& band, con
 }
 
 void query(const Body& body, nb::handle points, double within, const ArraysByName& outputs, nb::object progress,
-           nb::handle wait_for) {
+           nb::handle wait_for, bool refuse_unusable_points) {
     Arrays arrays;
     const InputArray asked = arrays.triples(points, "points");
     const OutputTargets targets = arrays.outputs(outputs, {static_cast<std::int64_t>(asked.count)});
-    const Call call(std::move(progress), wait_for);
+    Call call(std::move(progress), wait_for);
+    call.refuse_unusable_points(refuse_unusable_points);
     body.read([&](const DistanceTransform& transform) { transform.query(asked, within, targets, call.options()); });
 }
 
@@ -167,7 +168,7 @@ void add_transforms(nb::module_& module) {
         .def("compute_blocks", &compute_blocks, nb::arg("lattice"), nb::arg("band"), nb::arg("size"), nb::arg("first"),
              nb::arg("outputs"), nb::arg("progress").none(), nb::arg("wait_for").none())
         .def("query", &query, nb::arg("points"), nb::arg("within"), nb::arg("outputs"), nb::arg("progress").none(),
-             nb::arg("wait_for").none())
+             nb::arg("wait_for").none(), nb::arg("refuse_unusable_points"))
         .def("classify", &classify, nb::arg("boxes"), nb::arg("half_width"))
         .def("restrict_to", &restrict_to, nb::arg("regions"))
         .def("set_positions", &set_positions, nb::arg("positions"), nb::arg("wait_for").none())

@@ -174,8 +174,6 @@ def test_outputs_that_overlap_are_refused(body, points):
 @pytest.mark.parametrize(
     "points, message",
     [
-        ([[0, 0, 0], [0, np.nan, 0]], r"point 1 at \(0, nan, 0\)"),
-        ([[0, np.inf, 0]], r"point 0 at \(0, inf, 0\)"),
         (np.zeros((4, 2)), r"shape \(4, 2\)"),
         (np.zeros((4, 3), np.complex64), "complex64"),
         (np.zeros((4, 3), ">f8"), "swapped"),
@@ -187,6 +185,33 @@ def test_points_that_cannot_be_read(body, points, message):
     with pytest.raises(clsdf.Error, match=message) as error:
         body.query(points)
     assert error.value.code in ("invalid_argument", "unsupported")
+
+
+def test_points_that_are_not_finite_have_no_distance(body, points):
+    marked = np.array(points[:5])
+    marked[1] = np.nan
+    marked[3] = 1e30
+    with pytest.warns(clsdf.MeshWarning, match=r"1 of 5 points.*point 1 at \(nan, nan, nan\).*1 of 5.*point 3") as warned:
+        found = body.query(marked, outputs="triangle closest", within=0.25)
+    assert len(warned) == 1 and warned[0].filename == __file__
+    assert np.isnan(found.distance[1]) and found.distance[3] == 0.25
+    assert (found.triangle[[1, 3]] == 0xFFFFFFFF).all() and np.isnan(found.closest[[1, 3]]).all()
+    expected = body.query(points[:5], outputs="triangle closest", within=0.25)
+    for name, array in found.arrays.items():
+        assert np.array_equal(array[[0, 2, 4]], expected.arrays[name][[0, 2, 4]], equal_nan=True)
+    for bad, message in [(marked, r"point 1 at \(nan, nan, nan\)"), ([[0, np.inf, 0]], r"point 0 at \(0, inf, 0\)")]:
+        with pytest.raises(clsdf.Error, match=message) as error:
+            body.query(bad, refuse_unusable_points=True)
+        assert error.value.code == "invalid_argument"
+
+
+def test_files_of_one_body_are_read_as_one_mesh(tmp_path):
+    for name, x in (("a.obj", 0), ("b.obj", 5)):
+        (tmp_path / name).write_text(f"v {x} 0 0\nv {x + 1} 0 0\nv {x} 1 0\nf 1 2\nf 1 2 3\n")
+    with pytest.warns(clsdf.MeshWarning, match="1 face of fewer than three corners is skipped") as warned:
+        vertices, faces = clsdf.read_mesh(tmp_path / "a.obj", tmp_path / "b.obj")
+    assert len(warned) == 2
+    assert vertices[:, 0].tolist() == [0, 1, 0, 5, 6, 5] and faces.tolist() == [[0, 1, 2], [3, 4, 5]]
 
 
 def test_rows_of_a_mesh_are_named(solid):
