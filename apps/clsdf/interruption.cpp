@@ -43,14 +43,19 @@ extern "C" void handle_signal(int) {
 constexpr std::array known_signals{SIGINT, SIGTERM, SIGHUP};
 sigset_t ending_signals;
 
+// The others are blocked, in all threads and child processes: the compilers of some devices put handlers of their own
+// in the place of SIG_IGN, and these delete the file that is being compiled.
 void choose_signals() {
+    sigset_t ignored_signals;
     ::sigemptyset(&ending_signals);
+    ::sigemptyset(&ignored_signals);
     for (const int signal : known_signals) {
         struct sigaction action {};
         ::sigaction(signal, nullptr, &action);
         // nohup ignores SIGHUP, and a shell's script ignores SIGINT for its background jobs.
-        if (action.sa_handler != SIG_IGN) ::sigaddset(&ending_signals, signal);
+        ::sigaddset(action.sa_handler == SIG_IGN ? &ignored_signals : &ending_signals, signal);
     }
+    ::pthread_sigmask(SIG_BLOCK, &ignored_signals, nullptr);
 }
 
 void handle_signals_by(void (*handler)(int)) {

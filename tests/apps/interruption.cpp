@@ -149,6 +149,21 @@ BOOST_AUTO_TEST_CASE(stays_ignored_if_it_was_ignored_at_the_start) {
     BOOST_TEST(process.wait().status == 0);
 }
 
+// The compiler sets handlers of its own, as LLVM does.
+BOOST_AUTO_TEST_CASE(stays_ignored_while_kernels_are_compiled) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron), field = folder.file("field.nrrd");
+    Process process({"compute", mesh, "-o", field, "--resolution", "16"},
+                    {"CLSDF_CACHE_DIR=" + folder.file("cache"), "POCL_CACHE_DIR=" + folder.file("pocl")}, {},
+                    [] { std::signal(SIGHUP, SIG_IGN); });
+    process.wait_until([&] {
+        process.send(SIGHUP);
+        return std::filesystem::exists(field) || process.error_so_far().find("clsdf: ") != std::string::npos;
+    });
+    const Outcome outcome = process.wait();
+    BOOST_TEST(outcome.status == 0, outcome.error);
+}
+
 BOOST_AUTO_TEST_SUITE_END()
 
 namespace {
