@@ -375,8 +375,13 @@ public:
         } catch (const std::bad_alloc&) {
             throw;
         } catch (const std::exception& error) {
-            const std::string reason = errno == 0 ? "" : ": " + std::generic_category().message(errno);
-            throw Error(ErrorCode::output_failure, fmt::format("cannot write '{}': {}{}", path_, error.what(), reason));
+            const std::string reason = errno == 0 ? "" : std::generic_category().message(errno);
+            // The stream's own text names no reason.
+            const bool is_stream = dynamic_cast<const std::ios_base::failure*>(&error) != nullptr;
+            const std::string what = is_stream && !reason.empty() ? "" : error.what();
+            const char* const between = what.empty() || reason.empty() ? "" : ": ";
+            throw Error(ErrorCode::output_failure,
+                        fmt::format("cannot write '{}': {}{}{}", path_, what, between, reason));
         }
         file_.commit();
     }

@@ -116,7 +116,7 @@ BOOST_AUTO_TEST_CASE(a_mesh_beyond_the_signs_integers_is_refused) {
     for (const double size : {0x1p41, 0x1p44}) {
         const Mesh mesh = long_prism(size);
         const Grid grid = grid_at({1, 2, 3}, 1, 9);
-        check_throws(ErrorCode::unsupported, {"voxels", "unsigned", mesh.name()},
+        check_throws(ErrorCode::unsupported, {"2^40 voxels", "unsigned", mesh.name()},
                      [&] { compute(mesh, grid, Band::symmetric(3)); });
         check_throws(ErrorCode::unsupported, {"voxels"},
                      [&] { DistanceTransform(test_device(), mesh).plan(grid, Band::symmetric(3)); });

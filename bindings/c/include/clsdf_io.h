@@ -22,7 +22,9 @@ CLSDF_API clsdf_status clsdf_field_write(const clsdf_field* field, const char* p
 /* The error that clsdf_field_write() would give for the ending, the outputs or the folder. Leaves no file. */
 CLSDF_API clsdf_status clsdf_field_check_path(const char* path, uint32_t outputs);
 
-/* Writes a field slab by slab, from the caller's arrays, without a copy. */
+/* Writes a field slab by slab, from the caller's arrays, without a copy. A call whose arguments alone are wrong (null,
+ * a count below 1, arrays of another type or on the device) changes nothing. After any other failure (slices that do
+ * not fit the grid, other outputs than announced, a full disk) the writer is of no more use, and no file stays. */
 typedef struct clsdf_field_writer clsdf_field_writer;
 CLSDF_API void clsdf_field_writer_retain(clsdf_field_writer* writer);
 /* The last release without clsdf_field_writer_finish() leaves no file. */

@@ -101,9 +101,9 @@ device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLatt
     });
     if (far.get() != none)
         throw Error(ErrorCode::unsupported,
-                    fmt::format("vertex {} of {} lies more than 2^{} voxels from the grid's origin, too far for an "
+                    fmt::format("vertex {} of {} lies more than 2^40 voxels from the grid's origin, too far for an "
                                 "exact sign; use a larger spacing or an unsigned field",
-                                far.get(), mesh.name(), 61 - std::max(lattice.bits_y, lattice.bits_z)));
+                                far.get(), mesh.name()));
     return filling.finish();
 }
 
