@@ -67,6 +67,13 @@ ArrayView view_on_device(nb::handle array, const std::string& what, bool is_outp
 
 // Why an array could not be taken.
 [[noreturn]] void refuse_array(nb::handle array, const std::string& what, bool is_output) {
+// The package of the array's class, if its arrays never change: they may share memory, and DLPack has no flag for that.
+std::string package_of_constants(nb::handle array) {
+    const std::string module = nb::cast<std::string>(nb::str(nb::getattr(array.type(), "__module__", nb::str(""))));
+    const std::string package = module.substr(0, module.find('.'));
+    return package == "jax" || package == "jaxlib" || package == "tensorflow" ? package : "";
+}
+
     if (!nb::ndarray_check(array))
         refuse(what + " is a " + nb::cast<std::string>(nb::str(array.type().attr("__name__"))) +
                ", which is no array; use a NumPy array or any other with the buffer protocol or DLPack");
@@ -112,6 +119,9 @@ bool ArrayView::is_packed() const {
 ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable) {
     nb::ndarray<nb::ro> readable;
     if (!nb::try_cast(array, readable, false)) {
+    if (const std::string package = writable ? package_of_constants(array) : ""; !package.empty())
+        refuse(what + " is an array of " + package + ", and these never change; pass a NumPy array, and make one of " +
+               package + " from it");
         if (nb::hasattr(array, "base_data")) return view_on_device(array, what, writable);
         refuse_array(array, what, writable);
     }

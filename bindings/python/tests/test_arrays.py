@@ -127,6 +127,30 @@ def test_types_of_out(body):
 def misaligned(shape):
     return np.frombuffer(bytearray(4 * int(np.prod(shape)) + 1), np.uint8)[1:].view(np.float32).reshape(shape)
 
+@pytest.mark.parametrize("module", ["jaxlib._jax", "jax._src.array", "tensorflow.python.framework.ops"])
+def test_arrays_that_never_change_are_no_out(body, points, module):
+    class Constant:
+        """What these packages give: __dlpack__ of memory that looks writable."""
+
+        def __init__(self, array):
+            self.array, self.shape, self.dtype = array, array.shape, array.dtype
+
+        def __dlpack__(self, **_):
+            return self.array.__dlpack__()
+
+        def __dlpack_device__(self):
+            return self.array.__dlpack_device__()
+
+    memory = np.full(len(points), 7, np.float32)
+    body.query(points, out=Constant(memory.copy()))
+    vectors = Constant(np.array(points))
+    Constant.__module__ = module
+    with pytest.raises(clsdf.Error, match=f"'distance' is an array of {module.split('.')[0]}, and these never change") as error:
+        body.query(points, out=Constant(memory))
+    assert error.value.code == "invalid_argument" and (memory == 7).all()
+    assert np.array_equal(body.query(vectors).distance, body.query(points).distance)
+
+
 
 REFUSED = {
     "read-only": (lambda shape: np.broadcast_to(np.float32(7), shape).copy(), "read-only"),
