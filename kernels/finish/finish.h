@@ -101,7 +101,10 @@ INLINE void load_halves(__global const Polyhedron* p, __private double* halves) 
         const Mask is_face = (y > tolerance) & (o.outward < -tolerance);                                              \
         /* At the base the apex of a low triangle and the end of the other half may be as near as the own end. */     \
         const Mask at_apex = (o.away <= tolerance) & (altitude <= tolerance);                                         \
-        const Mask is_other_end = o.away + select(left_base, right_base, o.left) <= tolerance;                        \
+        const Real other_base = o.away + select(left_base, right_base, o.left);                                       \
+        const Mask is_other_end = other_base <= tolerance;                                                            \
+        /* A sliver's other half may be narrower than the rounding of x: its edge is within the tolerance, too. */    \
+        const Real other_outward = select(p[5], p[4], o.left) * y - select(p[3], p[2], o.left) * other_base;          \
         const Real nothing = 0.0;                                                                                     \
         Real far_x = select(o.outward * o.along, o.away, is_apex),                                                    \
              far_y = select(o.outward * o.across, y - altitude, is_apex);                                             \
@@ -115,7 +118,9 @@ INLINE void load_halves(__global const Polyhedron* p, __private double* halves) 
         number = select(number, select((Real)FRAME_RIGHT, (Real)FRAME_LEFT, o.left), is_end);                         \
         *from_x = select(select(far_x, -far_x, o.left), nothing, is_face);                                            \
         *from_y = select(far_y, nothing, is_face);                                                                    \
-        *site = select(number, (Real)CLSDF_SITE_OF_FACE, is_face);                                                    \
+        const Real other_edge = select((Real)FRAME_LEFT_EDGE, (Real)FRAME_RIGHT_EDGE, o.left);                        \
+        const Real of_face = select((Real)CLSDF_SITE_OF_FACE, other_edge, other_outward >= -tolerance);               \
+        *site = select(number, of_face, is_face);                                                                     \
     }
 DEFINE_EDGE_OFFSETS(EdgeOffsets, edge_offsets, double, long)
 DEFINE_FROM_SITE(from_site, EdgeOffsets, edge_offsets, double, long)

@@ -156,6 +156,50 @@ BOOST_AUTO_TEST_CASE(at_a_vertex_of_a_sliver_the_site_is_the_vertex) {
     }
 }
 
+// The walls of a thin plate are slivers whose apex lies over an end of the base.
+BOOST_AUTO_TEST_CASE(on_a_short_edge_of_a_sliver_the_site_is_the_edge) {
+    for (const double height : {4e-8, 1.6e-8, 1e-8, 1e-9, 1e-10, 1e-11}) {
+        BOOST_TEST_CONTEXT("a plate of 2 x 2 x " << 2 * height) {
+            std::vector<Vec3> vertices;
+            for (std::size_t n = 0; n < 8; ++n)
+                vertices.push_back({n & 1 ? 1.0 : -1.0, n & 2 ? 1.0 : -1.0, n & 4 ? height : -height});
+            const std::vector<Triangle> faces{{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                              {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+            // Of the corner with the number n: the lowest face with the edge from vertex n to vertex n + 4.
+            const std::array<std::uint32_t, 4> lowest{5, 4, 6, 7};
+            const Mesh mesh(vertices, faces, "plate");
+            std::vector<Vec3> points;
+            for (int k = 40; k <= 360; ++k)
+                for (std::size_t n = 0; n < 4; ++n)
+                    points.push_back({vertices[n][0], vertices[n][1], height * (k / 200.0 - 1)});
+            const auto is_right = [&](const Field& field, std::size_t at, std::size_t corner) {
+                if (field.distance()[at] != 0 || field.triangle()[at] != lowest[corner]) return false;
+                if (field.site()[at] < 3 || field.site()[at] > 5) return false;
+                for (std::size_t axis = 0; axis < 2; ++axis)
+                    if (std::abs(static_cast<double>(field.gradient()[3 * at + axis]) -
+                                 vertices[corner][axis] * std::sqrt(0.5)) > 1e-6)
+                        return false;
+                return true;
+            };
+            for (const KernelBody body : both_bodies) {
+                const DistanceTransform transform(test_device(), mesh, {.body = body});
+                for (const std::size_t count : {std::size_t{40}, points.size()}) {
+                    const Field found = query(transform, std::span(points).first(count));
+                    std::size_t wrong = 0;
+                    for (std::size_t i = 0; i < count; ++i) wrong += is_right(found, i, i % 4) ? 0U : 1U;
+                    BOOST_TEST(wrong == 0U, wrong << " of " << count << " points");
+                }
+                if (height < 4e-8) continue;
+                const Grid grid{{-1, -1, -height}, {2, 2, height / 10}, {2, 2, 21}, {}};
+                const Field field = transform.compute(grid, Band::full(), all_outputs());
+                std::size_t wrong = 0;
+                for (std::size_t at = 4; at < 80; ++at) wrong += is_right(field, at, at % 4) ? 0U : 1U;
+                BOOST_TEST(wrong == 0U, wrong << " samples");
+            }
+        }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(an_output_is_the_same_whatever_else_is_asked_for) {
     const Mesh mesh = tilted(make_shape("noisy"));
     const Grid grid = grid_around(mesh, 40, 4);
