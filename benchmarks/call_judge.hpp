@@ -14,13 +14,13 @@
 
 namespace clsdf::bench {
 
-/// A field with the closest points, as offsets from the samples, and the gradients.
+/// A field with the offsets to the closest points, and the gradients.
 struct FieldWithOutputs {
     Field field;
-    FieldArray<float> closest, gradient;
+    FieldArray<float> offset, gradient;
 
     OutputTargets targets() {
-        return {{Output::distance, field.distance()}, {Output::closest, closest}, {Output::gradient, gradient}};
+        return {{Output::distance, field.distance()}, {Output::offset, offset}, {Output::gradient, gradient}};
     }
 };
 
@@ -94,7 +94,7 @@ private:
         double squared = 0, along = 0, squared_gradient = 0;
         Vec3 point{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto to_point = static_cast<double>(outputs.closest[3 * offset + axis]);
+            const auto to_point = static_cast<double>(outputs.offset[3 * offset + axis]);
             const auto gradient = static_cast<double>(outputs.gradient[3 * offset + axis]);
             point[axis] = sample[axis] + to_point;
             squared += to_point * to_point;

@@ -86,7 +86,7 @@ CallCost measure_again(const Job& job, CallJudge& judge) {
 /// The cost of more outputs, in a band of 10% on 256 samples a side: from the mesh's arrays, or on a kept transform.
 CallCost measure_outputs(const Job& job, CallJudge& judge, bool is_kept) {
     const char* const what =
-        "distance, closest point and gradient, both in floats / the distance; a band of 10% on 256 samples on the "
+        "distance, offset to the closest point and gradient / the distance; a band of 10% on 256 samples on the "
         "longest side";
     CallCost cost{is_kept ? "outputs_again" : "outputs",
                   std::string(what) + (is_kept ? ", on a kept transform" : ", from the mesh's arrays")};
@@ -96,7 +96,7 @@ CallCost measure_outputs(const Job& job, CallJudge& judge, bool is_kept) {
     const DistanceTransform kept = job.transform();
     FieldWithOutputs outputs{kept.compute(grid, wide), {}, {}};
     Field alone = outputs.field;
-    outputs.closest.resize(3 * grid.sample_count());
+    outputs.offset.resize(3 * grid.sample_count());
     outputs.gradient.resize(3 * grid.sample_count());
     const auto compute = [&](const OutputTargets& targets) {
         return seconds_of([&] {

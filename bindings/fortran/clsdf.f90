@@ -54,11 +54,12 @@ module clsdf
   integer(c_int32_t), parameter, public :: CLSDF_TRIANGLE = 1    !< integer(4): the nearest triangle; 0 beyond the band
   integer(c_int32_t), parameter, public :: CLSDF_SITE = 2        !< integer(1): its nearest part: 0 to 2 its vertices, 3 to
   !                                                                 5 its edges, 6 its face; -1 beyond the band
-  integer(c_int32_t), parameter, public :: CLSDF_CLOSEST = 3     !< real, 3 components: the closest point; in real(4) its
-  !                                                                 offset from the sample
+  integer(c_int32_t), parameter, public :: CLSDF_CLOSEST = 3     !< real(8), 3 components: position of the closest point
   integer(c_int32_t), parameter, public :: CLSDF_GRADIENT = 4    !< real, 3 components: a unit vector
   integer(c_int32_t), parameter, public :: CLSDF_BARYCENTRIC = 5 !< real, 2 components: the weights of the triangle's
   !                                                                 second and third vertex
+  integer(c_int32_t), parameter, public :: CLSDF_OFFSET = 7      !< real, 3 components: from the sample or point to the
+  !                                                                 closest point
 
   integer(c_int32_t), parameter, public :: CLSDF_SIGN_AUTOMATIC = 0, CLSDF_SIGN_NONZERO = 1, CLSDF_SIGN_PARITY = 2, &
       CLSDF_SIGN_NONE = 3
@@ -2996,7 +2997,7 @@ contains
   end subroutine
 
   !> The same with arrays of one kind.
-  subroutine compute_r4(self, grid, band, distance, triangle, site, closest, gradient, barycentric, &
+  subroutine compute_r4(self, grid, band, distance, triangle, site, offset, gradient, barycentric, &
       options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
     type(clsdf_grid), intent(in) :: grid
@@ -3004,7 +3005,7 @@ contains
     real(c_float), intent(inout), target :: distance(:, :, :)
     integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :)
     integer(c_int8_t), intent(inout), target, optional :: site(:, :, :)
-    real(c_float), intent(inout), target, optional :: closest(:, :, :, :), gradient(:, :, :, :), barycentric(:, :, :, :)
+    real(c_float), intent(inout), target, optional :: offset(:, :, :, :), gradient(:, :, :, :), barycentric(:, :, :, :)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
@@ -3013,14 +3014,14 @@ contains
     targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
     if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
     if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
-    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(offset)) targets(4) = clsdf_target(CLSDF_OFFSET, offset)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
     call self%compute(grid, band, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
   end subroutine
 
   !> The same with arrays of one kind.
-  subroutine compute_r8(self, grid, band, distance, triangle, site, closest, gradient, barycentric, &
+  subroutine compute_r8(self, grid, band, distance, triangle, site, closest, gradient, barycentric, offset, &
       options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
     type(clsdf_grid), intent(in) :: grid
@@ -3029,23 +3030,25 @@ contains
     integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :)
     integer(c_int8_t), intent(inout), target, optional :: site(:, :, :)
     real(c_double), intent(inout), target, optional :: closest(:, :, :, :), gradient(:, :, :, :), barycentric(:, :, :, :)
+    real(c_double), intent(inout), target, optional :: offset(:, :, :, :)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
-    type(clsdf_target) :: targets(6)
+    type(clsdf_target) :: targets(7)
     targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
     if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
     if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
     if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
     call self%compute(grid, band, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
   end subroutine
 
   !> Equal blocks of the grid's lattice: distance(i, j, k, block), gradient(3, i, j, k, block). Block n starts with the
   !> sample first(:, n) of the lattice.
-  subroutine compute_blocks_r4(self, lattice, band, first, distance, triangle, site, closest, gradient, barycentric, &
+  subroutine compute_blocks_r4(self, lattice, band, first, distance, triangle, site, offset, gradient, barycentric, &
       options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
     type(clsdf_grid), intent(in) :: lattice
@@ -3054,7 +3057,7 @@ contains
     real(c_float), intent(inout), target :: distance(:, :, :, :)
     integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :, :)
     integer(c_int8_t), intent(inout), target, optional :: site(:, :, :, :)
-    real(c_float), intent(inout), target, optional :: closest(:, :, :, :, :), gradient(:, :, :, :, :), barycentric(:, :, :, :, :)
+    real(c_float), intent(inout), target, optional :: offset(:, :, :, :, :), gradient(:, :, :, :, :), barycentric(:, :, :, :, :)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
@@ -3070,7 +3073,7 @@ contains
     targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
     if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
     if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
-    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(offset)) targets(4) = clsdf_target(CLSDF_OFFSET, offset)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
     blocks%targets = pack(targets, targets%output >= 0)
@@ -3079,7 +3082,7 @@ contains
 
   !> Equal blocks of the grid's lattice: distance(i, j, k, block), gradient(3, i, j, k, block). Block n starts with the
   !> sample first(:, n) of the lattice.
-  subroutine compute_blocks_r8(self, lattice, band, first, distance, triangle, site, closest, gradient, barycentric, &
+  subroutine compute_blocks_r8(self, lattice, band, first, distance, triangle, site, closest, gradient, barycentric, offset, &
       options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
     type(clsdf_grid), intent(in) :: lattice
@@ -3089,12 +3092,13 @@ contains
     integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :, :)
     integer(c_int8_t), intent(inout), target, optional :: site(:, :, :, :)
     real(c_double), intent(inout), target, optional :: closest(:, :, :, :, :), gradient(:, :, :, :, :), barycentric(:, :, :, :, :)
+    real(c_double), intent(inout), target, optional :: offset(:, :, :, :, :)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     type(clsdf_block_set) :: blocks
-    type(clsdf_target) :: targets(6)
+    type(clsdf_target) :: targets(7)
     integer(c_int64_t) :: samples(4)
     samples = shape(distance, c_int64_t)
     blocks%lattice = lattice
@@ -3107,6 +3111,7 @@ contains
     if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
     blocks%targets = pack(targets, targets%output >= 0)
     call self%compute_blocks(blocks, options, statistics, stat, errmsg)
   end subroutine
@@ -3261,7 +3266,7 @@ contains
   end subroutine
 
   !> The same with arrays of one kind: points(3, n) or points(n, 3).
-  subroutine query_r4(self, points, half_width, distance, triangle, site, closest, gradient, barycentric, &
+  subroutine query_r4(self, points, half_width, distance, triangle, site, offset, gradient, barycentric, &
       options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
     real(c_float), intent(in), target :: points(:, :)
@@ -3269,7 +3274,7 @@ contains
     real(c_float), intent(inout), target :: distance(:)
     integer(c_int32_t), intent(inout), target, optional :: triangle(:)
     integer(c_int8_t), intent(inout), target, optional :: site(:)
-    real(c_float), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    real(c_float), intent(inout), target, optional :: offset(:, :), gradient(:, :), barycentric(:, :)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
@@ -3278,7 +3283,7 @@ contains
     targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
     if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
     if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
-    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(offset)) targets(4) = clsdf_target(CLSDF_OFFSET, offset)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
     call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), &
@@ -3286,7 +3291,7 @@ contains
   end subroutine
 
   !> The same with arrays of one kind: points(3, n) or points(n, 3).
-  subroutine query_r8(self, points, half_width, distance, triangle, site, closest, gradient, barycentric, &
+  subroutine query_r8(self, points, half_width, distance, triangle, site, closest, gradient, barycentric, offset, &
       options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
     real(c_double), intent(in), target :: points(:, :)
@@ -3295,23 +3300,25 @@ contains
     integer(c_int32_t), intent(inout), target, optional :: triangle(:)
     integer(c_int8_t), intent(inout), target, optional :: site(:)
     real(c_double), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    real(c_double), intent(inout), target, optional :: offset(:, :)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
-    type(clsdf_target) :: targets(6)
+    type(clsdf_target) :: targets(7)
     targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
     if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
     if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
     if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
     call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), &
         options, statistics, stat, errmsg)
   end subroutine
 
   !> The same with an array for each coordinate. If these are not equally far apart in memory, they are copied.
-  subroutine query_xyz_r4(self, x, y, z, half_width, distance, triangle, site, closest, gradient, barycentric, &
+  subroutine query_xyz_r4(self, x, y, z, half_width, distance, triangle, site, offset, gradient, barycentric, &
       options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
     real(c_float), intent(in), target :: x(:), y(:), z(:)
@@ -3319,7 +3326,7 @@ contains
     real(c_float), intent(inout), target :: distance(:)
     integer(c_int32_t), intent(inout), target, optional :: triangle(:)
     integer(c_int8_t), intent(inout), target, optional :: site(:)
-    real(c_float), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    real(c_float), intent(inout), target, optional :: offset(:, :), gradient(:, :), barycentric(:, :)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
@@ -3344,14 +3351,14 @@ contains
     targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
     if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
     if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
-    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(offset)) targets(4) = clsdf_target(CLSDF_OFFSET, offset)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
     call self%query(points, half_width, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
   end subroutine
 
   !> The same with an array for each coordinate. If these are not equally far apart in memory, they are copied.
-  subroutine query_xyz_r8(self, x, y, z, half_width, distance, triangle, site, closest, gradient, barycentric, &
+  subroutine query_xyz_r8(self, x, y, z, half_width, distance, triangle, site, closest, gradient, barycentric, offset, &
       options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
     real(c_double), intent(in), target :: x(:), y(:), z(:)
@@ -3360,11 +3367,12 @@ contains
     integer(c_int32_t), intent(inout), target, optional :: triangle(:)
     integer(c_int8_t), intent(inout), target, optional :: site(:)
     real(c_double), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    real(c_double), intent(inout), target, optional :: offset(:, :)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
-    type(clsdf_target) :: targets(6)
+    type(clsdf_target) :: targets(7)
     type(clsdf_array) :: points
     real(c_double), allocatable, target :: copy(:, :)
     integer(c_int32_t) :: status
@@ -3387,6 +3395,7 @@ contains
     if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
     call self%query(points, half_width, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
   end subroutine
 

@@ -134,22 +134,23 @@ INLINE void store_distance(__private const Finishing* finishing, __private const
 }
 
 INLINE void store_closest(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
-    const bool in_double = IS_DOUBLE(finishing, closest);
     const double unit = finishing->how.unit;
-    doubleL x = -(rows->x * unit), y = -(rows->y * unit), z = -(rows->z * unit);
-    if (in_double) {
-        __private const double* origin = finishing->how.origin;
-        __private const double* spacing = finishing->how.spacing;
+    __private const double* origin = finishing->how.origin;
+    __private const double* spacing = finishing->how.spacing;
 #define X_OF(r) (origin[0] + ((double)rows->first.x + ALONG_ROW) * spacing[0])
 #define Y_OF(r) (double8)(origin[1] + (double)(rows->first.y + r) * spacing[1])
-        x = OF_ROWS(X_OF) - rows->x * unit;
-        y = OF_ROWS(Y_OF) - rows->y * unit;
-        z = (origin[2] + (double)rows->first.z * spacing[2]) - rows->z * unit;
+    const doubleL x = OF_ROWS(X_OF) - rows->x * unit, y = OF_ROWS(Y_OF) - rows->y * unit,
+                  z = (origin[2] + (double)rows->first.z * spacing[2]) - rows->z * unit;
 #undef X_OF
 #undef Y_OF
-    }
-    store_vectors(x, y, z, rows->found, finishing->of_closest + 3 * at * (in_double ? sizeof(double) : sizeof(float)),
-                  in_double);
+    store_vectors(x, y, z, rows->found, finishing->of_closest + 3 * at * sizeof(double), true);
+}
+
+INLINE void store_offset(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
+    const bool in_double = IS_DOUBLE(finishing, offset);
+    const double unit = finishing->how.unit;
+    store_vectors(-(rows->x * unit), -(rows->y * unit), -(rows->z * unit), rows->found,
+                  finishing->of_offset + 3 * at * (in_double ? sizeof(double) : sizeof(float)), in_double);
 }
 
 INLINE void store_gradient(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
@@ -192,10 +193,12 @@ INLINE void store_by_name(__private const Finishing* finishing, __private const 
 }
 
 // The outputs that have functions for rows. All others are finished sample by sample.
-#define FINISHED_BY_ROWS                                                                   \
-    (1u << CLSDF_OUTPUT_distance | 1u << CLSDF_OUTPUT_triangle | 1u << CLSDF_OUTPUT_site | \
-     1u << CLSDF_OUTPUT_closest | 1u << CLSDF_OUTPUT_gradient | 1u << CLSDF_OUTPUT_barycentric)
-#define FINISHED_BY_SAMPLE (((1u << CLSDF_OUTPUT_COUNT) - 1u) & ~FINISHED_BY_ROWS)
+#define FINISHED_BY_ROWS                                                                         \
+    (1u << CLSDF_OUTPUT_distance | 1u << CLSDF_OUTPUT_triangle | 1u << CLSDF_OUTPUT_site |       \
+     1u << CLSDF_OUTPUT_closest | 1u << CLSDF_OUTPUT_gradient | 1u << CLSDF_OUTPUT_barycentric | \
+     1u << CLSDF_OUTPUT_offset)
+#define OUTPUT_BIT(name, content, element, components, number) | 1u << number
+#define FINISHED_BY_SAMPLE ((0u CLSDF_OUTPUTS(OUTPUT_BIT)) & ~FINISHED_BY_ROWS)
 
 INLINE void store_by_sample(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
     Finishing others = *finishing;
@@ -218,6 +221,7 @@ static inline void finish_rows(__private const Finishing* finishing, __private c
     if (IS_DOUBLE(finishing, distance)) store_distance(finishing, rows, at);
     if ((finishing->how.wanted & CLSDF_OUTPUTS_BY_NAME) != 0) store_by_name(finishing, rows, at);
     if (IS_WANTED(finishing, closest)) store_closest(finishing, rows, at);
+    if (IS_WANTED(finishing, offset)) store_offset(finishing, rows, at);
     if (IS_WANTED(finishing, gradient)) store_gradient(finishing, rows, at);
     if ((finishing->how.wanted & FINISHED_BY_SAMPLE) != 0) store_by_sample(finishing, rows, at);
 }
@@ -234,7 +238,7 @@ typedef struct Slice {
 } Slice;
 
 #define SLICE_SAMPLES (CLSDF_BRICK * CLSDF_COARSE)
-#define OUTPUT_COMPONENTS(name, content, element, components) +components
+#define OUTPUT_COMPONENTS(name, content, element, components, number) +components
 #define SLICE_BYTES (SLICE_SAMPLES * sizeof(double) * (1 CLSDF_OUTPUTS(OUTPUT_COMPONENTS)))
 
 INLINE void set_slice(__private const Finishing* finishing, __global uchar* room, __private Slice* slice) {
@@ -242,8 +246,8 @@ INLINE void set_slice(__private const Finishing* finishing, __global uchar* room
     slice->begin = slice->end = (int2)(0);
     slice->finishing.of_distance = (__global double*)room;
     room += SLICE_SAMPLES * sizeof(double);
-#define SET_OF_SLICE(name, content, element, components) \
-    slice->finishing.of_##name = room;                   \
+#define SET_OF_SLICE(name, content, element, components, number) \
+    slice->finishing.of_##name = room;                           \
     room += SLICE_SAMPLES * sizeof(double) * components;
     CLSDF_OUTPUTS(SET_OF_SLICE)
 #undef SET_OF_SLICE
@@ -258,12 +262,12 @@ INLINE void store_slice_row(__private const Finishing* finishing, __private cons
 #define WIDTH_uint8(is_double) sizeof(uchar)
 #define WIDTH_real(is_double) ((is_double) ? sizeof(double) : sizeof(float))
 #define WIDTH_float32 WIDTH_real
-#define WIDTH_float64 WIDTH_real
+#define WIDTH_float64(is_double) sizeof(double)
     if (IS_DOUBLE(finishing, distance))
         store_values((__global const uint*)(slice->finishing.of_distance + y * CLSDF_COARSE + begin),
                      (__global uint*)(finishing->of_distance + at),
                      (__global uint*)(finishing->of_distance + at + (end - begin)));
-#define STORE_ROW(name, content, element, components)                                                       \
+#define STORE_ROW(name, content, element, components, number)                                               \
     if (IS_WANTED(finishing, name)) {                                                                       \
         const size_t bytes = WIDTH_##element(IS_DOUBLE(finishing, name)) * components;                      \
         store_bytes(slice->finishing.of_##name + (y * CLSDF_COARSE + begin) * bytes,                        \

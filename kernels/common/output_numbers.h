@@ -10,10 +10,11 @@
 namespace clsdf {
 #endif
 
-// Numbers of the outputs, in sets of bits. Kernels write the distance as floats. Finishing makes the other outputs, and
-// the distance if it is in double; then there are no floats.
-#define CLSDF_OUTPUT_NUMBER(name, content, element, components) CLSDF_OUTPUT_##name,
-enum clsdf_output_number { CLSDF_OUTPUT_distance, CLSDF_OUTPUTS(CLSDF_OUTPUT_NUMBER) CLSDF_OUTPUT_COUNT };
+// Numbers of the outputs, in sets of bits; a number may have no output. CLSDF_OUTPUT_COUNT: the last one + 1. Kernels
+// write the distance as floats. Finishing makes the other outputs, and the distance if it is in double; then there are
+// no floats.
+#define CLSDF_OUTPUT_NUMBER(name, content, element, components, number) CLSDF_OUTPUT_##name = number,
+enum clsdf_output_number { CLSDF_OUTPUT_distance = 0, CLSDF_OUTPUTS(CLSDF_OUTPUT_NUMBER) CLSDF_OUTPUT_COUNT };
 #undef CLSDF_OUTPUT_NUMBER
 
 #ifndef __OPENCL_VERSION__

@@ -46,7 +46,7 @@ typedef struct Finishing {
     __global const TriangleSites* sites;  // of the triangles, in the mesh's order; for CLSDF_OUTPUTS_BY_NAME
     __global const float* normals;        // pseudonormals, six sites a triangle; for the gradient
     __global double* of_distance;         // if it is in double
-#define OUTPUT_POINTER(name, content, element, components) __global uchar* of_##name;
+#define OUTPUT_POINTER(name, content, element, components, number) __global uchar* of_##name;
     CLSDF_OUTPUTS(OUTPUT_POINTER)
 #undef OUTPUT_POINTER
 } Finishing;
@@ -272,10 +272,13 @@ INLINE uchar finished_site(__private const Finishing* finishing, __private const
     return (uchar)nearest->named.site;
 }
 
-// A position in double, an offset from the sample in float.
 INLINE double3 finished_closest(__private const Finishing* finishing, __private const Nearest* nearest) {
-    const double3 offset = offset_of(nearest) * finishing->how.unit;
-    return IS_DOUBLE(finishing, closest) ? nearest->position - offset : -offset;
+    return nearest->position - offset_of(nearest) * finishing->how.unit;
+}
+
+// Its accuracy does not depend on the size of the coordinates.
+INLINE double3 finished_offset(__private const Finishing* finishing, __private const Nearest* nearest) {
+    return -(offset_of(nearest) * finishing->how.unit);
 }
 
 INLINE double3 finished_gradient(__private const Finishing* finishing, __private const Nearest* nearest) {
@@ -305,7 +308,7 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
     else                                                       \
         vstore##components(convert_float##components(value), at, (__global float*)(to))
 #define STORE_float32 STORE_real
-#define STORE_float64 STORE_real
+#define STORE_float64(value, components, at, to, is_double) vstore##components(value, at, (__global double*)(to))
 
 // Every bit set.
 #define LEAVE_uint32(components, at, to, is_double) ((__global uint*)(to))[at] = 0xFFFFFFFFu
@@ -316,11 +319,12 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
     else                                                                               \
         vstore##components((uint##components)(0xFFFFFFFFu), at, (__global uint*)(to))
 #define LEAVE_float32 LEAVE_real
-#define LEAVE_float64 LEAVE_real
+#define LEAVE_float64(components, at, to, is_double) \
+    vstore##components((ulong##components)(~(ulong)0), at, (__global ulong*)(to))
 
 // Stores what a sample of the band holds beside the distance. at: its place among the results, in samples.
 static inline void store_outputs(__private const Finishing* finishing, __private const Nearest* nearest, size_t at) {
-#define FINISH(name, content, element, components)                                                 \
+#define FINISH(name, content, element, components, number)                                         \
     if (IS_WANTED(finishing, name)) {                                                              \
         STORE_##element(finished_##name(finishing, nearest), components, at, finishing->of_##name, \
                         IS_DOUBLE(finishing, name));                                               \
@@ -342,7 +346,7 @@ static inline void finish_sample(__private const Finishing* finishing, int3 samp
 
 // Stores the same of a sample beyond the band.
 static inline void leave_sample(__private const Finishing* finishing, size_t at) {
-#define LEAVE(name, content, element, components)                                          \
+#define LEAVE(name, content, element, components, number)                                  \
     if (IS_WANTED(finishing, name)) {                                                      \
         LEAVE_##element(components, at, finishing->of_##name, IS_DOUBLE(finishing, name)); \
     }
@@ -351,10 +355,10 @@ static inline void leave_sample(__private const Finishing* finishing, size_t at)
 }
 
 // Parameters of a kernel that finishes samples, which follow that of the distance, and their use.
-#define FINISHING_POINTER(name, content, element, components) , __global uchar* to_##name
+#define FINISHING_POINTER(name, content, element, components, number) , __global uchar* to_##name
 #define FINISHING_PARAMETERS \
     Finish how, __global const TriangleSites *sites, __global const float *normals CLSDF_OUTPUTS(FINISHING_POINTER)
-#define SET_POINTER(name, content, element, components) finishing.of_##name = to_##name;
+#define SET_POINTER(name, content, element, components, number) finishing.of_##name = to_##name;
 #define SET_FINISHING(finishing)                        \
     Finishing finishing;                                \
     finishing.how = how;                                \

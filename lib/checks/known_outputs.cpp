@@ -23,7 +23,7 @@ using targets::HostArrays;
 // For a number, relative to its size or to 1: floats are rounded, and compilers may fuse multiply-adds.
 constexpr double float_tolerance = 1e-6, double_tolerance = 1e-9;
 
-#define CLSDF_COMPONENTS(name, description, element, components) +components
+#define CLSDF_COMPONENTS(name, description, element, components, number) +components
 constexpr std::size_t all_components = 1 CLSDF_OUTPUTS(CLSDF_COMPONENTS);
 #undef CLSDF_COMPONENTS
 

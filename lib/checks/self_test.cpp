@@ -74,7 +74,7 @@ targets::HostArrays arrays_of(OutputSet outputs, bool is_first, bool is_finished
     targets::HostArrays arrays = targets::arrays_for(outputs);
     for_each_output(
         [&](const OutputInfo& row, targets::HostArray& array) {
-            if (is_real(row) && (is_finished || row.output != Output::distance)) array.in_double ^= !is_first;
+            if (may_be_double(row) && (is_finished || row.output != Output::distance)) array.in_double ^= !is_first;
         },
         arrays);
     return arrays;

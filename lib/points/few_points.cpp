@@ -66,7 +66,7 @@ one_lane::Finishing finishing_of(const FinishingSources& sources, const targets:
     finishing.sites = sources.sites;
     finishing.normals = sources.normals;
     finishing.of_distance = reinterpret_cast<double*>(arrays[Output::distance].data);
-#define SET_OUTPUT(name, content, element, components) finishing.of_##name = bytes_of(Output::name);
+#define SET_OUTPUT(name, content, element, components, number) finishing.of_##name = bytes_of(Output::name);
     CLSDF_OUTPUTS(SET_OUTPUT)
 #undef SET_OUTPUT
     return finishing;

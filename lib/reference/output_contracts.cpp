@@ -91,17 +91,16 @@ struct PlainOutputs : OutputSources {
     Vec3 closest() const { return truth.point; }
     Vec3 gradient() const;
     std::array<double, 2> barycentric() const;
+    Vec3 offset() const;
 };
 
 /// On the surface it is the pseudonormal; NaN if all faces there have no area.
 Vec3 PlainOutputs::gradient() const {
     Vec3 gradient{};
     if (truth.distance > 0) {
-        const ExactPosition position = truths.position(index);
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            gradient[axis] = (position.head[axis] - truth.point[axis]) + position.tail[axis];
+        gradient = offset();
         const double length = std::hypot(gradient[0], gradient[1], gradient[2]);
-        for (double& component : gradient) component *= (truth.inside ? -1 : 1) / length;
+        for (double& component : gradient) component *= (truth.inside ? 1 : -1) / length;
         return gradient;
     }
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -109,6 +108,11 @@ Vec3 PlainOutputs::gradient() const {
     if (truths.is_signed() && sites.is_inside_out())
         for (double& component : gradient) component = -component;
     return gradient;
+}
+
+Vec3 PlainOutputs::offset() const {
+    const Eigen::Vector3d from = offset_of(truths.position(index), truth.point);
+    return {-from[0], -from[1], -from[2]};
 }
 
 /// By the areas that the closest point spans with two vertices.
@@ -156,7 +160,7 @@ void store(std::span<Value> values, std::size_t sample, const std::array<double,
 
 void store_outputs(const OutputSources& sources, Field& field, std::size_t offset) {
     const PlainOutputs plain{sources};
-#define CLSDF_STORE(name, description, element, components) store(field.name(), offset, plain.name());
+#define CLSDF_STORE(name, description, element, components, number) store(field.name(), offset, plain.name());
     CLSDF_OUTPUTS(CLSDF_STORE)
 #undef CLSDF_STORE
 }
@@ -170,7 +174,7 @@ struct OutputsOfSample {
     const MeshSites* sites;  ///< if sites or gradients are judged
     const Index3& index;
     const TrueSample& truth;
-    std::size_t offset;
+    std::size_t at;  ///< the sample's place in the field's arrays
     double voxel;
     double tolerance;  ///< of the distance
 
@@ -179,8 +183,11 @@ struct OutputsOfSample {
     std::string wrong_closest() const;
     std::string wrong_gradient() const;
     std::string wrong_barycentric() const;
+    std::string wrong_offset() const;
 
 private:
+    /// Of a point that is to be the closest one. allowed: its distance from the surface.
+    std::string wrong_point(const ExactPosition& point, double allowed) const;
     std::string wrong_gradient_on_surface(const Vec3& gradient) const;
     /// The triangle that the field names, if it does and the mesh has it.
     std::optional<std::uint32_t> named_triangle() const;
@@ -188,13 +195,13 @@ private:
 
 std::optional<std::uint32_t> OutputsOfSample::named_triangle() const {
     if (field.triangle().empty()) return std::nullopt;
-    const std::uint32_t triangle = field.triangle()[offset];
+    const std::uint32_t triangle = field.triangle()[at];
     if (triangle >= truths.tree().mesh().triangles().size()) return std::nullopt;
     return triangle;
 }
 
 std::string OutputsOfSample::wrong_triangle() const {
-    const std::uint32_t found = field.triangle()[offset];
+    const std::uint32_t found = field.triangle()[at];
     if (found == no_triangle) return "in the band, but no triangle named";
     if (!named_triangle()) return fmt::format("triangle {} is not in the mesh", found);
     const double distance = truths.distance_to(found, index);
@@ -203,7 +210,7 @@ std::string OutputsOfSample::wrong_triangle() const {
 }
 
 std::string OutputsOfSample::wrong_site() const {
-    const std::uint8_t number = field.site()[offset];
+    const std::uint8_t number = field.site()[at];
     if (number > 6) return number == no_site ? "in the band, but no site named" : fmt::format("{} is no site", number);
     const std::optional<std::uint32_t> triangle = named_triangle();
     if (!triangle) return {};
@@ -220,26 +227,41 @@ std::string OutputsOfSample::wrong_site() const {
 }
 
 std::string OutputsOfSample::wrong_closest() const {
-    const Vec3 point = vector_at(field.closest(), offset);
+    const Vec3 point = vector_at(field.closest(), at);
     const ExactPosition position = truths.position(index);
     const double distance = offset_of(position, point).norm();
     const double rounding = rounding_of(position, point);
     if (!(std::fabs(distance - truth.distance) <= tolerance + rounding))
         return fmt::format("the closest point is {} away", distance);
-    const double allowed = closest_tolerance * voxel + rounding;
+    return wrong_point({point, {}}, closest_tolerance * voxel + rounding);
+}
+
+std::string OutputsOfSample::wrong_point(const ExactPosition& point, double allowed) const {
     const std::optional<std::uint32_t> triangle = named_triangle();
     const double from_surface =
-        triangle ? truths.tree().distance_to(*triangle, {point, {}}) : truths.tree().nearest({point, {}})->distance;
+        triangle ? truths.tree().distance_to(*triangle, point) : truths.tree().nearest(point)->distance;
     if (from_surface <= allowed) return {};
     return fmt::format("the closest point is {} off {}", from_surface,
                        triangle ? fmt::format("triangle {}", *triangle) : "the surface");
 }
 
+std::string OutputsOfSample::wrong_offset() const {
+    const Vec3 to_point = vector_at(field.offset(), at);
+    const double length = vector_of(to_point).norm();
+    const double rounding = static_cast<double>(std::numeric_limits<float>::epsilon()) * truth.distance;
+    if (!(std::fabs(length - truth.distance) <= tolerance + rounding))
+        return fmt::format("the offset's length is {}", length);
+    const ExactPosition position = truths.position(index);
+    ExactPosition point = position;
+    for (std::size_t axis = 0; axis < 3; ++axis) point.tail[axis] += to_point[axis];
+    return wrong_point(point, closest_tolerance * voxel + rounding + rounding_of(position, position.head));
+}
+
 std::string OutputsOfSample::wrong_gradient_on_surface(const Vec3& gradient) const {
     // The faces that count depend on the site.
     const std::optional<std::uint32_t> triangle = named_triangle();
-    if (!triangle || field.site().empty() || field.site()[offset] > 6) return {};
-    const std::optional<Vec3> normal = sites->pseudonormal(*triangle, static_cast<Site>(field.site()[offset]));
+    if (!triangle || field.site().empty() || field.site()[at] > 6) return {};
+    const std::optional<Vec3> normal = sites->pseudonormal(*triangle, static_cast<Site>(field.site()[at]));
     if (!normal) return {};
     const bool is_turned = truths.is_signed() && sites->is_inside_out();
     const Eigen::Vector3d expected = (is_turned ? -1.0 : 1.0) * vector_of(*normal);
@@ -250,7 +272,7 @@ std::string OutputsOfSample::wrong_gradient_on_surface(const Vec3& gradient) con
 }
 
 std::string OutputsOfSample::wrong_gradient() const {
-    const Vec3 gradient = vector_at(field.gradient(), offset);
+    const Vec3 gradient = vector_at(field.gradient(), at);
     const double distance = truth.distance;
     // Its pseudonormal counts there.
     const bool on_surface = distance <= on_surface_voxels * voxel;
@@ -259,8 +281,8 @@ std::string OutputsOfSample::wrong_gradient() const {
         // Faces without area have no pseudonormal.
         if (std::isnan(length) && on_surface) {
             const auto triangle = named_triangle();
-            if (triangle && !field.site().empty() && field.site()[offset] <= 6 &&
-                !sites->pseudonormal(*triangle, static_cast<Site>(field.site()[offset])))
+            if (triangle && !field.site().empty() && field.site()[at] <= 6 &&
+                !sites->pseudonormal(*triangle, static_cast<Site>(field.site()[at])))
                 return {};
         }
         return fmt::format("the gradient's length is {}", length);
@@ -279,8 +301,8 @@ std::string OutputsOfSample::wrong_gradient() const {
     const std::optional<std::uint32_t> named = named_triangle();
     const std::uint32_t triangle = named ? *named : truths.tree().nearest({there, {}})->triangle;
     // Beside the border of two sites both are nearest, within the accuracy of the distance.
-    const bool has_site = named && !field.site().empty() && field.site()[offset] <= 6;
-    const int first = has_site ? field.site()[offset] : 0, last = has_site ? first : 6;
+    const bool has_site = named && !field.site().empty() && field.site()[at] <= 6;
+    const int first = has_site ? field.site()[at] : 0, last = has_site ? first : 6;
     double least = std::numeric_limits<double>::infinity();
     for (int site = first; site <= last; ++site) {
         const ClosestOfSite closest = closest_of(position, sites->corners(triangle, static_cast<Site>(site)));
@@ -294,8 +316,8 @@ std::string OutputsOfSample::wrong_gradient() const {
 }
 
 std::string OutputsOfSample::wrong_barycentric() const {
-    const auto u = static_cast<double>(field.barycentric()[2 * offset]),
-               v = static_cast<double>(field.barycentric()[2 * offset + 1]);
+    const auto u = static_cast<double>(field.barycentric()[2 * at]),
+               v = static_cast<double>(field.barycentric()[2 * at + 1]);
     constexpr double rounding = 2e-7;
     if (!(u >= 0) || !(u <= 1) || !(v >= 0) || !(v <= 1) || !(u + v <= 1 + rounding))
         return fmt::format("({}, {}) are no coordinates of a point of a triangle", u, v);
@@ -333,7 +355,7 @@ void Judge::judge_outputs(const Case& sample) const {
         const std::string what = (outputs.*wrong)();
         if (!what.empty()) sample.report(count, what, false);
     };
-#define CLSDF_JUDGE(name, description, element, components) \
+#define CLSDF_JUDGE(name, description, element, components, number) \
     judge(Output::name, field_.name(), &OutputsOfSample::wrong_##name);
     CLSDF_OUTPUTS(CLSDF_JUDGE)
 #undef CLSDF_JUDGE

@@ -69,9 +69,11 @@ WrittenArray written_array(const OutputInfo& info, const OutputArray& target, co
 }  // namespace
 
 OutputSet extras_of(OutputSet outputs) {
-    if (outputs.bits() >> CLSDF_OUTPUT_COUNT != 0)
-        throw misuse(fmt::format("the set of outputs has the bits {:#x}; there are {} outputs", outputs.bits(),
-                                 static_cast<int>(CLSDF_OUTPUT_COUNT)));
+    OutputSet known;
+    for (const OutputInfo& info : output_table()) known.insert(info.output);
+    if ((outputs.bits() & ~known.bits()) != 0)
+        throw misuse(fmt::format("the set of outputs has the bits {:#x}; those of outputs are {:#x}", outputs.bits(),
+                                 known.bits()));
     outputs.erase(Output::distance);
     return outputs;
 }

@@ -55,15 +55,16 @@ void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& t
 
 void resolve_type(const OutputInfo& row, OutputArray& target) {
     if (target.type == ElementType::automatic) target.type = row.type;
-    const bool is_float = target.type == ElementType::float32 || target.type == ElementType::float64;
     // No triangle is -1 in signed numbers.
     const bool is_signed = row.type == ElementType::uint32 && target.type == ElementType::int32;
-    if (target.type == row.type || is_signed || (is_real(row) && is_float)) return;
+    if (target.type == row.type || is_signed || (may_be_double(row) && target.type == ElementType::float64)) return;
     throw Error(ErrorCode::unsupported,
                 fmt::format("the output {} cannot be written as {}; give it an array of type {}", row.name,
                             name_of(target.type),
-                            is_real(row)                      ? "float or double"
+                            may_be_double(row)                ? "float or double"
                             : row.type == ElementType::uint32 ? "uint32 or int32"
+                            : row.output == Output::closest   ? "double, or ask for the output offset, from the "
+                                                                "sample to the closest point, in floats"
                                                               : name_of(row.type)));
 }
 

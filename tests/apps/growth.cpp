@@ -101,7 +101,7 @@ std::string points(std::uint32_t count) {
 
 std::vector<std::vector<std::string>> commands(const std::string& mesh, std::uint32_t point_count,
                                                const TemporaryFolder& folder) {
-    const std::string all_outputs = "triangle,site,closest,gradient,barycentric";
+    const std::string all_outputs = "triangle,site,closest,gradient,barycentric,offset";
     const std::string field = folder.file("field.nrrd");
     const std::vector<std::string> compute{"compute", mesh, "-o", field, "--resolution", "8", "--quiet"};
     const auto with = [&](std::vector<std::string> more) {

@@ -169,7 +169,7 @@ std::vector<std::string> compute_in_slabs() {
 const std::string small_device = "CLSDF_MAX_ALLOCATION=600000";
 const std::string as_gpu = "CLSDF_DISGUISE=gpu";
 
-const std::string all_outputs = "triangle,site,closest,gradient,barycentric";
+const std::string all_outputs = "triangle,site,closest,gradient,barycentric,offset";
 
 /// Few points are looked up one by one; so many that they outnumber the faces are, on processors, scanned in groups.
 std::vector<std::string> query(std::size_t points) {

@@ -43,7 +43,7 @@ Grid around_cube(std::int64_t size, double h) {
 
 BOOST_AUTO_TEST_CASE(a_band_over_eight_coarse_bricks) {
     check_on_simulator(cube(1), around_cube(10, 0.3), Band::symmetric(0.4), {},
-                       Output::triangle | Output::closest | Output::gradient | Output::barycentric);
+                       Output::triangle | Output::closest | Output::gradient | Output::barycentric | Output::offset);
 }
 
 BOOST_AUTO_TEST_CASE(every_sample_with_bounds_from_the_surface) {

@@ -363,6 +363,12 @@ BOOST_AUTO_TEST_CASE(an_output_that_breaks_its_contract_is_found) {
         {Output::gradient, [&](Field& field) { field.gradient()[3 * in_band] = std::nanf(""); }},
         {Output::barycentric, [&](Field& field) { field.barycentric()[2 * in_band] += 0.01F; }},
         {Output::barycentric, [&](Field& field) { field.barycentric()[2 * in_band + 1] = 1.1F; }},
+        {Output::offset, [&](Field& field) { field.offset()[3 * in_band + 1] += 1e-3F; }},
+        {Output::offset,
+         [&](Field& field) {
+             for (std::size_t i = 0; i < 3; ++i) field.offset()[3 * in_band + i] *= -1;
+         }},
+        {Output::offset, [&](Field& field) { field.offset()[3 * beyond] = 0; }},
     };
     for (const Change& change : changes) BOOST_TEST_CONTEXT(info_of(change.output).name) {
             Field field = right;

@@ -97,6 +97,7 @@ private:
 
     static bool are_left(const Field& field, std::size_t i) {
         return field.site()[i] == no_site && vector_at(field.closest(), i).array().isNaN().all() &&
+               vector_at(field.offset(), i).array().isNaN().all() &&
                vector_at(field.gradient(), i).array().isNaN().all() && std::isnan(field.barycentric()[2 * i]) &&
                std::isnan(field.barycentric()[2 * i + 1]);
     }
@@ -154,6 +155,9 @@ private:
         if (!(u >= 0 && v >= 0 && u <= 1 && v <= 1 && u + v <= 1 + 2e-7) ||
             !(weights_off <= 1e-6 * voxel_ + 2e-7 * (second.norm() + third.norm()) + coordinate))
             return fmt::format("({}, {}) are the weights of a point that is {} off", u, v, weights_off);
+
+        const double offset_off = (vector_at(field.offset(), i) + from).norm();
+        if (!(offset_off <= 2e-7 * truth.distance + coordinate)) return fmt::format("the offset is {} off", offset_off);
 
         // On the surface it is the pseudonormal, or NaN if no face at the site has an area.
         if (truth.distance <= 1e-6 * voxel_) return {};

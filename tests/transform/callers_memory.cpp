@@ -319,7 +319,7 @@ static_assert(std::is_constructible_v<OutputArray, std::vector<float>&>);
 static_assert(std::is_constructible_v<OutputArray, std::span<double>>);
 
 // A double is the value that a float is rounded from.
-BOOST_AUTO_TEST_CASE(gradients_and_weights_in_double_round_to_those_in_float) {
+BOOST_AUTO_TEST_CASE(gradients_weights_and_offsets_in_double_round_to_those_in_float) {
     const Mesh mesh = tilted(make_shape("noisy"));
     const Grid grid = grid_around(mesh, 24, 4);
     const std::size_t count = grid.sample_count();
@@ -327,22 +327,26 @@ BOOST_AUTO_TEST_CASE(gradients_and_weights_in_double_round_to_those_in_float) {
         for (const bool is_on_device : {false, true}) {
             const DistanceTransform transform(test_device(), mesh, {.body = body});
             const Band band = Band::symmetric(3 * grid.voxel());
-            const Field field = transform.compute(grid, band, Output::gradient | Output::barycentric);
+            const Field field = transform.compute(grid, band, Output::gradient | Output::barycentric | Output::offset);
             std::vector<float> distance(count);
-            std::vector<double> gradient(3 * count), barycentric(2 * count);
+            std::vector<double> gradient(3 * count), barycentric(2 * count), offset(3 * count);
             if (is_on_device) {
                 const cl::Buffer distances = buffer_of(distance), gradients = buffer_of(gradient),
-                                 weights = buffer_of(barycentric);
+                                 weights = buffer_of(barycentric), offsets = buffer_of(offset);
                 transform.compute(grid, band,
                                   {{Output::distance, OutputArray(distances())},
                                    {Output::gradient, OutputArray(gradients(), ElementType::float64)},
-                                   {Output::barycentric, OutputArray(weights(), ElementType::float64)}});
+                                   {Output::barycentric, OutputArray(weights(), ElementType::float64)},
+                                   {Output::offset, OutputArray(offsets(), ElementType::float64)}});
                 gradient = contents_of<double>(gradients);
                 barycentric = contents_of<double>(weights);
+                offset = contents_of<double>(offsets);
             } else {
-                transform.compute(
-                    grid, band,
-                    {{Output::distance, distance}, {Output::gradient, gradient}, {Output::barycentric, barycentric}});
+                transform.compute(grid, band,
+                                  {{Output::distance, distance},
+                                   {Output::gradient, gradient},
+                                   {Output::barycentric, barycentric},
+                                   {Output::offset, offset}});
             }
             std::size_t vectors = 0, finer = 0;
             const auto compare = [&](const std::vector<double>& doubles, const auto& floats) {
@@ -357,6 +361,7 @@ BOOST_AUTO_TEST_CASE(gradients_and_weights_in_double_round_to_those_in_float) {
             };
             compare(gradient, field.gradient());
             compare(barycentric, field.barycentric());
+            compare(offset, field.offset());
             BOOST_TEST(finer > vectors / 4);
             BOOST_TEST(vectors > 1000U);
         }

@@ -230,14 +230,41 @@ BOOST_AUTO_TEST_CASE(a_part_of_a_grid_has_the_outputs_of_the_whole) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(the_closest_point_in_floats_is_the_offset_from_the_sample) {
+BOOST_AUTO_TEST_CASE(closest_points_in_floats_are_refused_and_offsets_are_named_as_the_remedy) {
+    const Mesh mesh = make_shape("cube");
+    const Grid grid = grid_around(mesh, 8, 1);
+    std::vector<float> distance(grid.sample_count()), closest(3 * grid.sample_count());
+    const DistanceTransform transform(test_device(), mesh);
+    const OutputTargets targets{{Output::distance, distance}, {Output::closest, closest}};
+    const std::vector<std::string> words{"closest", "float", "double", "offset"};
+    check_throws(ErrorCode::unsupported, words, [&] { transform.compute(grid, Band::full(), targets); });
+    const std::vector<Vec3> points(grid.sample_count());
+    check_throws(ErrorCode::unsupported, words, [&] { transform.query(points, 1, targets); });
+}
+
+// 6 is a number without an output.
+BOOST_AUTO_TEST_CASE(numbers_without_an_output_are_refused) {
+    const DistanceTransform transform(test_device(), make_shape("cube"));
+    const Grid grid{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+    for (const int number : {-1, 6, 8, 31}) {
+        BOOST_TEST_CONTEXT("number " << number) {
+            check_throws(ErrorCode::invalid_argument, {}, [&] { info_of(static_cast<Output>(number)); });
+            if (number < 0) continue;
+            check_throws(ErrorCode::invalid_argument, {},
+                         [&] { transform.compute(grid, Band::full(), OutputSet::from_bits(1U << number)); });
+        }
+    }
+    BOOST_TEST(static_cast<int>(info_of(Output::offset).output) == 7);
+}
+
+BOOST_AUTO_TEST_CASE(the_offset_leads_from_the_sample_to_the_closest_point) {
     const Mesh mesh = shifted(make_shape("torus"), {1e6, -1e6, 1e6});
     const Grid grid = grid_around(mesh, 20, 3);
     const Band band = Band::symmetric(3 * grid.voxel());
     const Field field = compute(mesh, grid, band);
     std::vector<float> distance(grid.sample_count()), offset(3 * grid.sample_count());
     DistanceTransform transform(test_device(), mesh);
-    transform.compute(grid, band, {{Output::distance, distance}, {Output::closest, offset}});
+    transform.compute(grid, band, {{Output::distance, distance}, {Output::offset, offset}});
     std::size_t in_band = 0;
     for (std::int64_t k = 0; k < grid.size[2]; ++k)
         for (std::int64_t j = 0; j < grid.size[1]; ++j)

@@ -57,9 +57,9 @@ BOOST_AUTO_TEST_CASE(two_outputs_in_one_array_are_refused) {
         transform().compute(lattice, band, {{Output::distance, distance}, {Output::triangle, numbers}});
     });
     const std::vector<Vec3> points(samples);
-    check_throws(ErrorCode::invalid_argument, {"closest and gradient"}, [&] {
+    check_throws(ErrorCode::invalid_argument, {"gradient and offset"}, [&] {
         transform().query(points, 1,
-                          {{Output::distance, distance}, {Output::closest, vectors}, {Output::gradient, vectors}});
+                          {{Output::distance, distance}, {Output::gradient, vectors}, {Output::offset, vectors}});
     });
 }
 

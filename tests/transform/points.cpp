@@ -396,18 +396,20 @@ BOOST_AUTO_TEST_CASE(many_points_give_the_bytes_of_few) {
 
 /// The outputs of points, those that have real numbers in double.
 struct DoubleOutputs {
-    std::vector<double> distance, closest, gradient, barycentric;
+    std::vector<double> distance, closest, gradient, barycentric, offset;
 
     DoubleOutputs(const DistanceTransform& transform, std::span<const Vec3> points, double half_width)
         : distance(points.size()),
           closest(3 * points.size()),
           gradient(3 * points.size()),
-          barycentric(2 * points.size()) {
+          barycentric(2 * points.size()),
+          offset(3 * points.size()) {
         transform.query(points, half_width,
                         {{Output::distance, distance},
                          {Output::closest, closest},
                          {Output::gradient, gradient},
-                         {Output::barycentric, barycentric}});
+                         {Output::barycentric, barycentric},
+                         {Output::offset, offset}});
     }
 
     /// Whether points of this from number `first` on have the bytes of the other.
@@ -417,7 +419,7 @@ struct DoubleOutputs {
             return std::memcmp(all.data() + first * components, some.data(), some.size() * sizeof(double)) == 0;
         };
         return is_same(distance, part.distance) && is_same(closest, part.closest) && is_same(gradient, part.gradient) &&
-               is_same(barycentric, part.barycentric);
+               is_same(barycentric, part.barycentric) && is_same(offset, part.offset);
     }
 };
 
@@ -646,7 +648,7 @@ BOOST_AUTO_TEST_CASE(targets_have_strides_and_some_or_all_outputs) {
     };
     OutputTargets targets;
     targets[Output::distance] = target(particles[0].distance, ElementType::float32);
-    targets[Output::closest] = target(particles[0].offset, ElementType::float32);
+    targets[Output::offset] = target(particles[0].offset, ElementType::float32);
     transform.query(points, no_limit, targets);
     for (std::size_t i = 0; i < points.size(); ++i) {
         BOOST_REQUIRE(particles[i].distance == all.distance()[i]);

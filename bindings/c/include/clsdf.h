@@ -95,9 +95,10 @@ typedef int32_t clsdf_status;
 #define CLSDF_DISTANCE 0    /* signed; always computed */
 #define CLSDF_TRIANGLE 1    /* the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it */
 #define CLSDF_SITE 2        /* its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face */
-#define CLSDF_CLOSEST 3     /* float64: the closest point. float32: NOT the point but its offset from the sample */
+#define CLSDF_CLOSEST 3     /* the position of the closest point: float64 */
 #define CLSDF_GRADIENT 4    /* of the signed distance: a unit vector */
 #define CLSDF_BARYCENTRIC 5 /* of the closest point: the weights of the triangle's vertices 1 and 2 (from 0) */
+#define CLSDF_OFFSET 7      /* from the sample or point to the closest point */
 
 /* A set of outputs: CLSDF_SET(CLSDF_TRIANGLE) | CLSDF_SET(CLSDF_SITE). */
 #define CLSDF_SET(output) ((uint32_t)1 << (output))
@@ -223,8 +224,8 @@ static inline clsdf_array clsdf_buffer_array(int32_t type, void* buffer, int64_t
 }
 
 /* An output and the array that it is written to. The triangle may be uint32 or int32; distance, gradient, barycentric
- * and closest may be float32 or float64; the site is uint8. As float64 they are evaluated in double, so that rounding
- * them does not give the float32 results to the last bit. CLSDF_CLOSEST is another vector in each type. */
+ * and offset may be float32 or float64; the site is uint8; the closest point, a position, is float64. As float64 they
+ * are evaluated in double, so that rounding them does not give the float32 results to the last bit. */
 typedef struct clsdf_target {
     int32_t output; /* CLSDF_DISTANCE ... */
     int32_t reserved;

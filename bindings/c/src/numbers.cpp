@@ -29,7 +29,8 @@ static_assert(is(ElementType::automatic, CLSDF_AUTOMATIC) && is(ElementType::flo
               is(ElementType::uint64, CLSDF_UINT64) && is(ElementType::uint8, CLSDF_UINT8));
 static_assert(is(Output::distance, CLSDF_DISTANCE) && is(Output::triangle, CLSDF_TRIANGLE) &&
               is(Output::site, CLSDF_SITE) && is(Output::closest, CLSDF_CLOSEST) &&
-              is(Output::gradient, CLSDF_GRADIENT) && is(Output::barycentric, CLSDF_BARYCENTRIC));
+              is(Output::gradient, CLSDF_GRADIENT) && is(Output::barycentric, CLSDF_BARYCENTRIC) &&
+              is(Output::offset, CLSDF_OFFSET));
 static_assert(is(SignRule::automatic, CLSDF_SIGN_AUTOMATIC) && is(SignRule::nonzero, CLSDF_SIGN_NONZERO) &&
               is(SignRule::parity, CLSDF_SIGN_PARITY) && is(SignRule::none, CLSDF_SIGN_NONE));
 static_assert(is(BoxPlace::within, CLSDF_WITHIN) && is(BoxPlace::inside, CLSDF_INSIDE) &&
@@ -73,7 +74,7 @@ const char* clsdf_device_kind_name(std::int32_t kind) {
 }
 
 std::int64_t clsdf_output_count() {
-    return static_cast<std::int64_t>(output_table().size());
+    return static_cast<std::int64_t>(output_table().back().output) + 1;
 }
 
 clsdf_status clsdf_output_describe(std::int32_t output, clsdf_output_info* info) {

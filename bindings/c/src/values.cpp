@@ -182,10 +182,11 @@ clsdf_target as_c(const OutputTarget& target) {
 }
 
 OutputSet outputs_of(std::uint32_t bits) {
-    const std::size_t count = output_table().size();
-    if (bits >> count != 0)
-        throw misuse("the set of outputs has the bits " + std::to_string(bits) + "; there are " +
-                     std::to_string(count) + " outputs: combine CLSDF_SET(...) of them");
+    OutputSet known;
+    for (const OutputInfo& info : output_table()) known.insert(info.output);
+    if ((bits & ~known.bits()) != 0)
+        throw misuse("the set of outputs has the bits " + std::to_string(bits) + "; those of outputs are " +
+                     std::to_string(known.bits()) + ": combine CLSDF_SET(...) of them");
     return bits == 0 ? OutputSet(Output::distance) : OutputSet::from_bits(bits);
 }
 

@@ -12,11 +12,12 @@ int main(int count, char** arguments) {
     size = fread(text, 1, sizeof text - 1, file);
     CHECK(size > 1000 && size < sizeof text - 1);
     fclose(file);
-    CHECK(clsdf_output_count() >= 6);
+    CHECK(clsdf_output_count() == CLSDF_OFFSET + 1);
     for (output = 0; output < clsdf_output_count(); ++output) {
         clsdf_output_info info = CLSDF_OUTPUT_INFO_INIT;
         char line[128];
         char* letter;
+        if (output == 6) continue; /* none */
         OK(clsdf_output_describe(output, &info));
         CHECK(info.output == output && info.components >= 1 && info.description[0] != 0);
         snprintf(line, sizeof line, "#define CLSDF_%s %d ", info.name, (int)output);

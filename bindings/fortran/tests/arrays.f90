@@ -93,16 +93,21 @@ contains
   end subroutine
 
   subroutine kinds()
-    real(8) :: phi(n, n, n), gradient(3, n, n, n), closest(3, n, n, n), barycentric(2, n, n, n)
+    real(8) :: phi(n, n, n), gradient(3, n, n, n), closest(3, n, n, n), barycentric(2, n, n, n), offset(3, n, n, n)
+    real(4) :: offset_of_4(3, n, n, n)
     real(4), target :: single(n, n, n)
     real(8), target :: points_of_surface(3, n, n, n)
     integer(c_int8_t), target :: site(n, n, n)
-    call transform%compute(grid, band, phi, site=site, gradient=gradient, closest=closest, barycentric=barycentric)
+    call transform%compute(grid, band, phi, site=site, gradient=gradient, closest=closest, barycentric=barycentric, &
+        offset=offset)
     call check(maxval(abs(phi - expected)) < 1d-6, 'doubles')
     call check(all(abs(gradient - vectors) < 1e-6 .or. vectors /= vectors), 'gradients of both kinds')
     call check(all(site >= -1 .and. site <= 6) .and. any(site == 6) .and. any(site == -1) .and. any(site == 3), 'sites')
     call check(all((site == -1) .eqv. (numbers == 0)), 'no site and no triangle beyond the band')
     call check(maxval(abs(sum(gradient**2, 1) - 1), site >= 0) < 1d-6, 'unit vectors')
+    call check(all(abs(sqrt(sum(offset**2, 1)) - abs(phi)) < 1d-12 .or. site == -1), 'the offset is as long as the distance')
+    call transform%compute(grid, band, single, offset=offset_of_4)
+    call check(all(real(offset, 4) == offset_of_4 .or. spread(site == -1, 1, 3)), 'offsets of both kinds')
     call check(minval(barycentric, spread(site, 1, 2) >= 0) >= 0, 'weights')
     ! Of several kinds in one call.
     call transform%compute(grid, band, [clsdf_target(CLSDF_DISTANCE, single), clsdf_target(CLSDF_CLOSEST, points_of_surface)])

@@ -97,7 +97,7 @@ contains
     call check(clsdf_type_name(CLSDF_FLOAT64) == 'double', 'the name of a type')
     call check(clsdf_sign_name(CLSDF_SIGN_PARITY) == 'parity', 'the name of a sign rule')
     call check(clsdf_device_kind_name(CLSDF_GPU) == 'gpu', 'the name of a kind')
-    call check(clsdf_output_count() == 6, 'outputs')
+    call check(clsdf_output_count() == CLSDF_OFFSET + 1, 'outputs')
     call clsdf_output_describe(CLSDF_GRADIENT, info)
     call check(info%name == 'gradient' .and. info%components == 3 .and. len(info%description) > 10, 'the table of outputs')
     length = clsdf_length(2, CLSDF_VOXELS)

@@ -130,6 +130,11 @@ class Values:
         """(..., 2): weights of the triangle's vertices 1 and 2 in the closest point."""
         return self._array("barycentric")
 
+    @property
+    def offset(self) -> npt.NDArray[np.float32]:
+        """(..., 3): from the sample or point to the closest point, in the mesh's units."""
+        return self._array("offset")
+
 
 class Points(Values):
     """What query() found: arrays (n,), and (n, 3) of vectors, in the order of the points."""

@@ -78,8 +78,6 @@ class FieldWriter:
 def _packed(name: str, array: Any) -> Any:
     # Files have the types of the table; an int32 triangle of -1 is its no_triangle.
     dtype = type_of(name)[0]
-    if name == "closest" and array.dtype == np.float32:
-        raise Error("closest in float32 is an offset from the sample, which files do not have; use float64")
     if array.dtype == np.int32 and dtype == np.uint32:
         array = array.view(np.uint32)
     return np.ascontiguousarray(array, dtype)

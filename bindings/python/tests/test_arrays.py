@@ -107,15 +107,18 @@ def test_out_of_every_layout(body):
 
 
 def test_types_of_out(body):
-    field = body.field(resolution=16, outputs="distance triangle closest")
+    field = body.field(resolution=16, outputs="distance triangle offset")
     out = {
         "distance": np.empty(field.grid.shape),
         "triangle": np.empty(field.grid.shape, np.int32),
-        "closest": np.empty((*field.grid.shape, 3), np.float32),
+        "offset": np.empty((*field.grid.shape, 3)),
     }
     body.field(field.grid, band=field.band, out=out)
     assert np.allclose(out["distance"], field.distance, atol=1e-6)
     assert np.array_equal(out["triangle"].view(np.uint32), field.triangle) and (out["triangle"] == -1).any()
+    assert np.array_equal(out["offset"].astype(np.float32), field.offset, equal_nan=True)
+    with pytest.raises(clsdf.Error, match="closest .* float; .* double, or ask for the output offset"):
+        body.field(field.grid, out={"distance": out["distance"], "closest": np.empty((*field.grid.shape, 3), np.float32)})
     for dtype in (np.int64, np.float16, np.complex64, np.longdouble, object, "U4"):
         with pytest.raises(clsdf.Error, match="cannot be written as int64|elements of type"):
             body.field(field.grid, band=field.band, out=np.empty(field.grid.shape, dtype))

@@ -29,7 +29,7 @@ def test_beyond_the_band_is_its_half_width_with_the_sign(body, brute):
 
 
 def test_other_outputs_belong_to_the_nearest_triangle(body, brute, solid):
-    field = body.field(resolution=20, band="full", outputs="triangle site closest gradient barycentric")
+    field = body.field(resolution=20, band="full", outputs="triangle site closest gradient barycentric offset")
     where = positions(field.grid).reshape(-1, 3)
     nearest = brute.closest(where)
     far = np.linalg.norm(nearest - where[:, None], axis=-1)
@@ -38,6 +38,7 @@ def test_other_outputs_belong_to_the_nearest_triangle(body, brute, solid):
     assert np.allclose(far[row, triangle], far.min(1), atol=1e-6)
     closest = field.closest.reshape(-1, 3)
     assert np.allclose(closest, nearest[row, triangle], atol=1e-6)
+    assert np.allclose(where + field.offset.reshape(-1, 3), closest, atol=1e-6)
     u, v = field.barycentric.reshape(-1, 2).T[:, :, None].astype(float)
     a, b, c = (brute.corners[triangle, corner] for corner in range(3))
     assert np.allclose((1 - u - v) * a + u * b + v * c, closest, atol=1e-5)

@@ -10,7 +10,7 @@ import clsdf
 
 @pytest.mark.parametrize("ending", ["nrrd", "npy", "vti", "h5"])
 def test_a_field_is_read_as_it_was_written(body, tmp_path, ending):
-    field = body.field(resolution=16, band=("5%", "10%"), outputs="distance triangle site closest gradient barycentric")
+    field = body.field(resolution=16, band=("5%", "10%"), outputs="distance triangle site closest gradient barycentric offset")
     path = tmp_path / f"field.{ending}"
     clsdf.write_field(field, path)
     read = clsdf.read_field(str(path))
@@ -38,14 +38,6 @@ def test_strided_arrays_and_other_types_are_written(body, tmp_path):
     read = clsdf.read_field(tmp_path / "field.nrrd")
     plain = body.field(grid, outputs="triangle")
     assert np.allclose(read.distance, plain.distance, atol=1e-6) and np.array_equal(read.triangle, plain.triangle)
-
-
-def test_offsets_are_not_written_as_positions(body, tmp_path):
-    grid = body.grid(8)
-    out = {"distance": np.empty(grid.shape, np.float32), "closest": np.empty((*grid.shape, 3), np.float32)}
-    with pytest.raises(clsdf.Error, match="offset"):
-        clsdf.write_field(body.field(grid, out=out), tmp_path / "field.npy")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_slabs_make_the_file_of_the_whole(body, tmp_path):

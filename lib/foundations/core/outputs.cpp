@@ -12,17 +12,17 @@ namespace {
 static_assert(no_triangle == CLSDF_NO_TRIANGLE);
 
 // A row of the table of the kernels, which begins after the distance.
-#define CLSDF_ROW(name, description, element, components) \
+#define CLSDF_ROW(name, description, element, components, number) \
     OutputInfo{Output::name, #name, description, ElementType::element, components},
 constexpr std::array table{OutputInfo{Output::distance, "distance", "distance", ElementType::float32, 1},
                            CLSDF_OUTPUTS(CLSDF_ROW)};
 #undef CLSDF_ROW
-#define CLSDF_NUMBER(name, description, element, components) \
+#define CLSDF_NUMBER(name, description, element, components, number) \
     static_assert(static_cast<int>(Output::name) == CLSDF_OUTPUT_##name);
 static_assert(static_cast<int>(Output::distance) == CLSDF_OUTPUT_distance);
 CLSDF_OUTPUTS(CLSDF_NUMBER)
 #undef CLSDF_NUMBER
-static_assert(table.size() <= detail::most_outputs);
+static_assert(CLSDF_OUTPUT_COUNT <= detail::most_outputs);
 
 }  // namespace
 
@@ -37,12 +37,11 @@ std::span<const OutputInfo> output_table() {
 }
 
 const OutputInfo& info_of(Output output) {
-    const auto number = static_cast<std::size_t>(output);
-    if (number >= table.size())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("there is no output number {}; the last one is {}, {}", static_cast<int>(output),
-                                table.size() - 1, table.back().name));
-    return table[number];
+    for (const OutputInfo& info : table)
+        if (info.output == output) return info;
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("there is no output number {}; the last one is {}, {}", static_cast<int>(output),
+                            static_cast<int>(table.back().output), table.back().name));
 }
 
 void detail::check_type(Output output, ElementType type) {

@@ -41,13 +41,18 @@ inline std::uint32_t bit_of(const OutputInfo& info) {
 }
 
 /// The output has floats, or doubles if the caller asks for them.
-inline bool is_real(const OutputInfo& info) {
-    return info.type == ElementType::float32 || info.type == ElementType::float64;
+inline bool may_be_double(const OutputInfo& info) {
+    return info.type == ElementType::float32;
 }
 
-/// Bytes of a sample whose real numbers are doubles or floats.
+/// The output has real numbers.
+inline bool is_real(const OutputInfo& info) {
+    return may_be_double(info) || info.type == ElementType::float64;
+}
+
+/// Bytes of a sample. in_double: real numbers are doubles.
 inline std::size_t sample_bytes(const OutputInfo& info, bool in_double) {
-    const std::size_t element = is_real(info) ? (in_double ? 8 : 4) : bytes_of(info.type);
+    const std::size_t element = may_be_double(info) && in_double ? 8 : bytes_of(info.type);
     return element * info.components;
 }
 

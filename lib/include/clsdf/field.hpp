@@ -133,12 +133,12 @@ public:
         return set;
     }
 
-    // The values of each output: distance(), triangle(), site(), closest(), gradient(), barycentric().
-#define CLSDF_VALUES(name, description, element, components)                  \
+    // The values of each output: distance(), triangle(), site(), closest(), gradient(), barycentric(), offset().
+#define CLSDF_VALUES(name, description, element, components, number)          \
     std::span<const detail::element> name() const {                           \
         return detail::values_in<const detail::element>(bytes(Output::name)); \
     }
-    CLSDF_VALUES(distance, , float32, 1)
+    CLSDF_VALUES(distance, , float32, 1, 0)
     CLSDF_OUTPUTS(CLSDF_VALUES)
 #undef CLSDF_VALUES
 

@@ -27,7 +27,7 @@ struct OutputInfo {
     constexpr std::size_t sample_bytes() const { return bytes_of(type) * components; }
 };
 
-/// All outputs, in the order of their numbers.
+/// All outputs, in the order of their numbers. A number may have no output: info_of() finds one by its number.
 CLSDF_EXPORT std::span<const OutputInfo> output_table();
 
 /// Throws Error(invalid_argument) for a number that is no output's.
@@ -89,10 +89,9 @@ CLSDF_EXPORT void check_targets(std::span<const OutputTarget> targets);
 ///     transform.compute(grid, band, distances);
 ///     transform.compute(grid, band, {{Output::distance, distances}, {Output::gradient, gradients}});
 ///
-/// Types: those of output_table(). The triangle may also be int32: -1 beyond the band. Distances, gradients and
-/// barycentric coordinates may also be doubles; they are evaluated in double at the nearest triangle. The closest point
-/// may also be floats: then it is the offset from the sample, whose accuracy does not depend on the size of the
-/// coordinates. Other types are Error(unsupported).
+/// Types: those of output_table(). The triangle may also be int32: -1 beyond the band. Distances, gradients,
+/// barycentric coordinates and offsets may also be doubles; they are evaluated in double at the nearest triangle. Other
+/// types are Error(unsupported): the closest point, a position, has no floats; ask for the offset.
 ///
 /// No two values of a call may lie on the same bytes: arrays that overlap are Error(invalid_argument). Boxes and
 /// components of one large array are told exactly, and so are arrays of which none begins inside another. For arrays
