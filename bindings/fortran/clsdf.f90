@@ -107,6 +107,7 @@ module clsdf
   contains
     procedure, private :: grid_around_mesh, grid_around_box
     generic :: around => grid_around_mesh, grid_around_box
+    procedure :: between => grid_between
     procedure :: last => grid_last
     procedure, private :: grid_part, grid_part_4, grid_block, grid_block_4
     generic :: part => grid_part, grid_part_4
@@ -447,6 +448,11 @@ module clsdf
     type(clsdf_length) :: margin = clsdf_length(0.05d0, CLSDF_EXTENT)
     integer(c_int32_t) :: cubic = 0, cell_centred = 0
   end type
+  type, bind(C) :: c_grid_division
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: samples(3) = 0, cells(3) = 0
+    integer(c_int32_t) :: cell_centred = 0, reserved = 0
+  end type
   type, bind(C) :: c_device_info
     integer(c_size_t) :: struct_size = 0
     integer(c_int64_t) :: index = 0
@@ -672,6 +678,13 @@ module clsdf
       integer(c_int32_t) :: value
       type(clsdf_box), intent(in) :: box
       type(c_grid_options), intent(in) :: options
+      type(clsdf_c_grid), intent(out) :: grid
+    end function
+    function c_grid_between(box, division, grid) bind(C, name="clsdf_grid_between") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_box), intent(in) :: box
+      type(c_grid_division), intent(in) :: division
       type(clsdf_c_grid), intent(out) :: grid
     end function
     function c_grid_around_mesh(mesh, resolution, band, grid) bind(C, name="clsdf_grid_around_mesh") result(value)
@@ -1530,6 +1543,28 @@ contains
     if (present(cubic)) options%cubic = merge(1, 0, cubic)
     if (present(cell_centred)) options%cell_centred = merge(1, 0, cell_centred)
     status = c_grid_around_box(box, options, c)
+    if (status == CLSDF_OK) call take_grid(c, self)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The grid from one corner of a box to the other: `samples` on each axis, both ends included, or `cells`, with samples
+  !> at their corners or, with cell_centred, at their centres. The first sample is box%lower exactly, the spacing is rounded
+  !> once.
+  subroutine grid_between(self, box, samples, cells, cell_centred, stat, errmsg)
+    class(clsdf_grid), intent(inout) :: self
+    type(clsdf_box), intent(in) :: box
+    integer, intent(in), optional :: samples(3), cells(3)
+    logical, intent(in), optional :: cell_centred
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_grid_division) :: division
+    type(clsdf_c_grid) :: c
+    integer(c_int32_t) :: status
+    division%struct_size = c_sizeof(division)
+    if (present(samples)) division%samples = samples
+    if (present(cells)) division%cells = cells
+    if (present(cell_centred)) division%cell_centred = merge(1, 0, cell_centred)
+    status = c_grid_between(box, division, c)
     if (status == CLSDF_OK) call take_grid(c, self)
     call clsdf_finish(status, stat, errmsg)
   end subroutine

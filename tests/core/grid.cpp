@@ -323,3 +323,83 @@ BOOST_AUTO_TEST_CASE(is_valid_with_positive_sizes_and_spacings_and_finite_positi
 }
 
 BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(a_grid_from_corner_to_corner)
+
+BOOST_AUTO_TEST_CASE(begins_at_the_lower_corner_and_rounds_its_spacing_once) {
+    constexpr unsigned seed = 3;
+    BOOST_TEST_INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> any(-1, 1), exponent(-30, 30);
+    std::uniform_int_distribution<std::int64_t> number(1, 5000);
+    std::size_t rounded_twice = 0;
+    for (int n = 0; n < 20000; ++n) {
+        Vec3 lower{}, upper{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            lower[axis] = any(random) * std::exp2(exponent(random));
+            upper[axis] = any(random) * std::exp2(exponent(random));
+            if (upper[axis] < lower[axis]) std::swap(lower[axis], upper[axis]);
+        }
+        const Index3 cells{number(random), number(random), number(random)};
+        const Grid nodes = Grid::between(lower, upper, {.cells = cells});
+        BOOST_REQUIRE(nodes == Grid::between(lower, upper, {.samples = {cells[0] + 1, cells[1] + 1, cells[2] + 1}}));
+        BOOST_REQUIRE((nodes.origin == lower && nodes.first == Index3{}));
+        const Vec3 last = last_position(nodes);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            BOOST_REQUIRE(nodes.size[axis] == cells[axis] + 1);
+            const double step = nodes.spacing[axis], ulp = std::nextafter(step, infinity) - step;
+            const auto count = static_cast<double>(cells[axis]);
+            const long double side = static_cast<long double>(upper[axis]) - static_cast<long double>(lower[axis]);
+            const long double error = std::abs(side / static_cast<long double>(count) - static_cast<long double>(step));
+            BOOST_REQUIRE(error <= static_cast<long double>(0.502 * ulp));
+            rounded_twice += (upper[axis] - lower[axis]) / count != step ? 1U : 0U;
+            const double rounding = std::nextafter(std::abs(upper[axis]), infinity) - std::abs(upper[axis]);
+            BOOST_REQUIRE(std::abs(last[axis] - upper[axis]) <= count / 2 * ulp + rounding);
+        }
+        BOOST_REQUIRE(Grid::between(lower, upper, {.cells = cells, .cell_centred = true}).size == cells);
+        BOOST_REQUIRE(Grid::between(lower, upper, {.cells = cells, .cell_centred = true}).origin ==
+                      nodes.cell_centred().origin);
+    }
+    BOOST_TEST(rounded_twice > 100U);  // the test tells the difference
+}
+
+BOOST_AUTO_TEST_CASE(takes_one_number_for_all_axes) {
+    const Grid grid = Grid::between({-1, -1, -1}, {1, 1, 1}, {.cells = 64});
+    BOOST_TEST((grid.size == Index3{65, 65, 65} && grid.spacing == Vec3{0.03125, 0.03125, 0.03125}));
+    BOOST_TEST((last_position(grid) == Vec3{1, 1, 1}));
+    BOOST_TEST((Grid::between({0, 0, 0}, {1, 2, 3}, {.samples = 2}).spacing == Vec3{1, 2, 3}));
+}
+
+BOOST_AUTO_TEST_CASE(needs_a_box_and_one_number) {
+    const auto refuses = [](const Vec3& upper, const clsdf::GridDivision& division,
+                            const std::vector<std::string>& words) {
+        check_throws(ErrorCode::invalid_argument, words, [&] { Grid::between({0, 0, 0}, upper, division); });
+    };
+    refuses({1, 1, 1}, {}, {"samples", "cells", "give one"});
+    refuses({1, 1, 1}, {.samples = 3, .cells = 2}, {"give one"});
+    refuses({1, 1, 1}, {.samples = 3, .cell_centred = true}, {"centres", "number of cells"});
+    refuses({1, 1, 1}, {.samples = {3, 1, 3}}, {"1 samples along y", "at least 2"});
+    refuses({1, 1, 1}, {.cells = {3, 3, 0}}, {"0 cells along z", "at least 1"});
+    refuses({1, 1, 1}, {.cells = std::int64_t{1} << 60}, {"at most 2^53"});
+    refuses({1, 0, 1}, {.cells = 4}, {"from 0 to 0 along y"});
+    refuses({1, 1, -1}, {.cells = 4}, {"from 0 to -1 along z"});
+    refuses({not_a_number, 1, 1}, {.cells = 4}, {"along x"});
+    refuses({infinity, 1, 1}, {.cells = 4}, {"along x", "finite"});
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_CASE(without_a_margin_the_longest_side_begins_at_the_lower_corner) {
+    for (const Length margin : {Length::in_mesh_units(0), Length::in_voxels(0), Length::of_extent(0)})
+        for (const std::int64_t resolution : {7, 11, 16, 32, 100}) {
+            const Box box{{0.1, 0.7, 1e-3}, {1.1, 0.9, 1.001}};
+            const Grid grid = around(box, resolution, margin);
+            BOOST_TEST(grid.origin[0] == 0.1);
+            BOOST_TEST((grid.box().lower[1] + grid.box().upper[1]) / 2 == 0.8, boost::test_tools::tolerance(1e-12));
+            const double rounding = static_cast<double>(resolution) * 1e-16;
+            BOOST_TEST(std::abs(last_position(grid)[0] - 1.1) <= rounding);
+        }
+    // All sides of a cube are its longest.
+    for (const std::int64_t resolution : {11, 16, 32})
+        BOOST_TEST((around({{0, 0, 0}, {1, 1, 1}}, resolution, Length::in_mesh_units(0)).origin == Vec3{}));
+}

@@ -316,14 +316,25 @@ typedef struct clsdf_grid {
 /* Options of clsdf_grid_around_box(). */
 typedef struct clsdf_grid_options {
     size_t struct_size;
-    int64_t resolution; /* samples on the longest side of the box, margin included; >= 2 */
-    double spacing[3];  /* per axis, instead of a resolution; zeros: not set */
-    clsdf_length margin;
+    int64_t resolution;   /* samples on the longest side of the box, margin included; >= 2 */
+    double spacing[3];    /* per axis, instead of a resolution; zeros: not set */
+    clsdf_length margin;  /* 0: the first sample on the longest side is box->lower exactly */
     int32_t cubic;        /* 1: every axis gets as many samples as the longest one */
     int32_t cell_centred; /* 1: samples at the centres of cells, half a voxel further */
 } clsdf_grid_options;
 #define CLSDF_GRID_OPTIONS_INIT \
     { sizeof(clsdf_grid_options), 256, {0, 0, 0}, {0.05, CLSDF_EXTENT, 0}, 0, 0 }
+
+/* How clsdf_grid_between() divides a box: by samples or by cells. Give one of them, on each axis; the other is 0. */
+typedef struct clsdf_grid_division {
+    size_t struct_size;
+    int64_t samples[3];   /* at least 2: both ends of the box are samples */
+    int64_t cells[3];     /* at least 1: samples at their corners, one more than the cells */
+    int32_t cell_centred; /* 1, with cells: one sample at the centre of each instead */
+    int32_t reserved;
+} clsdf_grid_division;
+#define CLSDF_GRID_DIVISION_INIT \
+    { sizeof(clsdf_grid_division), {0, 0, 0}, {0, 0, 0}, 0, 0 }
 
 /* The longest side. */
 CLSDF_API clsdf_status clsdf_box_longest_side(const clsdf_box* box, double* side);
@@ -337,6 +348,9 @@ CLSDF_API clsdf_status clsdf_grid_around_box(const clsdf_box* box, const clsdf_g
  * of the longest side if it is infinite. */
 CLSDF_API clsdf_status clsdf_grid_around_mesh(const clsdf_mesh* mesh, int64_t resolution, const clsdf_band* band,
                                               clsdf_grid* grid);
+/* The grid from one corner of a box to the other. The first sample is box->lower exactly; the spacing is rounded once,
+ * so the last sample is within n/2 ulp of the spacing of box->upper, n being the cells along an axis. */
+CLSDF_API clsdf_status clsdf_grid_between(const clsdf_box* box, const clsdf_grid_division* division, clsdf_grid* grid);
 /* In the next six, `result` may be `grid`. */
 /* The block of size[3] samples that starts offset[3] samples from this grid's first one; must be inside. */
 CLSDF_API clsdf_status clsdf_grid_part(const clsdf_grid* grid, const int64_t* offset, const int64_t* size,

@@ -43,6 +43,23 @@ clsdf_status clsdf_grid_around_box(const clsdf_box* box, const clsdf_grid_option
     });
 }
 
+clsdf_status clsdf_grid_between(const clsdf_box* box, const clsdf_grid_division* division, clsdf_grid* grid) {
+    return guarded([&] {
+        const clsdf_grid_division from = c::read_struct(division, CLSDF_GRID_DIVISION_INIT, "clsdf_grid_division");
+        const auto counts = [](const std::int64_t* each) {
+            const Index3 numbers{each[0], each[1], each[2]};
+            return numbers == Index3{} ? AxisCounts() : AxisCounts(numbers);
+        };
+        GridDivision to;
+        to.samples = counts(from.samples);
+        to.cells = counts(from.cells);
+        to.cell_centred = c::flag(from.cell_centred, "clsdf_grid_division.cell_centred");
+        c::check_reserved(from.reserved, "clsdf_grid_division");
+        const Box corners = c::box_of(box);
+        given(grid, "grid") = c::as_c(Grid::between(corners.lower, corners.upper, to));
+    });
+}
+
 clsdf_status clsdf_grid_around_mesh(const clsdf_mesh* mesh, std::int64_t resolution, const clsdf_band* band,
                                     clsdf_grid* grid) {
     return guarded(

@@ -77,6 +77,7 @@ static void check_devices(void) {
 static void check_grids(void) {
     const int64_t two[3] = {2, 2, 2}, five[3] = {5, 6, 7}, minus[3] = {-3, 0, 1};
     clsdf_grid_options options = CLSDF_GRID_OPTIONS_INIT;
+    clsdf_grid_division division = CLSDF_GRID_DIVISION_INIT;
     clsdf_grid other;
     clsdf_length length = {0.5, CLSDF_EXTENT, 0};
     clsdf_box box = {{0, 0, 0}, {1, 2, 4}};
@@ -86,6 +87,14 @@ static void check_grids(void) {
     CHECK(value == 4);
     OK(clsdf_length_resolve(&length, 0.1, 8, &value));
     CHECK(value == 4);
+    division.cells[0] = division.cells[1] = division.cells[2] = 8;
+    OK(clsdf_grid_between(&box, &division, &other));
+    CHECK(other.size[0] == 9 && other.origin[2] == 0 && other.spacing[0] == 0.125 && other.spacing[2] == 0.5);
+    division.cell_centred = 1;
+    OK(clsdf_grid_between(&box, &division, &other));
+    CHECK(other.size[0] == 8 && other.origin[2] == 0.25);
+    division.samples[0] = 2;
+    FAILS(CLSDF_INVALID_ARGUMENT, "give one of them", clsdf_grid_between(&box, &division, &other));
     options.spacing[0] = options.spacing[1] = options.spacing[2] = 0.5;
     options.margin.value = 1;
     options.margin.unit = CLSDF_VOXELS;

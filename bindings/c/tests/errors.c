@@ -73,6 +73,7 @@ static void check_null(void) {
     NULL_FAILS(clsdf_grid_around_mesh(NULL, 10, &band, &grid));
     NULL_FAILS(clsdf_grid_around_box(NULL, NULL, &grid));
     NULL_FAILS(clsdf_grid_around_box(&box, NULL, NULL));
+    NULL_FAILS(clsdf_grid_between(NULL, NULL, &grid));
     NULL_FAILS(clsdf_grid_part(&grid, NULL, NULL, &grid));
     NULL_FAILS(clsdf_grid_block(NULL, NULL, NULL, &grid));
     NULL_FAILS(clsdf_grid_grown(&grid, 1, NULL));

@@ -56,6 +56,12 @@ int main(void) {
     MEMBER(clsdf_grid_options, margin);
     MEMBER(clsdf_grid_options, cubic);
     MEMBER(clsdf_grid_options, cell_centred);
+    SIZE(clsdf_grid_division);
+    MEMBER(clsdf_grid_division, struct_size);
+    MEMBER(clsdf_grid_division, samples);
+    MEMBER(clsdf_grid_division, cells);
+    MEMBER(clsdf_grid_division, cell_centred);
+    MEMBER(clsdf_grid_division, reserved);
     SIZE(clsdf_device_info);
     MEMBER(clsdf_device_info, struct_size);
     MEMBER(clsdf_device_info, index);

@@ -23,6 +23,20 @@ Grid checked(const Vec3& origin, const Vec3& spacing, const Index3& size, const 
     return grid;
 }
 
+// A whole number, or three.
+AxisCounts counts_of(nb::handle counts, const char* what) {
+    if (counts.is_none()) return {};
+    Index3 each{};
+    if (nb::try_cast(counts, each)) return each;
+    std::int64_t all = 0;
+    if (nb::try_cast(counts, all)) return all;
+    refuse(fmt::format("{}: expected a whole number or three, not {}", what, nb::cast<std::string>(nb::repr(counts))));
+}
+
+Grid between(const Vec3& lower, const Vec3& upper, nb::handle samples, nb::handle cells, bool cell_centred) {
+    return Grid::between(lower, upper, {counts_of(samples, "samples"), counts_of(cells, "cells"), cell_centred});
+}
+
 std::pair<Vec3, Vec3> pair_of(const Box& box) {
     return {box.lower, box.upper};
 }
@@ -108,6 +122,14 @@ void add_grids(nb::module_& module) {
                 new (grid) Grid(checked(origin, spacing, size, first));
             },
             nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = Index3{})
+        .def_static("between", &between, nb::arg("lower"), nb::arg("upper"), nb::kw_only(),
+                    nb::arg("samples") = nb::none(), nb::arg("cells") = nb::none(), nb::arg("cell_centred") = false,
+                    nb::sig("def between(lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, *, "
+                            "samples: int | typing.Sequence[int] | None = None, "
+                            "cells: int | typing.Sequence[int] | None = None, cell_centred: bool = False) -> Grid"),
+                    "The grid from one corner of a box to the other: so many samples, both ends included, or so many\n"
+                    "cells, with samples at their corners or, if cell_centred, at their centres. A number is for all\n"
+                    "axes or (nx, ny, nz). The first sample is `lower` exactly; the spacing is rounded once.")
         .def_ro("origin", &Grid::origin, "Position (x, y, z) of the lattice's sample (0, 0, 0).")
         .def_ro("spacing", &Grid::spacing, "Distance of the samples along x, y and z.")
         .def_ro("size", &Grid::size, "Number of samples along x, y and z.")

@@ -303,10 +303,58 @@ Grid Grid::around(const Box& box, const GridOptions& options) {
     }
     if (options.cubic) grid.size.fill(*std::max_element(grid.size.begin(), grid.size.end()));
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double centre = box.lower[axis] + (box.upper[axis] - box.lower[axis]) / 2;
+        const double side = box.upper[axis] - box.lower[axis], centre = box.lower[axis] + side / 2;
         grid.origin[axis] = std::fma(static_cast<double>(grid.size[axis] - 1) / -2, grid.spacing[axis], centre);
+        // The samples end with the box, so nothing is left to be centred but rounding.
+        if (margin == 0 && !options.spacing && side == extent) grid.origin[axis] = box.lower[axis];
     }
     if (options.cell_centred) grid = grid.cell_centred();
+    grid.validate();
+    return grid;
+}
+
+namespace {
+
+// (upper - lower) / n, rounded once: the remainders of the difference and of the quotient are exact.
+double step_between(double lower, double upper, double n) {
+    const double difference = upper - lower;
+    const double subtracted = upper - difference;
+    const double lost = (upper - (difference + subtracted)) + (subtracted - lower);
+    const double quotient = difference / n;
+    const double step = quotient + (std::fma(-quotient, n, difference) + lost) / n;
+    return std::isfinite(step) ? step : quotient;
+}
+
+}  // namespace
+
+Grid Grid::between(const Vec3& lower, const Vec3& upper, const GridDivision& division) {
+    const auto refuse = [](const std::string& what) { throw Error(ErrorCode::invalid_argument, "grid: " + what); };
+    if (division.samples.is_given() == division.cells.is_given())
+        refuse("a box is divided by the number of its samples or by that of its cells; give one of them");
+    if (division.cell_centred && division.samples.is_given())
+        refuse("samples at the centres of cells need the number of cells, not that of samples");
+    const bool are_samples = division.samples.is_given();
+    const Index3& counts = are_samples ? division.samples.each() : division.cells.each();
+    Grid grid;
+    grid.origin = lower;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const char name = axis_names[axis];
+        const std::int64_t cells = counts[axis] - (are_samples ? 1 : 0);
+        if (counts[axis] > largest_index || cells < 1)
+            refuse(fmt::format("{} {} along {}; a box has {}", counts[axis], are_samples ? "samples" : "cells", name,
+                               counts[axis] > largest_index ? "at most 2^53"
+                               : are_samples                ? "at least 2, one at each end"
+                                                            : "at least 1"));
+        // Written so that a NaN fails.
+        if (!(upper[axis] > lower[axis]) || !std::isfinite(upper[axis] - lower[axis]))
+            refuse(
+                fmt::format("the box reaches from {} to {} along {}; the second corner must lie beyond the first, both "
+                            "finite",
+                            lower[axis], upper[axis], name));
+        grid.spacing[axis] = step_between(lower[axis], upper[axis], static_cast<double>(cells));
+        grid.size[axis] = division.cell_centred ? cells : cells + 1;
+    }
+    if (division.cell_centred) grid = grid.cell_centred();
     grid.validate();
     return grid;
 }

@@ -65,11 +65,39 @@ struct GridOptions {
     std::int64_t resolution = 256;
     /// Spacing per axis in the mesh's units, instead of a resolution.
     std::optional<Vec3> spacing{};
-    /// Margin between the box and the first and last samples. A length in voxels counts in the resulting spacing.
+    /// Margin between the box and the first and last samples. A length in voxels counts in the resulting spacing. If it
+    /// is 0, and the grid has a resolution, the first sample on the longest side is the box's lower corner exactly.
     Length margin = Length::of_extent(0.05);
     /// Every axis gets as many samples as the longest one.
     bool cubic = false;
     /// Samples at the centres of cells instead of at nodes: everything shifted by half a voxel.
+    bool cell_centred = false;
+};
+
+/// Numbers of samples or cells: the same on every axis, or one for each.
+class AxisCounts {
+public:
+    /// Not given.
+    constexpr AxisCounts() = default;
+    // NOLINTNEXTLINE(google-explicit-constructor): a number counts on every axis
+    constexpr AxisCounts(std::int64_t all) : each_{all, all, all}, is_given_(true) {}
+    constexpr AxisCounts(std::int64_t x, std::int64_t y, std::int64_t z) : each_{x, y, z}, is_given_(true) {}
+    // NOLINTNEXTLINE(google-explicit-constructor): three numbers count on their axes
+    constexpr AxisCounts(const Index3& each) : each_(each), is_given_(true) {}
+
+    constexpr bool is_given() const { return is_given_; }
+    constexpr const Index3& each() const { return each_; }
+
+private:
+    Index3 each_{};
+    bool is_given_ = false;
+};
+
+/// How Grid::between() divides a box: {.samples = 65}, {.cells = {64, 64, 32}}. One of the two numbers is given.
+struct GridDivision {
+    AxisCounts samples{};  ///< on each axis, at least 2: both ends of the box are samples
+    AxisCounts cells{};    ///< on each axis, at least 1: samples at their corners, one more than the cells
+    /// With cells: one sample at the centre of each instead.
     bool cell_centred = false;
 };
 
@@ -88,13 +116,19 @@ struct CLSDF_EXPORT Grid {
     /// A grid around a box whose longest side has N = `options.resolution` samples. The spacing is L / (N - 1), L being
     /// the longest side of the box after the margin was added on both sides; with a margin of k voxels it is the box's
     /// longest side divided by (N - 1 - 2 k). The other axes get as many samples as cover the box to 1e-6 voxel. With
-    /// `options.spacing`, every axis does. The box stays centred. Throws Error(invalid_argument) if the spacing would
-    /// not be positive (a box without extent needs options.spacing), if the box or the margin is not finite, or if a
-    /// side has too many samples.
+    /// `options.spacing`, every axis does. The box stays centred, except along its longest side with a margin of 0 (see
+    /// GridOptions::margin). Throws Error(invalid_argument) if the spacing would not be positive (a box without extent
+    /// needs options.spacing), if the box or the margin is not finite, or if a side has too many samples.
     static Grid around(const Box& box, const GridOptions& options);
 
     /// The same around a mesh's box, with the band's outside half width as margin (5% of the longest side if infinite).
     static Grid around(const Mesh& mesh, std::int64_t resolution, const Band& band);
+
+    /// The grid from one corner of a box to the other. The first sample is `lower` exactly. The spacing is (upper -
+    /// lower) / n, n being the cells along an axis, rounded once, so the last sample is within n/2 ulp of the spacing
+    /// of `upper`. Throws Error(invalid_argument) unless upper > lower on every axis and just one number is given, or
+    /// if it is too small.
+    static Grid between(const Vec3& lower, const Vec3& upper, const GridDivision& division);
 
     /// The block of `part_size` samples that starts `offset` samples from this grid's first one. Throws
     /// Error(invalid_argument) if it is not inside.
