@@ -490,6 +490,7 @@ module clsdf
     integer(c_size_t) :: struct_size = 0
     type(c_ptr) :: user = c_null_ptr
     type(c_funptr) :: log = c_null_funptr
+    real(c_double) :: scale = 1, translate(3) = 0
   end type
   type, bind(C) :: c_transform_options
     integer(c_size_t) :: struct_size = 0
@@ -2621,19 +2622,21 @@ contains
   end subroutine
 
   !> Reads .off, .obj, .stl or .ply; polygons become fans. The log of the options gets what was skipped or changed.
-  subroutine mesh_read(self, path, stat, errmsg, options)
+  subroutine mesh_read(self, path, scale, translate, stat, errmsg, options)
     class(clsdf_mesh), intent(inout) :: self
     character(*), intent(in) :: path
+    real(c_double), intent(in), optional :: scale, translate(3)  !< a coordinate x becomes x * scale + translate
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     class(clsdf_call_options), intent(inout), target, optional :: options
-    call self%read([path], stat, errmsg, options)
+    call self%read([path], scale, translate, stat, errmsg, options)
   end subroutine
 
   !> Reads files as one mesh: the vertices and the triangles of each follow those of the one before it.
-  subroutine mesh_read_files(self, paths, stat, errmsg, options)
+  subroutine mesh_read_files(self, paths, scale, translate, stat, errmsg, options)
     class(clsdf_mesh), intent(inout) :: self
     character(*), intent(in) :: paths(:)
+    real(c_double), intent(in), optional :: scale, translate(3)  !< a coordinate x becomes x * scale + translate
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     class(clsdf_call_options), intent(inout), target, optional :: options
@@ -2649,6 +2652,8 @@ contains
       pointers(i) = c_loc(texts(i))
     end do
     read%struct_size = c_sizeof(read)
+    if (present(scale)) read%scale = scale
+    if (present(translate)) read%translate = translate
     if (present(options)) then
       given%options => options
       read%user = c_loc(given)

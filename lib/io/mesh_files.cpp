@@ -329,17 +329,51 @@ std::vector<std::string> ReadingNotes::texts() const {
     return texts;
 }
 
+namespace {
+
+void check_placement(const ReadOptions& options) {
+    if (!(options.scale > 0) || !std::isfinite(options.scale))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("scale: {} is no factor for lengths; give a finite number above 0", options.scale));
+    for (const double step : options.translate)
+        if (!std::isfinite(step))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("translate: {} is no length; give three finite numbers", step));
+}
+
+/// The mesh of a file in the unit and at the place of the options.
+Mesh read_and_place(const std::string& path, const ReadOptions& options) {
+    Mesh mesh = read_file(path, options);
+    if (options.scale == 1 && options.translate == Vec3{}) return mesh;
+    std::vector<Vec3> positions = mesh.vertices();
+    for (Vec3& position : positions)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            position[axis] = position[axis] * options.scale + options.translate[axis];
+    try {
+        mesh.set_positions(std::move(positions));
+    } catch (const Error& error) {
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}, after the scale {} and the translation ({}); choose smaller ones", error.what(),
+                                options.scale, fmt::join(options.translate, ", ")));
+    }
+    return mesh;
+}
+
+}  // namespace
+
 Mesh read_mesh(const std::string& path, const ReadOptions& options) {
-    return with_memory_for(fmt::format("'{}'", path), [&] { return read_file(path, options); });
+    check_placement(options);
+    return with_memory_for(fmt::format("'{}'", path), [&] { return read_and_place(path, options); });
 }
 
 Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options) {
     if (paths.empty()) throw Error(ErrorCode::invalid_argument, "no file of a mesh is given; name one or more");
     if (paths.size() == 1) return read_mesh(paths[0], options);
+    check_placement(options);
     return with_memory_for(fmt::format("the meshes '{}'", fmt::join(paths, "', '")), [&] {
         MeshArrays all;
         for (const std::string& path : paths) {
-            const Mesh mesh = read_file(path, options);
+            const Mesh mesh = read_and_place(path, options);
             const std::size_t first = all.vertices.size();
             if (mesh.vertices().size() >= std::numeric_limits<std::uint32_t>::max() - first)
                 throw Error(ErrorCode::unsupported,

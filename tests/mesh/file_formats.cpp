@@ -5,6 +5,7 @@
 
 #include <sys/stat.h>
 #include <cmath>
+#include <random>
 #include <utility>
 
 using namespace clsdf;
@@ -59,6 +60,39 @@ BOOST_AUTO_TEST_CASE(what_is_written_is_read_back_to_the_last_bit) {
             BOOST_CHECK(read.triangles() == mesh.triangles());
         }
     }
+}
+
+BOOST_AUTO_TEST_CASE(a_file_in_another_unit_is_scaled_and_moved_with_two_roundings) {
+    const TemporaryFolder folder;
+    constexpr unsigned seed = 11;
+    BOOST_TEST_INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> any(-1000, 1000);
+    Mesh mesh = make_shape("torus");
+    std::vector<Vec3> vertices = mesh.vertices();
+    for (Vec3& vertex : vertices)
+        for (double& coordinate : vertex) coordinate = any(random);
+    mesh.set_positions(vertices);
+    for (const char* name : {"mesh.off", "mesh.obj", "mesh.ply"}) {
+        write_mesh(mesh, folder.file(name));
+        const Vec3 translate{0.1, -7, 1e6};
+        const Mesh read = read_mesh(folder.file(name), {.scale = 0.001, .translate = translate});
+        BOOST_CHECK(read.triangles() == mesh.triangles());
+        for (std::size_t v = 0; v < vertices.size(); ++v)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const volatile double product = vertices[v][axis] * 0.001;
+                BOOST_REQUIRE(read.vertices()[v][axis] == product + translate[axis]);
+            }
+        BOOST_CHECK(read_mesh(folder.file(name), {}).vertices() == mesh.vertices());
+    }
+    const std::string path = folder.file("mesh.off");
+    for (const double scale : {0.0, -1.0, std::nan(""), 1.0 / 0.0})
+        check_throws(ErrorCode::invalid_argument, {"scale", "above 0"}, [&] { read_mesh(path, {.scale = scale}); });
+    check_throws(ErrorCode::invalid_argument, {"translate", "finite"}, [&] {
+        read_mesh(path, {.translate = {0, std::nan(""), 0}});
+    });
+    check_throws(ErrorCode::invalid_argument, {"mesh.off", "vertex", "1e+308"},
+                 [&] { read_mesh(path, {.scale = 1e308}); });
 }
 
 BOOST_AUTO_TEST_CASE(a_mesh_that_cannot_be_written_leaves_nothing) {

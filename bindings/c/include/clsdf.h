@@ -534,9 +534,15 @@ typedef struct clsdf_read_options {
     /* Warnings, each with the file: what was skipped (faces of one or two corners, bytes after the last row of a binary
      * .ply, unknown lines) or changed (vertices of an .obj with a fourth number are divided by it). May be null. */
     clsdf_log_function log;
+    double scale;        /* a coordinate x becomes x * scale + translate; product and sum are each rounded once; > 0 */
+    double translate[3]; /* in the units after the scale */
 } clsdf_read_options;
-#define CLSDF_READ_OPTIONS_INIT \
-    { sizeof(clsdf_read_options), NULL, NULL }
+#define CLSDF_READ_OPTIONS_INIT                      \
+    {                                                \
+        sizeof(clsdf_read_options), NULL, NULL, 1, { \
+            0, 0, 0                                  \
+        }                                            \
+    }
 
 /* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element, the value and the base of its numbers. */
 CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh);

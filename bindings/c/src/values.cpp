@@ -325,6 +325,8 @@ ReadOptions read_options_of(const clsdf_read_options* options) {
     const clsdf_read_options from = read_struct(options, CLSDF_READ_OPTIONS_INIT, "clsdf_read_options");
     if (from.log != nullptr)
         read.log = [from](const std::string& message) { call_back("log", from.log, from.user, message.c_str()); };
+    read.scale = from.scale;
+    read.translate = {from.translate[0], from.translate[1], from.translate[2]};
     return read;
 }
 

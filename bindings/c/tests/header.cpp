@@ -4,6 +4,8 @@
 int main() {
     clsdf_output_info output = CLSDF_OUTPUT_INFO_INIT;
     clsdf_grid_options grid = CLSDF_GRID_OPTIONS_INIT;
+    clsdf_grid_division division = CLSDF_GRID_DIVISION_INIT;
+    clsdf_read_options read = CLSDF_READ_OPTIONS_INIT;
     clsdf_device_info device = CLSDF_DEVICE_INFO_INIT;
     clsdf_device_limits limits = CLSDF_DEVICE_LIMITS_INIT;
     clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;

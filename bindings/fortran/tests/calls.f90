@@ -204,6 +204,12 @@ contains
     call welded%read([character(20) :: 'fortran_mesh.ply', 'fortran_mesh.ply'])
     call welded%vertices(vertices)
     call check(size(vertices, 2) == 2 * size(x, 2), 'a mesh from two files')
+    call welded%read('fortran_mesh.ply', scale=0.5d0, translate=[1d0, 2d0, 3d0])
+    call welded%vertices(vertices)
+    call check(all(vertices == 0.5d0*x + spread([1d0, 2d0, 3d0], 2, size(x, 2))), 'in another unit, at another place')
+    call welded%read('fortran_mesh.ply', scale=0d0, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'scale: 0')
+    call welded%read('fortran_mesh.ply')
     call own%write('fortran_mesh.ply', colours(:2, :), stat, errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'colours')
     triangles(2, 3) = 5

@@ -70,13 +70,17 @@ def _of_open3d(mesh: Any) -> tuple[Any, Any] | None:
 
 
 def read_mesh(
-    path: str | os.PathLike[str], *more: str | os.PathLike[str]
+    path: str | os.PathLike[str],
+    *more: str | os.PathLike[str],
+    scale: float = 1.0,
+    translate: Any = (0.0, 0.0, 0.0),
 ) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     """Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply; of several files as one
-    mesh: the vertices and faces of each follow those of the one before it. A MeshWarning says what was skipped or
-    changed. Raises clsdf.Error: unreadable_input or invalid_mesh that names the line or the element; unsupported for an
-    unknown ending."""
-    return _core.read_mesh([os.fspath(name) for name in (path, *more)])
+    mesh: the vertices and faces of each follow those of the one before it. A coordinate x becomes x * scale + translate,
+    in double: scale=0.001 makes metres of millimetres. A MeshWarning says what was skipped or changed. Raises
+    clsdf.Error: unreadable_input or invalid_mesh that names the line or the element; unsupported for an unknown ending;
+    invalid_argument unless scale > 0."""
+    return _core.read_mesh([os.fspath(name) for name in (path, *more)], scale, translate)
 
 
 def mesh_hash(mesh: Any) -> int:

@@ -30,9 +30,9 @@ auto arrays_of(const Mesh& mesh) {
     return std::pair(array_of<double>(mesh.vertices()), array_of<std::uint32_t>(mesh.triangles()));
 }
 
-Mesh read(const std::vector<std::string>& paths) {
+Mesh read(const std::vector<std::string>& paths, double scale, const Vec3& translate) {
     const nb::gil_scoped_release no_gil;
-    return read_meshes(paths, {.log = warn});
+    return read_meshes(paths, {.log = warn, .scale = scale, .translate = translate});
 }
 
 // Calls the function with a mesh of the arrays, without the GIL.
@@ -104,7 +104,11 @@ void add_meshes(nb::module_& module) {
                                defects.zero_area_faces, defects.duplicate_faces, defects.components);
         });
     module.def(
-        "read_mesh", [](const std::vector<std::string>& paths) { return arrays_of(read(paths)); }, nb::arg("paths"),
+        "read_mesh",
+        [](const std::vector<std::string>& paths, double scale, const Vec3& translate) {
+            return arrays_of(read(paths, scale, translate));
+        },
+        nb::arg("paths"), nb::arg("scale") = 1.0, nb::arg("translate") = Vec3{},
         "Vertices (n, 3), float64, and faces (m, 3), uint32, of files .off, .obj, .stl or .ply, one after the other.\n"
         "Raises clsdf.Error (unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));

@@ -127,9 +127,6 @@ def test_types_of_out(body):
         body.field(field.grid, band=field.band, out=out)
 
 
-def misaligned(shape):
-    return np.frombuffer(bytearray(4 * int(np.prod(shape)) + 1), np.uint8)[1:].view(np.float32).reshape(shape)
-
 @pytest.mark.parametrize("module", ["jaxlib._jax", "jax._src.array", "tensorflow.python.framework.ops"])
 def test_arrays_that_never_change_are_no_out(body, points, module):
     class Constant:
@@ -153,6 +150,9 @@ def test_arrays_that_never_change_are_no_out(body, points, module):
     assert error.value.code == "invalid_argument" and (memory == 7).all()
     assert np.array_equal(body.query(vectors).distance, body.query(points).distance)
 
+
+def misaligned(shape):
+    return np.frombuffer(bytearray(4 * int(np.prod(shape)) + 1), np.uint8)[1:].view(np.float32).reshape(shape)
 
 
 REFUSED = {
@@ -324,6 +324,10 @@ def test_a_mesh_from_a_file(tmp_path, solid, points):
     )
     read = clsdf.read_mesh(path)
     assert np.array_equal(read[0], vertices) and np.array_equal(read[1], faces)
+    scaled, _ = clsdf.read_mesh(path, scale=0.5, translate=(1, 2, 3))
+    assert np.array_equal(scaled, vertices * 0.5 + (1.0, 2.0, 3.0))
+    with pytest.raises(clsdf.Error, match="scale: -1"):
+        clsdf.read_mesh(path, scale=-1)
     body = clsdf.Transform(path)
     assert body.mesh_name == "solid.obj"
     assert np.array_equal(body.query(points).distance, clsdf.Transform(solid).query(points).distance)

@@ -24,13 +24,18 @@ struct ReadOptions {
     /// with unknown keywords, and vertices of an .obj with a fourth number w other than 1, by which x, y and z are
     /// divided.
     std::function<void(const std::string& message)> log{};
+    /// Every coordinate x of the file becomes x * scale + translate, in double; the product and the sum are each
+    /// rounded once. 0.001 makes metres of millimetres. Finite, and the scale > 0: a mirrored mesh would be inside out.
+    double scale = 1;
+    Vec3 translate{};
 };
 
 /// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders). A polygon becomes a fan
 /// around its first corner; if the fan would leave a concave polygon, the polygon is cut into ears. A polygon that
 /// crosses itself stays a fan. Vertices of equal coordinates in an STL file become one. Throws Error(unreadable_input
 /// or invalid_mesh) that names the file, the line or element and the value, also for a file that is not what its ending
-/// says, as a pointer of Git LFS; Error(unsupported) for an unknown ending.
+/// says, as a pointer of Git LFS; Error(unsupported) for an unknown ending; Error(invalid_argument) for a scale or a
+/// translation that makes no sense or that makes a vertex in use infinite.
 CLSDF_EXPORT Mesh read_mesh(const std::string& path, const ReadOptions& options = {});
 
 /// Reads several files as one mesh: the vertices and the triangles of each file follow those of the one before it.
