@@ -23,8 +23,10 @@ using clsdf::reference::CheckReport;
 struct Options {
     std::string mesh;
     std::vector<std::string> more;  ///< further files of the mesh, and last the field
+    Placement placement;
     clsdf::reference::CheckOptions check;
     bool complete = false;
+    bool positive_inside = false;
 
     std::vector<std::string> meshes() const { return mesh_files(mesh, more); }
     const std::string& field() const { return more.back(); }
@@ -91,9 +93,10 @@ std::string note_on_the_band(const CheckReport& report, const clsdf::Field& fiel
         lowest, highest);
 }
 
-void print_human(const CheckReport& report, const clsdf::Field& field, double seconds) {
+void print_human(const CheckReport& report, const clsdf::Field& field, bool is_negated, double seconds) {
     print_text("grid      {}\nband      {}\nsign      {}\n", human(field.grid), human(field.band, field.grid.voxel()),
                name_of(field.sign));
+    if (is_negated) print_text("values    positive inside in the file, negative inside below\n");
     print_text("looked at {} samples, {} of them within the band's limits, in {:.2f} s\n", report.samples,
                report.band_samples, seconds);
     print_text(
@@ -119,13 +122,17 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
 
 ExitStatus run(const Options& options, Report& report) {
     const std::vector<std::string> meshes = options.meshes();
-    const clsdf::Mesh mesh = read_body(meshes, report);
+    const clsdf::Mesh mesh = read_body(meshes, report, options.placement);
     clsdf::Field field = clsdf::read_field(options.field());
     if (const std::vector<std::string> missing = clsdf::missing_field_files(options.field()); !missing.empty())
         throw clsdf::Error(
             clsdf::ErrorCode::unreadable_input,
             fmt::format("{}: it names '{}', which cannot be found; copy all files of the field, or compute it again",
                         options.field(), fmt::join(missing, "', '")));
+    // Its values are shown as clsdf computes them.
+    const bool is_negated = field.positive_inside || options.positive_inside;
+    if (is_negated) field.negate();
+    field.positive_inside = false;
     if (field.sign == clsdf::SignRule::automatic)
         field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
 
@@ -138,15 +145,12 @@ ExitStatus run(const Options& options, Report& report) {
     std::string note = note_on_signs(mesh, found, field, check_options);
     if (note.empty() && !found.passed()) note = note_on_the_mesh(meshes, field);
     if (note.empty()) note = note_on_the_band(found, field);
-    if (!report.quiet || !found.passed()) print_human(found, field, seconds.count());
+    if (!report.quiet || !found.passed()) print_human(found, field, is_negated, seconds.count());
     if (!note.empty()) print_text("note: {}\n", note);
-    report.result = {{"mesh", paths_of(meshes)},
-                     {"field", options.field()},
-                     {"grid", describe(field.grid)},
-                     {"band", describe(field.band)},
-                     {"sign", name_of(field.sign)},
-                     {"seed", check_options.seed},
-                     {"tolerance_voxels", check_options.tolerance_voxels},
+    report.result = {{"mesh", paths_of(meshes)},     {"field", options.field()},
+                     {"grid", describe(field.grid)}, {"band", describe(field.band)},
+                     {"sign", name_of(field.sign)},  {"positive_inside", is_negated},
+                     {"seed", check_options.seed},   {"tolerance_voxels", check_options.tolerance_voxels},
                      {"seconds", seconds.count()}};
     report.result.update(describe_report(found, field.grid));
     if (!note.empty()) report.result["note"] = note;
@@ -164,6 +168,9 @@ Command add_check(Parser& program) {
         .add("--samples", options->check.samples,
              "samples to check, half of them near the band's limits, edges and vertices")
         .takes_whole_number("N", 1, 1'000'000'000'000'000);
+    add_placement_options(parser, options->placement);
+    parser.add("--positive-inside", options->positive_inside,
+               "the field's distances are positive inside, if the file does not say so");
     parser.add("--complete", options->complete, "check every sample").excludes("--samples");
     parser.add("--seed", options->check.seed, "of the random choice of samples")
         .takes_whole_number("N", 0, std::numeric_limits<std::uint64_t>::max());

@@ -1,6 +1,7 @@
 #include "compute.hpp"
 
 #include "command.hpp"
+#include "core/outputs.hpp"
 #include "core/real_numbers.hpp"
 #include "core/stopwatch.hpp"
 #include "devices.hpp"
@@ -34,32 +35,6 @@ using clsdf::Vec3;
 
 namespace {
 
-// "1,2,3" -> three numbers; nothing for any other text.
-template <class Number>
-std::optional<std::vector<Number>> parse_list(const std::string& text) {
-    std::vector<Number> numbers;
-    const char* position = text.data();
-    const char* const end = text.data() + text.size();
-    while (true) {
-        Number number{};
-        const auto [stop, error] = clsdf::read_number(position, end, number);
-        if (error != std::errc()) return std::nullopt;
-        numbers.push_back(number);
-        if (stop == end) return numbers;
-        if (*stop != ',') return std::nullopt;
-        position = stop + 1;
-    }
-}
-
-template <class Number>
-std::array<Number, 3> parse_triple(const std::string& option, const std::string& text, const std::string& expected,
-                                   bool one_for_all) {
-    const auto numbers = parse_list<Number>(text);
-    if (numbers && numbers->size() == 3) return {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
-    if (numbers && numbers->size() == 1 && one_for_all) return {(*numbers)[0], (*numbers)[0], (*numbers)[0]};
-    throw Error(ErrorCode::invalid_argument, fmt::format("{}: expected {}, not '{}'", option, expected, text));
-}
-
 Vec3 parse_spacing(const std::string& text) {
     const Vec3 spacing = parse_triple<double>("--spacing", text, "one number or three, as 0.01 or 1,1,0.5", true);
     constexpr auto least = static_cast<double>(std::numeric_limits<float>::min());
@@ -88,6 +63,27 @@ Grid parse_stated_grid(const ComputeOptions& options) {
     return grid;
 }
 
+clsdf::AxisCounts parse_counts(const std::string& option, const std::string& text) {
+    if (text.empty()) return {};
+    return parse_triple<std::int64_t>(option, text, "one whole number or three, as 64 or 64,64,32", true);
+}
+
+Grid parse_box(const ComputeOptions& options) {
+    const auto corners = parse_list<double>(options.box);
+    if (!corners || corners->size() != 6)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("--box: expected two corners, as -1,-1,-1,1,1,1, not '{}'", options.box));
+    const std::vector<double>& at = *corners;
+    if (options.samples.empty() == options.cells.empty())
+        throw Error(ErrorCode::invalid_argument,
+                    "--box is divided by --samples or by --cells; give one of them, as --cells 64");
+    if (options.cell_centred && options.cells.empty())
+        throw Error(ErrorCode::invalid_argument, "--box with --cell-centred needs --cells, not --samples");
+    return Grid::between(
+        {at[0], at[1], at[2]}, {at[3], at[4], at[5]},
+        {parse_counts("--samples", options.samples), parse_counts("--cells", options.cells), options.cell_centred});
+}
+
 void add_grid_options(Parser& parser, ComputeOptions& options) {
     parser.begin_group("Grid");
     parser.add("--resolution", options.resolution, "samples on the longest side, margin included")
@@ -104,6 +100,21 @@ void add_grid_options(Parser& parser, ComputeOptions& options) {
         .excludes("--margin")
         .excludes("--cubic");
     parser.add("--origin", options.origin, "its first sample").takes_text("X,Y,Z");
+    parser.add("--box", options.box, "with --samples or --cells: a grid from corner to corner, the first one exactly")
+        .takes_text("X0,Y0,Z0,X1,Y1,Z1")
+        .excludes("--resolution")
+        .excludes("--spacing")
+        .excludes("--margin")
+        .excludes("--cubic")
+        .excludes("--size")
+        .excludes("--origin");
+    parser.add("--samples", options.samples, "of the box, both ends included, for all axes or each")
+        .takes_text("N[,N,N]")
+        .needs("--box");
+    parser.add("--cells", options.cells, "of the box; one sample more, or with --cell-centred as many")
+        .takes_text("N[,N,N]")
+        .needs("--box")
+        .excludes("--samples");
     parser.add("--cell-centred", options.cell_centred, "samples at the centres of cells: all half a voxel further");
 }
 
@@ -113,6 +124,7 @@ void add_field_options(Parser& parser, ComputeOptions& options) {
     parser.add("--band-inside", options.band_inside, "half width inside [--band]").takes_text("LENGTH");
     parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
     add_sign_option(parser, options.sign);
+    add_positive_inside_option(parser, options.positive_inside);
     add_outputs_option(parser, options.with);
 }
 
@@ -136,6 +148,7 @@ void add_options(Parser& parser, ComputeOptions& options) {
     add_field_options(parser, options);
     add_method_options(parser, options);
     parser.begin_group("Options");
+    add_placement_options(parser, options.placement);
     add_device_option(parser, options.device, "what computes");
     parser.add("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
     parser.set_footer(
@@ -146,6 +159,7 @@ void add_options(Parser& parser, ComputeOptions& options) {
         "  clsdf compute bunny.off -o bunny.npy --resolution 512 --band 3v --with triangle\n"
         "  clsdf compute wing.stl -o wing.nrrd --spacing 0.01 --band-inside 0 --band-outside 0.2\n"
         "  clsdf compute part.ply -o part.nrrd --size 128,128,64 --origin -1,-1,0 --spacing 0.02\n"
+        "  clsdf compute part.ply -o part.nrrd --box -1,-1,0,1,1,1 --cells 128,128,64 --cell-centred\n"
         "  clsdf compute bunny.off --resolution 2048 --dry-run");
 }
 
@@ -166,8 +180,8 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
                         fmt::format("--with: the scan {} does not know the output {}; use --polyhedra leaned and "
                                     "--scan bricks, or leave the output out",
                                     name_of(scan), info.name));
-    if (!options.size.empty() || !options.origin.empty()) {
-        stated_grid = parse_stated_grid(options);
+    if (!options.size.empty() || !options.origin.empty() || !options.box.empty()) {
+        stated_grid = options.box.empty() ? parse_stated_grid(options) : parse_box(options);
         return;
     }
     grid.resolution = options.resolution;
@@ -208,7 +222,9 @@ Error too_large(const clsdf::Grid& grid) {
 
 Error with_remedy(const ComputeOptions& options, const Error& error) {
     if (error.code() != ErrorCode::out_of_memory) return error;
-    const char* const remedy = !options.size.empty()      ? "a smaller --size"
+    const char* const remedy = !options.samples.empty()   ? "fewer --samples"
+                               : !options.cells.empty()   ? "fewer --cells"
+                               : !options.size.empty()    ? "a smaller --size"
                                : !options.spacing.empty() ? "a larger --spacing"
                                                           : "a lower --resolution";
     return {error.code(), fmt::format("{}; choose {}", error.what(), remedy)};
@@ -219,6 +235,7 @@ clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
     field.grid = layout.grid;
     field.band = layout.band;
     field.sign = layout.sign;
+    field.positive_inside = layout.positive_inside;
     // The field carries the name of the mesh file without its folder, which is private.
     field.mesh_name = names_of(layout.mesh_files);
     return field;
@@ -276,13 +293,24 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     // Slab by slab: the next one is computed while one is written, so the memory does not limit the field.
     const Stopwatch compute;
     const clsdf::FieldDescription field = describe_field(layout);
+    std::vector<float> distance, gradient;
+    const auto negated = [&](clsdf::FieldSlab slab) {
+        const auto negate = [](std::span<const float> values, std::vector<float>& room) {
+            room.assign(values.begin(), values.end());
+            clsdf::negate(room);
+            return std::span<const float>(room);
+        };
+        slab.set(clsdf::Output::distance, negate(slab.distance(), distance));
+        slab.set(clsdf::Output::gradient, negate(slab.gradient(), gradient));
+        return slab;
+    };
     result.statistics = transform.compute(
         layout.grid, layout.band, layout.outputs,
         [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
             result.compute_seconds = compute.seconds();
             const Stopwatch write;
             result.band_samples += count_band_samples(field, slab);
-            writer.append(slab);
+            writer.append(field.positive_inside ? negated(slab) : slab);
             result.write_seconds += write.seconds();
         },
         {.sink_has_own_thread = true}, call);
@@ -327,7 +355,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         second_compiler.emplace(options.device, bricks_ahead(request.outputs));
 
     const Stopwatch read;
-    const clsdf::Mesh mesh = read_body(options.mesh, report);
+    const clsdf::Mesh mesh = read_body(options.mesh, report, options.placement);
     const double read_seconds = read.seconds();
 
     const clsdf::Grid grid = request.grid_around(mesh.box());
@@ -335,12 +363,28 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     check_size(grid);
     const clsdf::Topology topology = describe_topology(mesh);
     const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
-    const ComputeLayout layout{mesh,         options.mesh,    topology,          grid,        band, sign.rule,
-                               sign.warning, request.outputs, request.polyhedra, request.scan};
+    const ComputeLayout layout{mesh,
+                               options.mesh,
+                               topology,
+                               grid,
+                               band,
+                               sign.rule,
+                               sign.warning,
+                               request.outputs,
+                               options.positive_inside,
+                               request.polyhedra,
+                               request.scan};
     if (band.has_signs_only && sign.rule == clsdf::SignRule::none)
         throw Error(ErrorCode::invalid_argument,
                     "--band 0 asks for the signs alone, and the field has no sign; give the band a width, or choose a "
                     "sign rule");
+    if (options.positive_inside && (band.has_signs_only || sign.rule == clsdf::SignRule::none))
+        throw Error(ErrorCode::invalid_argument,
+                    band.has_signs_only
+                        ? "--positive-inside: with --band 0 the field has the signs of zeros alone, and "
+                          "these are negative inside; leave it out, or give the band a width"
+                        : "--positive-inside: the field has no sign, so nothing is inside; leave it "
+                          "out, or choose another --sign");
     warn(report, sign.warning);
     if (sign.rule == clsdf::SignRule::none && !options.band_inside.empty())
         report.warn("--band-inside has no effect, because the field has no sign");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "json.hpp"
+#include "option_values.hpp"
 #include "options.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -14,11 +15,15 @@
 /// The options of "clsdf compute" as they are typed.
 struct ComputeOptions {
     std::vector<std::string> mesh;
+    Placement placement;
     std::string output;
     std::int64_t resolution = 256;
     std::string spacing;
     std::string size;
     std::string origin;
+    std::string box;
+    std::string samples;
+    std::string cells;
     std::string margin;
     bool cubic = false;
     bool cell_centred = false;
@@ -27,6 +32,7 @@ struct ComputeOptions {
     std::string band_outside;
     std::string sign = "auto";
     std::vector<std::string> with;
+    bool positive_inside = false;
     std::string polyhedra = "leaned";
     std::string scan = "auto";
     std::string device;
@@ -64,6 +70,7 @@ struct ComputeLayout {
     clsdf::SignRule sign;
     std::string sign_warning;
     clsdf::OutputSet outputs;
+    bool positive_inside;
     clsdf::Polyhedra polyhedra;
     clsdf::Scan scan;
 };

@@ -108,6 +108,7 @@ Json describe_layout(const ComputeLayout& layout) {
             {"grid", describe(layout.grid)},
             {"band", describe(layout.band)},
             {"sign", name_of(layout.sign)},
+            {"positive_inside", layout.positive_inside},
             {"polyhedra", name_of(layout.polyhedra)},
             {"scan", name_of(layout.scan)}};
 }
@@ -176,7 +177,11 @@ std::string warning_of_empty_band(const ComputeLayout& layout, const Computation
 }
 
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output) {
-    if (ending_of(output) != ".sdf" || std::isinf(layout.band.widest())) return {};
+    if (ending_of(output) != ".sdf") return {};
+    if (layout.positive_inside)
+        return fmt::format("{} does not state that it is positive inside: \"clsdf check\" needs --positive-inside",
+                           output);
+    if (std::isinf(layout.band.widest())) return {};
     return fmt::format(
         "{} does not state its band: programs that read it take the band's limit for the distance of samples beyond "
         "it; use --band full, or another format",
@@ -204,7 +209,7 @@ void print_layout(const ComputeLayout& layout) {
                layout.mesh.triangles().size());
     print_text("grid    {}\n", human(layout.grid));
     print_text("band    {}\n", human(layout.band, layout.grid.voxel()));
-    print_text("sign    {}\n", meaning_of(layout.sign));
+    print_text("sign    {}{}\n", meaning_of(layout.sign), layout.positive_inside ? "; positive inside" : "");
     print_text("method  {} polyhedra, scanned by {}\n", name_of(layout.polyhedra), name_of(layout.scan));
 }
 

@@ -71,8 +71,10 @@ std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<s
     return files;
 }
 
-clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report) {
-    return clsdf::read_meshes(files, {.log = [&](const std::string& message) { report.warn(message); }});
+clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report, const Placement& placement) {
+    clsdf::ReadOptions options = read_options(placement);
+    options.log = [&](const std::string& message) { report.warn(message); };
+    return clsdf::read_meshes(files, options);
 }
 
 std::string paths_of(const std::vector<std::string>& files) {
@@ -87,6 +89,21 @@ clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, cons
     if (!std::string_view(error.what()).starts_with(subject)) return error;
     const bool is_refused = error.code() == clsdf::ErrorCode::invalid_argument;
     return {is_refused ? clsdf::ErrorCode::unreadable_input : error.code(), fmt::format("{}: {}", file, error.what())};
+}
+
+void add_placement_options(Parser& parser, Placement& placement) {
+    parser.add("--scale", placement.scale, "factor of the mesh's coordinates, such as 0.001 from millimetres to metres")
+        .takes_number_of_0_or_more("FACTOR");
+    parser.add("--translate", placement.translate, "added to them after that").takes_text("X,Y,Z");
+}
+
+clsdf::ReadOptions read_options(const Placement& placement) {
+    clsdf::ReadOptions options;
+    options.scale = placement.scale;
+    if (!placement.translate.empty())
+        options.translate =
+            parse_triple<double>("--translate", placement.translate, "three numbers, as -1,-1,0", false);
+    return options;
 }
 
 clsdf::OutputSet parse_outputs(const std::vector<std::string>& names) {
@@ -109,6 +126,11 @@ void add_outputs_option(Parser& parser, std::vector<std::string>& names) {
 void add_sign_option(Parser& parser, std::string& rule) {
     parser.add("--sign", rule, "the rule that decides what is inside; none: no sign")
         .takes_one_of({"auto", "nonzero", "parity", "none"});
+}
+
+void add_positive_inside_option(Parser& parser, bool& positive_inside) {
+    parser.add("--positive-inside", positive_inside,
+               "distances and gradients are negated when they are written, also zeros and limits");
 }
 
 clsdf::SignRule parse_sign(const std::string& rule) {

@@ -3,13 +3,19 @@
 #include "options.hpp"
 #include "report.hpp"
 
+#include "core/real_numbers.hpp"
+
 #include <clsdf/error.hpp>
-#include <clsdf/mesh.hpp>
+#include <clsdf/mesh_files.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
+#include <fmt/format.h>
+
+#include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,8 +43,16 @@ void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string&
 /// The files of the mesh among these two.
 std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more);
 
+/// --scale and --translate: a unit and a place for the mesh of a file.
+struct Placement {
+    double scale = 1;
+    std::string translate;
+};
+void add_placement_options(Parser& parser, Placement& placement);
+clsdf::ReadOptions read_options(const Placement& placement);
+
 /// The mesh of all files. Warnings say what was skipped or changed.
-clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report);
+clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report, const Placement& placement = {});
 /// "a.stl + b.stl", with or without folders.
 std::string paths_of(const std::vector<std::string>& files);
 std::string names_of(const std::vector<std::string>& files);
@@ -56,6 +70,34 @@ Value value_named(const std::string& text, std::initializer_list<Value> values) 
     throw clsdf::Error(clsdf::ErrorCode::invalid_argument, "'" + text + "' is not among the option's words");
 }
 
+/// "1,2,3" -> three numbers; nothing for any other text.
+template <class Number>
+std::optional<std::vector<Number>> parse_list(const std::string& text) {
+    std::vector<Number> numbers;
+    const char* position = text.data();
+    const char* const end = text.data() + text.size();
+    while (true) {
+        Number number{};
+        const auto [stop, error] = clsdf::read_number(position, end, number);
+        if (error != std::errc()) return std::nullopt;
+        numbers.push_back(number);
+        if (stop == end) return numbers;
+        if (*stop != ',') return std::nullopt;
+        position = stop + 1;
+    }
+}
+
+/// Throws Error(invalid_argument) that names the option and what it expects.
+template <class Number>
+std::array<Number, 3> parse_triple(const std::string& option, const std::string& text, const std::string& expected,
+                                   bool one_for_all) {
+    const auto numbers = parse_list<Number>(text);
+    if (numbers && numbers->size() == 3) return {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+    if (numbers && numbers->size() == 1 && one_for_all) return {(*numbers)[0], (*numbers)[0], (*numbers)[0]};
+    throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                       fmt::format("{}: expected {}, not '{}'", option, expected, text));
+}
+
 /// The outputs of --with.
 clsdf::OutputSet parse_outputs(const std::vector<std::string>& names);
 /// All outputs but the distance.
@@ -63,6 +105,7 @@ std::span<const clsdf::OutputInfo> extra_outputs();
 /// Adds --with and --sign.
 void add_outputs_option(Parser& parser, std::vector<std::string>& names);
 void add_sign_option(Parser& parser, std::string& rule);
+void add_positive_inside_option(Parser& parser, bool& positive_inside);
 clsdf::SignRule parse_sign(const std::string& rule);
 
 /// More than the samples of any grid along an axis.

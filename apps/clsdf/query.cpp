@@ -28,10 +28,12 @@ using clsdf::Vec3;
 struct QueryOptions {
     std::string mesh;
     std::vector<std::string> more;  ///< further files of the mesh, and last the points
+    Placement placement;
     std::string output;
     std::string half_width = "full";
     std::string sign = "auto";
     std::vector<std::string> with;
+    bool positive_inside = false;
     bool refuse_unusable_points = false;
     std::string device;
 
@@ -103,20 +105,25 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     keep_input(options.points(), options.output, "file of points");
     const clsdf::Device device = open_device(options.device);
     const Stopwatch read;
-    const clsdf::Mesh mesh = read_body(meshes, report);
+    const clsdf::Mesh mesh = read_body(meshes, report, options.placement);
     const std::vector<Vec3> points = clsdf::read_points(options.points());
     const double read_seconds = read.seconds();
     const double half_width = limit_of(options, mesh);
 
-    const Found found = find_unless_interrupted(options, device, mesh, points, half_width, report);
+    Found found = find_unless_interrupted(options, device, mesh, points, half_width, report);
+    if (options.positive_inside && found.sign == clsdf::SignRule::none)
+        throw Error(ErrorCode::invalid_argument,
+                    "--positive-inside: the distances have no sign, so nothing is inside; leave it out, or choose "
+                    "another --sign");
+    const std::span<const float> distance = found.values.slab().distance();
+    const auto inside = static_cast<std::size_t>(
+        std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));
+    if (options.positive_inside) found.values.negate();
     const Stopwatch write;
     clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with));
     output_is_written();
     const double write_seconds = write.seconds();
 
-    const std::span<const float> distance = found.values.slab().distance();
-    const auto inside = static_cast<std::size_t>(
-        std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));
     if (!report.quiet) {
         report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(meshes), mesh.vertices().size(),
                      mesh.triangles().size());
@@ -131,6 +138,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
                      {"half_width", half_width},
                      {"sign", name_of(found.sign)},
                      {"inside", inside},
+                     {"positive_inside", options.positive_inside},
                      {"device", {{"name", found.device_name}, {"platform", found.device_platform}}},
                      {"seconds",
                       {{"read", read_seconds},
@@ -157,6 +165,8 @@ Command add_query(Parser& program) {
     add_sign_option(parser, options->sign);
     parser.add("--refuse-unusable-points", options->refuse_unusable_points,
                "fail if a point is not finite or too far from the mesh");
+    add_positive_inside_option(parser, options->positive_inside);
+    add_placement_options(parser, options->placement);
     add_device_option(parser, options->device, "what computes");
     parser.set_footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels of 1/256 of that side), 0.05 (the\n"

@@ -106,7 +106,8 @@ ExitStatus run(RenderOptions options, Report& report) {
     const std::optional<double> offset = read_options(options);
     SurfacePictures::check_path(options.output);
     keep_input(options.field, options.output, "field");
-    const clsdf::Field field = clsdf::read_field(options.field, {});
+    clsdf::Field field = clsdf::read_field(options.field, {});
+    if (field.positive_inside) field.negate();
     const Interruption interruption;
     ProgressBar progress(!report.quiet);
     options.picture.should_stop = [&interruption] { return interruption.token().stop_requested(); };

@@ -60,7 +60,8 @@ ExitStatus run(const SliceOptions& options, Report& report) {
     const Axis axis = clsdf::picture::parse_axis(options.axis);
     SlicePictures::check_path(options.output);
     keep_input(options.field, options.output, "field");
-    const clsdf::Field field = clsdf::read_field(options.field, {});
+    clsdf::Field field = clsdf::read_field(options.field, {});
+    if (field.positive_inside) field.negate();
     const SlicePictures pictures(field, options.picture);
 
     std::vector<std::string> files{options.output};

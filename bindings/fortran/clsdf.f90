@@ -519,7 +519,7 @@ module clsdf
     integer(c_size_t) :: struct_size = 0
     type(clsdf_c_grid) :: grid
     type(clsdf_band) :: band
-    integer(c_int32_t) :: sign = CLSDF_SIGN_NONE, reserved = 0
+    integer(c_int32_t) :: sign = CLSDF_SIGN_NONE, positive_inside = 0
     type(c_ptr) :: mesh_name = c_null_ptr
   end type
 
@@ -3820,13 +3820,14 @@ contains
   ! ---- Fields ----
 
   !> A field with room for these outputs; the values are not set.
-  subroutine field_create(self, grid, band, sign, mesh_name, outputs, stat, errmsg)
+  subroutine field_create(self, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg)
     class(clsdf_field), intent(inout) :: self
     type(clsdf_grid), intent(in) :: grid
     type(clsdf_band), intent(in) :: band
     integer(c_int32_t), intent(in), optional :: sign
     character(*), intent(in), optional :: mesh_name
     integer(c_int32_t), intent(in), optional :: outputs(:)
+    logical, intent(in), optional :: positive_inside
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     character(:), allocatable, target :: text
@@ -3837,6 +3838,7 @@ contains
     c%grid = clsdf_grid_for_c(grid)
     c%band = band
     if (present(sign)) c%sign = sign
+    if (present(positive_inside)) c%positive_inside = merge(1, 0, positive_inside)
     text = c_null_char
     if (present(mesh_name)) text = trim(mesh_name)//c_null_char
     c%mesh_name = c_loc(text)
@@ -3845,12 +3847,14 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  subroutine field_describe(self, grid, band, sign, mesh_name, stat, errmsg)
+  !> positive_inside: distances and gradients are negated, also zeros and what lies beyond the band.
+  subroutine field_describe(self, grid, band, sign, mesh_name, positive_inside, stat, errmsg)
     class(clsdf_field), intent(in) :: self
     type(clsdf_grid), intent(out), optional :: grid
     type(clsdf_band), intent(out), optional :: band
     integer(c_int32_t), intent(out), optional :: sign
     character(:), allocatable, intent(out), optional :: mesh_name
+    logical, intent(out), optional :: positive_inside
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     type(clsdf_c_description) :: c
@@ -3862,6 +3866,7 @@ contains
       if (present(band)) band = c%band
       if (present(sign)) sign = c%sign
       if (present(mesh_name)) mesh_name = clsdf_text(c%mesh_name)
+      if (present(positive_inside)) positive_inside = c%positive_inside /= 0
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine

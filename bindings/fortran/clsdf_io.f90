@@ -139,7 +139,7 @@ contains
     call clsdf_finish(c_field_check_path(trim(path)//c_null_char, clsdf_outputs_mask(outputs)), stat, errmsg)
   end subroutine
 
-  subroutine writer_create(self, path, grid, band, sign, mesh_name, outputs, stat, errmsg)
+  subroutine writer_create(self, path, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg)
     class(clsdf_field_writer), intent(inout) :: self
     character(*), intent(in) :: path
     type(clsdf_grid), intent(in) :: grid
@@ -147,6 +147,7 @@ contains
     integer(c_int32_t), intent(in), optional :: sign
     character(*), intent(in), optional :: mesh_name
     integer(c_int32_t), intent(in), optional :: outputs(:)
+    logical, intent(in), optional :: positive_inside
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     type(clsdf_c_description) :: c
@@ -156,6 +157,7 @@ contains
     c%grid = clsdf_grid_for_c(grid)
     c%band = band
     if (present(sign)) c%sign = sign
+    if (present(positive_inside)) c%positive_inside = merge(1, 0, positive_inside)
     text = c_null_char
     if (present(mesh_name)) text = trim(mesh_name)//c_null_char
     c%mesh_name = c_loc(text)

@@ -112,6 +112,7 @@ Description describe(const DescriptionReader& reader, const Grid& stated) {
     field.band.validate();
     field.mesh_name = reader.text(member("mesh"));
     field.sign = reader.has(member("sign")) ? sign_rule_of(reader.text(member("sign"))) : SignRule::automatic;
+    field.positive_inside = is_positive_inside(reader.text(member("inside")));
     for (const OutputInfo& info : extra_outputs()) {
         const std::string file = reader.text(member(info.name));
         if (!file.empty()) result.files.emplace(info.name, file);
@@ -134,6 +135,7 @@ std::string description_text(const FieldDescription& field, const std::map<std::
         {"band", {{"inside", field.band.inside}, {"outside", field.band.outside}}},
         {"sign", name_of(field.sign)},
     };
+    if (field.positive_inside) object["inside"] = "positive";
     for (const auto& [output, file] : files) object[output] = file;
     // A name of a mesh need not be UTF-8.
     return object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
@@ -157,6 +159,13 @@ SignRule sign_rule_of(const std::string& text) {
         if (text == name_of(rule)) return rule;
     throw Error(ErrorCode::invalid_argument,
                 fmt::format("{} is no sign rule; there are auto, nonzero, parity and none", clsdf::quoted(text)));
+}
+
+bool is_positive_inside(const std::string& text) {
+    if (text.empty() || text == "negative") return false;
+    if (text == "positive") return true;
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("{} is no sign of the inside; it is negative or positive", clsdf::quoted(text)));
 }
 
 Description read_description(const std::string& path) {

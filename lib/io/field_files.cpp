@@ -168,6 +168,11 @@ FieldWriter::FieldWriter(const std::string& path, const FieldDescription& field,
     const Format& format = format_of(path, ErrorCode::unsupported);
     field.grid.validate();
     field.band.validate();
+    if (field.positive_inside && (field.band.has_signs_only || field.sign == SignRule::none))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: {} cannot be positive inside; write the field without that", path,
+                                field.band.has_signs_only ? "a field of signs alone, which are those of zeros,"
+                                                          : "a field without a sign"));
     check_place_for(outputs, path, format);
     format_ = format.writer(path, field, outputs);
 }

@@ -102,6 +102,7 @@ bool is_there(const std::string& path) noexcept;
 ///   "lattice": {"origin", "first"}  if the samples are a part of a lattice, as in Grid
 ///   "band": {"inside", "outside"}   in the mesh's units; null if infinite
 ///   "sign", "mesh", "program"
+///   "inside": "positive"            if distances and gradients are negated
 ///   "triangle"                      the name of the file beside it, if the output is in one; so for each output
 struct Description {
     Field field;                               ///< without its arrays
@@ -126,6 +127,10 @@ Band band_of(double inside, double outside);
 
 /// The rule of that name. Throws Error(invalid_argument) that lists the names.
 SignRule sign_rule_of(const std::string& text);
+
+/// Whether the word for the sign of distances inside is "positive"; nothing is "negative". Throws
+/// Error(invalid_argument) for another word.
+bool is_positive_inside(const std::string& text);
 
 /// The same for a file that states no size; null if the text states none either.
 std::optional<Index3> described_size(const std::string& source, const std::string& text);

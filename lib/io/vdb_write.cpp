@@ -317,6 +317,11 @@ public:
           infos_(infos_of(outputs)),
           transform_(transform_of(field.grid, path)),
           file_(path) {
+        if (field.positive_inside)
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("{}: OpenVDB's programs take a field to be negative inside; write it so, or choose "
+                                    "another format",
+                                    path));
         file_.temporary();  // throws if it has none
         const Fill fill{static_cast<float>(field.band.outside), -static_cast<float>(field.band.inside)};
         for (const OutputInfo& info : infos_) trees_.push_back(tree_for(info, fill, path));

@@ -38,6 +38,10 @@ void check(const Grid& grid, const Slice& slice, const std::array<Axis, 2>& axes
 void check_field(const Field& field) {
     field.grid.validate();
     field.band.validate();
+    if (field.positive_inside)
+        throw Error(ErrorCode::invalid_argument,
+                    "field: it is positive inside, and pictures are drawn of fields that are negative inside; negate "
+                    "it first");
     const Grid& grid = field.grid;
     if (field.distance().size() != grid.sample_count())
         throw Error(ErrorCode::invalid_argument, fmt::format("field: distance has {} values, but the grid {} samples",

@@ -275,6 +275,12 @@ void require_one_problem(std::span<const Field> fields) {
 
 std::vector<CheckReport> check(const Mesh& mesh, std::span<const Field> fields, const CheckOptions& options) {
     require_one_problem(fields);
+    if (std::ranges::any_of(fields, [](const Field& field) { return field.positive_inside; })) {
+        std::vector<Field> negative(fields.begin(), fields.end());
+        for (Field& field : negative)
+            if (field.positive_inside) field.negate();
+        return check(mesh, negative, options);
+    }
     const Field& first = fields.front();
     const std::size_t count = first.grid.sample_count();
 

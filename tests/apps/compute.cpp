@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 using clsdf::test::check_refused;
+using clsdf::test::content_of;
 using clsdf::test::no_devices;
 using clsdf::test::Outcome;
 using clsdf::test::run_command;
@@ -426,6 +427,117 @@ BOOST_AUTO_TEST_CASE(notes_that_wrong_values_look_like_the_limits_of_a_band_that
     const Outcome other = run_command({"check", mesh, path, "--complete"});
     BOOST_TEST(other.status == 1);
     BOOST_TEST(other.error.find("note") == std::string::npos, other.error);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(options_of_a_place_a_unit_and_a_convention)
+
+namespace {
+
+void run_well(const std::vector<std::string>& arguments) {
+    const Outcome outcome = run_command(arguments);
+    BOOST_TEST_CONTEXT(outcome.error) BOOST_REQUIRE(outcome.status == 0);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(put_the_mesh_into_another_unit_and_place) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron), field = folder.file("field.nrrd");
+    const std::vector<std::string> options{"--scale", "0.001", "--translate", "1,-2,3"};
+    const auto with = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        return arguments;
+    };
+    run_well(with({"compute", mesh, "-o", field, "--resolution", "16", "--margin", "0"}));
+    BOOST_TEST((clsdf::read_field(field).grid.origin == clsdf::Vec3{1, -2, 3}));
+    run_well(with({"check", mesh, field}));
+    BOOST_TEST(run_command({"check", mesh, field}).status == 1);
+    const std::string points = folder.file("points.csv", "x,y,z\n1,-2,2.999\n"), found = folder.file("found.csv");
+    run_well(with({"query", mesh, points, "-o", found}));
+    BOOST_TEST(content_of(found).find("0.001") != std::string::npos);
+    check_refused(run_command({"compute", mesh, "-o", field, "--scale", "0"}), 2, {"scale: 0", "above 0"});
+    check_refused(run_command({"compute", mesh, "-o", field, "--translate", "1,2"}), 2, {"--translate", "three"});
+}
+
+BOOST_AUTO_TEST_CASE(state_a_grid_by_its_box) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::vector<std::string> box{"--box", "-1,-1,-1,1,1,1", "--cells", "64,64,32"};
+    BOOST_TEST(dry_run(mesh, box)["grid"]["size"] == json({65, 65, 33}));
+    BOOST_TEST(dry_run(mesh, {"--box", "-1,-1,-1,1,1,1", "--samples", "65"})["grid"]["spacing"] ==
+               json({0.03125, 0.03125, 0.03125}));
+    const json centred = dry_run(mesh, {"--box", "-1,-1,-1,1,1,1", "--cells", "64", "--cell-centred"})["grid"];
+    BOOST_TEST(centred["size"] == json({64, 64, 64}));
+    BOOST_TEST(centred["origin"] == json({-0.984375, -0.984375, -0.984375}));
+    const auto refuses = [&](std::vector<std::string> options, const std::string& word) {
+        options.insert(options.begin(), {"compute", mesh, "--dry-run"});
+        check_refused(run_command(options), 2, {word});
+    };
+    refuses({"--box", "0,0,0,1,1,1"}, "--samples or by --cells");
+    refuses({"--box", "0,0,0,1,1", "--cells", "4"}, "two corners");
+    refuses({"--box", "0,0,0,1,1,1", "--cells", "4", "--spacing", "1"}, "--spacing");
+    refuses({"--box", "0,0,0,1,1,1", "--samples", "4", "--cell-centred"}, "needs --cells");
+    refuses({"--box", "0,0,0,1,1,0", "--cells", "4"}, "along z");
+    refuses({"--cells", "4"}, "--box");
+}
+
+BOOST_AUTO_TEST_CASE(make_the_inside_positive_and_files_say_so) {
+    const TemporaryFolder folder;
+    // The cube from -1 to 1, with samples on its faces.
+    const std::string shape = folder.file("shape.off"), points = folder.file("points.csv", "x,y,z\n0,0,0\n9,0,0\n");
+    run_well({"shape", "cube", "-o", shape});
+    const std::vector<std::string> options{"--box",  "-2,-2,-2,2,2,2", "--cells", "16",
+                                           "--band", "0.75",           "--with",  "gradient,site"};
+    const auto compute = [&](const std::string& field, bool positive_inside) {
+        std::vector<std::string> arguments{"compute", shape, "-o", field};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        if (positive_inside) arguments.emplace_back("--positive-inside");
+        run_well(arguments);
+    };
+    for (const std::string ending : {".nrrd", ".npy", ".vti", ".h5"}) {
+        BOOST_TEST_CONTEXT(ending) {
+            const std::string usual = folder.file("usual" + ending), turned = folder.file("turned" + ending);
+            compute(usual, false);
+            compute(turned, true);
+            const clsdf::Field expected = clsdf::read_field(usual);
+            clsdf::Field found = clsdf::read_field(turned);
+            BOOST_TEST((found.positive_inside && !expected.positive_inside));
+            std::size_t zeros = 0, wrong = 0;
+            for (std::size_t i = 0; i < expected.distance().size(); ++i) {
+                zeros += expected.distance()[i] == 0 ? 1U : 0U;
+                wrong += std::signbit(found.distance()[i]) == std::signbit(expected.distance()[i]) ? 1U : 0U;
+            }
+            BOOST_TEST(zeros > 100U);
+            BOOST_TEST(wrong == 0U);
+            found.negate();
+            for (const clsdf::OutputInfo& info : clsdf::output_table())
+                BOOST_TEST(std::ranges::equal(found.bytes(info.output), expected.slab().bytes(info.output)), info.name);
+            const Outcome checked = run_command({"check", shape, turned, "--complete", "--json"});
+            BOOST_TEST(checked.status == 0);
+            BOOST_TEST(json::parse(checked.out)["positive_inside"] == true);
+            run_well({"slice", usual, "-o", folder.file("usual.png"), "--pixels", "200"});
+            run_well({"slice", turned, "-o", folder.file("turned.png"), "--pixels", "200"});
+            BOOST_TEST(content_of(folder.file("usual.png")).size() == content_of(folder.file("turned.png")).size());
+        }
+    }
+    // A file that does not say so.
+    const std::string plain = folder.file("plain.sdf");
+    const Outcome warned =
+        run_command({"compute", shape, "-o", plain, "--resolution", "9", "--band", "full", "--positive-inside"});
+    BOOST_TEST(warned.error.find("does not state that it is positive inside") != std::string::npos);
+    run_well({"check", shape, plain, "--positive-inside", "--tolerance-voxels", "1e-4"});
+    check_refused(run_command({"compute", shape, "-o", folder.file("a.nrrd"), "--band", "0", "--margin", "1",
+                               "--positive-inside"}),
+                  2, {"--band 0", "zeros"});
+    check_refused(run_command({"compute", shape, "-o", folder.file("a.nrrd"), "--sign", "none", "--positive-inside"}),
+                  2, {"no sign"});
+    // Points.
+    const std::string found = folder.file("found.csv");
+    run_well({"query", shape, points, "-o", found, "--half-width", "2", "--positive-inside", "--quiet"});
+    const std::string rows = content_of(found);
+    BOOST_TEST((rows.find("0,0,0,1\n") != std::string::npos && rows.find("9,0,0,-2\n") != std::string::npos), rows);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -40,7 +40,32 @@ BOOST_AUTO_TEST_CASE(is_read_with_the_same_bits_grid_band_sign_and_name) {
         BOOST_TEST(read.band.inside == written.band.inside);
         BOOST_TEST(read.band.outside == written.band.outside);
         BOOST_CHECK(read.sign == written.sign);
+        BOOST_TEST(!read.positive_inside);
         BOOST_TEST(read.mesh_name == written.mesh_name);
+    });
+}
+
+BOOST_AUTO_TEST_CASE(says_that_it_is_positive_inside_or_is_refused) {
+    for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
+        const std::string path = folder.file("field" + format.ending);
+        Field written = example_field(format);
+        written.sign = SignRule::nonzero;
+        written.positive_inside = true;
+        if (format.ending == ".vdb") {
+            check_throws(ErrorCode::unsupported, {"OpenVDB", "another format"}, [&] { write_field(written, path); });
+            BOOST_TEST(folder.file_count() == 0U);
+        } else {
+            write_field(written, path);
+            BOOST_TEST(read_field(path).positive_inside);
+            BOOST_CHECK(same_bits(read_field(path).distance(), written.distance()));
+        }
+        written.sign = SignRule::none;
+        check_throws(ErrorCode::invalid_argument, {"without a sign", "positive inside"},
+                     [&] { FieldWriter(path, written); });
+        written.sign = SignRule::nonzero;
+        written.band = Band::signs_only();
+        check_throws(ErrorCode::invalid_argument, {"signs alone", "positive inside"},
+                     [&] { FieldWriter(path, written); });
     });
 }
 

@@ -264,7 +264,7 @@ typedef struct clsdf_output_info {
 #define CLSDF_OUTPUT_INFO_INIT \
     { sizeof(clsdf_output_info), 0, 0, 0, NULL, NULL }
 
-/* The number of outputs: they are 0 to it - 1. */
+/* The numbers of outputs lie below this; 6 is no output's. */
 CLSDF_API int64_t clsdf_output_count(void);
 CLSDF_API clsdf_status clsdf_output_describe(int32_t output, clsdf_output_info* info);
 
@@ -831,9 +831,9 @@ typedef struct clsdf_field_description {
     size_t struct_size;
     clsdf_grid grid;
     clsdf_band band;
-    int32_t sign; /* CLSDF_SIGN_AUTOMATIC if a file of another program states none */
-    int32_t reserved;
-    const char* mesh_name; /* null: ""; of a field, lives as long as the field */
+    int32_t sign;            /* CLSDF_SIGN_AUTOMATIC if a file of another program states none */
+    int32_t positive_inside; /* 1: distances and gradients are negated, also zeros and what lies beyond the band */
+    const char* mesh_name;   /* null: ""; of a field, lives as long as the field */
 } clsdf_field_description;
 #define CLSDF_FIELD_DESCRIPTION_INIT                                                                                  \
     {                                                                                                                 \

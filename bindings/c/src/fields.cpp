@@ -26,6 +26,7 @@ clsdf_status clsdf_field_describe(const clsdf_field* field, clsdf_field_descript
         result.grid = c::as_c(self.grid);
         result.band = c::as_c(self.band);
         result.sign = static_cast<std::int32_t>(self.sign);
+        result.positive_inside = self.positive_inside ? 1 : 0;
         result.mesh_name = self.mesh_name.c_str();
         c::write_given(result, description, "clsdf_field_description");
     });

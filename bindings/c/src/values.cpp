@@ -271,9 +271,8 @@ clsdf_statistics as_c(const TransformStatistics& statistics) {
 FieldDescription description_of(const clsdf_field_description* description) {
     const clsdf_field_description from =
         read_given(description, CLSDF_FIELD_DESCRIPTION_INIT, "clsdf_field_description");
-    check_reserved(from.reserved, "clsdf_field_description");
     return {grid_of(&from.grid), band_of(&from.band), sign_rule_of(from.sign, "clsdf_field_description.sign"),
-            text_or(from.mesh_name, "")};
+            text_or(from.mesh_name, ""), flag(from.positive_inside, "clsdf_field_description.positive_inside")};
 }
 
 void check_callback(std::int32_t status, const char* name) {

@@ -184,7 +184,7 @@ int main(void) {
     MEMBER(clsdf_field_description, grid);
     MEMBER(clsdf_field_description, band);
     MEMBER(clsdf_field_description, sign);
-    MEMBER(clsdf_field_description, reserved);
+    MEMBER(clsdf_field_description, positive_inside);
     MEMBER(clsdf_field_description, mesh_name);
     return 0;
 }

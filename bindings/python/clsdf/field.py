@@ -15,15 +15,25 @@ class Field(Values):
     f.grid.position(i, j, k). Vectors have one axis more, (nz, ny, nx, 3), and are in the order x, y, z.
 
     grid: a Grid. band: a Band, in the mesh's units. sign: the rule in use, 'nonzero', 'parity' or 'none' ('auto' in a
-    file of another program that does not say). mesh_name: of the mesh's file, else 'mesh'.
+    file of another program that does not say). mesh_name: of the mesh's file, else 'mesh'. positive_inside: distances
+    and gradients are negated, also zeros and what lies beyond the band.
     """
 
-    def __init__(self, grid: Grid, band: Band, sign: str, mesh_name: str, arrays: dict[str, Any]) -> None:
+    def __init__(
+        self,
+        grid: Grid,
+        band: Band,
+        sign: str,
+        mesh_name: str,
+        arrays: dict[str, Any],
+        positive_inside: bool = False,
+    ) -> None:
         super().__init__(arrays)
         self.grid = grid
         self.band = band
         self.sign = sign
         self.mesh_name = mesh_name
+        self.positive_inside = positive_inside
 
     def __repr__(self) -> str:
         return f"<clsdf.Field: {', '.join(self.outputs)}, shape {self.grid.shape}, sign {self.sign}>"
@@ -62,5 +72,7 @@ class Field(Values):
             # Vectors of different lengths have different dimensions.
             dimensions = ("z", "y", "x") if array.ndim == 3 else ("z", "y", "x", f"component{array.shape[3]}")
             data[name] = (dimensions, array)
-        attributes = {"sign": self.sign, "band_inside": self.band.inside, "band_outside": self.band.outside}
+        attributes: dict[str, Any] = {"sign": self.sign, "band_inside": self.band.inside, "band_outside": self.band.outside}
+        if self.positive_inside:
+            attributes["inside"] = "positive"
         return xarray.Dataset(data, coords={"z": z, "y": y, "x": x}, attrs=attributes)

@@ -10,7 +10,6 @@ import numpy as np
 
 from . import _core
 from ._core import Band, Grid
-from ._error import Error
 from ._values import Outputs, type_of, wanted
 from .field import Field
 
@@ -25,7 +24,9 @@ def read_field(path: str | os.PathLike[str]) -> Field:
 def write_field(field: Field, path: str | os.PathLike[str]) -> None:
     """Writes a field by the file's ending; complete or not at all. Raises clsdf.Error: output_failure; unsupported for
     an unknown ending, or outputs that the format cannot store."""
-    with FieldWriter(path, field.grid, field.band, field.sign, field.mesh_name, field.outputs) as writer:
+    with FieldWriter(
+        path, field.grid, field.band, field.sign, field.mesh_name, field.outputs, field.positive_inside
+    ) as writer:
         writer.append(field)
 
 
@@ -46,10 +47,11 @@ class FieldWriter:
         sign: str,
         mesh_name: str = "mesh",
         outputs: Outputs = "distance",
+        positive_inside: bool = False,
     ) -> None:
         self._outputs = wanted(outputs)
         self._writer: _core.Writer | None = _core.writer(
-            os.fspath(path), grid, band, sign, mesh_name, self._outputs
+            os.fspath(path), grid, band, sign, mesh_name, self._outputs, positive_inside
         )
 
     def append(self, slab: Field) -> None:

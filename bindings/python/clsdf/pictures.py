@@ -60,7 +60,7 @@ def slice_picture(field: Field, axis: str = "z", index: int | None = None, pixel
     values = np.asarray(field.distance.take(chosen, axis=along))[::-1]  # the last row is the lowest
     limit = float(np.abs(values[np.isfinite(values)]).max(initial=0)) or 1.0
     part = np.clip(np.abs(values) / limit, 0, 1)[..., None] * 0.8 + 0.1
-    inside = np.signbit(values)
+    inside = np.signbit(values) != field.positive_inside
     colours = _white + (np.where(inside[..., None], _inside, _outside) - _white) * part
     scale = max(1, pixels // max(values.shape))
     colours = colours.repeat(scale, 0).repeat(scale, 1)

@@ -230,6 +230,7 @@ class Transform:
         band: BandLike | None = None,
         outputs: Outputs | None = None,
         out: Any = None,
+        positive_inside: bool = False,
         progress: Progress = None,
         wait_for: Any = None,
     ) -> Field:
@@ -242,11 +243,12 @@ class Transform:
             voxels, a number in the mesh's units, 'full', or a Band. 0: the signs alone. None: that of `out` if it is a
             Field, else '10%'.
         outputs: 'distance gradient triangle' or a list: of 'distance' (always there), 'triangle', 'site', 'closest',
-            'gradient', 'barycentric'. None: the distance, or what `out` has.
+            'gradient', 'barycentric', 'offset'. None: the distance, or what `out` has.
         out: arrays to write to: a Field, a dictionary by names of outputs, or the array of the distance, of the shape
-            grid.shape (vectors: one axis more) and any strides. Types: those of a new field; distance, gradient and
-            barycentric may also be float64, triangle int32 (-1 beyond the band), closest float32 (then it is the offset
-            from the sample). They may be pyopencl arrays of the device's context.
+            grid.shape (vectors: one axis more) and any strides. Types: those of a new field; distance, gradient,
+            barycentric and offset may also be float64, triangle int32 (-1 beyond the band). They may be pyopencl arrays
+            of the device's context.
+        positive_inside: distances and gradients are negated, also zeros and what lies beyond the band; files record it.
 
         Returns `out` if it is a Field, else a new Field. Raises clsdf.Error: invalid_argument before any work for an
         array that is read-only, wrongly shaped, byte-swapped or overlaps another; out_of_memory, device_failure.
@@ -257,12 +259,25 @@ class Transform:
             band = out.band if isinstance(out, Field) else "10%"
         grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
         arrays = new_samples(wanted(outputs or ()), grid.shape) if out is None else given(out, outputs)
+        if positive_inside:
+            if own_band.inside == own_band.outside == 0:
+                raise Error("positive_inside: a field of signs alone has those of zeros, and these are negative inside")
+            self._check_negatable(arrays)
         with shown(progress) as show:
             self._body.compute(grid, own_band, arrays, show, wait_for)
+        if positive_inside:
+            _core.negate(arrays)
         if isinstance(out, Field):
             out.grid, out.band, out.sign, out.mesh_name = grid, own_band, self.sign, self.mesh_name
+            out.positive_inside = positive_inside
             return out
-        return Field(grid, own_band, self.sign, self.mesh_name, arrays)
+        return Field(grid, own_band, self.sign, self.mesh_name, arrays, positive_inside)
+
+    def _check_negatable(self, arrays: dict[str, Any]) -> None:
+        if self.sign == "none":
+            raise Error("positive_inside: the distances have no sign, so nothing is inside")
+        if any(hasattr(array, "base_data") or hasattr(array, "int_ptr") for array in arrays.values()):
+            raise Error("positive_inside: arrays of the device stay as they are computed; negate them there", "unsupported")
 
     def fields(
         self, grids: Iterable[Grid], *, band: BandLike = "10%", outputs: Outputs = "distance", progress: Progress = None
@@ -328,13 +343,17 @@ class Transform:
         cell_centred: bool = False,
         band: BandLike = "10%",
         outputs: Outputs = "distance",
+        positive_inside: bool = False,
     ) -> Iterator[Field]:
         """A field of any size as an iterator of its slabs: Fields of whole slices, in the order of z, at most about 16
         million samples at a time. Options: as of field(). Each slab is computed when it is asked for; the bytes are
         those of the whole."""
         whole, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
         outputs = wanted(outputs)
-        return (self.field(part, band=own_band, outputs=outputs) for part in _core.slabs_of(whole))
+        return (
+            self.field(part, band=own_band, outputs=outputs, positive_inside=positive_inside)
+            for part in _core.slabs_of(whole)
+        )
 
     def compile(
         self, grid: Grid, *, band: BandLike = "10%", outputs: Outputs = "distance", progress: Progress = None
@@ -353,6 +372,7 @@ class Transform:
         *,
         within: float = math.inf,
         out: Any = None,
+        positive_inside: bool = False,
         progress: Progress = None,
         wait_for: Any = None,
         refuse_unusable_points: bool = False,
@@ -362,7 +382,7 @@ class Transform:
         points: an array (n, 3), float32 or float64, any strides; or one point (3,), whose results are numbers and
             vectors (3,). outputs: as of field(). within: limits the search, in the mesh's units, which makes it
             cheaper; a farther point has that limit as its distance, with its sign, and no triangle.
-        out: arrays (n,), and (n, 3) of vectors, to write to, as of field().
+        out: arrays (n,), and (n, 3) of vectors, to write to, as of field(). positive_inside: as of field().
 
         The sign is exact at the given doubles; a point on the surface has the distance +0. A point that is not finite
         gets the distance NaN and no triangle; a finite one more than 1e14 voxels from the mesh (1/256 of its longest
@@ -384,11 +404,15 @@ class Transform:
                 arrays[name] = np.empty(shape_of(name, (count,)), type_of(name)[0])
         else:
             arrays = given(out, outputs)
+        if positive_inside:
+            self._check_negatable(arrays)
         if progress is None:
             self._body.query(points, within, arrays, None, wait_for, refuse_unusable_points)
         else:
             with shown(progress) as show:
                 self._body.query(points, within, arrays, show, wait_for, refuse_unusable_points)
+        if positive_inside:
+            _core.negate(arrays)
         return Points({name: array[0] for name, array in arrays.items()} if is_one and out is None else arrays)
 
     def classify(self, boxes: Any, half_width: float) -> npt.NDArray[np.uint8]:

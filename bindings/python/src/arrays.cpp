@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <cstddef>
 #include <memory>
 #include <new>
 #include <utility>
@@ -65,8 +67,6 @@ ArrayView view_on_device(nb::handle array, const std::string& what, bool is_outp
     return view;
 }
 
-// Why an array could not be taken.
-[[noreturn]] void refuse_array(nb::handle array, const std::string& what, bool is_output) {
 // The package of the array's class, if its arrays never change: they may share memory, and DLPack has no flag for that.
 std::string package_of_constants(nb::handle array) {
     const std::string module = nb::cast<std::string>(nb::str(nb::getattr(array.type(), "__module__", nb::str(""))));
@@ -74,6 +74,8 @@ std::string package_of_constants(nb::handle array) {
     return package == "jax" || package == "jaxlib" || package == "tensorflow" ? package : "";
 }
 
+// Why an array could not be taken.
+[[noreturn]] void refuse_array(nb::handle array, const std::string& what, bool is_output) {
     if (!nb::ndarray_check(array))
         refuse(what + " is a " + nb::cast<std::string>(nb::str(array.type().attr("__name__"))) +
                ", which is no array; use a NumPy array or any other with the buffer protocol or DLPack");
@@ -117,11 +119,11 @@ bool ArrayView::is_packed() const {
 }
 
 ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable) {
-    nb::ndarray<nb::ro> readable;
-    if (!nb::try_cast(array, readable, false)) {
     if (const std::string package = writable ? package_of_constants(array) : ""; !package.empty())
         refuse(what + " is an array of " + package + ", and these never change; pass a NumPy array, and make one of " +
                package + " from it");
+    nb::ndarray<nb::ro> readable;
+    if (!nb::try_cast(array, readable, false)) {
         if (nb::hasattr(array, "base_data")) return view_on_device(array, what, writable);
         refuse_array(array, what, writable);
     }
@@ -215,7 +217,42 @@ const OutputInfo& output_named(const std::string& name) {
     refuse("there is no output '" + name + "'; the outputs are " + names);
 }
 
+namespace {
+
+template <typename Value>
+void negate_from(std::byte* at, const ArrayView& view, std::size_t axis) {
+    if (axis == view.shape.size()) {
+        auto& value = *reinterpret_cast<Value*>(at);
+        value = std::isnan(value) ? value : -value;
+        return;
+    }
+    for (std::int64_t i = 0; i < view.shape[axis]; ++i) negate_from<Value>(at + i * view.strides[axis], view, axis + 1);
+}
+
+// Changes the sign of distances and gradients; their NaN stay.
+void negate(const ArraysByName& arrays) {
+    Arrays held;
+    std::vector<ArrayView> views;
+    for (const auto& [name, array] : arrays) {
+        const OutputInfo& info = output_named(nb::cast<std::string>(name));
+        if (info.output != Output::distance && info.output != Output::gradient) continue;
+        views.push_back(held.view(array, std::string("out: the array of '") + info.name + "'", true));
+    }
+    const nb::gil_scoped_release no_gil;
+    for (const ArrayView& view : views) {
+        auto* const first = static_cast<std::byte*>(view.writable);
+        if (view.type == ElementType::float64)
+            negate_from<double>(first, view, 0);
+        else
+            negate_from<float>(first, view, 0);
+    }
+}
+
+}  // namespace
+
 void add_arrays(nb::module_& module) {
+    module.def("negate", &negate, nb::arg("arrays"), nb::sig("def negate(arrays: dict[str, typing.Any]) -> None"),
+               "Changes the sign of the distances and the gradients, in place; NaN stay.");
     module.def(
         "allocate",
         [](std::size_t bytes) {

@@ -39,9 +39,10 @@ public:
     /// The targets of a dictionary.
     OutputTargets outputs(const ArraysByName& arrays, const std::vector<std::int64_t>& shape);
 
-private:
+    /// Where an array lies. `what` names it in messages.
     ArrayView view(nb::handle array, const std::string& what, bool writable);
 
+private:
     std::vector<nb::ndarray<nb::ro>> held_;
 };
 

@@ -26,7 +26,8 @@ nb::dlpack::dtype dtype_of(ElementType type) {
     }
 }
 
-// The file's field: (grid, band, sign, mesh_name, {output: array}). The arrays share the memory that was read.
+// The file's field: (grid, band, sign, mesh_name, {output: array}, positive_inside). The arrays share the memory that
+// was read.
 nb::tuple read(const std::string& path) {
     std::unique_ptr<Field> field;
     {
@@ -45,23 +46,25 @@ nb::tuple read(const std::string& path) {
         arrays[info.name] = nb::cast(nb::ndarray<nb::numpy>(bytes.data(), shape.size(), shape.data(), owner, nullptr,
                                                             dtype_of(info.type), nb::device::cpu::value));
     }
-    return nb::make_tuple(own.grid, own.band, name_of(own.sign), own.mesh_name, arrays);
+    return nb::make_tuple(own.grid, own.band, name_of(own.sign), own.mesh_name, arrays, own.positive_inside);
 }
 
-FieldDescription described(const Grid& grid, const Band& band, const std::string& sign, const std::string& mesh_name) {
+FieldDescription described(const Grid& grid, const Band& band, const std::string& sign, const std::string& mesh_name,
+                           bool positive_inside) {
     FieldDescription field;
     field.grid = grid;
     field.band = band;
     field.sign = value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none});
     field.mesh_name = mesh_name;
+    field.positive_inside = positive_inside;
     return field;
 }
 
 FieldWriter writer(const std::string& path, const Grid& grid, const Band& band, const std::string& sign,
-                   const std::string& mesh_name, const std::vector<std::string>& outputs) {
+                   const std::string& mesh_name, const std::vector<std::string>& outputs, bool positive_inside) {
     OutputSet wanted;
     for (const std::string& name : outputs) wanted.insert(output_named(name).output);
-    const FieldDescription field = described(grid, band, sign, mesh_name);
+    const FieldDescription field = described(grid, band, sign, mesh_name, positive_inside);
     const nb::gil_scoped_release no_gil;
     return FieldWriter(path, field, wanted);
 }
@@ -90,12 +93,12 @@ void finish(FieldWriter& writer) {
 
 void add_files(nb::module_& module) {
     module.def("read_field", &read, nb::arg("path"),
-               nb::sig("def read_field(path: str) -> tuple[Grid, Band, str, str, dict[str, typing.Any]]"));
+               nb::sig("def read_field(path: str) -> tuple[Grid, Band, str, str, dict[str, typing.Any], bool]"));
     nb::class_<FieldWriter>(module, "Writer", "A FieldWriter of the library; clsdf.FieldWriter is its Python face.")
         .def("append", &append, nb::arg("arrays"))
         .def("finish", &finish);
     module.def("writer", &writer, nb::arg("path"), nb::arg("grid"), nb::arg("band"), nb::arg("sign"),
-               nb::arg("mesh_name"), nb::arg("outputs"));
+               nb::arg("mesh_name"), nb::arg("outputs"), nb::arg("positive_inside") = false);
     module.def(
         "check_field_path", [](const std::string& path) { check_field_path(path); }, nb::arg("path"),
         "Raises the error that writing to the path would raise for its ending or its folder.");

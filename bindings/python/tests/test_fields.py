@@ -160,6 +160,50 @@ def test_grids_around_the_mesh(body):
         body.field(grid, resolution=16)
 
 
+def test_positive_inside(body, solid, points, tmp_path):
+    usual = body.field(resolution=16, outputs="gradient site")
+    turned = body.field(usual.grid, band=usual.band, outputs="gradient site", positive_inside=True)
+    assert turned.positive_inside and not usual.positive_inside
+    assert np.array_equal(turned.distance, -usual.distance) and np.array_equal(turned.site, usual.site)
+    assert np.array_equal(turned.gradient, -usual.gradient, equal_nan=True)
+    planes = np.empty((3, *usual.grid.shape)[::-1], np.float64).T
+    out = {"distance": np.empty(usual.grid.shape, np.float64, "F"), "gradient": np.moveaxis(planes, 0, -1)}
+    body.field(usual.grid, band=usual.band, out=out, positive_inside=True)
+    assert np.allclose(out["distance"], turned.distance, atol=1e-6)
+    assert np.allclose(out["gradient"], turned.gradient, atol=1e-6, equal_nan=True)
+    for ending in (".nrrd", ".npy", ".vti", ".h5"):
+        clsdf.write_field(turned, tmp_path / ("field" + ending))
+        read = clsdf.read_field(tmp_path / ("field" + ending))
+        assert read.positive_inside and np.array_equal(read.distance, turned.distance)
+    assert np.array_equal(clsdf.slice_picture(turned).pixels, clsdf.slice_picture(usual).pixels)
+    assert all(slab.positive_inside for slab in body.slabs(usual.grid, band=usual.band, positive_inside=True))
+    r, t = body.query(points, "gradient"), body.query(points, "gradient", positive_inside=True)
+    assert np.array_equal(t.distance, -r.distance) and np.array_equal(t.gradient, -r.gradient, equal_nan=True)
+    with pytest.raises(clsdf.Error, match="positive_inside: a field of signs alone"):
+        body.field(usual.grid, band=0, positive_inside=True)
+    vertices, faces = solid
+    with pytest.raises(clsdf.Error, match="positive_inside: the distances have no sign"):
+        clsdf.Transform(vertices, faces, sign="none").query(points, positive_inside=True)
+
+
+def test_grids_from_corner_to_corner():
+    grid = clsdf.Grid.between((-1, -1, 0), (1, 1, 1), cells=(64, 64, 32))
+    assert grid.origin == (-1, -1, 0) and grid.size == (65, 65, 33) and grid.box[1] == (1, 1, 1)
+    assert grid == clsdf.Grid.between([-1, -1, 0], np.array([1, 1, 1]), samples=(65, 65, 33))
+    centred = clsdf.Grid.between((-1, -1, -1), (1, 1, 1), cells=64, cell_centred=True)
+    assert centred.size == (64, 64, 64) and centred.origin == (-1 + 1 / 64,) * 3
+    for wrong in ({}, {"samples": 3, "cells": 2}, {"samples": 1}, {"cells": "many"}, {"samples": 3, "cell_centred": True}):
+        with pytest.raises(clsdf.Error, match="samples|cells"):
+            clsdf.Grid.between((0, 0, 0), (1, 1, 1), **wrong)
+
+
+def test_without_a_margin_the_longest_side_begins_at_the_corner():
+    vertices, faces = clsdf.make_shape("cube")
+    body = clsdf.Transform(vertices * 0.5 + 0.5, faces)
+    for resolution in (11, 16, 32):
+        assert body.grid(resolution, margin=0).origin == tuple(body.box[0])
+
+
 def test_a_grid_of_your_own(body, brute):
     grid = clsdf.Grid(origin=np.array([-1, -0.5, -0.25]), spacing=0.125, size=(9, 5, 7), first=(1, 2, -3))
     field = body.field(grid, band="full")

@@ -88,6 +88,12 @@ std::span<std::byte> Field::resize(Output output, std::size_t samples) {
     return array;
 }
 
+void Field::negate() {
+    clsdf::negate(distance());
+    clsdf::negate(gradient());
+    positive_inside = !positive_inside;
+}
+
 FieldSlab Field::slab() const {
     FieldSlab slab;
     for (const OutputInfo& info : table) slab.set(info.output, bytes(info.output));

@@ -6,6 +6,7 @@
 #include <clsdf/outputs.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -13,7 +14,8 @@
 
 namespace clsdf {
 
-/// A value for each output of <clsdf/output_table.h>, in which a new output begins.
+/// A value for each output of <clsdf/output_table.h>, in which a new output begins. A number without an output has one,
+/// too.
 template <typename Value>
 class PerOutput {
 public:
@@ -63,6 +65,11 @@ constexpr bool is_whole(ElementType type) {
 
 /// The distance first, then the others that are asked for.
 std::vector<OutputInfo> infos_of(OutputSet outputs);
+
+/// Changes the sign of each value that is a number; zeros have one, too.
+inline void negate(std::span<float> values) {
+    for (float& value : values) value = std::isnan(value) ? value : -value;
+}
 
 /// Makes room for the output of the field's grid.
 inline std::span<std::byte> allocate_output(const OutputInfo& info, Field& field) {

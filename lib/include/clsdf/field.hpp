@@ -88,6 +88,9 @@ struct FieldDescription {
     Band band;
     SignRule sign = SignRule::none;  ///< `automatic` if a file of another program states none
     std::string mesh_name;
+    /// Distances and gradients are negated, also zeros and what lies beyond the band: -0 on the surface. So negating
+    /// them again gives the same bits. Fields that are computed are negative inside; see Field::negate().
+    bool positive_inside = false;
 };
 
 namespace detail {
@@ -164,21 +167,24 @@ struct CLSDF_EXPORT Field : FieldDescription {
     /// Releases the output's memory.
     void erase(Output output) { arrays_[detail::index_of(output)].clear(); }
 
+    /// Negates the distances and the gradients, but for NaN, and changes `positive_inside`.
+    void negate();
+
     /// A view of all values.
     FieldSlab slab() const;
     /// The arrays of all outputs that it has, for DistanceTransform::compute().
     OutputTargets targets();
 
-    // The values of each output: distance(), triangle(), site(), closest(), gradient(), barycentric(). Const spans of
-    // mutable values: an assignment to the span itself, which would change nothing, does not compile.
-#define CLSDF_VALUES(name, description, element, components)            \
+    // The values of each output: distance(), triangle(), site(), closest(), gradient(), barycentric(), offset(). Const
+    // spans of mutable values: an assignment to the span itself, which would change nothing, does not compile.
+#define CLSDF_VALUES(name, description, element, components, number)    \
     const std::span<detail::element> name() {                           \
         return detail::values_in<detail::element>(bytes(Output::name)); \
     }                                                                   \
     std::span<const detail::element> name() const {                     \
         return slab().name();                                           \
     }
-    CLSDF_VALUES(distance, , float32, 1)
+    CLSDF_VALUES(distance, , float32, 1, 0)
     CLSDF_OUTPUTS(CLSDF_VALUES)
 #undef CLSDF_VALUES
 

@@ -47,8 +47,9 @@ class FormatWriter;
 /// append(). One thread at a time.
 class CLSDF_EXPORT FieldWriter {
 public:
-    /// Throws Error(unsupported) for an unknown ending, or for a grid or outputs that the format cannot store,
-    /// Error(invalid_argument) for an invalid grid or band, or Error(output_failure).
+    /// Throws Error(unsupported) for an unknown ending, or for a grid, outputs or a sign of the inside that the format
+    /// cannot store, Error(invalid_argument) for an invalid grid or band, or a field of signs alone or without a sign
+    /// that is to be positive inside; or Error(output_failure). The values are written as they are.
     FieldWriter(const std::string& path, const FieldDescription& field, OutputSet outputs = {});
     FieldWriter(FieldWriter&&) noexcept;
     FieldWriter& operator=(FieldWriter&&) noexcept;

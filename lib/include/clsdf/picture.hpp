@@ -41,8 +41,8 @@ struct Options {
 /// field without a sign has colours on one side only and no zero line.
 class CLSDF_EXPORT SlicePictures {
 public:
-    /// Keeps a reference to the field. Throws Error(invalid_argument) if the distances do not fit the grid, or the
-    /// number of pixels is out of range.
+    /// Keeps a reference to the field. Throws Error(invalid_argument) if the distances do not fit the grid or are
+    /// positive inside (see Field::negate()), or the number of pixels is out of range.
     explicit SlicePictures(const Field& field, const Options& options = {});
 
     /// The slice through the middle of the grid.
