@@ -125,6 +125,7 @@ void add_field_options(Parser& parser, ComputeOptions& options) {
     parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
     add_sign_option(parser, options.sign);
     add_positive_inside_option(parser, options.positive_inside);
+    add_weld_option(parser, options.weld);
     add_outputs_option(parser, options.with);
 }
 
@@ -355,7 +356,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         second_compiler.emplace(options.device, bricks_ahead(request.outputs));
 
     const Stopwatch read;
-    const clsdf::Mesh mesh = read_body(options.mesh, report, options.placement);
+    const clsdf::Mesh mesh = welded(read_body(options.mesh, report, options.placement), options.weld);
     const double read_seconds = read.seconds();
 
     const clsdf::Grid grid = request.grid_around(mesh.box());

@@ -31,6 +31,7 @@ struct ComputeOptions {
     std::string band_inside;
     std::string band_outside;
     std::string sign = "auto";
+    std::string weld;
     std::vector<std::string> with;
     bool positive_inside = false;
     std::string polyhedra = "leaned";

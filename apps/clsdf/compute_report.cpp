@@ -82,7 +82,16 @@ Json facts_of(const clsdf::Topology& topology) {
             {"non_manifold_edges", topology.non_manifold_edges},
             {"coincident_vertices", topology.coincident_vertices},
             {"unused_vertices", topology.unused_vertices},
-            {"repeated_vertex_faces", topology.repeated_vertex_faces}};
+            {"repeated_vertex_faces", topology.repeated_vertex_faces},
+            {"boundary_edges", topology.boundary_edges},
+            {"joined_vertices", topology.joined_vertices},
+            {"duplicate_faces", topology.duplicate_faces},
+            {"uncounted_faces", topology.uncounted_faces},
+            {"reoriented_faces", topology.reoriented_faces},
+            {"inner_wall_faces", topology.inner_wall_faces},
+            {"parts", topology.parts},
+            {"inward_parts", topology.inward_parts},
+            {"nested_parts", topology.nested_parts}};
 }
 
 const char* meaning_of(clsdf::SignRule rule) {

@@ -20,6 +20,7 @@ using clsdf::VertexKind;
 
 struct InfoOptions {
     std::vector<std::string> mesh;
+    std::string weld;
     bool self_intersections = false;
 };
 
@@ -59,7 +60,12 @@ Json describe(const Info& info) {
                  {"coincident_vertices", info.topology.coincident_vertices},
                  {"repeated_vertex_faces", info.topology.repeated_vertex_faces},
                  {"zero_area_faces", info.defects.zero_area_faces},
-                 {"duplicate_faces", info.defects.duplicate_faces}};
+                 {"duplicate_faces", info.defects.duplicate_faces},
+                 {"joined_vertices", info.topology.joined_vertices},
+                 {"reoriented_faces", info.topology.reoriented_faces},
+                 {"inner_wall_faces", info.topology.inner_wall_faces},
+                 {"inward_parts", info.topology.inward_parts},
+                 {"nested_parts", info.topology.nested_parts}};
     if (info.self_intersections) defects["self_intersections"] = *info.self_intersections;
     return {{"vertices", info.vertices},
             {"triangles", info.triangles},
@@ -105,11 +111,15 @@ void print_human(const Info& info) {
     print_text("defects   {} faces without area, {} with repeated vertices, {} duplicate; {} coincident vertices\n",
                info.defects.zero_area_faces, info.topology.repeated_vertex_faces, info.defects.duplicate_faces,
                info.topology.coincident_vertices);
+    const clsdf::Topology& topology = info.topology;
+    if (topology.joined_vertices + topology.uncounted_faces + topology.reoriented_faces > 0)
+        print_text("sign      {} vertices joined, {} doubled faces not counted, {} faces turned around\n",
+                   topology.joined_vertices, topology.uncounted_faces, topology.reoriented_faces);
     if (info.self_intersections) print_text("          {} pairs of triangles intersect\n", *info.self_intersections);
 }
 
 ExitStatus run(const InfoOptions& options, Report& report) {
-    const Info info(options, read_body(options.mesh, report));
+    const Info info(options, welded(read_body(options.mesh, report), options.weld));
     if (!report.quiet) print_human(info);
     report.result["mesh"] = paths_of(options.mesh);
     report.result.update(describe(info));
@@ -122,6 +132,7 @@ Command add_info(Parser& program) {
     const auto options = std::make_shared<InfoOptions>();
     Parser parser = program.add_subcommand("info", "Count a mesh's saddle vertices, gaps and defects");
     add_mesh_argument(parser, options->mesh);
+    add_weld_option(parser, options->weld);
     parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
     parser.set_footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"

@@ -133,6 +133,22 @@ void add_positive_inside_option(Parser& parser, bool& positive_inside) {
                "distances and gradients are negated when they are written, also zeros and limits");
 }
 
+void add_weld_option(Parser& parser, std::string& length) {
+    parser.add("--weld", length, "join vertices that are so near to each other, in the mesh's units or in percent")
+        .takes_text("LENGTH");
+}
+
+clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length) {
+    if (length.empty()) return mesh;
+    const clsdf::Length within = clsdf::Length::parse(length, "--weld");
+    if (within.unit == clsdf::Length::Unit::voxels || within.is_infinite())
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           "--weld: '" + length +
+                               "' is no length of the mesh; give one in its units, as 1e-6, or in percent of its "
+                               "longest side, as 0.0001%");
+    return weld(mesh, within.resolve(0, mesh.box().longest_side()));
+}
+
 clsdf::SignRule parse_sign(const std::string& rule) {
     using clsdf::SignRule;
     return value_named(rule, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none});

@@ -6,6 +6,8 @@
 #include "core/real_numbers.hpp"
 
 #include <clsdf/error.hpp>
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
 #include <clsdf/mesh_files.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
@@ -107,6 +109,12 @@ void add_outputs_option(Parser& parser, std::vector<std::string>& names);
 void add_sign_option(Parser& parser, std::string& rule);
 void add_positive_inside_option(Parser& parser, bool& positive_inside);
 clsdf::SignRule parse_sign(const std::string& rule);
+
+/// Adds --weld.
+void add_weld_option(Parser& parser, std::string& length);
+/// The mesh with vertices joined within the length of --weld, or as it is if the option is not given. Throws
+/// Error(invalid_argument) that names the option.
+clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length);
 
 /// More than the samples of any grid along an axis.
 inline constexpr std::uint64_t most_samples_on_a_side = std::uint64_t{1} << 30;

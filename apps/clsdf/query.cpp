@@ -32,6 +32,7 @@ struct QueryOptions {
     std::string output;
     std::string half_width = "full";
     std::string sign = "auto";
+    std::string weld;
     std::vector<std::string> with;
     bool positive_inside = false;
     bool refuse_unusable_points = false;
@@ -105,7 +106,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     keep_input(options.points(), options.output, "file of points");
     const clsdf::Device device = open_device(options.device);
     const Stopwatch read;
-    const clsdf::Mesh mesh = read_body(meshes, report, options.placement);
+    const clsdf::Mesh mesh = welded(read_body(meshes, report, options.placement), options.weld);
     const std::vector<Vec3> points = clsdf::read_points(options.points());
     const double read_seconds = read.seconds();
     const double half_width = limit_of(options, mesh);
@@ -167,6 +168,7 @@ Command add_query(Parser& program) {
                "fail if a point is not finite or too far from the mesh");
     add_positive_inside_option(parser, options->positive_inside);
     add_placement_options(parser, options->placement);
+    add_weld_option(parser, options->weld);
     add_device_option(parser, options->device, "what computes");
     parser.set_footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels of 1/256 of that side), 0.05 (the\n"

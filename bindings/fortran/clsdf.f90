@@ -303,6 +303,10 @@ module clsdf
     integer(c_int64_t) :: open_edges = 0, unbalanced_edges = 0, non_manifold_edges = 0, repeated_vertex_faces = 0, &
         coincident_vertices = 0, unused_vertices = 0
     type(clsdf_edge), allocatable :: first_open(:), first_unbalanced(:)  !< at most five
+    !> The numbers of faces count from 0.
+    integer(c_int64_t) :: boundary_edges = 0, joined_vertices = 0, duplicate_faces = 0, uncounted_faces = 0, &
+        reoriented_faces = 0, inner_wall_faces = 0, first_inner_wall_face = 0, parts = 0, &
+        inward_parts = 0, first_inward_face = 0, nested_parts = 0, first_nested_face = 0
   end type
 
   type, bind(C) :: clsdf_defects
@@ -477,6 +481,9 @@ module clsdf
     integer(c_int64_t) :: open_edges = 0, unbalanced_edges = 0, non_manifold_edges = 0, repeated_vertex_faces = 0, &
         coincident_vertices = 0, unused_vertices = 0, first_open_count = 0, first_unbalanced_count = 0
     type(clsdf_edge) :: first_open(5), first_unbalanced(5)
+    integer(c_int64_t) :: boundary_edges = 0, joined_vertices = 0, duplicate_faces = 0, uncounted_faces = 0, &
+        reoriented_faces = 0, inner_wall_faces = 0, first_inner_wall_face = 0, parts = 0, &
+        inward_parts = 0, first_inward_face = 0, nested_parts = 0, first_nested_face = 0
   end type
   type, bind(C) :: c_call_options
     integer(c_size_t) :: struct_size = 0
@@ -903,6 +910,13 @@ module clsdf
       import
       integer(c_int32_t) :: value
       type(c_ptr), value :: mesh
+      type(c_ptr), intent(out) :: welded
+    end function
+    function c_mesh_weld_within(mesh, tolerance, welded) bind(C, name="clsdf_mesh_weld_within") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      real(c_double), value :: tolerance
       type(c_ptr), intent(out) :: welded
     end function
     function c_mesh_write(mesh, path, colours, colour_count) bind(C, name="clsdf_mesh_write") result(value)
@@ -2664,15 +2678,21 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  !> The mesh in which vertices of equal coordinates are one, with the same index base.
-  subroutine mesh_weld(self, welded, stat, errmsg)
+  !> The mesh in which vertices of equal coordinates are one, with the same index base. tolerance: those that differ by
+  !> at most so much on every axis are one, too; clusters longer than four tolerances are left apart.
+  subroutine mesh_weld(self, welded, tolerance, stat, errmsg)
     class(clsdf_mesh), intent(in) :: self
     type(clsdf_mesh), intent(inout) :: welded
+    real(c_double), intent(in), optional :: tolerance
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     type(c_ptr) :: handle
     integer(c_int32_t) :: status
-    status = c_mesh_weld(self%handle, handle)
+    if (present(tolerance)) then
+      status = c_mesh_weld_within(self%handle, tolerance, handle)
+    else
+      status = c_mesh_weld(self%handle, handle)
+    end if
     call welded%release()
     welded%handle = handle
     call clsdf_finish(status, stat, errmsg)
@@ -2825,6 +2845,18 @@ contains
     topology%unused_vertices = c%unused_vertices
     topology%first_open = c%first_open(1:c%first_open_count)
     topology%first_unbalanced = c%first_unbalanced(1:c%first_unbalanced_count)
+    topology%boundary_edges = c%boundary_edges
+    topology%joined_vertices = c%joined_vertices
+    topology%duplicate_faces = c%duplicate_faces
+    topology%uncounted_faces = c%uncounted_faces
+    topology%reoriented_faces = c%reoriented_faces
+    topology%inner_wall_faces = c%inner_wall_faces
+    topology%first_inner_wall_face = c%first_inner_wall_face
+    topology%parts = c%parts
+    topology%inward_parts = c%inward_parts
+    topology%first_inward_face = c%first_inward_face
+    topology%nested_parts = c%nested_parts
+    topology%first_nested_face = c%first_nested_face
   end subroutine
 
   !> Defects beside those of edges.

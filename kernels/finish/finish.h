@@ -284,10 +284,11 @@ INLINE double3 finished_offset(__private const Finishing* finishing, __private c
 INLINE double3 finished_gradient(__private const Finishing* finishing, __private const Nearest* nearest) {
     const double squared = scalar_product(nearest->from, nearest->from);
     if (squared > SQUARE_OF_NO_DISTANCE) return offset_of(nearest) * (nearest->sign / sqrt(squared));
-    const double outward = finishing->how.outward;
-    if (nearest->frame_site == CLSDF_SITE_OF_FACE)
-        return outward * DOUBLE3(nearest->axes[0].z, nearest->axes[1].z, nearest->axes[2].z);
-    return outward * pseudonormal_of(finishing, nearest);
+    double outward = finishing->how.outward;
+    if (nearest->frame_site != CLSDF_SITE_OF_FACE) return outward * pseudonormal_of(finishing, nearest);
+    const uint turned = finishing->how.turned;
+    if (turned != 0) outward *= finishing->normals[18 * (size_t)turned + nearest->polyhedron->triangle];
+    return outward * DOUBLE3(nearest->axes[0].z, nearest->axes[1].z, nearest->axes[2].z);
 }
 
 INLINE double2 finished_barycentric(__private const Finishing* finishing, __private const Nearest* nearest) {

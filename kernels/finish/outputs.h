@@ -35,11 +35,13 @@ typedef struct Finish {
     clsdf_uint32 in_double;   // bit n: its elements are doubles
     float outward;            // -1 if pseudonormals point inside: the mesh is inside out
     clsdf_uint32 renumbered;  // triangles of a part of a mesh, whose numbers in the whole follow their sites; else 0
+    clsdf_uint32 turned;      // triangles whose directions, 1 or -1, follow their pseudonormals; 0: all are 1
+    clsdf_uint32 reserved;
 } Finish;
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(TriangleSites) == 32);
-static_assert(sizeof(Finish) == 112 && offsetof(Finish, wanted) == 96);
+static_assert(sizeof(Finish) == 120 && offsetof(Finish, wanted) == 96);
 }  // namespace clsdf
 #endif
 

@@ -40,7 +40,10 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
         // Only what these outputs need.
         engine::DeviceSites sites = *inputs.sites;
         if (!engine::names_sites(outputs)) sites.names.reset();
-        if (!normals.are_needed) sites.normals.reset();
+        if (!normals.are_needed) {
+            sites.normals.reset();
+            sites.turned = 0;
+        }
         inputs.sites = std::make_shared<const engine::DeviceSites>(std::move(sites));
         points::bring_to_host(inputs);
         return inputs;

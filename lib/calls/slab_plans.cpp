@@ -12,7 +12,7 @@ engine::Inputs DistanceTransform::State::SlabPlans::inputs_of(const engine::Job&
         engine::Inputs inputs = engine::grid_inputs(kept_mesh, job, state_.sign, lone_);
         if (job.outputs == OutputSet{} || state_.method) return inputs;
         const NormalsNeeded normals = state_.normals_for(job.outputs);
-        inputs.sites = kept_mesh.sites(engine::names_sites(job.outputs), normals.are_needed && inputs.may_meet_samples);
+        inputs.sites = kept_mesh.sites(engine::names_sites(job.outputs), normals.are_needed && inputs.needs_normals);
         inputs.is_inside_out = normals.is_inside_out;
         return inputs;
     });

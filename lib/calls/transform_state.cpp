@@ -36,9 +36,12 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
     kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh),
                                                    engine::KeptMesh::Options{programs, method, options.kept_bytes});
     kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
-    describe_edges(kept_mesh->mesh(), kept_mesh->topology().edges.are_paired, topology);
+    const engine::MeshTopology& of_mesh = kept_mesh->topology();
+    SignSurface surface =
+        describe_edges(kept_mesh->mesh(), of_mesh.faces.triangles, of_mesh.edges.are_paired, topology);
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
+    if (sign != SignRule::none) kept_mesh->set_sign_surface(std::move(surface));
     if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
 }
 
@@ -85,7 +88,9 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    move_vertices(vertices.moved(kept_mesh->mesh(), positions));
+    std::vector<Vec3> moved = vertices.moved(kept_mesh->mesh(), positions);
+    vertices.check_joined(kept_mesh->mesh(), kept_mesh->sign_surface(), moved);
+    move_vertices(std::move(moved));
 }
 
 void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {

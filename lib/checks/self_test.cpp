@@ -105,7 +105,7 @@ std::optional<std::string> field_difference(const engine::Workshop& workshop, en
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
     const engine::Job job = kept_mesh.checked({grid, known.band(), outputs, {}, variant.count}, workshop.sign);
     engine::Inputs inputs = engine::grid_inputs(kept_mesh, job, workshop.sign);
-    if (is_finished) inputs.sites = kept_mesh.sites(true, inputs.may_meet_samples);
+    if (is_finished) inputs.sites = kept_mesh.sites(true, inputs.needs_normals);
     engine::GridPlan plan(workshop, std::move(inputs), job, {});
     if (watch.tests) watch.tests();
     context.run_or_drain([&] {

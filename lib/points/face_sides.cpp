@@ -132,7 +132,8 @@ public:
             const bool is_sliver = !(shape.altitude > std::max(least_altitude, least_sine * shape.longest));
             const bool is_in_a_large_fan = std::ranges::any_of(
                 vertices(face), [&](std::uint32_t vertex) { return topology_.rings.size(vertex) > most_in_fan; });
-            is_excluded_[face] = is_sliver || is_in_a_large_fan ? 1 : 0;
+            const bool is_other_for_sign = mesh_.has_joined_vertex(face) || mesh_.sign_count(face) == 0;
+            is_excluded_[face] = is_sliver || is_in_a_large_fan || is_other_for_sign ? 1 : 0;
         });
     }
 
@@ -239,7 +240,7 @@ private:
         // Coordinates far from zero are too coarse.
         if (!((engine::to_vector(in_units) - aim).norm() < 0.5 * offset_in_front)) return 0;
         const Crossings in_front = count_crossings(mesh_, point, in_units);
-        const Crossings behind{in_front.winding + 1, in_front.count + 1};
+        const Crossings behind{in_front.winding + mesh_.sign_count(face), in_front.count + 1};
         return static_cast<std::uint16_t>(CLSDF_SIDES_KNOWN |
                                           (in_front.are_inside(rule_) ? CLSDF_SIDES_FRONT_INSIDE : 0) |
                                           (behind.are_inside(rule_) ? CLSDF_SIDES_BACK_INSIDE : 0));
@@ -249,7 +250,8 @@ private:
     std::uint16_t sides_of(std::size_t face) const {
         if (!is_included(face)) return 0;
         std::uint16_t sides = of_root_[root_[face]];
-        if (sides == 0) return 0;
+        // The pseudonormals of a face that is turned around point to its back.
+        if (sides == 0 || mesh_.sign_count(face) < 0) return sides;
         const auto has_same = [&](std::size_t other) { return is_included(other) && root_[other] == root_[face]; };
         for (std::size_t k = 0; k < 3; ++k) {
             if (const std::size_t other = across(face, k); other != face && has_same(other))

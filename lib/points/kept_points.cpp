@@ -7,8 +7,8 @@ namespace clsdf::points {
 std::shared_ptr<const engine::PointMesh> KeptPoints::tree() {
     return kept_mesh_.prepare([&] {
         return tree_.get_or([&] {
-            engine::PointMesh made =
-                engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(), kept_mesh_.shared_topology());
+            engine::PointMesh made = engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(),
+                                                             kept_mesh_.sign_surface(), kept_mesh_.shared_topology());
             const engine::Restriction* restriction = kept_mesh_.restriction();
             made.is_part = restriction != nullptr;
             made.has_several_regions = made.is_part && restriction->regions.size() > 1;
@@ -37,7 +37,8 @@ std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
     const std::scoped_lock lock(mutex_);
     PointInputs inputs;
     inputs.mesh = remembered_.mesh.lock();
-    engine::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered};
+    engine::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered,
+                              remembered_.turned};
     if (!inputs.mesh || (engine::names_sites(outputs) && !sites.names) ||
         (engine::takes_normals(outputs) && !sites.normals))
         return std::nullopt;
@@ -57,6 +58,7 @@ void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     remembered_.sign = inputs.sign;
     if (!engine::takes_normals(outputs)) return;
     remembered_.normals = inputs.sites->normals;
+    remembered_.turned = inputs.sites->turned;
     remembered_.is_inside_out = inputs.is_inside_out;
 }
 

@@ -60,7 +60,7 @@ private:
     struct Remembered {
         std::weak_ptr<const engine::PointMesh> mesh;
         std::weak_ptr<const device::BufferPool::Lease> names, normals;
-        std::size_t renumbered = 0;
+        std::size_t renumbered = 0, turned = 0;  ///< turned: if the normals are set
         SignRule sign = SignRule::none;
         bool is_inside_out = false;  ///< if the normals are set
     };

@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "mesh/predicates.hpp"
+#include "mesh/ray_side.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,21 +18,10 @@ using Corners = std::array<Vec3, 3>;
 
 // A point nearer, in units, may lie on the surface.
 constexpr double nearly_zero = 1e-9;
-// Above all roundings of points in units, relative to their coordinates, and of distances.
+// Above all roundings of points in units, relative to their coordinates, and of distances; and above what joining moves
+// the surface that decides the sign, of a mesh that is 512 units long.
 constexpr double rounding = 1e-9;
-
-/// On which side of the line a -> b the point lies, seen along the axis before `first`: -1, 0 or 1.
-int side_of_line(const Vec3& a, const Vec3& b, const Vec3& p, std::size_t first, std::size_t second) {
-    return orientation({a[first], a[second]}, {b[first], b[second]}, {p[first], p[second]});
-}
-
-/// The same in (y, z) for the point displaced by (e, e^2), e positive and arbitrarily small; 0 only if a and b
-/// coincide.
-int displaced_side(const Vec3& a, const Vec3& b, const Vec3& p) {
-    if (const int side = side_of_line(a, b, p, 1, 2); side != 0) return side;
-    if (a[2] != b[2]) return b[2] < a[2] ? 1 : -1;
-    return a[1] == b[1] ? 0 : b[1] > a[1] ? 1 : -1;
-}
+static_assert(1.7321 * 512 * joined_extent < rounding);
 
 /// 1: the point is in front of the face; -1: behind it; 0: in its plane.
 int side_of_face(const Corners& corners, const Vec3& p) {
@@ -86,7 +76,9 @@ Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, cons
     to[0] = is_forward ? infinity : -infinity;
     Crossings crossings;
     engine::visit_faces(mesh, box, [&](std::size_t face) {
-        const Corners corners = mesh.corners(face);
+        const int count = mesh.sign_count(face);
+        if (count == 0) return false;
+        const Corners corners = mesh.sign_corners(face);
         const auto& [a, b, c] = corners;
         if (is_apart(corners, from, to, 1) || is_apart(corners, from, to, 2) || is_apart(corners, from, to, 0))
             return false;
@@ -96,7 +88,7 @@ Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, cons
         const int front = side_of_face(corners, from);
         if ((front == side) == is_forward) return false;
         ++crossings.count;
-        crossings.winding += is_forward ? side : -side;
+        crossings.winding += count * (is_forward ? side : -side);
         return false;
     });
     return crossings;
@@ -107,7 +99,9 @@ Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, cons
 std::optional<Crossings> crossings_along(const engine::PointMesh& mesh, const Vec3& from, const Vec3& to,
                                          const engine::UnitBox& box, Crossings crossings) {
     const bool is_undecided = engine::visit_faces(mesh, box, [&](std::size_t face) {
-        const Corners corners = mesh.corners(face);
+        const int count = mesh.sign_count(face);
+        if (count == 0) return false;
+        const Corners corners = mesh.sign_corners(face);
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (is_apart(corners, from, to, axis)) return false;
         const auto& [a, b, c] = corners;
@@ -119,7 +113,7 @@ std::optional<Crossings> crossings_along(const engine::PointMesh& mesh, const Ve
         if (least < 0 && most > 0) return false;
         if (least == 0 || most == 0) return true;
         ++crossings.count;
-        crossings.winding -= behind;
+        crossings.winding -= count * behind;
         return false;
     });
     return is_undecided ? std::nullopt : std::optional(crossings);
@@ -213,7 +207,9 @@ void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoint
             const KnownBalls::Found known = balls.find(in_units, radius);
             const Crossings crossings = crossings_of(mesh, p, in_units, known);
             if (crossings.are_inside(rule)) signs[i] = CLSDF_POINT_INSIDE;
-            if (!known.is_free) balls.add({in_units, p, radius, crossings});
+            // On the surface with joined vertices a point has the crossings of either side: no way begins there.
+            const bool is_apart = mesh.sign_positions.empty() || radius > 0;
+            if (!known.is_free && is_apart) balls.add({in_units, p, radius, crossings});
         }
     });
 }

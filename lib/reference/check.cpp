@@ -67,9 +67,13 @@ void Judge::Case::report(std::size_t& counter, std::string what, bool of_distanc
 }
 
 Judge::Judge(const TrueSamples& truth, const Field& field, const CheckOptions& options)
-    : truth_(truth), field_(field), options_(options), voxel_(field.grid.voxel()) {
+    : truth_(truth),
+      field_(field),
+      options_(options),
+      voxel_(field.grid.voxel()),
+      joined_margin_(truth.sign_surface().vertices.empty() ? 0 : 1e-12 * truth.tree().mesh().box().longest_side()) {
     if (!field.site().empty() || !field.gradient().empty()) {
-        sites_.emplace(truth.tree().mesh());
+        sites_.emplace(truth.tree().mesh(), truth.sign_surface());
     }
 }
 
@@ -83,8 +87,8 @@ float Judge::fill(bool inside) const {
 }
 
 void Judge::judge(const Index3& index, const TrueSample& truth, Tally& tally) const {
-    const bool in_doubt =
-        truth.on_surface || truth.distance <= std::max(options_.sign_margin_voxels * voxel_, truth.rounding);
+    const bool in_doubt = truth.on_surface || truth.distance <= std::max({options_.sign_margin_voxels * voxel_,
+                                                                          truth.rounding, joined_margin_});
     const double limit = half_width(field_.band, truth_.is_signed(), truth.inside);
     const bool in_band = truth.distance <= limit;
     const bool at_limit = std::isfinite(limit) && std::fabs(truth.distance - limit) <= tolerance(limit);

@@ -52,6 +52,7 @@ private:
     const Field& field_;
     const CheckOptions& options_;
     double voxel_;
+    double joined_margin_;            ///< how far from the surface joined vertices may change the sign
     std::optional<MeshSites> sites_;  ///< if sites or gradients are judged
 };
 

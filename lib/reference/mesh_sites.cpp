@@ -49,47 +49,67 @@ std::optional<Site> same_site(const std::array<Vec3, 3>& face, const SiteCorners
     return std::nullopt;
 }
 
-}  // namespace
-
-MeshSites::MeshSites(const Mesh& mesh) : mesh_(mesh), is_inside_out_(describe_topology(mesh).inside_out) {
-    for (std::uint32_t triangle = 0; triangle < mesh.triangles().size(); ++triangle)
-        for (const Vec3& position : positions_of(mesh, triangle)) {
-            std::vector<std::uint32_t>& faces = faces_[position];
-            if (faces.empty() || faces.back() != triangle) faces.push_back(triangle);
-        }
-}
-
-SiteCorners MeshSites::corners(std::uint32_t triangle, Site site) const {
-    const std::array<Vec3, 3> face = positions_of(mesh_, triangle);
+SiteCorners corners_of(const Mesh& mesh, std::uint32_t triangle, Site site) {
+    const std::array<Vec3, 3> face = positions_of(mesh, triangle);
     const std::size_t number = number_of(site);
     if (number < 3) return {1, {face[number]}};
     if (number < 6) return {2, {face[number - 3], face[(number - 2) % 3]}};
     return {3, face};
 }
 
-std::vector<std::uint32_t> MeshSites::faces_at(std::uint32_t triangle, Site site) const {
+}  // namespace
+
+MeshSites::FacesAt MeshSites::find_faces(const Mesh& mesh) {
+    FacesAt all;
+    for (std::uint32_t triangle = 0; triangle < mesh.triangles().size(); ++triangle)
+        for (const Vec3& position : positions_of(mesh, triangle)) {
+            std::vector<std::uint32_t>& faces = all[position];
+            if (faces.empty() || faces.back() != triangle) faces.push_back(triangle);
+        }
+    return all;
+}
+
+MeshSites::MeshSites(const Mesh& mesh, const SignSurface& surface)
+    : mesh_(mesh), surface_(surface), faces_(find_faces(mesh)), is_inside_out_(describe_topology(mesh).inside_out) {
+    if (surface.is_mesh()) return;
+    std::vector<Triangle> triangles = mesh.triangles();
+    for (Triangle& triangle : triangles)
+        for (std::uint32_t& index : triangle) index = surface.vertex(index);
+    joined_.emplace(mesh.vertices(), std::move(triangles));
+    joined_faces_ = find_faces(*joined_);
+}
+
+SiteCorners MeshSites::corners(std::uint32_t triangle, Site site) const {
+    return corners_of(mesh_, triangle, site);
+}
+
+std::vector<std::uint32_t> MeshSites::faces_at(const Mesh& mesh, const FacesAt& all, std::uint32_t triangle,
+                                               Site site) {
     if (site == Site::face) return {triangle};
-    const SiteCorners of_site = corners(triangle, site);
+    const SiteCorners of_site = corners_of(mesh, triangle, site);
     std::vector<std::uint32_t> faces;
-    for (const std::uint32_t face : faces_.at(of_site.positions[0]))
-        if (same_site(positions_of(mesh_, face), of_site)) faces.push_back(face);
+    for (const std::uint32_t face : all.at(of_site.positions[0]))
+        if (same_site(positions_of(mesh, face), of_site)) faces.push_back(face);
     return faces;
 }
 
 std::pair<std::uint32_t, Site> MeshSites::lowest(std::uint32_t triangle, Site site) const {
     if (site == Site::face) return {triangle, site};
-    const std::uint32_t first = faces_at(triangle, site).front();
+    const std::uint32_t first = faces_at(mesh_, faces_, triangle, site).front();
     return {first, *same_site(positions_of(mesh_, first), corners(triangle, site))};
 }
 
-std::optional<Vec3> MeshSites::pseudonormal(std::uint32_t triangle, Site site) const {
+template <typename Count>
+std::optional<Vec3> MeshSites::pseudonormal(const Mesh& mesh, const FacesAt& all, std::uint32_t triangle, Site site,
+                                            const Count& count) {
     WideVector sum = WideVector::Zero();
     std::optional<WideVector> first;
     Wide weights = 0;
-    const SiteCorners of_site = corners(triangle, site);
-    for (const std::uint32_t face : faces_at(triangle, site)) {
-        const std::array<Vec3, 3> positions = positions_of(mesh_, face);
+    const SiteCorners of_site = corners_of(mesh, triangle, site);
+    for (const std::uint32_t face : faces_at(mesh, all, triangle, site)) {
+        const std::array<Vec3, 3> positions = positions_of(mesh, face);
         const WideVector normal =
+            count(face) *
             difference(positions[1], positions[0]).cross(difference(positions[2], positions[0])).stableNormalized();
         if (!(normal.norm() > 0.5L)) continue;
         Wide weight = 1;
@@ -106,6 +126,16 @@ std::optional<Vec3> MeshSites::pseudonormal(std::uint32_t triangle, Site site) c
     if (!first) return std::nullopt;
     const WideVector unit = sum.norm() > cancelled * weights ? WideVector(sum / sum.norm()) : *first;
     return Vec3{static_cast<double>(unit[0]), static_cast<double>(unit[1]), static_cast<double>(unit[2])};
+}
+
+std::optional<Vec3> MeshSites::pseudonormal(std::uint32_t triangle, Site site) const {
+    const auto direction = [&](std::uint32_t face) { return Wide(surface_.direction(face)); };
+    if (site == Site::face) return pseudonormal(mesh_, faces_, triangle, site, direction);
+    if (joined_)
+        if (const auto normal = pseudonormal(*joined_, joined_faces_, triangle, site,
+                                             [&](std::uint32_t face) { return Wide(surface_.count(face)); }))
+            return normal;
+    return pseudonormal(mesh_, faces_, triangle, site, [](std::uint32_t) { return Wide(1); });
 }
 
 }  // namespace clsdf::reference

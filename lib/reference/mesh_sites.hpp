@@ -3,6 +3,8 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/reference.hpp>
 
+#include "mesh/sign_surface.hpp"
+
 #include <map>
 #include <optional>
 #include <vector>
@@ -19,8 +21,8 @@ struct SiteCorners {
 /// from several threads at once.
 class MeshSites {
 public:
-    /// The mesh must outlive this.
-    explicit MeshSites(const Mesh& mesh);
+    /// Both must outlive this. surface: that decides the sign, and with it the pseudonormals.
+    MeshSites(const Mesh& mesh, const SignSurface& surface);
 
     SiteCorners corners(std::uint32_t triangle, Site site) const;
 
@@ -34,10 +36,19 @@ public:
     bool is_inside_out() const { return is_inside_out_; }
 
 private:
-    std::vector<std::uint32_t> faces_at(std::uint32_t triangle, Site site) const;
+    using FacesAt = std::map<Vec3, std::vector<std::uint32_t>>;  ///< at each position, ascending
+    static FacesAt find_faces(const Mesh& mesh);
+    static std::vector<std::uint32_t> faces_at(const Mesh& mesh, const FacesAt& faces, std::uint32_t triangle,
+                                               Site site);
+    template <typename Count>
+    static std::optional<Vec3> pseudonormal(const Mesh& mesh, const FacesAt& faces, std::uint32_t triangle, Site site,
+                                            const Count& count);
 
     const Mesh& mesh_;
-    std::map<Vec3, std::vector<std::uint32_t>> faces_;  ///< at each position, ascending
+    const SignSurface& surface_;
+    FacesAt faces_;
+    std::optional<Mesh> joined_;  ///< with the positions that decide the sign, if they are others
+    FacesAt joined_faces_;
     bool is_inside_out_;
 };
 

@@ -15,7 +15,7 @@ Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, Sign
     grid.validate();
     const TrueSamples truth(mesh, grid, sign, band.widest());
 
-    const MeshSites sites(mesh);
+    const MeshSites sites(mesh, truth.sign_surface());
     OutputSet outputs;
     for (const OutputInfo& info : output_table()) outputs.insert(info.output);
     Field field(FieldDescription{grid, band, truth.sign(), mesh.name()}, outputs);

@@ -2,6 +2,8 @@
 
 #include <clsdf/topology.hpp>
 
+#include "mesh/topology.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -10,12 +12,31 @@
 
 namespace clsdf::reference {
 
+namespace {
+
+/// The mesh of another surface that decides the sign; null if it is the mesh.
+std::unique_ptr<const Mesh> mesh_of(const SignSurface& surface, const Mesh& mesh) {
+    if (surface.is_mesh()) return nullptr;
+    std::vector<Triangle> triangles;
+    for (std::size_t face = 0; face < mesh.triangles().size(); ++face)
+        triangles.push_back(surface.triangle(mesh.triangles()[face], face));
+    return std::make_unique<const Mesh>(mesh.vertices(), std::move(triangles), mesh.name());
+}
+
+}  // namespace
+
 TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, double reach)
+    : TrueSamples(mesh, grid, sign, describe_mesh(mesh), reach) {}
+
+TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, DescribedMesh described, double reach)
     : grid_(grid),
-      sign_(resolve_sign_rule(sign, describe_topology(mesh)).rule),
+      sign_(resolve_sign_rule(sign, described.topology).rule),
+      surface_(is_signed() ? std::move(described.surface) : SignSurface()),
       reach_(reach),
       tree_(mesh),
-      rays_(tree_) {
+      sign_mesh_(mesh_of(surface_, mesh)),
+      sign_tree_(sign_mesh_ ? std::make_unique<const TriangleTree>(*sign_mesh_) : nullptr),
+      rays_(sign_tree_ ? *sign_tree_ : tree_) {
     grid_.validate();
 }
 

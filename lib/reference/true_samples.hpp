@@ -5,6 +5,11 @@
 #include "triangle.hpp"
 #include "triangle_tree.hpp"
 
+#include "mesh/sign_surface.hpp"
+#include "mesh/topology.hpp"
+
+#include <memory>
+
 namespace clsdf::reference {
 
 /// The true values of one sample.
@@ -30,6 +35,8 @@ public:
     SignRule sign() const { return sign_; }
     bool is_signed() const { return sign_ != SignRule::none; }
     const TriangleTree& tree() const { return tree_; }
+    /// The surface that decides the sign; the mesh if there is no sign.
+    const SignSurface& sign_surface() const { return surface_; }
 
     TrueSample at(const Index3& index) const;
 
@@ -43,13 +50,17 @@ public:
     }
 
 private:
+    TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, DescribedMesh described, double reach);
     void measure(const ExactPosition& position, double bound, TrueSample& sample) const;
     void take_sign(const std::optional<RayCount>& count, TrueSample& sample) const;
 
     Grid grid_;
     SignRule sign_;
+    SignSurface surface_;
     double reach_;
     TriangleTree tree_;
+    std::unique_ptr<const Mesh> sign_mesh_;  ///< null if it is the mesh
+    std::unique_ptr<const TriangleTree> sign_tree_;
     RayCounter rays_;
 };
 

@@ -3,8 +3,12 @@
 #include <clsdf/field.hpp>
 #include <clsdf/io.hpp>
 
+#include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
+
+#include <array>
+#include <string>
 
 using clsdf::test::check_refused;
 using clsdf::test::content_of;
@@ -132,6 +136,51 @@ BOOST_AUTO_TEST_CASE(says_what_the_mesh_is_like_and_counts_bytes_in_whole_number
     BOOST_TEST(topology["unbalanced_edges"] == 3);
     for (const char* count : {"non_manifold_edges", "coincident_vertices", "unused_vertices", "repeated_vertex_faces"})
         BOOST_TEST(topology[count] == 0);
+}
+
+// A cube of facets with vertices of their own that differ by noise, with a face twice.
+BOOST_AUTO_TEST_CASE(says_what_decides_the_sign_and_joins_what_is_to_be_welded) {
+    const auto cube = [](double noise) {
+        const std::array<std::array<int, 3>, 12> corners{{{0, 2, 1},
+                                                          {1, 2, 3},
+                                                          {4, 5, 6},
+                                                          {5, 7, 6},
+                                                          {0, 1, 4},
+                                                          {1, 5, 4},
+                                                          {2, 6, 3},
+                                                          {3, 6, 7},
+                                                          {0, 4, 2},
+                                                          {2, 4, 6},
+                                                          {1, 3, 5},
+                                                          {3, 7, 5}}};
+        std::string vertices, triangles;
+        int count = 0;
+        const auto add = [&](const std::array<int, 3>& face) {
+            triangles += fmt::format("3 {} {} {}\n", count, count + 1, count + 2);
+            for (const int corner : face) {
+                vertices += fmt::format("{} {} {}\n", (corner & 1) + noise * (count % 3),
+                                        (corner >> 1 & 1) + noise * (count % 2), (corner >> 2) - noise * (count % 5));
+                ++count;
+            }
+        };
+        for (const std::array<int, 3>& face : corners) add(face);
+        add(corners[7]);
+        return fmt::format("OFF\n{} 13 0\n{}{}", count, vertices, triangles);
+    };
+    const TemporaryFolder folder;
+    const json topology = dry_run(folder.file("noise.off", cube(1e-15)), {})["topology"];
+    BOOST_TEST(topology["balanced"] == true);
+    BOOST_TEST(topology["duplicate_faces"] == 1);
+    BOOST_TEST(topology["uncounted_faces"] == 1);
+    BOOST_TEST(topology["reoriented_faces"] == 0);
+    BOOST_TEST(topology["parts"] == 1);
+    BOOST_TEST(topology["joined_vertices"].get<int>() > 8);
+    const std::string coarse = folder.file("coarse.off", cube(1e-7));
+    BOOST_TEST(dry_run(coarse, {})["sign"] == "none");
+    BOOST_TEST(dry_run(coarse, {"--weld", "1e-6"})["sign"] == "nonzero");
+    BOOST_TEST(dry_run(coarse, {"--weld", "0.0001%"})["sign"] == "nonzero");
+    check_refused(run_command({"compute", coarse, "--dry-run", "--weld", "3v"}, no_devices), 2, {"--weld", "3v"});
+    check_refused(run_command({"compute", coarse, "--dry-run", "--weld", "-1"}, no_devices), 2, {"-1"});
 }
 
 BOOST_AUTO_TEST_CASE(says_how_much_of_the_field_is_in_memory_at_once) {

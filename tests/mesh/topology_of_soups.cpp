@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 
 namespace clsdf {
@@ -53,38 +54,98 @@ struct Uses {
     std::size_t place = 0;  // of the first use
 };
 
-Topology describe_by_map(const Mesh& mesh) {
+using Edges = std::map<std::pair<std::uint32_t, std::uint32_t>, Uses>;
+
+bool repeats(const Triangle& t) {
+    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
+Edges edges_of(const std::vector<Triangle>& triangles, const std::vector<Vec3>& vertices) {
+    Edges edges;
+    std::size_t place = 0;
+    for (const Triangle& t : triangles)
+        for (std::size_t k = 0; k < 3 && !repeats(t); ++k, ++place) {
+            const std::uint32_t from = t[k], to = t[(k + 1) % 3];
+            Uses& uses = edges.try_emplace(std::minmax(from, to), Uses{0, 0, {vertices[from], vertices[to]}, place})
+                             .first->second;
+            ++(from < to ? uses.upward : uses.downward);
+        }
+    return edges;
+}
+
+bool are_balanced(const Edges& edges) {
+    return std::ranges::all_of(edges, [](const auto& edge) { return edge.second.upward == edge.second.downward; });
+}
+
+bool are_closed(const Edges& edges) {
+    return std::ranges::all_of(edges,
+                               [](const auto& edge) { return (edge.second.upward + edge.second.downward) % 2 == 0; });
+}
+
+/// Of faces with the same vertices the first counts, in the direction of most of them, or none.
+std::vector<Triangle> counted_once(const std::vector<Triangle>& triangles, std::size_t& uncounted, bool& has_odd) {
+    std::map<Triangle, std::vector<std::size_t>> groups;
+    for (std::size_t face = 0; face < triangles.size(); ++face) {
+        if (repeats(triangles[face])) continue;
+        Triangle sorted = triangles[face];
+        std::sort(sorted.begin(), sorted.end());
+        groups[sorted].push_back(face);
+    }
+    std::vector<Triangle> result(triangles.size(), Triangle{0, 0, 0});
+    uncounted = 0;
+    has_odd = false;
+    for (const auto& [sorted, faces] : groups) {
+        const Triangle& first = triangles[faces[0]];
+        int net = 0;
+        for (const std::size_t face : faces) {
+            const Triangle& t = triangles[face];
+            const bool is_same = (t[0] == first[0] && t[1] == first[1]) || (t[1] == first[0] && t[2] == first[1]) ||
+                                 (t[2] == first[0] && t[0] == first[1]);
+            net += is_same ? 1 : -1;
+        }
+        if (net > 0) result[faces[0]] = first;
+        if (net < 0) result[faces[0]] = {first[0], first[2], first[1]};
+        uncounted += faces.size() - (net != 0 ? 1U : 0U);
+        has_odd = has_odd || faces.size() % 2 != 0;
+    }
+    return result;
+}
+
+/// Nothing if the surface is to be oriented, which maps do not do.
+std::optional<Topology> describe_by_map(const Mesh& mesh) {
     const std::vector<std::uint32_t> first = first_by_map(mesh.vertices());
     Topology report;
     std::set<std::uint32_t> used;
     std::set<std::uint32_t> represented;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, Uses> edges;
-    std::size_t place = 0;
+    std::vector<Triangle> triangles;
     for (const Triangle& triangle : mesh.triangles()) {
         used.insert(triangle.begin(), triangle.end());
         Triangle t{};
         std::transform(triangle.begin(), triangle.end(), t.begin(), [&](std::uint32_t v) { return first[v]; });
         represented.insert(t.begin(), t.end());
-        const bool repeats = t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-        report.repeated_vertex_faces += repeats;
-        for (std::size_t k = 0; k < 3 && !repeats; ++k, ++place) {
-            const std::uint32_t from = t[k];
-            const std::uint32_t to = t[(k + 1) % 3];
-            Uses& uses =
-                edges
-                    .try_emplace(std::minmax(from, to), Uses{0, 0, {mesh.vertices()[from], mesh.vertices()[to]}, place})
-                    .first->second;
-            ++(from < to ? uses.upward : uses.downward);
-        }
+        report.repeated_vertex_faces += repeats(t);
+        triangles.push_back(t);
     }
     report.unused_vertices = mesh.vertices().size() - used.size();
     report.coincident_vertices = used.size() - represented.size();
+    Edges edges = edges_of(triangles, mesh.vertices());
+    for (const auto& [edge, uses] : edges) report.non_manifold_edges += uses.upward + uses.downward > 2;
+    if (!are_balanced(edges)) {
+        std::size_t uncounted = 0;
+        bool has_odd = false;
+        const Edges once = edges_of(counted_once(triangles, uncounted, has_odd), mesh.vertices());
+        if (!are_closed(edges) || are_closed(once) || !has_odd) {
+            edges = once;
+            report.uncounted_faces = uncounted;
+        }
+        if (!are_balanced(edges) && are_closed(edges)) return std::nullopt;
+    }
     std::map<std::size_t, Topology::Edge> open;
     std::map<std::size_t, Topology::Edge> unbalanced;
     for (const auto& [edge, uses] : edges) {
-        report.non_manifold_edges += uses.upward + uses.downward > 2;
         if (uses.upward != uses.downward) unbalanced[uses.place] = uses.first;
         if ((uses.upward + uses.downward) % 2 != 0) open[uses.place] = uses.first;
+        report.boundary_edges += uses.upward + uses.downward == 1;
     }
     report.open_edges = open.size();
     report.unbalanced_edges = unbalanced.size();
@@ -108,11 +169,12 @@ BOOST_AUTO_TEST_CASE(soups_are_described_as_maps_describe_them) {
                 const Mesh mesh(lattice_points(random, count, side), random_triangles(random, 2 * count, count));
                 BOOST_TEST(first_equal_vertices(mesh.vertices()) == first_by_map(mesh.vertices()),
                            boost::test_tools::per_element());
-                const Topology expected = describe_by_map(mesh);
+                const std::optional<Topology> expected = describe_by_map(mesh);
+                if (!expected) continue;
                 for (const int threads : {1, 2, 16}) {
                     tbb::task_arena arena(threads);
                     const Topology found = arena.execute([&] { return describe_topology(mesh); });
-                    test::check_same_counts(found, expected);
+                    test::check_same_counts(found, *expected);
                 }
             }
         }

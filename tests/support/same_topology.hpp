@@ -24,6 +24,10 @@ inline void check_same_counts(const Topology& found, const Topology& expected) {
     BOOST_TEST(found.repeated_vertex_faces == expected.repeated_vertex_faces);
     BOOST_TEST(found.coincident_vertices == expected.coincident_vertices);
     BOOST_TEST(found.unused_vertices == expected.unused_vertices);
+    BOOST_TEST(found.boundary_edges == expected.boundary_edges);
+    BOOST_TEST(found.joined_vertices == expected.joined_vertices);
+    BOOST_TEST(found.uncounted_faces == expected.uncounted_faces);
+    BOOST_TEST(found.reoriented_faces == expected.reoriented_faces);
     BOOST_TEST(are_same(found.first_open_edges, expected.first_open_edges));
     BOOST_TEST(are_same(found.first_unbalanced_edges, expected.first_unbalanced_edges));
 }

@@ -486,7 +486,9 @@ typedef struct clsdf_edge {
     double to[3];
 } clsdf_edge;
 
-/* The facts that decide the sign rule. Vertices of equal coordinates count as one. */
+/* The facts that decide the sign rule. Vertices of equal coordinates count as one. If the mesh itself is not balanced,
+ * another surface decides the sign, with joined vertices, doubled faces that count once and faces turned around: what
+ * is said of closed and balanced meshes and of edges is true of that surface. */
 typedef struct clsdf_topology {
     size_t struct_size;
     int32_t closed;     /* 1: every undirected edge has an even number of faces */
@@ -495,7 +497,7 @@ typedef struct clsdf_topology {
     int32_t reserved;
     int64_t open_edges;            /* undirected edges with an odd number of faces */
     int64_t unbalanced_edges;      /* undirected edges not used equally often in both directions */
-    int64_t non_manifold_edges;    /* undirected edges with more than two faces */
+    int64_t non_manifold_edges;    /* undirected edges with more than two faces, of the mesh itself */
     int64_t repeated_vertex_faces; /* faces with fewer than three different vertices */
     int64_t coincident_vertices;   /* vertices in use that equal an earlier one */
     int64_t unused_vertices;
@@ -503,6 +505,18 @@ typedef struct clsdf_topology {
     int64_t first_unbalanced_count; /* of first_unbalanced */
     clsdf_edge first_open[5];       /* in the order of the triangles */
     clsdf_edge first_unbalanced[5];
+    int64_t boundary_edges;        /* undirected edges with one face: some of the open ones */
+    int64_t joined_vertices;       /* in use, differ from another one by rounding and count as it */
+    int64_t duplicate_faces;       /* with the vertices of an earlier face; 0 if every edge has two faces */
+    int64_t uncounted_faces;       /* of doubled faces those that do not count for the sign */
+    int64_t reoriented_faces;      /* look the wrong way and are turned around for the sign */
+    int64_t inner_wall_faces;      /* between regions; without them the mesh would be balanced */
+    int64_t first_inner_wall_face; /* the lowest of them, counted from 0, as those that follow */
+    int64_t parts;                 /* of a balanced mesh: those that share no vertex; else 0 */
+    int64_t inward_parts;          /* look inwards and are not wholly within others */
+    int64_t first_inward_face;     /* the lowest face of the first of them */
+    int64_t nested_parts;          /* lie within others, look the same way and are filled */
+    int64_t first_nested_face;     /* the lowest face of the first of them */
 } clsdf_topology;
 #define CLSDF_EDGE_INIT \
     {                   \
@@ -512,8 +526,11 @@ typedef struct clsdf_topology {
     }
 #define CLSDF_FIVE_EDGES_INIT \
     { CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT }
-#define CLSDF_TOPOLOGY_INIT \
-    { sizeof(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT, CLSDF_FIVE_EDGES_INIT }
+#define CLSDF_TOPOLOGY_INIT                                                                                          \
+    {                                                                                                                \
+        sizeof(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT, CLSDF_FIVE_EDGES_INIT, 0, \
+            0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                                                                          \
+    }
 
 /* Defects beside those of edges. The distance is exact in spite of them. */
 typedef struct clsdf_defects {
@@ -556,6 +573,9 @@ CLSDF_API clsdf_status clsdf_mesh_read_files(const char* const* paths, int64_t c
                                              clsdf_mesh** mesh);
 /* The mesh in which vertices of equal coordinates are one, with the same index base. */
 CLSDF_API clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** welded);
+/* The mesh in which vertices are one, too, if they differ by at most `tolerance` on every axis, in the mesh's units, or
+ * are connected by others that do; clusters longer than four tolerances are left apart. */
+CLSDF_API clsdf_status clsdf_mesh_weld_within(const clsdf_mesh* mesh, double tolerance, clsdf_mesh** welded);
 /* Writes by the file's ending, complete or not at all. `colours`: red, green, blue of each triangle, as uint8_t
  * [colour_count][3], or null and 0. Threads: any number. */
 CLSDF_API clsdf_status clsdf_mesh_write(const clsdf_mesh* mesh, const char* path, const uint8_t* colours,

@@ -55,6 +55,13 @@ clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** welded) {
     });
 }
 
+clsdf_status clsdf_mesh_weld_within(const clsdf_mesh* mesh, double tolerance, clsdf_mesh** welded) {
+    return made(welded, "welded", [&] {
+        const clsdf_mesh& self = of(mesh);
+        return new clsdf_mesh(weld(self.mesh, tolerance), self.index_base);
+    });
+}
+
 clsdf_status clsdf_mesh_write(const clsdf_mesh* mesh, const char* path, const std::uint8_t* colours,
                               std::int64_t colour_count) {
     return guarded([&] {

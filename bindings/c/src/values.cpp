@@ -252,6 +252,18 @@ clsdf_topology as_c(const Topology& topology) {
     };
     result.first_open_count = copy(topology.first_open_edges, result.first_open);
     result.first_unbalanced_count = copy(topology.first_unbalanced_edges, result.first_unbalanced);
+    result.boundary_edges = static_cast<std::int64_t>(topology.boundary_edges);
+    result.joined_vertices = static_cast<std::int64_t>(topology.joined_vertices);
+    result.duplicate_faces = static_cast<std::int64_t>(topology.duplicate_faces);
+    result.uncounted_faces = static_cast<std::int64_t>(topology.uncounted_faces);
+    result.reoriented_faces = static_cast<std::int64_t>(topology.reoriented_faces);
+    result.inner_wall_faces = static_cast<std::int64_t>(topology.inner_wall_faces);
+    result.first_inner_wall_face = static_cast<std::int64_t>(topology.first_inner_wall_face);
+    result.parts = static_cast<std::int64_t>(topology.parts);
+    result.inward_parts = static_cast<std::int64_t>(topology.inward_parts);
+    result.first_inward_face = static_cast<std::int64_t>(topology.first_inward_face);
+    result.nested_parts = static_cast<std::int64_t>(topology.nested_parts);
+    result.first_nested_face = static_cast<std::int64_t>(topology.first_nested_face);
     return result;
 }
 

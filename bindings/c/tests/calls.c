@@ -177,7 +177,7 @@ static void check_meshes(void) {
     double moved[4][3];
     clsdf_array array;
     float moved_vertices[4][4], found;
-    int64_t moved_faces[3][4];
+    int64_t moved_faces[3][4], swapped;
     const double point[3] = {0, 0, 3};
     const clsdf_array at = clsdf_host_array(CLSDF_FLOAT64, point, 1);
     const clsdf_target target = float_target(&found, 1);
@@ -233,6 +233,11 @@ static void check_meshes(void) {
     OK(clsdf_mesh_hash(other, &other_hash));
     CHECK(other_hash == hash);
     clsdf_mesh_release(other);
+    FAILS(CLSDF_INVALID_ARGUMENT, "0 or more", clsdf_mesh_weld_within(own, -1, &other));
+    OK(clsdf_mesh_weld_within(own, 2, &other)); /* one point */
+    OK(clsdf_mesh_vertices(other, &again, &count));
+    CHECK(count == 1);
+    clsdf_mesh_release(other);
 
     memcpy(moved, positions, sizeof moved);
     moved[3][2] = 5;
@@ -254,9 +259,21 @@ static void check_meshes(void) {
     OK(clsdf_mesh_create(&arrays, &own));
     OK(clsdf_mesh_topology(own, &topology));
     CHECK(topology.closed == 0 && topology.open_edges == 3 && topology.first_open_count == 3);
+    CHECK(topology.boundary_edges == 3 && topology.parts == 0 && topology.duplicate_faces == 0);
     FAILS(CLSDF_INVALID_MESH, "edge", clsdf_mesh_sign(own, CLSDF_SIGN_PARITY, &rule, NULL, 0, NULL));
     OK(clsdf_mesh_sign(own, CLSDF_SIGN_AUTOMATIC, &rule, warning, sizeof warning, &length));
     CHECK(rule == CLSDF_SIGN_NONE && length >= (int64_t)sizeof warning && strlen(warning) == sizeof warning - 1);
+    clsdf_mesh_release(own);
+
+    /* One face looks the other way. */
+    arrays.triangles.count = 4;
+    memcpy(moved_faces, faces, sizeof faces);
+    swapped = moved_faces[1][2];
+    moved_faces[1][2] = moved_faces[2][2];
+    moved_faces[2][2] = swapped;
+    OK(clsdf_mesh_create(&arrays, &own));
+    OK(clsdf_mesh_topology(own, &topology));
+    CHECK(topology.balanced == 1 && topology.reoriented_faces == 1 && topology.parts == 1);
     clsdf_mesh_release(own);
     CHECK(clsdf_shape_count() > 10 && clsdf_shape_name(0)[0] != 0 && clsdf_shape_description(0)[0] != 0);
 }

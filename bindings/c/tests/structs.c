@@ -114,6 +114,18 @@ int main(void) {
     MEMBER(clsdf_topology, first_unbalanced_count);
     MEMBER(clsdf_topology, first_open);
     MEMBER(clsdf_topology, first_unbalanced);
+    MEMBER(clsdf_topology, boundary_edges);
+    MEMBER(clsdf_topology, joined_vertices);
+    MEMBER(clsdf_topology, duplicate_faces);
+    MEMBER(clsdf_topology, uncounted_faces);
+    MEMBER(clsdf_topology, reoriented_faces);
+    MEMBER(clsdf_topology, inner_wall_faces);
+    MEMBER(clsdf_topology, first_inner_wall_face);
+    MEMBER(clsdf_topology, parts);
+    MEMBER(clsdf_topology, inward_parts);
+    MEMBER(clsdf_topology, first_inward_face);
+    MEMBER(clsdf_topology, nested_parts);
+    MEMBER(clsdf_topology, first_nested_face);
     SIZE(clsdf_defects);
     MEMBER(clsdf_defects, struct_size);
     MEMBER(clsdf_defects, zero_area_faces);

@@ -170,6 +170,7 @@ contains
     call own%set_positions(x)
     topology = own%topology()
     call check(.not. topology%closed .and. topology%open_edges == 3 .and. size(topology%first_open) == 3, 'open edges')
+    call check(topology%boundary_edges == 3 .and. topology%parts == 0 .and. topology%joined_vertices == 0, 'counts')
     call check(maxval(abs(topology%first_open(1)%from - topology%first_open(1)%to)) == 1, 'an open edge')
     defects = own%defects()
     call check(defects%components == 1 .and. defects%duplicate_faces == 0, 'defects')
@@ -193,6 +194,9 @@ contains
     end block
     call own%weld(welded)
     call check(welded%index_base() == 1, 'a welded mesh')
+    call own%weld(welded, 4d0)
+    call welded%vertices(vertices)
+    call check(size(vertices, 2) == 1, 'a mesh welded to a point')
     call own%set_index_base(0)
     call own%weld(welded)
     call check(welded%index_base() == 0, 'a welded mesh has the index base of the mesh')

@@ -74,13 +74,15 @@ def read_mesh(
     *more: str | os.PathLike[str],
     scale: float = 1.0,
     translate: Any = (0.0, 0.0, 0.0),
+    weld: float = 0.0,
 ) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     """Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply; of several files as one
     mesh: the vertices and faces of each follow those of the one before it. A coordinate x becomes x * scale + translate,
-    in double: scale=0.001 makes metres of millimetres. A MeshWarning says what was skipped or changed. Raises
+    in double: scale=0.001 makes metres of millimetres. weld: the tolerance of weld(), if it is not 0. A MeshWarning says what was skipped or changed. Raises
     clsdf.Error: unreadable_input or invalid_mesh that names the line or the element; unsupported for an unknown ending;
     invalid_argument unless scale > 0."""
-    return _core.read_mesh([os.fspath(name) for name in (path, *more)], scale, translate)
+    vertices, faces = _core.read_mesh([os.fspath(name) for name in (path, *more)], scale, translate)
+    return (vertices, faces) if weld == 0 else _core.weld(vertices, faces, weld)
 
 
 def mesh_hash(mesh: Any) -> int:
@@ -92,11 +94,13 @@ def mesh_hash(mesh: Any) -> int:
     return _core.mesh_hash(vertices, faces)
 
 
-def weld(mesh: Any) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+def weld(mesh: Any, tolerance: float = 0.0) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     """The mesh in which vertices of equal coordinates are one vertex, as vertices (n, 3), float64, and faces (m, 3),
-    uint32, which keep their order. mesh: as for mesh_hash()."""
+    uint32, which keep their order. So are vertices that differ by at most `tolerance` on every axis, in the mesh's
+    units, or are connected by others that do; clusters longer than four tolerances are left apart. mesh: as for
+    mesh_hash()."""
     vertices, faces, _ = arrays_of(mesh)
-    return _core.weld(vertices, faces)
+    return _core.weld(vertices, faces, tolerance)
 
 
 def find_defects(mesh: Any) -> _core.Defects:

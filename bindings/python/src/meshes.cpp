@@ -48,8 +48,8 @@ std::uint64_t hash_of_mesh(nb::handle vertices, nb::handle faces) {
     return with_mesh(vertices, faces, [](const Mesh& mesh) { return mesh.hash(); });
 }
 
-auto welded(nb::handle vertices, nb::handle faces) {
-    return arrays_of(with_mesh(vertices, faces, [](const Mesh& mesh) { return weld(mesh); }));
+auto welded(nb::handle vertices, nb::handle faces, double tolerance) {
+    return arrays_of(with_mesh(vertices, faces, [tolerance](const Mesh& mesh) { return weld(mesh, tolerance); }));
 }
 
 Defects defects_of(nb::handle vertices, nb::handle faces) {
@@ -65,8 +65,10 @@ nb::list list_of(const std::vector<Topology::Edge>& edges) {
 }  // namespace
 
 void add_meshes(nb::module_& module) {
-    nb::class_<Topology>(module, "Topology",
-                         "What the sign rule depends on. Vertices of equal coordinates count as one.")
+    nb::class_<Topology>(
+        module, "Topology",
+        "What the sign rule depends on. Vertices of equal coordinates count as one. If the mesh itself is not\n"
+        "balanced, another surface decides the sign (docs/sign.md), and edges are those of that surface.")
         .def_ro("closed", &Topology::closed, "Every edge has an even number of faces.")
         .def_ro("balanced", &Topology::balanced, "Every edge is used equally often in both directions.")
         .def_ro("inside_out", &Topology::inside_out, "Balanced, and the enclosed volume is negative.")
@@ -86,6 +88,23 @@ void add_meshes(nb::module_& module) {
             nb::sig("def first_unbalanced_edges(self) -> list[tuple[tuple[float, float, float], tuple[float, float, "
                     "float]]]"),
             "The same.")
+        .def_ro("boundary_edges", &Topology::boundary_edges, "Undirected edges with one face: some of the open ones.")
+        .def_ro("joined_vertices", &Topology::joined_vertices,
+                "Vertices in use that differ from another one by rounding and count as it.")
+        .def_ro("duplicate_faces", &Topology::duplicate_faces,
+                "Faces with the vertices of an earlier one; 0 if every edge has two faces.")
+        .def_ro("uncounted_faces", &Topology::uncounted_faces, "Of doubled faces those that do not count for the sign.")
+        .def_ro("reoriented_faces", &Topology::reoriented_faces,
+                "Faces that look the wrong way and are turned around for the sign.")
+        .def_ro("inner_wall_faces", &Topology::inner_wall_faces,
+                "Faces between regions; without them the mesh would be balanced.")
+        .def_ro("parts", &Topology::parts, "Parts of a balanced mesh that share no vertex; else 0.")
+        .def_ro("inward_parts", &Topology::inward_parts, "Parts that look inwards and are not wholly within others.")
+        .def_ro("nested_parts", &Topology::nested_parts,
+                "Parts that lie within others, look the same way and are filled.")
+        .def_ro("first_inner_wall_face", &Topology::first_inner_wall_face)
+        .def_ro("first_inward_face", &Topology::first_inward_face)
+        .def_ro("first_nested_face", &Topology::first_nested_face)
         .def("__repr__", [](const Topology& topology) {
             return std::string("<clsdf.Topology: ") + (topology.closed ? "closed" : "open") +
                    (topology.balanced ? ", balanced" : ", not balanced") +
@@ -112,7 +131,7 @@ void add_meshes(nb::module_& module) {
         "Vertices (n, 3), float64, and faces (m, 3), uint32, of files .off, .obj, .stl or .ply, one after the other.\n"
         "Raises clsdf.Error (unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));
-    module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"));
+    module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"), nb::arg("tolerance") = 0.0);
     module.def("find_defects", &defects_of, nb::arg("vertices"), nb::arg("faces"));
     module.def(
         "make_shape", [](const std::string& name) { return arrays_of(make_shape(name)); }, nb::arg("name"),

@@ -359,8 +359,43 @@ def test_a_mesh_is_welded_and_its_defects_are_counted(solid):
     defects = clsdf.find_defects((vertices, np.concatenate([faces, faces[:2, ::-1]])))
     assert (defects.zero_area_faces, defects.duplicate_faces, defects.components) == (0, 2, 1)
     assert "2 duplicate faces" in repr(defects)
-    doubled = clsdf.Transform(vertices, np.concatenate([faces, faces[:1]]), sign="none").topology
-    assert doubled.unbalanced_edges == len(doubled.first_unbalanced_edges) == 3
+    unbalanced = clsdf.Transform(vertices, faces[1:], sign="none").topology
+    assert unbalanced.unbalanced_edges == len(unbalanced.first_unbalanced_edges) == 3
+    assert unbalanced.boundary_edges == 3
+
+
+def test_what_another_surface_than_the_mesh_decides_is_counted(solid):
+    vertices, faces = solid
+    turned = np.concatenate([faces[:1, ::-1], faces[1:], faces[1:2]])
+    noise = vertices[turned].reshape(-1, 3)
+    noise[::2] *= 1 + 2.0**-52
+    with pytest.warns(clsdf.MeshWarning, match="for the sign, "):
+        body = clsdf.Transform(noise, np.arange(turned.size).reshape(-1, 3))
+    topology = body.topology
+    assert body.sign == "nonzero" and topology.balanced and topology.parts == 1
+    assert topology.joined_vertices > 0 and topology.reoriented_faces == 1
+    assert topology.duplicate_faces == topology.uncounted_faces == 1
+    assert topology.inner_wall_faces == topology.inward_parts == topology.nested_parts == 0
+    torn = noise.copy()
+    torn[0] += 1e-6
+    with pytest.raises(clsdf.Error, match="move apart"):
+        body.set_positions(torn)
+
+
+def test_vertices_that_are_near_are_welded(solid, tmp_path):
+    vertices, faces = solid
+    soup = vertices[faces].reshape(-1, 3)
+    soup[::2] += 1e-7
+    corners = np.arange(faces.size).reshape(-1, 3)
+    assert len(clsdf.weld((soup, corners))[0]) > len(vertices)
+    assert len(clsdf.weld((soup, corners), 1e-6)[0]) == len(vertices)
+    path = tmp_path / "soup.off"
+    rows = [f"{len(soup)} {len(faces)} 0", *(f"{x!r} {y!r} {z!r}" for x, y, z in soup.tolist())]
+    path.write_text("\n".join(["OFF", *rows, *(f"3 {a} {b} {c}" for a, b, c in corners.tolist()), ""]))
+    assert len(clsdf.read_mesh(path)[0]) == len(soup)
+    assert len(clsdf.read_mesh(path, weld=1e-6)[0]) == len(vertices)
+    with pytest.raises(clsdf.Error, match="0 or more"):
+        clsdf.weld((soup, corners), -1)
 
 
 def test_other_meshes_have_other_hashes(solid):

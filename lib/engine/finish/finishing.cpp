@@ -24,11 +24,15 @@ device::BufferPool::Lease site_names(const DeviceTools& tools, const MeshTopolog
     return filling.finish();
 }
 
-device::BufferPool::Lease site_normals(const DeviceTools& tools, const MeshTopology& topology,
-                                       std::span<const Vec3> positions) {
-    const std::size_t count = 18 * topology.order.size();
-    device::HostFilling filling(tools.context, tools.pool, count * sizeof(float), "pseudonormals of the sites");
-    make_pseudonormals(topology, positions, {static_cast<float*>(filling.memory()), count});
+device::BufferPool::Lease site_normals(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
+                                       const MeshTopology& topology) {
+    const std::size_t count = 18 * topology.order.size(), turned = surface.faces.size();
+    device::HostFilling filling(tools.context, tools.pool, (count + turned) * sizeof(float),
+                                "pseudonormals of the sites");
+    auto* const normals = static_cast<float*>(filling.memory());
+    make_pseudonormals(mesh, surface, topology, {normals, count});
+    for (std::size_t face = 0; face < turned; ++face)
+        normals[count + face] = static_cast<float>(surface.direction(face));
     return filling.finish();
 }
 
@@ -62,6 +66,7 @@ Finish Finishing::finish(std::uint32_t wanted, std::uint32_t in_double) const {
     finish.wanted = wanted;
     finish.in_double = in_double;
     finish.renumbered = static_cast<clsdf_uint32>(sites_->renumbered);
+    finish.turned = static_cast<clsdf_uint32>(sites_->turned);
     return finish;
 }
 

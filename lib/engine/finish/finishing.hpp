@@ -10,6 +10,7 @@
 #include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
 #include "layout.h"
+#include "mesh/sign_surface.hpp"
 #include "outputs.h"
 
 #include <cstdint>
@@ -38,13 +39,15 @@ struct DeviceSites {
     std::shared_ptr<const device::BufferPool::Lease> names;    ///< null unless an output names sites
     std::shared_ptr<const device::BufferPool::Lease> normals;  ///< null unless pseudonormals are needed
     std::size_t renumbered = 0;  ///< of a part of a mesh: its triangles; behind `names` are their numbers in the whole
+    std::size_t turned = 0;      ///< triangles whose directions follow the normals; 0: all look to the front
 };
 
 /// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh.
 device::BufferPool::Lease site_names(const DeviceTools& tools, const MeshTopology& topology,
                                      std::span<const std::uint32_t> numbers);
-device::BufferPool::Lease site_normals(const DeviceTools& tools, const MeshTopology& topology,
-                                       std::span<const Vec3> positions);
+/// The pseudonormals and, if some faces are turned around for the sign, 1 or -1 for each triangle.
+device::BufferPool::Lease site_normals(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
+                                       const MeshTopology& topology);
 
 /// The arguments with which brick kernels finish the samples of a grid (kernels/finish/finish.h).
 class Finishing {

@@ -210,7 +210,16 @@ void name_sites(const MeshTopology& topology, std::span<TriangleSites> names) {
     });
 }
 
-void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> positions, std::span<float> normals) {
+namespace {
+
+/// How often a face of the caller's order counts, and in which direction: of a mesh that decides its sign itself.
+constexpr int once(std::uint32_t) {
+    return 1;
+}
+
+template <typename Count>
+void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> positions, const Count& count,
+                        bool keeps_others, std::span<float> normals) {
     UninitializedVector<FaceShape> shapes(topology.order.size());
     for_each_index(shapes.size(), [&](std::size_t face) {
         const auto& [a, b, c] = topology.faces.triangles[face];
@@ -220,13 +229,33 @@ void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> posi
     for_each_site(topology, [&](std::span<const SiteOfFace> faces) {
         NormalSum sum;
         for (const SiteOfFace& face : faces)
-            sum.add(shapes[face.face].normal, face.site < 3 ? shapes[face.face].angles[face.site] : 1);
+            if (const int times = count(face.triangle); times != 0)
+                sum.add(times * shapes[face.face].normal, face.site < 3 ? shapes[face.face].angles[face.site] : 1);
+        if (keeps_others && sum.weights == 0) return;
         std::array<float, 3> normal;
         sum.store(normal.data());
         for (const SiteOfFace& face : faces)
             std::copy(normal.begin(), normal.end(),
                       normals.begin() + static_cast<std::ptrdiff_t>(18 * std::size_t{face.triangle} + 3 * face.site));
     });
+}
+
+}  // namespace
+
+void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> positions, std::span<float> normals) {
+    make_pseudonormals(topology, positions, once, false, normals);
+}
+
+void make_pseudonormals(const Mesh& mesh, const SignSurface& surface, const MeshTopology& topology,
+                        std::span<float> normals) {
+    make_pseudonormals(topology, mesh.vertices(), normals);
+    if (surface.is_mesh()) return;
+    std::vector<Triangle> triangles = mesh.triangles();
+    for (Triangle& triangle : triangles)
+        for (std::uint32_t& index : triangle) index = surface.vertex(index);
+    const MeshTopology of_surface(Mesh(mesh.vertices(), std::move(triangles), mesh.name()), topology.order);
+    make_pseudonormals(
+        of_surface, mesh.vertices(), [&](std::uint32_t face) { return surface.count(face); }, true, normals);
 }
 
 }  // namespace clsdf::engine

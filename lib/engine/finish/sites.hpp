@@ -3,6 +3,7 @@
 #include <clsdf/mesh.hpp>
 
 #include "frusta/topology.hpp"
+#include "mesh/sign_surface.hpp"
 #include "outputs.h"
 
 #include <span>
@@ -16,6 +17,11 @@ void name_sites(const MeshTopology& topology, std::span<TriangleSites> names);
 /// vectors on the side that the faces look to. If the faces' normals cancel, the normal of the first face with area;
 /// NaN if none has area. `positions`: of the mesh's vertices.
 void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> positions, std::span<float> normals);
+
+/// The same for a mesh whose sign another surface decides: sites of that surface, with its faces as they look there.
+/// Faces that it leaves out have the pseudonormals of its sites, or else those of the mesh.
+void make_pseudonormals(const Mesh& mesh, const SignSurface& surface, const MeshTopology& topology,
+                        std::span<float> normals);
 
 /// Whether a sample of the lattice may lie on an edge or a vertex. If none does, gradients on grids need no
 /// pseudonormals. `positions`: in the topology's order.

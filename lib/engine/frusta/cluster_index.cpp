@@ -159,7 +159,8 @@ void keep_non_manifold(const PairedEdges& whole, const std::vector<std::uint32_t
 
 }  // namespace
 
-MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near) {
+MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopology& topology, const Frusta& frusta,
+                 const NearRecords& near) {
     const std::vector<std::uint32_t> faces = faces_of(frusta, near, topology.order.size());
     // The lists are kept: their memory has just their size.
     std::vector<std::uint32_t> triangles(faces.size()), vertices;
@@ -167,7 +168,8 @@ MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& f
     std::sort(triangles.begin(), triangles.end());
     std::vector<bool> is_used(mesh.vertices().size());
     for (const std::uint32_t triangle : triangles)
-        for (const std::uint32_t vertex : mesh.triangles()[triangle]) is_used[vertex] = true;
+        for (const std::uint32_t vertex : mesh.triangles()[triangle])
+            is_used[vertex] = is_used[surface.vertex(vertex)] = true;
     vertices.reserve(static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), true)));
     for (std::size_t vertex = 0; vertex < is_used.size(); ++vertex)
         if (is_used[vertex]) vertices.push_back(static_cast<std::uint32_t>(vertex));
@@ -182,7 +184,18 @@ MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& f
     UninitializedVector<std::uint32_t> order(faces.size());
     for_each_index(faces.size(), [&](std::size_t i) { order[i] = triangle_places[topology.order[faces[i]]]; });
 
-    MeshPart part{Mesh(std::move(positions), std::move(of_part), mesh.name()), std::move(triangles), nullptr, {}};
+    SignSurface of_surface;
+    if (!surface.vertices.empty())
+        for (const std::uint32_t vertex : vertices)
+            of_surface.vertices.push_back(vertex_places[surface.vertex(vertex)]);
+    if (!surface.faces.empty())
+        for (const std::uint32_t triangle : triangles) of_surface.faces.push_back(surface.faces[triangle]);
+
+    MeshPart part{Mesh(std::move(positions), std::move(of_part), mesh.name()),
+                  std::move(of_surface),
+                  std::move(triangles),
+                  nullptr,
+                  {}};
     clsdf::detail::MeshAccess::set_box(part.mesh, mesh.box());
     auto made = std::make_shared<MeshTopology>(part.mesh, std::move(order));
     keep_non_manifold(topology.edges, faces, *made);

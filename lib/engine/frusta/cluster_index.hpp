@@ -3,6 +3,7 @@
 #include "frusta/frusta.hpp"
 #include "frusta/records.hpp"
 #include "frusta/topology.hpp"
+#include "mesh/sign_surface.hpp"
 
 #include <clsdf/mesh.hpp>
 
@@ -59,6 +60,7 @@ private:
 /// A part of a mesh's triangles, with the polyhedra that they have in the whole mesh.
 struct MeshPart {
     Mesh mesh;                             ///< its triangles and vertices ascend as in the whole, and it has its box
+    SignSurface surface;                   ///< the part of the whole mesh's
     std::vector<std::uint32_t> triangles;  ///< of each triangle, its index in the whole
     std::shared_ptr<const MeshTopology> topology;
     Frusta frusta;
@@ -67,7 +69,8 @@ struct MeshPart {
 /// Whole clusters of faces (ClusterIndex) and whole groups of point sites, so that clusters and groups of the part are
 /// those of the whole. Ranges of faces may overlap; those of the point sites' vertices are added. `mesh`: with its
 /// present positions.
-MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near);
+MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopology& topology, const Frusta& frusta,
+                 const NearRecords& near);
 
 /// As mesh.set_positions(), without a look at the triangles. `topology`: the mesh's.
 void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions);

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace clsdf {
@@ -146,22 +147,47 @@ std::uint64_t Mesh::hash() const {
     return hash;
 }
 
-Mesh weld(const Mesh& mesh) {
-    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
+namespace {
+
+/// The mesh with only those vertices that stand for themselves. first: for each vertex the one that stands for it.
+Mesh merged(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
     std::vector<Vec3> vertices;
     std::vector<std::uint32_t> new_index(first.size());
-    for (std::size_t i = 0; i < first.size(); ++i) {
+    for (std::size_t i = 0; i < first.size(); ++i)
         if (first[i] == i) {
             new_index[i] = static_cast<std::uint32_t>(vertices.size());
             vertices.push_back(mesh.vertices()[i]);
-        } else {
-            new_index[i] = new_index[first[i]];
         }
-    }
     std::vector<Triangle> triangles = mesh.triangles();
     for (Triangle& triangle : triangles)
-        for (std::uint32_t& index : triangle) index = new_index[index];
+        for (std::uint32_t& index : triangle) index = new_index[first[index]];
     return Mesh(std::move(vertices), std::move(triangles), mesh.name());
+}
+
+}  // namespace
+
+Mesh weld(const Mesh& mesh) {
+    return merged(mesh, first_equal_vertices(mesh.vertices()));
+}
+
+Mesh weld(const Mesh& mesh, double tolerance) {
+    if (!(tolerance >= 0) || !std::isfinite(tolerance))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("vertices are to be joined within {}; give a length of 0 or more, in the mesh's units",
+                                tolerance));
+    std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
+    std::vector<bool> is_used(first.size());
+    for (const Triangle& triangle : mesh.triangles())
+        for (const std::uint32_t index : triangle) is_used[first[index]] = true;
+    std::vector<std::uint32_t> candidates;
+    for (std::uint32_t vertex = 0; vertex < first.size(); ++vertex)
+        if (is_used[vertex]) candidates.push_back(vertex);
+    std::vector<std::uint32_t> least(first.size());
+    std::iota(least.begin(), least.end(), std::uint32_t{0});
+    for (const auto& [vertex, other] : join_vertices(mesh.vertices(), std::move(candidates), tolerance))
+        least[vertex] = other;
+    for (std::uint32_t& index : first) index = least[index];
+    return merged(mesh, first);
 }
 
 }  // namespace clsdf

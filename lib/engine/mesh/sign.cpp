@@ -19,9 +19,14 @@ std::string text_of(const Vec3& point) {
     return fmt::format("({}, {}, {})", point[0], point[1], point[2]);
 }
 
-/// "3 open edges: (0, 0, 0) to (1, 0, 0), ... and 1 more".
-std::string list_edges(std::size_t count, const char* kind, const std::vector<Topology::Edge>& first) {
-    std::string text = fmt::format("{} {} {}", count, kind, count == 1 ? "edge" : "edges");
+/// "1 face", "3 faces".
+std::string counted(std::size_t count, const char* thing) {
+    return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
+/// ": (0, 0, 0) to (1, 0, 0), ... and 1 more".
+std::string list_edges(std::size_t count, const std::vector<Topology::Edge>& first) {
+    std::string text;
     const char* separator = ": ";
     for (const Topology::Edge& edge : first) {
         text += fmt::format("{}{} to {}", separator, text_of(edge.from), text_of(edge.to));
@@ -31,17 +36,95 @@ std::string list_edges(std::size_t count, const char* kind, const std::vector<To
     return text;
 }
 
+std::string doubled_faces(const Topology& topology) {
+    const std::size_t count = topology.duplicate_faces;
+    return count == 1 ? "1 face is there twice" : fmt::format("{} faces are there twice or more often", count);
+}
+
+/// "it has 3 open edges: ..."; never open if nothing is.
 std::string list_open_edges(const Topology& topology) {
-    return list_edges(topology.open_edges, "open", topology.first_open_edges);
+    const std::size_t open = topology.open_edges, boundary = topology.boundary_edges;
+    const std::string edges = list_edges(open, topology.first_open_edges);
+    if (open == boundary) return fmt::format("it has {} open {}{}", open, open == 1 ? "edge" : "edges", edges);
+    std::string text = fmt::format("{} {} an odd number of faces", counted(open, "edge"), open == 1 ? "has" : "have");
+    if (boundary > 0) text += fmt::format(" ({} of them one face)", boundary);
+    text += edges;
+    if (topology.duplicate_faces > 0) text += "; " + doubled_faces(topology);
+    if (topology.inner_wall_faces > 0)
+        text += fmt::format(
+            "; {} an inner wall, with an inside on both of its sides: leave out triangle {} and those that are joined "
+            "to "
+            "it over edges of two faces",
+            topology.inner_wall_faces == 1 ? "1 face is" : fmt::format("{} faces are", topology.inner_wall_faces),
+            topology.first_inner_wall_face);
+    return text;
 }
 
 std::string list_unbalanced_edges(const Topology& topology) {
-    return list_edges(topology.unbalanced_edges, "unbalanced", topology.first_unbalanced_edges);
+    const std::size_t count = topology.unbalanced_edges;
+    return fmt::format("{} unbalanced {}{}", count, count == 1 ? "edge" : "edges",
+                       list_edges(count, topology.first_unbalanced_edges));
 }
 
-std::string inside_out_warning(const Topology& topology) {
-    if (!topology.inside_out) return {};
-    return "the mesh is inside out (its faces look inwards); the region that it encloses is inside all the same";
+/// Sentences that a semicolon parts.
+class Sentences {
+public:
+    void add(const std::string& sentence) { text_ += (text_.empty() || sentence.empty() ? "" : "; ") + sentence; }
+    std::string text() const { return text_; }
+
+private:
+    std::string text_;
+};
+
+/// The difference of the surface that decides the sign from the mesh; empty if there is none.
+std::string difference_of(const Topology& topology) {
+    std::string text;
+    const auto add = [&](std::size_t count, const std::string& what) {
+        if (count > 0) text += (text.empty() ? "for the sign, " : ", ") + what;
+    };
+    const std::size_t joined = topology.joined_vertices, turned = topology.reoriented_faces;
+    add(joined, fmt::format("{} from another one by rounding and {} as it",
+                            joined == 1 ? "1 vertex differs" : fmt::format("{} vertices differ", joined),
+                            joined == 1 ? "counts" : "count"));
+    add(topology.uncounted_faces,
+        topology.uncounted_faces == 1
+            ? "1 face is there twice and counts once"
+            : fmt::format("{} faces repeat others or cancel them and do not count", topology.uncounted_faces));
+    add(turned,
+        fmt::format("{} the wrong way and {} turned around",
+                    turned == 1 ? "1 face looks" : fmt::format("{} faces look", turned), turned == 1 ? "is" : "are"));
+    return text;
+}
+
+std::string warning_of_parts(const Topology& topology) {
+    Sentences sentences;
+    if (topology.inward_parts > 0)
+        sentences.add(fmt::format(
+            "{} of {} parts {} inwards and {} not wholly within others, so an overlap with them is outside: turn the "
+            "faces of {} around ({} triangle {})",
+            topology.inward_parts, topology.parts, topology.inward_parts == 1 ? "looks" : "look",
+            topology.inward_parts == 1 ? "is" : "are", topology.inward_parts == 1 ? "this part" : "these parts",
+            topology.inward_parts == 1 ? "that of" : "the first is that of", topology.first_inward_face));
+    if (topology.nested_parts > 0)
+        sentences.add(fmt::format(
+            "{} of {} parts {} within others and {} the same way, so {} no cavity (that of triangle {}{}): the sign "
+            "rule "
+            "parity makes cavities of such parts, and so do faces that look inwards",
+            topology.nested_parts, topology.parts, topology.nested_parts == 1 ? "lies" : "lie",
+            topology.nested_parts == 1 ? "looks" : "look", topology.nested_parts == 1 ? "it is" : "they are",
+            topology.first_nested_face, topology.nested_parts == 1 ? "" : " is the first"));
+    return sentences.text();
+}
+
+/// The warnings about a mesh that has a sign.
+std::string warning_of(const Topology& topology, SignRule rule) {
+    Sentences sentences;
+    sentences.add(difference_of(topology));
+    if (topology.inside_out)
+        sentences.add(
+            "the mesh is inside out (its faces look inwards); the region that it encloses is inside all the same");
+    if (rule == SignRule::nonzero) sentences.add(warning_of_parts(topology));
+    return sentences.text();
 }
 
 }  // namespace
@@ -55,15 +138,18 @@ const char* name_of(SignRule rule) {
 ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
     switch (asked) {
         case SignRule::automatic:
-            if (topology.balanced) return {SignRule::nonzero, inside_out_warning(topology)};
-            if (topology.closed)
-                return {
-                    SignRule::parity,
-                    fmt::format("the mesh is closed, but its faces are not oriented alike, so the sign follows from "
-                                "parity; it has {}",
-                                list_unbalanced_edges(topology))};
-            return {SignRule::none, fmt::format("the mesh is not closed, so the distance has no sign; it has {}",
-                                                list_open_edges(topology))};
+            if (topology.balanced) return {SignRule::nonzero, warning_of(topology, SignRule::nonzero)};
+            if (topology.closed) {
+                Sentences sentences;
+                sentences.add(fmt::format(
+                    "the mesh is closed, but its faces are not oriented alike and cannot be, so the sign "
+                    "follows from parity, and regions within an even number of shells are outside; it has {}",
+                    list_unbalanced_edges(topology)));
+                sentences.add(warning_of(topology, SignRule::parity));
+                return {SignRule::parity, sentences.text()};
+            }
+            return {SignRule::none,
+                    fmt::format("the mesh is not closed, so the distance has no sign; {}", list_open_edges(topology))};
         case SignRule::nonzero:
             if (!topology.balanced)
                 throw Error(ErrorCode::invalid_mesh,
@@ -71,14 +157,14 @@ ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
                                         "directions, but this one has {}; {}",
                                         list_unbalanced_edges(topology),
                                         topology.closed ? "the rule parity would do" : "only the rule none would do"));
-            return {SignRule::nonzero, inside_out_warning(topology)};
+            return {SignRule::nonzero, warning_of(topology, SignRule::nonzero)};
         case SignRule::parity:
             if (!topology.closed)
                 throw Error(ErrorCode::invalid_mesh,
-                            fmt::format("the sign rule parity needs a closed mesh, but this one has {}; only the rule "
-                                        "none would do",
+                            fmt::format("the sign rule parity needs a closed mesh; {}; only the rule none would "
+                                        "do",
                                         list_open_edges(topology)));
-            return {SignRule::parity, inside_out_warning(topology)};
+            return {SignRule::parity, warning_of(topology, SignRule::parity)};
         case SignRule::none:
             break;
     }

@@ -2,7 +2,10 @@
 
 #include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
+#include "mesh/local_frame.hpp"
 #include "mesh/one_rings.hpp"
+#include "mesh/parts.hpp"
+#include "mesh/sign_surface.hpp"
 
 #include <clsdf/topology.hpp>
 
@@ -12,6 +15,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -74,10 +78,6 @@ std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices) 
 
 namespace {
 
-bool has_repeated_vertex(const Triangle& triangle) {
-    return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
-}
-
 /// Counts the vertices; `first` as of first_equal_vertices().
 void count_vertices(std::span<const Triangle> triangles, std::span<const std::uint32_t> first, Topology& report) {
     // Counts the vertices number_of(index) of the triangles' indices.
@@ -120,6 +120,7 @@ struct UnbalancedEdge {
 };
 
 struct EdgeCounts {
+    std::size_t boundary = 0;
     std::size_t non_manifold = 0;
     std::vector<UnbalancedEdge> unbalanced{};  ///< sorted
 
@@ -130,11 +131,18 @@ struct EdgeCounts {
                 return triangles[face.edge().face][face.edge().vertex] == lower;
             }));
         if (2 * leaving != faces.size()) unbalanced.push_back({lower, faces[0].other_vertex(), faces.size() % 2 != 0});
+        if (faces.size() == 1) ++boundary;
         if (faces.size() > 2) ++non_manifold;
+    }
+
+    std::size_t open() const {
+        return static_cast<std::size_t>(std::count_if(unbalanced.begin(), unbalanced.end(),
+                                                      [](const UnbalancedEdge& edge) { return edge.is_open; }));
     }
 
     /// Adds the counts of the vertices after these.
     void append(const EdgeCounts& later) {
+        boundary += later.boundary;
         non_manifold += later.non_manifold;
         unbalanced.insert(unbalanced.end(), later.unbalanced.begin(), later.unbalanced.end());
     }
@@ -186,55 +194,164 @@ void report_first_edges(std::vector<UnbalancedEdge> edges, std::span<const Trian
 
 }  // namespace
 
-bool encloses_negative_volume(const Mesh& mesh) {
-    // Halves avoid overflow of the difference of the largest numbers. Relative to the centre, the volume is not lost in
-    // rounding far from the origin.
-    const Box& box = mesh.box();
-    Vec3 centre{};
-    double half_side = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        centre[axis] = 0.5 * box.lower[axis] + 0.5 * box.upper[axis];
-        half_side = std::max(half_side, 0.5 * box.upper[axis] - 0.5 * box.lower[axis]);
-    }
-    if (half_side == 0) return false;
-    const double scale = std::min(1 / half_side, 1e300);  // finite for the smallest numbers, too
-    const auto local = [&](std::uint32_t index) {
-        const Vec3& vertex = mesh.vertices()[index];
-        return Vec3{(vertex[0] - centre[0]) * scale, (vertex[1] - centre[1]) * scale, (vertex[2] - centre[2]) * scale};
-    };
+bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface) {
+    const LocalFrame frame(mesh);
     struct Volume {
         double sum = 0;
         double magnitude = 0;
     };
     constexpr std::size_t grain = 4096;
-    const Volume volume = reduce_ranges(
-        mesh.triangles().size(), grain, Volume{},
-        [&](std::size_t begin, std::size_t end, Volume part) {
-            for (std::size_t t = begin; t != end; ++t) {
-                const Triangle& triangle = mesh.triangles()[t];
-                const Vec3 a = local(triangle[0]);
-                const Vec3 b = local(triangle[1]);
-                const Vec3 c = local(triangle[2]);
-                for (std::size_t i = 0; i < 3; ++i) {
-                    const std::size_t j = (i + 1) % 3;
-                    const std::size_t k = (i + 2) % 3;
-                    part.sum += a[i] * (b[j] * c[k] - b[k] * c[j]);
-                    part.magnitude += std::abs(a[i]) * (std::abs(b[j] * c[k]) + std::abs(b[k] * c[j]));
-                }
-            }
-            return part;
-        },
-        [](const Volume& a, const Volume& b) {
-            return Volume{a.sum + b.sum, a.magnitude + b.magnitude};
-        });
+    const auto sum_of = [&](const auto& triangle_of) {
+        return reduce_ranges(
+            mesh.triangles().size(), grain, Volume{},
+            [&](std::size_t begin, std::size_t end, Volume part) {
+                for (std::size_t t = begin; t != end; ++t) frame.add_volume(triangle_of(t), part.sum, part.magnitude);
+                return part;
+            },
+            [](const Volume& a, const Volume& b) {
+                return Volume{a.sum + b.sum, a.magnitude + b.magnitude};
+            });
+    };
+    const std::vector<Triangle>& given = mesh.triangles();
+    const Volume volume = surface.is_mesh() ? sum_of([&](std::size_t t) -> const Triangle& { return given[t]; })
+                                            : sum_of([&](std::size_t t) { return surface.triangle(given[t], t); });
     const double rounding = static_cast<double>(mesh.triangles().size() + 16) * std::numeric_limits<double>::epsilon();
     return volume.sum < -rounding * volume.magnitude;
 }
 
 namespace {
 
+/// Finds the surface that decides the sign: the rules of docs/sign.md in their order, each only if the surface is not
+/// balanced after the one before.
+class SurfaceSearch {
+public:
+    /// `triangles`: of the mesh, with numbers of vertices that are all different.
+    SurfaceSearch(const Mesh& mesh, std::span<const Triangle> triangles, EdgeCounts edges)
+        : mesh_(mesh), triangles_(triangles.begin(), triangles.end()), edges_(std::move(edges)) {}
+
+    void join_noise() {
+        std::vector<std::uint32_t> ends;
+        for (const UnbalancedEdge& edge : edges_.unbalanced) {
+            ends.push_back(edge.lower);
+            ends.push_back(edge.higher);
+        }
+        std::ranges::sort(ends);
+        const auto repeated = std::ranges::unique(ends);
+        ends.erase(repeated.begin(), repeated.end());
+        const Box& box = mesh_.box();
+        double half_side = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            half_side = std::max(half_side, 0.5 * box.upper[axis] - 0.5 * box.lower[axis]);
+        const std::vector<JoinedVertex> joined =
+            join_vertices(mesh_.vertices(), std::move(ends), 2 * joining_tolerance * half_side);
+        if (joined.empty()) return;
+        joined_ = joined.size();
+        surface_.vertices.resize(mesh_.vertices().size());
+        std::iota(surface_.vertices.begin(), surface_.vertices.end(), std::uint32_t{0});
+        for (const auto& [vertex, least] : joined) surface_.vertices[vertex] = least;
+        for (Triangle& triangle : triangles_)
+            for (std::uint32_t& index : triangle) index = surface_.vertices[index];
+        count();
+    }
+
+    /// Faces of the same three vertices count by their net number, at most once. A closed surface stays as it is if
+    /// that would open it, unless it consists of doubled faces alone.
+    void count_doubled_once(const std::vector<DoubledFace>& doubled) {
+        if (doubled.empty()) return;
+        std::vector<int> net(triangles_.size(), 1);
+        for (const DoubledFace& one : doubled) {
+            net[one.first] += one.is_reversed ? -1 : 1;
+            net[one.face] = 0;
+        }
+        const std::vector<Triangle> before = triangles_;
+        const EdgeCounts edges_before = edges_;
+        std::vector<SignSurface::Use> uses(triangles_.size(), SignSurface::forward);
+        const auto use_of = [&](std::uint32_t first, bool is_reversed) {
+            return (net[first] < 0) != is_reversed ? SignSurface::unused_backward : SignSurface::unused_forward;
+        };
+        for (const DoubledFace& one : doubled) {
+            uses[one.face] = use_of(one.first, one.is_reversed);
+            uses[one.first] = net[one.first] > 0   ? SignSurface::forward
+                              : net[one.first] < 0 ? SignSurface::backward
+                                                   : SignSurface::unused_forward;
+            drop(one.face);
+            if (net[one.first] == 0) drop(one.first);
+        }
+        for (std::uint32_t face = 0; face < triangles_.size(); ++face)
+            if (uses[face] == SignSurface::backward) turn(face);
+        count();
+        if (edges_before.open() == 0 && edges_.open() > 0 && has_odd_face(before, doubled)) {
+            triangles_ = before;
+            edges_ = edges_before;
+            return;
+        }
+        surface_.faces = std::move(uses);
+    }
+
+    /// Turns around the faces that look otherwise than most of their part.
+    void orient_parts(const std::vector<DoubledFace>& doubled) {
+        const std::vector<std::uint32_t> faces = faces_to_turn(mesh_, triangles_);
+        if (faces.empty()) return;
+        for (const std::uint32_t face : faces) turn(face);
+        EdgeCounts before = std::move(edges_);
+        count();
+        if (!is_balanced()) {
+            for (const std::uint32_t face : faces) turn(face);
+            edges_ = std::move(before);
+            return;
+        }
+        const bool has_uses = !surface_.faces.empty();
+        if (!has_uses) surface_.faces.assign(triangles_.size(), SignSurface::forward);
+        for (const std::uint32_t face : faces)
+            surface_.faces[face] = surface_.faces[face] > 0 ? SignSurface::backward : SignSurface::forward;
+        if (has_uses)
+            for (const DoubledFace& one : doubled)
+                if (SignSurface::count_of(surface_.faces[one.first]) != 0)
+                    surface_.faces[one.face] = (surface_.faces[one.first] > 0) != one.is_reversed
+                                                   ? SignSurface::unused_forward
+                                                   : SignSurface::unused_backward;
+        reoriented_ = faces.size();
+    }
+
+    bool is_balanced() const { return edges_.unbalanced.empty(); }
+    bool is_closed() const { return edges_.open() == 0; }
+    std::size_t joined() const { return joined_; }
+    std::size_t reoriented() const { return reoriented_; }
+    std::size_t uncounted() const {
+        return static_cast<std::size_t>(std::ranges::count_if(
+            surface_.faces, [](SignSurface::Use use) { return SignSurface::count_of(use) == 0; }));
+    }
+    const std::vector<Triangle>& triangles() const { return triangles_; }
+    const EdgeCounts& edges() const { return edges_; }
+    SignSurface take_surface() { return std::move(surface_); }
+
+private:
+    /// Whether a face comes an odd number of times, by itself for instance.
+    static bool has_odd_face(std::span<const Triangle> triangles, std::span<const DoubledFace> doubled) {
+        std::vector<std::uint8_t> is_odd(triangles.size(), 1);
+        for (const DoubledFace& one : doubled) {
+            is_odd[one.first] ^= 1U;
+            is_odd[one.face] = 0;
+        }
+        for (std::size_t face = 0; face < triangles.size(); ++face)
+            if (is_odd[face] != 0 && !has_repeated_vertex(triangles[face])) return true;
+        return false;
+    }
+
+    void turn(std::uint32_t face) { std::swap(triangles_[face][1], triangles_[face][2]); }
+    void drop(std::uint32_t face) { triangles_[face][1] = triangles_[face][2] = triangles_[face][0]; }
+    void count() { edges_ = count_edges(triangles_, mesh_.vertices().size()); }
+
+    const Mesh& mesh_;
+    std::vector<Triangle> triangles_;  // of the surface so far; those that do not count have one vertex
+    EdgeCounts edges_;                 // of the surface so far
+    SignSurface surface_;
+    std::size_t joined_ = 0;
+    std::size_t reoriented_ = 0;
+};
+
 /// Describes the edges of a mesh's triangles, whose vertices are all different.
-void describe_edges(const Mesh& mesh, std::span<const Triangle> triangles, Topology& report) {
+SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles, Topology& report) {
     constexpr std::size_t grain = 4096;
     report.repeated_vertex_faces = reduce_ranges(
         triangles.size(), grain, std::size_t{0},
@@ -245,13 +362,38 @@ void describe_edges(const Mesh& mesh, std::span<const Triangle> triangles, Topol
         std::plus<>());
     EdgeCounts edges = count_edges(triangles, mesh.vertices().size());
     report.non_manifold_edges = edges.non_manifold;
-    report.unbalanced_edges = edges.unbalanced.size();
-    report.open_edges = static_cast<std::size_t>(std::count_if(
-        edges.unbalanced.begin(), edges.unbalanced.end(), [](const UnbalancedEdge& edge) { return edge.is_open; }));
-    report_first_edges(std::move(edges.unbalanced), triangles, mesh.vertices(), report);
-    report.closed = report.open_edges == 0;
-    report.balanced = report.unbalanced_edges == 0;
-    report.inside_out = report.balanced && encloses_negative_volume(mesh);
+    if (edges.unbalanced.empty()) {
+        report.closed = report.balanced = true;
+        if (edges.non_manifold > 0) report.duplicate_faces = doubled_faces(triangles).size();
+        report.inside_out = encloses_negative_volume(mesh);
+        return {};
+    }
+    SurfaceSearch search(mesh, triangles, std::move(edges));
+    search.join_noise();
+    const std::vector<DoubledFace> doubled = doubled_faces(search.triangles());
+    if (!search.is_balanced()) search.count_doubled_once(doubled);
+    if (!search.is_balanced() && search.is_closed()) search.orient_parts(doubled);
+    report.joined_vertices = search.joined();
+    report.duplicate_faces = doubled.size();
+    report.uncounted_faces = search.uncounted();
+    report.reoriented_faces = search.reoriented();
+    report.boundary_edges = search.edges().boundary;
+    report.unbalanced_edges = search.edges().unbalanced.size();
+    report.open_edges = search.edges().open();
+    report_first_edges(search.edges().unbalanced, search.triangles(), mesh.vertices(), report);
+    report.closed = search.is_closed();
+    report.balanced = search.is_balanced();
+    if (report.open_edges > 0 && report.boundary_edges == 0) find_inner_walls(mesh, search.triangles(), report);
+    SignSurface surface = search.take_surface();
+    report.inside_out = report.balanced && encloses_negative_volume(mesh, surface);
+    return surface;
+}
+
+/// The triangles of the surface that decides the sign.
+std::vector<Triangle> triangles_of(std::span<const Triangle> given, const SignSurface& surface) {
+    std::vector<Triangle> triangles(given.size());
+    for_each_index(given.size(), [&](std::size_t face) { triangles[face] = surface.triangle(given[face], face); });
+    return triangles;
 }
 
 }  // namespace
@@ -262,24 +404,43 @@ Topology describe_vertices(const Mesh& mesh) {
     return report;
 }
 
-void describe_edges(const Mesh& mesh, bool are_paired, Topology& report) {
+SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, Topology& report) {
+    SignSurface surface;
     if (are_paired) {
         report.closed = report.balanced = true;
         report.inside_out = encloses_negative_volume(mesh);
     } else {
-        describe_edges(mesh, mesh.triangles(), report);
+        surface = describe_edges(mesh, mesh.triangles(), report);
     }
+    report.parts = report.balanced ? 1 : 0;
+    if (report.balanced && (!surface.is_mesh() || !is_one_part(neighbours, mesh.vertices().size())))
+        describe_parts(mesh, triangles_of(mesh.triangles(), surface), report);
+    return surface;
+}
+
+DescribedMesh describe_mesh(const Mesh& mesh) {
+    DescribedMesh described;
+    auto& [report, surface] = described;
+    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
+    count_vertices(mesh.triangles(), first, report);
+    const std::vector<Triangle> own =
+        report.coincident_vertices > 0 ? triangles_over(first, mesh.triangles()) : std::vector<Triangle>();
+    const std::span<const Triangle> triangles = own.empty() ? std::span(mesh.triangles()) : std::span(own);
+    surface = describe_edges(mesh, triangles, report);
+    report.parts = report.balanced ? 1 : 0;
+    if (report.balanced && (!surface.is_mesh() || !is_one_part(triangles, mesh.vertices().size())))
+        describe_parts(mesh, triangles_of(triangles, surface), report);
+    if (!own.empty() && !surface.is_mesh()) {
+        if (surface.vertices.empty())
+            surface.vertices = first;
+        else
+            for (std::size_t v = 0; v < first.size(); ++v) surface.vertices[v] = surface.vertices[first[v]];
+    }
+    return described;
 }
 
 Topology describe_topology(const Mesh& mesh) {
-    Topology report;
-    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
-    count_vertices(mesh.triangles(), first, report);
-    if (report.coincident_vertices > 0)
-        describe_edges(mesh, triangles_over(first, mesh.triangles()), report);
-    else
-        describe_edges(mesh, mesh.triangles(), report);
-    return report;
+    return describe_mesh(mesh).topology;
 }
 
 }  // namespace clsdf

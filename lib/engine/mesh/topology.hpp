@@ -3,6 +3,8 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
+#include "mesh/sign_surface.hpp"
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,14 +15,24 @@ namespace clsdf {
 /// 2^32 - 1 vertices.
 std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices);
 
-/// Whether a closed mesh encloses a volume that is negative by more than its rounding error: its faces look inwards.
-bool encloses_negative_volume(const Mesh& mesh);
+/// Whether a closed surface encloses a volume that is negative by more than its rounding error: its faces look inwards.
+bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface = {});
 
 /// The first half of describe_topology(): the counts of vertices.
 Topology describe_vertices(const Mesh& mesh);
 
-/// The second half, for a mesh whose vertices are all different. are_paired: each edge is known to have two faces,
-/// which run along it in opposite directions; then nothing is left to count.
-void describe_edges(const Mesh& mesh, bool are_paired, Topology& report);
+/// The second half, for a mesh whose vertices are all different, with the surface that decides the sign. The mesh has
+/// its first positions. are_paired: each edge is known to have two faces, which run along it in opposite directions;
+/// then nothing is left to count. neighbours: the faces with other numbers of vertices, best in an order in which
+/// neighbours follow each other.
+SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, Topology& report);
+
+/// A mesh with its first positions, and what decides its sign.
+struct DescribedMesh {
+    Topology topology;
+    SignSurface surface;
+};
+/// Throws as describe_topology() does.
+DescribedMesh describe_mesh(const Mesh& mesh);
 
 }  // namespace clsdf

@@ -2,6 +2,8 @@
 
 #include <clsdf/mesh.hpp>
 
+#include "mesh/sign_surface.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +23,10 @@ public:
     /// is another one, or if vertices that count as one move apart.
     std::vector<Vec3> moved(const Mesh& mesh, std::span<const Vec3> positions) const;
 
+    /// Throws Error(invalid_argument) that names the caller's vertices if some that are joined for the sign move
+    /// farther apart than joined_extent of the longest side. `moved`: as moved() returns them.
+    void check_joined(const Mesh& mesh, const SignSurface& surface, std::span<const Vec3> moved) const;
+
     /// New positions R x + t from the first ones, x, of the transform's mesh; see DistanceTransform::set_motion().
     /// Throws Error(invalid_argument) if R is no rotation.
     static std::vector<Vec3> moved(std::span<const Vec3> first, const std::array<Vec3, 3>& rotation,
@@ -29,6 +35,9 @@ public:
 private:
     std::size_t count_;                  // of the caller's mesh
     std::vector<std::uint32_t> welded_;  // of each of them its index here, or no_vertex; empty if they are the same
+
+    /// The caller's number of a vertex: the first of those that are equal.
+    std::size_t callers_number(std::uint32_t vertex) const;
 
     static constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
 };

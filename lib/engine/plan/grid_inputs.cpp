@@ -1,6 +1,7 @@
 #include "plan/grid_inputs.hpp"
 
 #include "lists/coarse_lists.hpp"
+#include "mesh/box_index.hpp"
 #include "plan/field_method.hpp"
 #include "plan/near_parts.hpp"
 
@@ -42,8 +43,9 @@ public:
         // A small grid stores three vertices per face; the whole mesh shares them, about half a vertex per face.
         if (is_own(near, lone, lattice_.sweep_mesh != nullptr, lattice_.faces_swept,
                    [&] { return 0.1 * count(all_faces()); })) {
-            inputs.sweep_mesh = std::make_shared<const SweepMesh>(near_sweep_mesh(
-                kept_mesh_.tools(), job_.grid, job_.lattice, kept_mesh_.mesh(), kept_mesh_.topology(), near->faces));
+            inputs.sweep_mesh = std::make_shared<const SweepMesh>(
+                near_sweep_mesh(kept_mesh_.tools(), job_.grid, job_.lattice, kept_mesh_.mesh(),
+                                kept_mesh_.sign_surface(), kept_mesh_.topology(), near->faces));
             if (!lone) lattice_.faces_swept += near->face_count;
         } else {
             if (!lattice_.sweep_mesh)
@@ -53,7 +55,7 @@ public:
         }
     }
 
-    void set_may_meet_samples(Inputs& inputs) { inputs.may_meet_samples = kept_mesh_.may_meet_samples(lattice_); }
+    void set_needs_normals(Inputs& inputs) { inputs.needs_normals = kept_mesh_.needs_normals(lattice_); }
 
     /// Selects from those inputs that the lattice keeps.
     void select(Inputs& inputs) {
@@ -101,7 +103,9 @@ private:
     }
     std::optional<NearRecords> near_rows() {
         if (!kept_mesh_.has_frusta()) return std::nullopt;
-        auto near = near_box(box_near_rows(job_), all_faces());
+        Box box = box_near_rows(job_);
+        if (const double gap = kept_mesh_.sign_surface_gap(); gap > 0) box = widened(box, gap);
+        auto near = near_box(box, all_faces());
         return near && is_within_sweep(kept_mesh_.mesh(), job_.grid, job_.lattice) ? std::move(near) : std::nullopt;
     }
 
@@ -121,7 +125,7 @@ Inputs grid_inputs(KeptMesh& kept_mesh, const Job& job, SignRule sign, bool lone
         GridInputs of_grid(kept_mesh, job);
         if (!method) of_grid.set_records(lone, inputs);
         if (sign != SignRule::none) of_grid.set_sweep_mesh(lone, inputs);
-        if (!method && takes_normals(job.outputs)) of_grid.set_may_meet_samples(inputs);
+        if (!method && takes_normals(job.outputs)) of_grid.set_needs_normals(inputs);
         return inputs;
     });
 }

@@ -19,8 +19,8 @@ struct Inputs {
     std::shared_ptr<const SweepMesh> sweep_mesh;  ///< null if the field has no sign
     SweepSelection sweep_selection;               ///< its triangles that matter
     std::shared_ptr<const DeviceSites> sites;     ///< null for the distance alone
-    bool may_meet_samples = false;  ///< set for outputs that take normals: see KeptMesh::may_meet_samples()
-    bool is_inside_out = false;     ///< the faces look inwards, and the field has a sign
+    bool needs_normals = false;                   ///< set for outputs that take normals: see KeptMesh::needs_normals()
+    bool is_inside_out = false;                   ///< the faces look inwards, and the field has a sign
 };
 
 /// The inputs of a job, without sites. The whole mesh's are kept for its lattice. A grid that is small beside the mesh

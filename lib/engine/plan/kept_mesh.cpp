@@ -33,12 +33,15 @@ void check_unbounded_distances(const Mesh& mesh, const Grid& grid, const Band& b
 }  // namespace
 
 KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
-    : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {}
+    : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {
+    set_sign_surface({});
+}
 
 KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, MeshPart part,
                    Restriction restriction, Options options)
     : KeptMesh(context, std::move(pool), std::move(part.mesh), std::move(options)) {
     restriction_.set(std::make_shared<const Restriction>(std::move(restriction)));
+    set_sign_surface(std::move(part.surface));
     topology_.set(std::move(part.topology));
     frusta_.set(std::make_shared<const Frusta>(std::move(part.frusta)));
 }
@@ -47,7 +50,8 @@ std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPoo
                                                SignRule sign) {
     return prepare([&] {
         Restriction restriction(std::move(regions));
-        MeshPart part = part_of(mesh_, topology(), frusta(), restriction.near(index(), sign));
+        MeshPart part =
+            part_of(mesh_, sign_surface(), topology(), frusta(), restriction.near(index(), sign, sign_surface_gap()));
         restriction.numbers = std::move(part.triangles);
         restriction.sample = surface_sample(topology(), frusta());
         std::unique_ptr<KeptMesh> kept_mesh(
@@ -159,10 +163,11 @@ SurfacePoints KeptMesh::points_of(const LatticeView& view) {
 
 SweepMesh KeptMesh::sweep_mesh(const Job& job) {
     const auto faces = device_faces(job.lattice);
-    return make_sweep_mesh(set_up(), job.grid, job.lattice, mesh_, names(), faces.get());
+    return make_sweep_mesh(set_up(), job.grid, job.lattice, mesh_, sign_surface(), names(), faces.get());
 }
 
-bool KeptMesh::may_meet_samples(Lattice& lattice) {
+bool KeptMesh::needs_normals(Lattice& lattice) {
+    if (!sign_surface().faces.empty()) return true;
     if (!lattice.may_meet_samples)
         lattice.may_meet_samples =
             engine::may_meet_samples(topology(), frusta().positions, lattice.origin, lattice.spacing);
@@ -170,7 +175,7 @@ bool KeptMesh::may_meet_samples(Lattice& lattice) {
 }
 
 bool KeptMesh::encloses_negative_volume() {
-    return *encloses_negative_volume_.get_or([&] { return clsdf::encloses_negative_volume(mesh_); });
+    return *encloses_negative_volume_.get_or([&] { return clsdf::encloses_negative_volume(mesh_, sign_surface()); });
 }
 
 std::shared_ptr<const DeviceSites> KeptMesh::sites(bool with_names, bool with_normals) {
@@ -178,9 +183,11 @@ std::shared_ptr<const DeviceSites> KeptMesh::sites(bool with_names, bool with_no
         std::span<const std::uint32_t> numbers;
         if (restriction_) numbers = restriction_->numbers;
         if (with_names) site_names_.get_or([&] { return site_names(tools(), topology(), numbers); });
-        if (with_normals) pseudonormals_.get_or([&] { return site_normals(tools(), topology(), mesh_.vertices()); });
-        return std::make_shared<const DeviceSites>(
-            DeviceSites{site_names_.get(), pseudonormals_.get(), site_names_ ? numbers.size() : 0});
+        if (with_normals)
+            pseudonormals_.get_or([&] { return site_normals(tools(), mesh_, sign_surface(), topology()); });
+        return std::make_shared<const DeviceSites>(DeviceSites{site_names_.get(), pseudonormals_.get(),
+                                                               site_names_ ? numbers.size() : 0,
+                                                               pseudonormals_ ? sign_surface().faces.size() : 0});
     });
 }
 

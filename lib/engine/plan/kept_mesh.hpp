@@ -13,6 +13,7 @@
 #include "frusta/prepared_mesh.hpp"
 #include "frusta/topology.hpp"
 #include "launch/programs.hpp"
+#include "mesh/sign_surface.hpp"
 #include "plan/job.hpp"
 #include "plan/kept.hpp"
 #include "plan/lattice.hpp"
@@ -73,6 +74,17 @@ public:
     std::shared_ptr<const MeshTopology> shared_topology();
     const Frusta& frusta();
 
+    /// The surface that decides the sign; that of the first positions serves all later ones. Without it the mesh
+    /// decides.
+    const SignSurface& sign_surface() const { return *sign_surface_; }
+    void set_sign_surface(SignSurface surface) {
+        sign_surface_.set(std::make_shared<const SignSurface>(std::move(surface)));
+    }
+    /// How far it may lie from the mesh, in the mesh's units, and more.
+    double sign_surface_gap() const {
+        return sign_surface().vertices.empty() ? 0 : 2 * joined_extent * mesh_.box().longest_side();
+    }
+
     /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
 
@@ -86,8 +98,9 @@ public:
 
     /// The kept values of a grid's lattice, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
-    /// Whether samples of the lattice may lie on an edge or a vertex, so that gradients need pseudonormals.
-    bool may_meet_samples(Lattice& lattice);
+    /// Whether gradients on the lattice need pseudonormals: samples may lie on an edge or a vertex, or on a face that
+    /// is turned around for the sign.
+    bool needs_normals(Lattice& lattice);
     /// The records that a lattice keeps: all; for a part of a mesh, those that distances in its box can need. Faces
     /// that a part has for the sign alone need no records.
     const NearRecords& kept_ranges(Lattice& lattice);
@@ -162,6 +175,7 @@ private:
     bool has_moved_ = false;
     KeptValues kept_;  // those that follow, in their order
     Kept<Restriction> restriction_{kept_, MadeOf::triangles};
+    Kept<SignSurface> sign_surface_{kept_, MadeOf::triangles};
     Kept<MeshTopology> topology_{kept_, MadeOf::triangles};
     Kept<bool> encloses_negative_volume_{kept_, MadeOf::positions};
     Kept<Frusta> frusta_{kept_, MadeOf::positions};

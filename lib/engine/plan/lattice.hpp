@@ -40,7 +40,7 @@ public:
     std::shared_ptr<const PreparedMesh> records{};
     std::shared_ptr<const SweepMesh> sweep_mesh{};
     std::shared_ptr<const SurfacePoints> points{};
-    std::optional<bool> may_meet_samples{};  ///< see KeptMesh::may_meet_samples()
+    std::optional<bool> may_meet_samples{};  ///< see KeptMesh::needs_normals()
     /// Numbers of faces whose records, or triangles of the sweep, were made for small grids only.
     std::size_t faces_packed = 0;
     std::size_t faces_swept = 0;

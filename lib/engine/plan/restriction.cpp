@@ -51,13 +51,13 @@ std::size_t Restriction::host_bytes() const {
     return numbers.size() * sizeof(numbers[0]) + sample.size() * sizeof(sample[0]);
 }
 
-NearRecords Restriction::near(const ClusterIndex& index, SignRule sign) {
+NearRecords Restriction::near(const ClusterIndex& index, SignRule sign, double joined) {
     // Up to the grids' outermost bricks and the slack of their tests, which is far less than a sample.
     std::vector<Box> boxes, rows;
     for (const Region& region : regions) {
         boxes.push_back(widened(region.box, region.half_width * (1 + 1e-3) + (CLSDF_BRICK + 1) * region.spacing));
         // The sweep's rows are those of the grid's bricks: see box_near_rows().
-        rows.push_back(widened(region.box, (CLSDF_BRICK + 1) * region.spacing));
+        rows.push_back(widened(region.box, (CLSDF_BRICK + 1) * region.spacing + joined));
         rows.back().lower[0] = -infinite_length;
     }
     NearRecords near = index.near(boxes);

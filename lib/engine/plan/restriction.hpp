@@ -30,8 +30,8 @@ public:
     std::size_t host_bytes() const;
 
     /// The triangles that decide distances, and signs, of samples of any lattice in the regions; at least one. Sets
-    /// record_count.
-    NearRecords near(const ClusterIndex& index, SignRule sign);
+    /// record_count. joined: how far those that decide the sign may lie from the mesh's.
+    NearRecords near(const ClusterIndex& index, SignRule sign, double joined);
     /// Those that decide distances of samples of a lattice.
     NearRecords near_bricks(const ClusterIndex& index, const Vec3& origin, const Vec3& spacing) const;
 

@@ -90,6 +90,7 @@ struct SweepLattice {
 
 /// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.
 device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLattice& lattice, const Mesh& mesh,
+                                         const SignSurface& surface,
                                          const UninitializedVector<std::uint32_t>& numbers) {
     device::HostFilling filling(job.tools.context, job.tools.pool, numbers.size() * sizeof(SweepVertex),
                                 vertices_purpose);
@@ -97,7 +98,7 @@ device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLatt
     const std::size_t none = mesh.vertices().size();
     LeastIndex far(none);
     for_each_index(numbers.size(), [&](std::size_t v) {
-        if (!lattice.snap(mesh.vertices()[numbers[v]], vertices[v])) far.take(numbers[v]);
+        if (!lattice.snap(mesh.vertices()[surface.vertex(numbers[v])], vertices[v])) far.take(numbers[v]);
     });
     if (far.get() != none)
         throw Error(ErrorCode::unsupported,
@@ -120,6 +121,19 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
     return vertices;
 }
 
+/// The triangles of the surface, with numbers of vertices as in the topology.
+device::BufferPool::Lease triangles_of(const DeviceSetUp& job, const SignSurface& surface,
+                                       const MeshTopology& topology) {
+    const std::size_t count = topology.order.size();
+    device::HostFilling filling(job.tools.context, job.tools.pool, count * sizeof(Triangle), "triangles");
+    auto* const triangles = static_cast<Triangle*>(filling.memory());
+    const SignSurface uses{{}, surface.faces};
+    for_each_index(count, [&](std::size_t face) {
+        triangles[face] = uses.triangle(topology.faces.triangles[face], topology.order[face]);
+    });
+    return filling.finish();
+}
+
 }  // namespace
 
 SweepSelection select_triangles(const device::Context& context, const NearRecords& near) {
@@ -139,14 +153,18 @@ const cl::Buffer& SweepMesh::triangles() const {
 }
 
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces) {
+                          const SignSurface& surface, const std::shared_ptr<const DeviceFaces::Names>& names,
+                          const DeviceFaces* faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, view, mesh);
         SweepMesh result;
-        result.faces = names;
-        result.vertices = faces != nullptr && is_within_sweep(mesh, grid, view)
+        if (surface.faces.empty())
+            result.faces = names;
+        else
+            result.own_triangles = triangles_of(job, surface, *names->topology);
+        result.vertices = faces != nullptr && surface.vertices.empty() && is_within_sweep(mesh, grid, view)
                               ? vertices_on_device(job, lattice, *faces)
-                              : sweep_vertices(job, lattice, mesh, names->topology->faces.vertices);
+                              : sweep_vertices(job, lattice, mesh, surface, names->topology->faces.vertices);
         result.triangle_count = names->face_count();
         result.bits_y = lattice.bits_y;
         result.bits_z = lattice.bits_z;
@@ -162,7 +180,8 @@ bool is_within_sweep(const Mesh& mesh, const Grid& grid, const LatticeView& view
 }
 
 SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const MeshTopology& topology, const std::vector<RecordRange>& faces) {
+                          const SignSurface& surface, const MeshTopology& topology,
+                          const std::vector<RecordRange>& faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, view, mesh);
         std::size_t count = 0;
@@ -176,14 +195,17 @@ SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Latt
         std::size_t begin = 0;
         for (const RecordRange& range : faces) {
             for_each_range(range.end - range.begin, [&](std::size_t from, std::size_t to) {
-                for (std::size_t i = from; i < to; ++i)
+                for (std::size_t i = from; i < to; ++i) {
+                    const std::size_t face = range.begin + i;
+                    Triangle swept = topology.faces.triangles[face];
+                    for (std::uint32_t& vertex : swept) vertex = topology.faces.vertices[vertex];
+                    if (!surface.is_mesh()) swept = surface.triangle(swept, topology.order[face]);
                     for (std::size_t k = 0; k < 3; ++k) {
                         const std::size_t n = 3 * (begin + i) + k;
-                        const std::uint32_t vertex =
-                            topology.faces.vertices[topology.faces.triangles[range.begin + i][k]];
-                        lattice.snap(mesh.vertices()[vertex], vertices[n]);
+                        lattice.snap(mesh.vertices()[swept[k]], vertices[n]);
                         triangles[begin + i][k] = static_cast<std::uint32_t>(n);
                     }
+                }
             });
             begin += range.end - range.begin;
         }

@@ -8,6 +8,7 @@
 #include "frusta/device_faces.hpp"
 #include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
+#include "mesh/sign_surface.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -41,16 +42,18 @@ struct SweepSelection {
 /// Selects from a mesh that make_sweep_mesh() made.
 SweepSelection select_triangles(const device::Context& context, const NearRecords& near);
 
-/// Throws Error(unsupported) if the mesh reaches farther from the grid's origin than the sweep's integers.
-/// view: of the grid's lattice. `faces`: null if the host makes the vertices.
+/// The mesh with the surface that decides its sign. Throws Error(unsupported) if it reaches farther from the grid's
+/// origin than the sweep's integers. view: of the grid's lattice. `faces`: null if the host makes the vertices.
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces);
+                          const SignSurface& surface, const std::shared_ptr<const DeviceFaces::Names>& names,
+                          const DeviceFaces* faces);
 
 /// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
 bool is_within_sweep(const Mesh& mesh, const Grid& grid, const LatticeView& view);
 
 /// The faces that rows of a part of the lattice can cross, without the others. The sign has the same bits.
 SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const MeshTopology& topology, const std::vector<RecordRange>& faces);
+                          const SignSurface& surface, const MeshTopology& topology,
+                          const std::vector<RecordRange>& faces);
 
 }  // namespace clsdf::engine

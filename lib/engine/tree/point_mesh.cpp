@@ -182,6 +182,28 @@ private:
     std::span<Polyhedron> records_;
 };
 
+void set_sign_surface(PointMesh& result, const Mesh& mesh, const SignSurface& surface) {
+    const MeshTopology& topology = *result.topology;
+    if (!surface.vertices.empty()) {
+        const UninitializedVector<std::uint32_t>& vertices = topology.faces.vertices;
+        std::vector<bool> is_joined(mesh.vertices().size());
+        for (std::uint32_t vertex = 0; vertex < is_joined.size(); ++vertex)
+            if (const std::uint32_t other = surface.vertex(vertex); other != vertex)
+                is_joined[vertex] = is_joined[other] = true;
+        result.sign_positions.resize(vertices.size());
+        result.is_joined.resize(vertices.size());
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+            result.sign_positions[i] = mesh.vertices()[surface.vertex(vertices[i])];
+            result.is_joined[i] = is_joined[vertices[i]];
+        }
+    }
+    if (surface.faces.empty()) return;
+    result.sign_counts.resize(result.face_count());
+    for_each_index(result.face_count(), [&](std::size_t face) {
+        result.sign_counts[face] = static_cast<std::int8_t>(surface.count(topology.order[face]));
+    });
+}
+
 void fill_upper_levels(PointMesh& mesh) {
     const PointTree& tree = mesh.tree;
     for (std::size_t level = 1; level < tree.levels; ++level)
@@ -255,7 +277,8 @@ UnitBox face_box(const PointMesh& mesh, std::size_t face) {
     return box;
 }
 
-PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, std::shared_ptr<const MeshTopology> topology) {
+PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
+                          std::shared_ptr<const MeshTopology> topology) {
     PointMesh result;
     result.lattice = lattice_for_points(mesh);
     result.box = mesh.box();
@@ -263,6 +286,8 @@ PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, std::share
     const UninitializedVector<std::uint32_t>& vertices = result.topology->faces.vertices;
     result.positions.resize(vertices.size());
     for_each_index(vertices.size(), [&](std::size_t i) { result.positions[i] = mesh.vertices()[vertices[i]]; });
+
+    set_sign_surface(result, mesh, surface);
 
     result.tree = shape_of(result.face_count());
     result.nodes.assign(result.tree.first[result.tree.levels - 1] + 1, empty_node());

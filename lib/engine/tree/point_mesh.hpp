@@ -5,11 +5,13 @@
 #include "frusta/frames.hpp"
 #include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
+#include "mesh/sign_surface.hpp"
 
 #include "point_tree.h"
 
 #include <clsdf/mesh.hpp>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -41,6 +43,9 @@ struct PointMesh {
     bool has_several_regions = false;  ///< a part: between points of two regions, any face may be missing
     std::shared_ptr<const MeshTopology> topology;  ///< whose faces the tree's faces are
     UninitializedVector<Vec3> positions;           ///< of the vertices, numbered as in MeshTopology::faces
+    std::vector<Vec3> sign_positions;              ///< those that decide the sign; empty: the same
+    std::vector<std::int8_t> sign_counts;          ///< how often each face counts for the sign; empty: once
+    std::vector<bool> is_joined;                   ///< of each vertex, whether it is with another one; empty: none
     PointTree tree{};
     std::vector<PointNode> nodes;  ///< by levels; the children of the first level are faces; the root is the last
 
@@ -63,7 +68,24 @@ struct PointMesh {
         return {positions[a], positions[b], positions[c]};
     }
 
-    std::size_t host_bytes() const { return positions.size() * sizeof(Vec3) + nodes.size() * sizeof(PointNode); }
+    /// The corners that decide the sign, in the order as given: within joined_extent of the mesh's side of the others.
+    std::array<Vec3, 3> sign_corners(std::size_t face) const {
+        if (sign_positions.empty()) return corners(face);
+        const auto& [a, b, c] = topology->faces.triangles[face];
+        return {sign_positions[a], sign_positions[b], sign_positions[c]};
+    }
+    /// How often the face counts for the sign: 1, 0, or -1 if it is turned around.
+    int sign_count(std::size_t face) const { return sign_counts.empty() ? 1 : sign_counts[face]; }
+    /// Whether a face has a vertex that is joined with another one, and its corners may be others for the sign.
+    bool has_joined_vertex(std::size_t face) const {
+        return !is_joined.empty() && std::ranges::any_of(topology->faces.triangles[face],
+                                                         [&](std::uint32_t vertex) { return is_joined[vertex]; });
+    }
+
+    std::size_t host_bytes() const {
+        return (positions.size() + sign_positions.size()) * sizeof(Vec3) + sign_counts.size() + is_joined.size() / 8 +
+               nodes.size() * sizeof(PointNode);
+    }
     std::size_t device_bytes() const {
         return device_nodes.bytes() + leaves.bytes() + polyhedra.bytes() + faces.bytes();
     }
@@ -121,6 +143,7 @@ bool visit_faces(const PointMesh& mesh, const UnitBox& box, const Visit& visit) 
 }
 
 /// Throws Error(invalid_argument or out_of_memory).
-PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, std::shared_ptr<const MeshTopology> topology);
+PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
+                          std::shared_ptr<const MeshTopology> topology);
 
 }  // namespace clsdf::engine

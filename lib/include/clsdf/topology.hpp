@@ -15,6 +15,7 @@ enum class SignRule : std::int32_t {
     nonzero = 1,    ///< inside if the winding number is not zero; needs a balanced mesh
     parity = 2,     ///< inside if a ray crosses the surface an odd number of times; needs a closed mesh
     none = 3,       ///< no sign: the distance alone
+    // 4 is kept for solid_angle: open meshes by the winding number beyond one half.
 };
 
 /// "auto", "nonzero", "parity", "none".
@@ -22,6 +23,10 @@ CLSDF_EXPORT const char* name_of(SignRule rule);
 
 /// The properties of a mesh that the sign rule depends on. Vertices of equal coordinates count as one. Faces with
 /// repeated vertices are left out; faces of zero area count.
+///
+/// If the mesh itself is not balanced, another surface decides the sign (docs/sign.md): vertices that differ by
+/// rounding are joined, doubled faces count once, faces that look the wrong way are turned around. What is said of
+/// closed and balanced meshes and of edges is true of that surface.
 struct Topology {
     struct Edge {
         Vec3 from;
@@ -34,12 +39,25 @@ struct Topology {
 
     std::size_t open_edges = 0;             ///< undirected edges with an odd number of faces
     std::size_t unbalanced_edges = 0;       ///< undirected edges not used equally often in both directions
-    std::size_t non_manifold_edges = 0;     ///< undirected edges with more than two faces
+    std::size_t non_manifold_edges = 0;     ///< undirected edges with more than two faces, of the mesh itself
     std::size_t repeated_vertex_faces = 0;  ///< faces with fewer than three different vertices
     std::size_t coincident_vertices = 0;    ///< vertices in use that equal an earlier one
     std::size_t unused_vertices = 0;
     std::vector<Edge> first_open_edges;        ///< up to five, in the order of the triangles
     std::vector<Edge> first_unbalanced_edges;  ///< up to five
+
+    std::size_t boundary_edges = 0;    ///< undirected edges with one face: some of the open ones
+    std::size_t joined_vertices = 0;   ///< vertices in use that differ from another one by rounding and count as it
+    std::size_t duplicate_faces = 0;   ///< with the vertices of an earlier face; 0 if every edge has two faces
+    std::size_t uncounted_faces = 0;   ///< of doubled faces those that do not count for the sign
+    std::size_t reoriented_faces = 0;  ///< faces that look the wrong way and are turned around for the sign
+    std::size_t inner_wall_faces = 0;  ///< faces between regions; without them the mesh would be balanced
+    std::size_t first_inner_wall_face = 0;  ///< the lowest of them
+    std::size_t parts = 0;                  ///< of a balanced mesh: those that share no vertex; else 0
+    std::size_t inward_parts = 0;           ///< parts that look inwards and are not wholly within others
+    std::size_t first_inward_face = 0;      ///< the lowest face of the first of them
+    std::size_t nested_parts = 0;           ///< parts that lie within others, look the same way and are filled
+    std::size_t first_nested_face = 0;      ///< the lowest face of the first of them
 };
 
 /// Throws Error(unsupported) for 2^30 triangles or more.

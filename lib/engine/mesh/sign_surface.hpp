@@ -1,0 +1,73 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf {
+
+/// The surface that decides the sign (docs/sign.md): the mesh, but for vertices that differ by rounding, doubled faces
+/// and faces that look the wrong way. It follows from the triangles and the first positions; it is empty, and the mesh
+/// itself decides, if the mesh is balanced. Distances, slopes, sites and the lowest triangle never depend on it.
+struct SignSurface {
+    /// The part of a face in the surface. A face that does not count has a direction for the gradient on it.
+    enum Use : std::int8_t { backward = -1, forward = 1, unused_backward = -2, unused_forward = 2 };
+
+    std::vector<std::uint32_t> vertices;  ///< for each vertex of the mesh that whose position counts; empty: itself
+    std::vector<Use> faces;               ///< of each face of the mesh; empty: all are forward
+
+    bool is_mesh() const { return vertices.empty() && faces.empty(); }
+    std::uint32_t vertex(std::uint32_t v) const { return vertices.empty() ? v : vertices[v]; }
+    /// How often the face counts: 1, 0, or -1 if it is turned around.
+    int count(std::size_t face) const { return faces.empty() ? 1 : count_of(faces[face]); }
+    /// -1 if the face's normal points to the back of the surface.
+    int direction(std::size_t face) const { return faces.empty() || faces[face] > 0 ? 1 : -1; }
+
+    static int count_of(Use use) { return use == forward ? 1 : use == backward ? -1 : 0; }
+
+    /// The face with the vertices that count, turned around if it is backward; a point if it does not count.
+    Triangle triangle(const Triangle& given, std::size_t face) const {
+        const Triangle counting{vertex(given[0]), vertex(given[1]), vertex(given[2])};
+        const int times = count(face);
+        if (times > 0) return counting;
+        if (times < 0) return {counting[0], counting[2], counting[1]};
+        return {counting[0], counting[0], counting[0]};
+    }
+
+    std::size_t host_bytes() const { return vertices.size() * sizeof(vertices[0]) + faces.size() * sizeof(faces[0]); }
+};
+
+/// Vertices nearer to each other than that part of the longest side are joined.
+inline constexpr double joining_tolerance = 0x1p-43;
+/// A cluster of joined vertices that is longer, as a multiple of the tolerance, is left apart.
+inline constexpr double longest_cluster = 4;
+/// The same as a part of the longest side: joined vertices never are farther apart on an axis.
+inline constexpr double joined_extent = longest_cluster * joining_tolerance;
+
+/// A vertex that is joined, and the one of its cluster whose position is least in (x, y, z).
+struct JoinedVertex {
+    std::uint32_t vertex;
+    std::uint32_t least;
+};
+
+/// Joins those of the candidates (numbers of positions, all different) that differ by at most `tolerance` on every
+/// axis, and what is connected that way, unless the cluster is longer than longest_cluster tolerances on an axis.
+/// Returns the vertices that are not the least of their cluster, ascending.
+std::vector<JoinedVertex> join_vertices(std::span<const Vec3> positions, std::vector<std::uint32_t> candidates,
+                                        double tolerance);
+
+/// Faces with the same three vertices, and one of them.
+struct DoubledFace {
+    std::uint32_t face;
+    std::uint32_t first;  ///< the lowest of them
+    bool is_reversed;     ///< the two are oriented differently
+};
+
+/// The faces with the three different vertices of an earlier one, in the order of the groups.
+std::vector<DoubledFace> doubled_faces(std::span<const Triangle> triangles);
+
+}  // namespace clsdf
