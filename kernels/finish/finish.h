@@ -119,7 +119,8 @@ INLINE void load_halves(__global const Polyhedron* p, __private double* halves) 
         *from_x = select(select(far_x, -far_x, o.left), nothing, is_face);                                            \
         *from_y = select(far_y, nothing, is_face);                                                                    \
         const Real other_edge = select((Real)FRAME_LEFT_EDGE, (Real)FRAME_RIGHT_EDGE, o.left);                        \
-        const Real of_face = select((Real)CLSDF_SITE_OF_FACE, other_edge, other_outward >= -tolerance);               \
+        const Mask is_on_other = other_outward >= -tolerance;                                                         \
+        const Real of_face = select((Real)CLSDF_SITE_OF_FACE, other_edge, is_on_other);                               \
         *site = select(number, of_face, is_face);                                                                     \
     }
 DEFINE_EDGE_OFFSETS(EdgeOffsets, edge_offsets, double, long)
