@@ -151,7 +151,7 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
 }
 
 clsdf::Device BenchOptions::open_device() const {
-    return ::open_device(device);
+    return report == nullptr ? ::open_device(device) : ::open_device(device, *report);
 }
 
 std::vector<std::string> BenchOptions::names_of_meshes(const std::vector<std::string>& own_list) const {
@@ -309,6 +309,7 @@ Command add_bench(Parser& program) {
                 check_options(*chosen, parser);
                 make_quick(parser, *options);
                 options->quiet = report.quiet;
+                options->report = &report;
                 show_progress(*options);
                 std::optional<clsdf::bench::ThreadLimit> limit;
                 if (options->threads) limit.emplace(*options->threads);

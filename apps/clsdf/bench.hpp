@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+struct Report;
+
 struct NamedMesh {
     std::string name;  ///< "bunny00"
     clsdf::Mesh mesh;
@@ -33,6 +35,7 @@ struct BenchOptions {
     std::string commit;
     bool quick = false;
     bool quiet = false;
+    Report* report = nullptr;  ///< for warnings
 
     clsdf::Device open_device() const;
 

@@ -264,7 +264,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     ProgressBar progress(!report.quiet);
 
     const Stopwatch setup;
-    const clsdf::Device device = named ? *named : open_device({});
+    const clsdf::Device device = named ? *named : open_device({}, report);
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
     clsdf::CallOptions call;

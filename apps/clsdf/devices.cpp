@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
@@ -52,6 +53,20 @@ clsdf::Device open_device(const std::string& choice) {
     const std::string folder = clsdf::Device::default_record_folder();
     device.keep_records(folder);
     device.read_programs(folder);
+    return device;
+}
+
+clsdf::Device open_device(const std::string& choice, Report& report) {
+    clsdf::Device device = open_device(choice);
+    static std::atomic<bool> is_told = false;
+    if (!choice.empty() || !device_variable().empty() || is_told.exchange(true)) return device;
+    // Such an entry means that no GPU can be used.
+    for (const DeviceInfo& info : clsdf::Device::all())
+        if (info.source == clsdf::DeviceSource::device_file)
+            report.warn(
+                fmt::format("{} is not used ({}): {}; taken is \"{}\"; --device or CLSDF_DEVICE names a device "
+                            "without this warning",
+                            info.name, info.driver_file, info.why_not, device.name()));
     return device;
 }
 
@@ -302,6 +317,8 @@ Json describe(const DeviceInfo& info) {
             {"fp64", known(info.fp64)},
             {"atomics64", known(info.atomics64)},
             {"float_width", known(info.float_width)},
+            {"source", name_of(info.source)},
+            {"driver_file", not_empty(info.driver_file)},
             {"usable", info.usable()},
             {"why_not", not_empty(info.why_not)}};
 }
@@ -312,6 +329,20 @@ Json describe(const Devices& devices) {
     Json taken;
     if (devices.taken != nullptr) taken = {{"index", devices.taken->index}, {"reason", reason_of_choice(devices)}};
     return {{"devices", all}, {"taken", taken}};
+}
+
+std::string how_found(const DeviceInfo& info) {
+    switch (info.source) {
+        case clsdf::DeviceSource::registered:
+            break;
+        case clsdf::DeviceSource::bundled:
+            return "in clsdf's package: " + info.driver_file;
+        case clsdf::DeviceSource::unregistered:
+            return "in a driver that OpenCL's loader does not know: " + info.driver_file;
+        case clsdf::DeviceSource::device_file:
+            return "by its file: " + info.driver_file;
+    }
+    return "by OpenCL's loader";
 }
 
 void print_human(const DeviceInfo& info) {
@@ -327,6 +358,7 @@ void print_human(const DeviceInfo& info) {
                    human_bytes(static_cast<double>(info.largest_allocation)));
         print_text("   fp64      {}; 64-bit atomics {}\n", yes_or_no(info.fp64), yes_or_no(info.atomics64));
     }
+    print_text("   found     {}\n", how_found(info));
     print_text("   usable    {}\n", info.usable() ? "yes" : "no: " + info.why_not);
 }
 

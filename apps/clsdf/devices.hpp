@@ -14,6 +14,8 @@ void add_device_option(Parser& parser, std::string& choice, const std::string& d
 /// The device that --device names, else Device::automatic(), with records in the user's folder. Throws
 /// Error(no_device), which names the option if it was given.
 clsdf::Device open_device(const std::string& choice);
+/// The same. Warns once a process if nobody named a device, and the machine has GPUs of which none can be used.
+clsdf::Device open_device(const std::string& choice, Report& report);
 
 /// Whether the user's folder has no record of a test yet.
 bool is_first_use();

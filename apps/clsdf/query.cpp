@@ -104,7 +104,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     const std::vector<std::string> meshes = options.meshes();
     keep_mesh(meshes, options.output);
     keep_input(options.points(), options.output, "file of points");
-    const clsdf::Device device = open_device(options.device);
+    const clsdf::Device device = open_device(options.device, report);
     const Stopwatch read;
     const clsdf::Mesh mesh = welded(read_body(meshes, report, options.placement), options.weld);
     const std::vector<Vec3> points = clsdf::read_points(options.points());

@@ -116,7 +116,7 @@ ExitStatus run(RenderOptions options, Report& report) {
     clsdf::picture::Axis upright{};
     std::string device_name;
     try {
-        const clsdf::Device device = open_device(options.device);
+        const clsdf::Device device = open_device(options.device, report);
         const SurfacePictures pictures(field, device, offset);
         level = pictures.offset();
         upright = pictures.upright();

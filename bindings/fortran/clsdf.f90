@@ -28,7 +28,8 @@ module clsdf
       clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, clsdf_slab, clsdf_slab_sink
   public :: clsdf_progress_procedure, clsdf_stop_procedure, clsdf_log_procedure, clsdf_slab_procedure
   public :: clsdf_version, clsdf_version_text, clsdf_last_error, clsdf_last_opencl_error, clsdf_set_last_error, &
-      clsdf_status_name, clsdf_type_name, clsdf_sign_name, clsdf_device_kind_name, clsdf_output_count, &
+      clsdf_status_name, clsdf_type_name, clsdf_sign_name, clsdf_device_kind_name, &
+      clsdf_device_source_name, clsdf_output_count, &
       clsdf_output_describe, clsdf_band_symmetric, clsdf_band_full, clsdf_band_signs_only, clsdf_infinity, &
       clsdf_length_resolve, clsdf_devices_list, clsdf_default_record_folder, clsdf_thread_count, clsdf_shape_count, &
       clsdf_shape_name, clsdf_shape_description, clsdf_slabs_of, clsdf_points_read, clsdf_points_write, &
@@ -67,6 +68,10 @@ module clsdf
   integer(c_int32_t), parameter, public :: CLSDF_WITHIN = 0, CLSDF_INSIDE = 1, CLSDF_OUTSIDE = 2, CLSDF_BEYOND = 3
   integer(c_int32_t), parameter, public :: CLSDF_GPU = 0, CLSDF_PROCESSOR = 1, CLSDF_ACCELERATOR = 2, &
       CLSDF_OTHER_DEVICE = 3
+  !> How a device was found: OpenCL's loader lists it; of the driver that the package contains; of a GPU's driver in the
+  !> path of the system's loader, which OpenCL's does not know; a GPU's file in /dev, and no device that can be used.
+  integer(c_int32_t), parameter, public :: CLSDF_REGISTERED = 0, CLSDF_BUNDLED = 1, CLSDF_UNREGISTERED = 2, &
+      CLSDF_DEVICE_FILE = 3
   !> Units of a length; an extent is the longest side of the mesh's box.
   integer(c_int32_t), parameter, public :: CLSDF_MESH_UNITS = 0, CLSDF_VOXELS = 1, CLSDF_EXTENT = 2
   !> Stages of a call.
@@ -255,6 +260,9 @@ module clsdf
     integer(c_int32_t) :: kind = CLSDF_OTHER_DEVICE
     logical :: fp64 = .false., atomics64 = .false.
     type(c_ptr) :: id = c_null_ptr
+    integer(c_int32_t) :: source = CLSDF_REGISTERED  !< how it was found
+    character(:), allocatable :: driver_file  !< the driver's if this library opened it; of CLSDF_DEVICE_FILE, the file
+    !                                            in /dev; else ""
   end type
 
   type :: clsdf_device
@@ -463,7 +471,8 @@ module clsdf
     type(c_ptr) :: id = c_null_ptr, name = c_null_ptr, platform = c_null_ptr, version = c_null_ptr, &
         driver = c_null_ptr, why_not = c_null_ptr
     integer(c_int64_t) :: compute_units = 0, clock_megahertz = 0, memory = 0, largest_allocation = 0, float_width = 0
-    integer(c_int32_t) :: kind = 0, fp64 = 0, atomics64 = 0, reserved = 0
+    integer(c_int32_t) :: kind = 0, fp64 = 0, atomics64 = 0, source = 0
+    type(c_ptr) :: driver_file = c_null_ptr
   end type
   type, bind(C) :: c_device_limits
     integer(c_size_t) :: struct_size = 0
@@ -595,6 +604,11 @@ module clsdf
       import
       type(c_ptr) :: value
       integer(c_int32_t), value :: kind
+    end function
+    function c_device_source_name(source) bind(C, name="clsdf_device_source_name") result(value)
+      import
+      type(c_ptr) :: value
+      integer(c_int32_t), value :: source
     end function
     function c_last_error() bind(C, name="clsdf_last_error") result(value)
       import
@@ -1398,6 +1412,12 @@ contains
     integer(c_int32_t), intent(in) :: kind
     character(:), allocatable :: text
     text = clsdf_text(c_device_kind_name(kind))
+  end function
+
+  function clsdf_device_source_name(source) result(text)
+    integer(c_int32_t), intent(in) :: source
+    character(:), allocatable :: text
+    text = clsdf_text(c_device_source_name(source))
   end function
 
   !> A text of C; "" for null.
@@ -2335,6 +2355,8 @@ contains
     info%kind = c%kind
     info%fp64 = c%fp64 == 1
     info%atomics64 = c%atomics64 == 1
+    info%source = c%source
+    info%driver_file = clsdf_text(c%driver_file)
   end subroutine
 
   !> device%select() with the environment variable CLSDF_DEVICE if it is set and not empty, else the strongest.

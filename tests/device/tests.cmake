@@ -14,6 +14,7 @@ set(stand_in ${CMAKE_CURRENT_BINARY_DIR}/bundled_driver)
 add_executable(write_bundle_stand_in ${CMAKE_CURRENT_LIST_DIR}/write_bundle_stand_in.cpp)
 target_link_libraries(write_bundle_stand_in PRIVATE clsdf::meshes clsdf_internals OpenCL::OpenCL clsdf_warnings Eigen3::Eigen
                                                     TBB::tbb ${CLSDF_FMT})
+target_include_directories(write_bundle_stand_in PRIVATE ${PROJECT_SOURCE_DIR}/tests)
 add_test(NAME bundled_driver_written COMMAND write_bundle_stand_in ${stand_in})
 clsdf_test(bundled_driver ${CMAKE_CURRENT_LIST_DIR}/bundled_driver.cpp)
 target_link_libraries(test_bundled_driver PRIVATE OpenCL::OpenCL)

@@ -2,14 +2,13 @@
 // programs of a field without other outputs.
 #include "device/context.hpp"
 #include "device/prepared_programs.hpp"
+#include "support/pocl.hpp"
 
 #include <clsdf/clsdf.hpp>
 
 #include <fmt/format.h>
 
-#include <link.h>
 #include <filesystem>
-#include <string_view>
 
 using namespace clsdf;
 
@@ -17,22 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The file of the PoCL that this process has loaded; empty if there is none.
-fs::path file_of_pocl() {
-    fs::path file;
-    dl_iterate_phdr(
-        [](dl_phdr_info* info, std::size_t, void* found) {
-            if (std::string_view(info->dlpi_name).find("/libpocl.so") != std::string_view::npos)
-                *static_cast<fs::path*>(found) = info->dlpi_name;
-            return 0;
-        },
-        &file);
-    return file;
-}
-
 void write_to(const fs::path& folder) {
     const Device device = Device::select("Portable Computing Language");
-    const fs::path driver = file_of_pocl();
+    const fs::path driver = test::file_of_pocl();
     if (driver.empty()) throw Error(ErrorCode::unsupported, "PoCL is loaded, and its file has another name");
     fs::remove_all(folder);
     const std::string level =

@@ -50,7 +50,6 @@ using namespace clsdf::disguise;
 
 extern "C" {
 
-CLSDF_PASS(clGetPlatformIDs, (cl_uint room, cl_platform_id* platforms, cl_uint* found), room, platforms, found)
 CLSDF_PASS_INFO(clGetContextInfo, cl_context, cl_context_info)
 CLSDF_PASS_INFO(clGetCommandQueueInfo, cl_command_queue, cl_command_queue_info)
 CLSDF_PASS_INFO(clGetMemObjectInfo, cl_mem, cl_mem_info)

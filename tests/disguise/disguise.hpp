@@ -12,6 +12,7 @@
 /// A program that does not know of it is told by the environment:
 ///   CLSDF_DISGUISE=gpu            as Settings::gpu
 ///   CLSDF_DISGUISE=pocl-3.0       as Settings::pocl_3_0
+///   CLSDF_DISGUISE_PLATFORMS=0    as Settings::without_platforms
 ///   CLSDF_DISGUISE_UNITS=NUMBER   as Settings::compute_units
 ///   CLSDF_DISGUISE_COUNTS=FILE    each process appends its counts to the file when it ends, a line of JSON
 ///   CLSDF_DISGUISE_FAULT=[CALL:]NUMBER[+]   as Fault; + for `onwards`
@@ -36,6 +37,7 @@ struct Settings {
     bool pocl_3_0 = false;           ///< names and versions are those of PoCL 3.0 on a Zen 4, whose compiler crashes
     Answers platform{};              ///< of every platform
     std::vector<Answers> devices{};  ///< of the first device, the second, ...
+    bool without_platforms = false;  ///< the loader lists none, as without files in /etc/OpenCL/vendors
     bool without_devices = false;    ///< platforms have none
     std::uint64_t memory =
         UINT64_MAX;  ///< bytes of a GPU; a first use beyond fails with CL_MEM_OBJECT_ALLOCATION_FAILURE

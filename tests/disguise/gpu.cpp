@@ -133,6 +133,14 @@ using namespace clsdf::disguise;
 
 extern "C" {
 
+cl_int clGetPlatformIDs(cl_uint room, cl_platform_id* platforms, cl_uint* found) {
+    if (const cl_int code = begin("clGetPlatformIDs")) return code;
+    if (!record().settings.without_platforms) return CLSDF_NEXT(clGetPlatformIDs)(room, platforms, found);
+    constexpr cl_int no_platform = -1001;  // CL_PLATFORM_NOT_FOUND_KHR
+    if (found != nullptr) *found = 0;
+    return no_platform;
+}
+
 cl_int clGetPlatformInfo(cl_platform_id platform, cl_platform_info name, std::size_t size, void* value,
                          std::size_t* needed) {
     if (const cl_int code = begin("clGetPlatformInfo")) return code;

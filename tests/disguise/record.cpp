@@ -37,6 +37,7 @@ Record* record_of_environment() {
     auto* const record = new Record;
     record->settings.gpu = variable("CLSDF_DISGUISE") == "gpu";
     record->settings.pocl_3_0 = variable("CLSDF_DISGUISE") == "pocl-3.0";
+    record->settings.without_platforms = variable("CLSDF_DISGUISE_PLATFORMS") == "0";
     record->settings.compute_units =
         static_cast<unsigned>(std::strtoul(variable("CLSDF_DISGUISE_UNITS").c_str(), nullptr, 10));
     record->fault = fault_of_environment();

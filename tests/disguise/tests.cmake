@@ -51,6 +51,23 @@ if(TARGET clsdf_command)
   target_link_libraries(test_disguise_faults PRIVATE clsdf_disguise nlohmann_json::nlohmann_json)
   # About 200 processes. The seed is fixed, so that no change fails by chance; the nightly test leaves no call out.
   set_tests_properties(disguise_faults PROPERTIES TIMEOUT 900 ENVIRONMENT CLSDF_FAULT_SEED=1)
+
+  # Drivers that are not registered. The second of two in a process is oclgrind: LLVM ends a process with two of PoCL.
+  find_file(CLSDF_OCLGRIND_DRIVER liboclgrind-rt-icd.so PATH_SUFFIXES lib/oclgrind lib64/oclgrind)
+  mark_as_advanced(CLSDF_OCLGRIND_DRIVER)
+  add_library(clsdf_refused_driver MODULE ${CMAKE_CURRENT_LIST_DIR}/refused_driver.cpp)
+  target_link_libraries(clsdf_refused_driver PRIVATE clsdf_warnings)
+  clsdf_test(unregistered_drivers ${CMAKE_CURRENT_LIST_DIR}/unregistered_drivers.cpp)
+  add_dependencies(test_unregistered_drivers clsdf_command clsdf_disguise clsdf_refused_driver)
+  target_compile_definitions(
+    test_unregistered_drivers
+    PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>" CLSDF_DISGUISE_LIBRARY="$<TARGET_FILE:clsdf_disguise>"
+            CLSDF_REFUSED_DRIVER="$<TARGET_FILE:clsdf_refused_driver>"
+            CLSDF_OCLGRIND_DRIVER="$<$<BOOL:${CLSDF_OCLGRIND_DRIVER}>:${CLSDF_OCLGRIND_DRIVER}>")
+  target_link_libraries(test_unregistered_drivers PRIVATE nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS})
+  set_tests_properties(unregistered_drivers PROPERTIES ENVIRONMENT_MODIFICATION
+                                                       ASAN_OPTIONS=string_append::verify_asan_link_order=0)
+
   add_test(NAME disguise_is_complete
            COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:clsdf_command>
                    -DLIBRARY=$<TARGET_FILE:clsdf_disguise> -P ${CMAKE_CURRENT_LIST_DIR}/complete.cmake)

@@ -120,6 +120,12 @@ typedef int32_t clsdf_status;
 #define CLSDF_ACCELERATOR 2
 #define CLSDF_OTHER_DEVICE 3
 
+/* How a device was found. */
+#define CLSDF_REGISTERED 0   /* OpenCL's loader lists it */
+#define CLSDF_BUNDLED 1      /* of the driver that the package with this library contains */
+#define CLSDF_UNREGISTERED 2 /* of a GPU's driver in the path of the system's loader, which OpenCL's does not know */
+#define CLSDF_DEVICE_FILE 3  /* a GPU's file in /dev, and no device that can be used */
+
 /* Units of a length. */
 #define CLSDF_MESH_UNITS 0
 #define CLSDF_VOXELS 1
@@ -136,6 +142,7 @@ CLSDF_API const char* clsdf_status_name(clsdf_status status);
 CLSDF_API const char* clsdf_type_name(int32_t type);
 CLSDF_API const char* clsdf_sign_name(int32_t rule);
 CLSDF_API const char* clsdf_device_kind_name(int32_t kind);
+CLSDF_API const char* clsdf_device_source_name(int32_t source);
 
 /* ---- Errors ---- */
 
@@ -391,7 +398,7 @@ typedef struct clsdf_device_info {
     const char* version;   /* of OpenCL */
     const char* driver;    /* its version */
     const char* why_not;   /* why this library cannot use it; "" if it can */
-    int64_t compute_units; /* 0: this and all that follow are unknown */
+    int64_t compute_units; /* 0: this and all to atomics64 are unknown */
     int64_t clock_megahertz;
     int64_t memory;             /* bytes */
     int64_t largest_allocation; /* bytes */
@@ -399,10 +406,11 @@ typedef struct clsdf_device_info {
     int32_t kind;               /* CLSDF_GPU ... */
     int32_t fp64;               /* 1: double precision, which this library needs */
     int32_t atomics64;          /* 1: atomic operations on 64 bits, which it does not need */
-    int32_t reserved;
+    int32_t source;             /* CLSDF_REGISTERED ..., how it was found: always known */
+    const char* driver_file;    /* if this library opened it; of CLSDF_DEVICE_FILE, the file in /dev; else "" */
 } clsdf_device_info;
 #define CLSDF_DEVICE_INFO_INIT \
-    { sizeof(clsdf_device_info), 0, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+    { sizeof(clsdf_device_info), 0, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, NULL }
 
 /* Limits of clsdf_device_limited(). */
 typedef struct clsdf_device_limits {

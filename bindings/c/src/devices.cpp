@@ -40,6 +40,8 @@ clsdf_device_info as_c(const DeviceInfo& info) {
     result.kind = static_cast<std::int32_t>(info.kind);
     result.fp64 = info.fp64 ? 1 : 0;
     result.atomics64 = info.atomics64 ? 1 : 0;
+    result.source = static_cast<std::int32_t>(info.source);
+    result.driver_file = info.driver_file.c_str();
     return result;
 }
 

@@ -35,6 +35,8 @@ static_assert(is(SignRule::automatic, CLSDF_SIGN_AUTOMATIC) && is(SignRule::nonz
               is(SignRule::parity, CLSDF_SIGN_PARITY) && is(SignRule::none, CLSDF_SIGN_NONE));
 static_assert(is(BoxPlace::within, CLSDF_WITHIN) && is(BoxPlace::inside, CLSDF_INSIDE) &&
               is(BoxPlace::outside, CLSDF_OUTSIDE) && is(BoxPlace::beyond, CLSDF_BEYOND));
+static_assert(is(DeviceSource::registered, CLSDF_REGISTERED) && is(DeviceSource::bundled, CLSDF_BUNDLED) &&
+              is(DeviceSource::unregistered, CLSDF_UNREGISTERED) && is(DeviceSource::device_file, CLSDF_DEVICE_FILE));
 static_assert(is(DeviceKind::gpu, CLSDF_GPU) && is(DeviceKind::processor, CLSDF_PROCESSOR) &&
               is(DeviceKind::accelerator, CLSDF_ACCELERATOR) && is(DeviceKind::other, CLSDF_OTHER_DEVICE));
 static_assert(is(Length::Unit::mesh, CLSDF_MESH_UNITS) && is(Length::Unit::voxels, CLSDF_VOXELS) &&
@@ -71,6 +73,9 @@ const char* clsdf_sign_name(std::int32_t rule) {
 }
 const char* clsdf_device_kind_name(std::int32_t kind) {
     return name_within(kind, DeviceKind::other);
+}
+const char* clsdf_device_source_name(std::int32_t source) {
+    return name_within(source, DeviceSource::device_file);
 }
 
 std::int64_t clsdf_output_count() {

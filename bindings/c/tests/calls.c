@@ -28,6 +28,8 @@ static void check_devices(void) {
           clsdf_devices_describe(list, clsdf_devices_count(list), &listed));
     OK(clsdf_device_describe(device, &info));
     CHECK(info.name[0] != 0 && info.why_not[0] == 0 && info.fp64 == 1 && info.memory > 0 && info.index >= 0);
+    /* The driver's file is told if clsdf has opened it. */
+    CHECK(info.source != CLSDF_DEVICE_FILE && (info.source == CLSDF_REGISTERED) == (info.driver_file[0] == 0));
     OK(clsdf_devices_describe(list, info.index, &listed));
     CHECK(strcmp(info.name, listed.name) == 0 && info.id == listed.id && info.kind == listed.kind);
     OK(clsdf_device_handles(device, &context, &id, &queue));
@@ -713,7 +715,8 @@ int main(void) {
     CHECK(strcmp(clsdf_status_name(CLSDF_INVALID_MESH), "invalid_mesh") == 0 &&
           strcmp(clsdf_type_name(CLSDF_FLOAT64), "double") == 0 &&
           strcmp(clsdf_sign_name(CLSDF_SIGN_PARITY), "parity") == 0 &&
-          strcmp(clsdf_device_kind_name(CLSDF_GPU), "gpu") == 0);
+          strcmp(clsdf_device_kind_name(CLSDF_GPU), "gpu") == 0 &&
+          strcmp(clsdf_device_source_name(CLSDF_UNREGISTERED), "unregistered") == 0);
     OK(clsdf_device_automatic(&device));
     OK(clsdf_mesh_shape("torus", &mesh));
     OK(clsdf_transform_create(device, mesh, NULL, NULL, &transform));

@@ -279,7 +279,8 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     FAILS(CLSDF_INVALID_ARGUMENT, "cubic is 2", clsdf_grid_around_box(&box, &around, &grid));
     FAILS(CLSDF_INVALID_ARGUMENT, "index_base is 2", clsdf_mesh_set_index_base(mesh, 2));
     CHECK(strcmp(clsdf_status_name(77), "unknown") == 0 && strcmp(clsdf_type_name(-3), "unknown") == 0 &&
-          strcmp(clsdf_sign_name(9), "unknown") == 0 && strcmp(clsdf_device_kind_name(9), "unknown") == 0);
+          strcmp(clsdf_sign_name(9), "unknown") == 0 && strcmp(clsdf_device_kind_name(9), "unknown") == 0 &&
+          strcmp(clsdf_device_source_name(9), "unknown") == 0);
     CHECK(clsdf_shape_name(-1) == NULL && clsdf_shape_description(clsdf_shape_count()) == NULL);
 
     OK(clsdf_transform_create(device, mesh, NULL, NULL, &transform));

@@ -79,7 +79,8 @@ int main(void) {
     MEMBER(clsdf_device_info, kind);
     MEMBER(clsdf_device_info, fp64);
     MEMBER(clsdf_device_info, atomics64);
-    MEMBER(clsdf_device_info, reserved);
+    MEMBER(clsdf_device_info, source);
+    MEMBER(clsdf_device_info, driver_file);
     SIZE(clsdf_device_limits);
     MEMBER(clsdf_device_limits, struct_size);
     MEMBER(clsdf_device_limits, compute_units);

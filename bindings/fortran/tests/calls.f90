@@ -97,6 +97,7 @@ contains
     call check(clsdf_type_name(CLSDF_FLOAT64) == 'double', 'the name of a type')
     call check(clsdf_sign_name(CLSDF_SIGN_PARITY) == 'parity', 'the name of a sign rule')
     call check(clsdf_device_kind_name(CLSDF_GPU) == 'gpu', 'the name of a kind')
+    call check(clsdf_device_source_name(CLSDF_UNREGISTERED) == 'unregistered', 'the name of a source')
     call check(clsdf_output_count() == CLSDF_OFFSET + 1, 'outputs')
     call clsdf_output_describe(CLSDF_GRADIENT, info)
     call check(info%name == 'gradient' .and. info%components == 3 .and. len(info%description) > 10, 'the table of outputs')
@@ -119,6 +120,7 @@ contains
     call device%automatic()
     call device%describe(info)
     call check(len(info%name) > 0 .and. info%fp64 .and. info%why_not == '' .and. info%memory > 0, 'a device')
+    call check((info%source == CLSDF_REGISTERED) .eqv. (info%driver_file == ''), 'how it was found')
     call check(list(info%index + 1)%name == info%name, 'is in the list')
     write (number, '(i0)') info%index
     call other%select(trim(number))

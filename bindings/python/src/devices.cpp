@@ -1,9 +1,13 @@
 #include "devices.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <nanobind/stl/variant.h>
 
+#include <atomic>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 #include <optional>
 #include <string>
 #include <variant>
@@ -39,6 +43,29 @@ PyDevice opened(Function open) {
     }));
 }
 
+/// Once a process: nobody named a device, and the machine has GPUs of which none can be used.
+void warn_of_unused_gpus(const Device& device) {
+    static std::atomic<bool> is_asked = false;
+    if (is_asked.exchange(true)) return;
+    std::string text;
+    for (const DeviceInfo& info : without_gil([] { return Device::all(); }))
+        if (info.source == DeviceSource::device_file)
+            text += (text.empty() ? "" : "; ") + info.name + " is not used (" + info.driver_file + "): " + info.why_not;
+    if (text.empty()) return;
+    text += "; clsdf computes on \"" + device.name() +
+            "\": clsdf.Device.select, device= or CLSDF_DEVICE name a device without this warning";
+    if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 2) != 0) throw nb::python_error();
+}
+
+/// A device that nobody named, unless CLSDF_DEVICE does.
+template <typename Function>
+PyDevice chosen(Function open) {
+    PyDevice device = opened(open);
+    const char* const named = std::getenv("CLSDF_DEVICE");
+    if (named == nullptr || *named == 0) warn_of_unused_gpus(device.get());
+    return device;
+}
+
 PyDevice device_of_queue(nb::handle queue) {
     const auto handle = [](nb::handle object) { return nb::cast<std::uintptr_t>(object.attr("int_ptr")); };
     const auto context = std::bit_cast<cl_context>(handle(queue.attr("context")));
@@ -70,6 +97,13 @@ void add_infos(nb::module_& module) {
         .def_ro("compute_units", &DeviceInfo::compute_units)
         .def_ro("memory", &DeviceInfo::memory, "Bytes.")
         .def_ro("largest_allocation", &DeviceInfo::largest_allocation, "Bytes.")
+        .def_prop_ro(
+            "source", [](const DeviceInfo& info) { return std::string(name_of(info.source)); },
+            "How it was found: 'registered' with OpenCL's loader, 'bundled' with clsdf, 'unregistered' (a GPU's "
+            "driver\n"
+            "that the loader does not know), or 'device_file' (a GPU's file in /dev, and no usable device).")
+        .def_ro("driver_file", &DeviceInfo::driver_file,
+                "The driver's if clsdf opened it; of 'device_file', the file in /dev; else empty.")
         .def_prop_ro("usable", &DeviceInfo::usable)
         .def_ro("why_not", &DeviceInfo::why_not, "Why clsdf cannot use it; empty if it can.")
         .def("__repr__",
@@ -89,8 +123,10 @@ void add_devices(nb::module_& module) {
                          "off. Raises\n"
                          "clsdf.Error (no_device, device_failure).")
         .def_static(
-            "automatic", [] { return opened([] { return Device::automatic(); }); },
-            "The device that CLSDF_DEVICE names, else the strongest GPU, else the strongest other device.")
+            "automatic", [] { return chosen([] { return Device::automatic(); }); },
+            "The device that CLSDF_DEVICE names, else the strongest GPU, else the strongest other device. Warns once "
+            "a\n"
+            "process if the machine has a GPU of NVIDIA or AMD, and no GPU can be used.")
         .def_static(
             "select",
             [](const std::variant<std::string, std::int64_t>& choice) {
@@ -101,7 +137,7 @@ void add_devices(nb::module_& module) {
             nb::arg("choice"), "An index in devices(), or a part of one device's name, in upper or lower case.")
         .def_static(
             "of_rank",
-            [](std::size_t rank, std::size_t ranks) { return opened([&] { return Device::of_rank(rank, ranks); }); },
+            [](std::size_t rank, std::size_t ranks) { return chosen([&] { return Device::of_rank(rank, ranks); }); },
             nb::arg("rank"), nb::arg("ranks"),
             "The share of a process among those of this machine, 0 <= rank < ranks. GPUs are dealt out in turn; if\n"
             "there is none, or if CLSDF_DEVICE names a device, an equal part of a processor's compute units. Raises\n"
@@ -144,6 +180,9 @@ void add_devices(nb::module_& module) {
     module.def(
         "devices", [] { return without_gil([] { return Device::all(); }); },
         "Every OpenCL device, also those that clsdf cannot use. Raises clsdf.Error (device_failure).");
+    module.def(
+        "_read_environment", [] { tuning::read_environment(); },
+        "For tests: this process obeys the variables of clsdf::tuning::read_environment().");
 }
 
 }  // namespace clsdf::python

@@ -380,3 +380,36 @@ except clsdf.Error as error:
 """
     result = run(program, environment=environment)
     assert result.stdout.split() == [expected], result.stderr
+
+
+def test_a_gpu_that_is_not_used_is_told_once_unless_a_device_is_named(tmp_path):
+    (tmp_path / "kfd").touch()
+    (tmp_path / "nvidia0").touch()
+    program = """
+import os
+import warnings
+import clsdf
+clsdf._core._read_environment()
+infos = clsdf.devices()
+if os.environ.get("OCL_ICD_VENDORS") or any(info.usable and info.kind == "gpu" for info in infos):
+    print("skipped")
+    raise SystemExit
+print(*[info.driver_file for info in infos if info.source == "device_file"])
+with warnings.catch_warnings(record=True) as caught:
+    warnings.simplefilter("always")
+    clsdf.Device.select(0)
+    print(len(caught))
+    clsdf.Device.automatic()
+    print(len(caught), *sorted({one.category.__name__ for one in caught}))
+    clsdf.Device.of_rank(0, 1)
+    clsdf.Transform(clsdf.make_shape("sphere1")).query([[0, 0, 0]])
+    print(len(caught), "NVIDIA_DRIVER_CAPABILITIES" in str(caught[0].message) if caught else "")
+"""
+    environment = {**os.environ, "CLSDF_DEVICE_FILES": str(tmp_path), "CLSDF_DEVICE": ""}
+    result = run(program, environment=environment)
+    if result.stdout.strip() == "skipped":
+        pytest.skip("there is a GPU that can be used, or OCL_ICD_VENDORS is set")
+    files = f"{tmp_path / 'nvidia0'} {tmp_path / 'kfd'}"
+    assert result.stdout.splitlines() == [files, "0", "1 RuntimeWarning", "1 True"], result.stdout + result.stderr
+    named = run(program, environment={**environment, "CLSDF_DEVICE": "0"})
+    assert named.stdout.splitlines() == [files, "0", "0", "0 "], named.stdout + named.stderr

@@ -2,17 +2,16 @@
 
 #include "core/tuning_variables.hpp"
 #include "device/opencl.hpp"
+#include "device/opened_driver.hpp"
 #include "device/prepared_programs.hpp"
 
 #include <clsdf/error.hpp>
 
-#include <fmt/format.h>
-
-#include <dlfcn.h>
 #include <atomic>
 #include <system_error>
 
 #if defined(CLSDF_BUNDLED_DRIVER) && defined(__GLIBC__)
+#include <dlfcn.h>
 #include <link.h>
 #endif
 
@@ -50,29 +49,15 @@ fs::path driver_folder() {
     return folder != nullptr ? folder : folder_of_package();
 }
 
-/// The platform of a driver's file. Throws Error(no_device) that says what is wrong with it.
-cl_platform_id open(const fs::path& file) {
-    using FunctionAddress = void*(CL_API_CALL*)(const char*);
-    using PlatformIds = cl_int(CL_API_CALL*)(cl_uint, cl_platform_id*, cl_uint*);
-    void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) throw Error(ErrorCode::no_device, fmt::format("it cannot be loaded: {}", ::dlerror()));
-    const auto address = reinterpret_cast<FunctionAddress>(::dlsym(library, "clGetExtensionFunctionAddress"));
-    const auto list = address == nullptr ? nullptr : reinterpret_cast<PlatformIds>(address("clIcdGetPlatformIDsKHR"));
-    if (list == nullptr) throw Error(ErrorCode::no_device, fmt::format("{} is no driver of OpenCL", file.string()));
-    cl_platform_id platform = nullptr;
-    if (const cl_int code = list(1, &platform, nullptr); code != CL_SUCCESS || platform == nullptr)
-        throw Error(ErrorCode::no_device, fmt::format("{} has no platform: {}", file.string(), code_name(code)));
-    return platform;
-}
-
 BundledDriver find() {
     BundledDriver driver;
     const fs::path folder = driver_folder(), file = folder / "libclsdf_pocl.so";
     std::error_code none;
     if (folder.empty() || !fs::exists(file, none)) return driver;
     driver.folder = folder;
+    driver.file = file;
     try {
-        driver.platform = cl::Platform(open(file));
+        driver.platform = guarded([&] { return open_driver(file).front(); });
         opened = driver.platform();
     } catch (const Error& error) {
         driver.why_not = error.what();

@@ -20,6 +20,7 @@ namespace clsdf::device {
 /// A process has one, so a shared core exports these functions (see cmake/Libraries.cmake).
 struct BundledDriver {
     std::filesystem::path folder;  ///< empty if there is none
+    std::filesystem::path file;    ///< likewise
     cl::Platform platform;         ///< null if there is none, or if it cannot be opened
     std::string why_not;           ///< why it cannot be opened
 };

@@ -243,8 +243,8 @@ const DeviceInfo& with_name(const std::vector<DeviceInfo>& infos, const std::str
         if (contains(info.name, part) || contains(info.platform, part))
             (info.usable() ? usable : unusable).push_back(&info);
     // A name that an installed PoCL has, too, means that one.
-    if (usable.size() > 1 && device::guarded([&] { return device::is_bundled(cl::Device(usable.back()->id, true)); }))
-        usable.pop_back();
+    if (usable.size() > 1)
+        std::erase_if(usable, [](const DeviceInfo* info) { return info->source == DeviceSource::bundled; });
     if (usable.size() > 1)
         throw not_selected(fmt::format("\"{}\" fits {} devices; choose by index", part, usable.size()), infos);
     if (!usable.empty()) return *usable.front();
@@ -262,11 +262,11 @@ Device Device::strongest() {
     // The bundled driver is opened if no other device is usable.
     for (const auto find : {&device::find_installed_devices, &device::find_bundled_devices}) {
         std::vector<DeviceInfo> infos;
-        for (const auto& [info, obstacle] : device::guarded(find)) {
-            infos.push_back(info);
+        for (const device::FoundDevice& found : device::guarded(find)) {
+            const DeviceInfo& info = infos.emplace_back(found.info);
             if (!info.usable()) failures += fmt::format("; \"{}\" cannot be used: {}", info.name, info.why_not);
-            lacks_features |= obstacle == device::Obstacle::missing_feature;
-            fails |= obstacle == device::Obstacle::failing_call;
+            lacks_features |= found.obstacle == device::Obstacle::missing_feature;
+            fails |= found.obstacle == device::Obstacle::failing_call;
         }
         count += infos.size();
         for (const DeviceInfo& info : device::guarded([&] { return candidates(infos); })) {
@@ -348,6 +348,20 @@ const char* name_of(DeviceKind kind) noexcept {
             break;
     }
     return "other";
+}
+
+const char* name_of(DeviceSource source) noexcept {
+    switch (source) {
+        case DeviceSource::registered:
+            return "registered";
+        case DeviceSource::bundled:
+            return "bundled";
+        case DeviceSource::unregistered:
+            return "unregistered";
+        case DeviceSource::device_file:
+            break;
+    }
+    return "device_file";
 }
 
 std::vector<DeviceInfo> Device::all() {

@@ -7,11 +7,15 @@
 #include "device/opencl.hpp"
 #include "device/prepared_programs.hpp"
 #include "device/requirements.hpp"
+#include "device/unregistered_drivers.hpp"
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+#include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <string_view>
 
 namespace clsdf::device {
 
@@ -106,6 +110,7 @@ void ask(const cl::Device& device, FoundDevice& found) {
 FoundDevice found_device(const cl::Platform& platform, const cl::Device& device) {
     FoundDevice found;
     found.info.id = device();
+    found.platform = platform;
     try {
         ask(device, found);
     } catch (const cl::Error& error) {
@@ -119,16 +124,90 @@ void append_devices(const cl::Platform& platform, std::vector<FoundDevice>& all)
     try {
         for (const cl::Device& device : devices_of(platform)) all.push_back(found_device(platform, device));
     } catch (const cl::Error& error) {
-        refuse(all.emplace_back(), platform, error);
+        all.emplace_back().platform = platform;
+        refuse(all.back(), platform, error);
     }
+}
+
+bool has_usable_gpu(const std::vector<FoundDevice>& all) {
+    return std::ranges::any_of(
+        all, [](const FoundDevice& found) { return found.info.usable() && found.info.kind == DeviceKind::gpu; });
+}
+
+bool contains(const std::vector<cl::Platform>& platforms, const cl::Platform& platform) {
+    return std::ranges::any_of(platforms, [&](const cl::Platform& one) { return one() == platform(); });
+}
+
+/// Notes who opened the driver of the devices from the one with this number on.
+void set_source(std::vector<FoundDevice>& all, std::size_t first, DeviceSource source, const std::string& driver_file) {
+    for (std::size_t n = first; n < all.size(); ++n) {
+        all[n].info.source = source;
+        all[n].info.driver_file = driver_file;
+    }
+}
+
+/// Why the GPU of this driver's maker cannot be used.
+std::string why_unused(const UnregisteredDriver& driver, const std::vector<FoundDevice>& all) {
+    for (const FoundDevice& found : all) {
+        const DeviceInfo& info = found.info;
+        const bool is_makers =
+            contains(driver.platforms, found.platform) || info.platform.find(driver.maker) != std::string::npos;
+        if (is_makers && !info.usable()) return fmt::format("\"{}\" cannot be used: {}", info.name, info.why_not);
+    }
+    if (!driver.why_not.empty()) return driver.why_not;
+    return fmt::format(
+        "its driver, {}, shows no device that can be used; update the driver if the maker's own tool "
+        "shows one",
+        driver.file.string());
+}
+
+/// A GPU of which there is a file in /dev, and no device that can be used.
+FoundDevice unused_gpu(const UnregisteredDriver& driver, const std::vector<FoundDevice>& all) {
+    FoundDevice found;
+    found.info.name = fmt::format("a GPU of {}", driver.maker);
+    found.info.source = DeviceSource::device_file;
+    found.info.driver_file = driver.gpu.string();
+    std::string why_not = why_unused(driver, all);
+    if (::access(driver.gpu.c_str(), R_OK | W_OK) != 0)
+        why_not +=
+            fmt::format("; this user may not open {}: join its group, mostly render or video", driver.gpu.string());
+    refuse(found, Obstacle::missing_feature, why_not);
+    return found;
 }
 
 }  // namespace
 
-std::vector<FoundDevice> find_installed_devices() {
+std::vector<FoundDevice> find_registered_devices() {
     std::vector<FoundDevice> found;
     for (const cl::Platform& platform : all_platforms()) append_devices(platform, found);
     return found;
+}
+
+std::vector<FoundDevice> find_unregistered_devices(const std::vector<FoundDevice>& registered) {
+    std::vector<FoundDevice> found;
+    if (has_usable_gpu(registered)) return found;
+    const std::vector<UnregisteredDriver> drivers = unregistered_drivers();
+    if (drivers.empty()) return found;
+    const std::vector<cl::Platform> listed = all_platforms();
+    for (const UnregisteredDriver& driver : drivers)
+        for (const cl::Platform& platform : driver.platforms) {
+            if (contains(listed, platform)) continue;
+            const std::size_t first = found.size();
+            append_devices(platform, found);
+            set_source(found, first, DeviceSource::unregistered, driver.file.string());
+        }
+    if (has_usable_gpu(found)) return found;
+    std::vector<FoundDevice> all = registered;
+    all.insert(all.end(), found.begin(), found.end());
+    for (const UnregisteredDriver& driver : drivers)
+        if (!driver.gpu.empty()) found.push_back(unused_gpu(driver, all));
+    return found;
+}
+
+std::vector<FoundDevice> find_installed_devices() {
+    std::vector<FoundDevice> all = find_registered_devices(), unregistered = find_unregistered_devices(all);
+    std::move(unregistered.begin(), unregistered.end(), std::back_inserter(all));
+    return all;
 }
 
 std::vector<FoundDevice> find_bundled_devices() {
@@ -140,20 +219,29 @@ std::vector<FoundDevice> find_bundled_devices() {
         none.info.name = "the driver bundled with clsdf";
         refuse(none, Obstacle::missing_feature, driver.why_not);
     }
+    set_source(found, 0, DeviceSource::bundled, driver.file.string());
     return found;
 }
 
 std::vector<FoundDevice> find_devices() {
-    std::vector<FoundDevice> all = find_installed_devices(), bundled = find_bundled_devices();
+    std::vector<FoundDevice> all = find_registered_devices(), bundled = find_bundled_devices();
+    // These come last, so that the numbers of the others stay when such a driver is installed.
+    std::vector<FoundDevice> unregistered = find_unregistered_devices(all);
     std::move(bundled.begin(), bundled.end(), std::back_inserter(all));
+    std::move(unregistered.begin(), unregistered.end(), std::back_inserter(all));
     for (std::size_t index = 0; index < all.size(); ++index) all[index].info.index = index;
     return all;
 }
 
 DeviceInfo info_of(const cl::Device& device) {
-    DeviceInfo info = found_device(cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()), device).info;
-    for (const FoundDevice& found : find_devices())
+    const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+    DeviceInfo info = found_device(platform, device).info;
+    for (const FoundDevice& found : find_devices()) {
+        if (found.platform() != platform()) continue;
+        info.source = found.info.source;
+        info.driver_file = found.info.driver_file;
         if (found.info.id == info.id) info.index = found.info.index;
+    }
     return info;
 }
 

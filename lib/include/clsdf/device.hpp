@@ -27,6 +27,17 @@ enum class DeviceKind : std::int32_t { gpu = 0, processor = 1, accelerator = 2, 
 /// "gpu", "processor", "accelerator" or "other". The text lives as long as the process. Thread-safe.
 CLSDF_EXPORT const char* name_of(DeviceKind kind) noexcept;
 
+/// How a device was found. A number never changes its meaning, so other languages may use them.
+enum class DeviceSource : std::int32_t {
+    registered = 0,    ///< OpenCL's loader lists it
+    bundled = 1,       ///< of the driver that the package with this library contains
+    unregistered = 2,  ///< of a GPU's driver in the path of the system's loader, which OpenCL's loader does not know
+    device_file = 3,   ///< a GPU's file in /dev, and no device that can be used: DeviceInfo::why_not has the remedy
+};
+
+/// "registered", "bundled", "unregistered" or "device_file". The text lives as long as the process. Thread-safe.
+CLSDF_EXPORT const char* name_of(DeviceSource source) noexcept;
+
 /// The properties that an OpenCL device reports. Those that its driver does not tell stay empty or 0. If
 /// `compute_units` is 0, all from `kind` to `float_width` are unknown. A device without a name is named after its
 /// platform.
@@ -49,6 +60,8 @@ struct DeviceInfo {
     bool atomics64 = false;              ///< atomic operations on 64 bits, which it does not need
     unsigned float_width = 0;            ///< floats in a native vector; 1 on most GPUs
     std::string why_not;                 ///< why this library cannot use it; empty if it can
+    DeviceSource source = DeviceSource::registered;
+    std::string driver_file;  ///< the driver's if this library opened it; of device_file, the file in /dev; else empty
 
     bool usable() const { return why_not.empty(); }
 };
@@ -68,16 +81,22 @@ struct DeviceLimits {
 /// Error(invalid_argument). A function that asks the driver throws Error(device_failure) if a call of OpenCL fails.
 ///
 /// Unless it is given a folder, the library writes no file by itself, and reads only those of the bundled driver, if
-/// the package that contains the library has one (docs/devices.md). Its device has programs that were compiled ahead,
-/// and no compiler: a call that needs another program throws Error(unsupported).
+/// the package that contains the library has one, and of GPUs' drivers that are not registered (docs/devices.md). Its
+/// device has programs that were compiled ahead, and no compiler: a call that needs another program throws
+/// Error(unsupported).
 class CLSDF_EXPORT Device {
 public:
-    /// Every device of every platform, in the order of OpenCL's loader, then that of the bundled driver, also those
-    /// that cannot be used. Empty if there is none. Throws Error(device_failure) if the platforms cannot be listed.
+    /// Every device of every platform, in the order of OpenCL's loader, then that of the bundled driver, then those of
+    /// drivers that are not registered, also those that cannot be used. Empty if there is none. Throws
+    /// Error(device_failure) if the platforms cannot be listed.
+    ///
+    /// If the loader shows no GPU that can be used, and /dev has one (nvidia<N>, kfd, dri/renderD<N>), the driver of
+    /// its maker is opened from the path of the system's loader: docs/devices.md. Not if OCL_ICD_VENDORS is set. If
+    /// there is still no GPU that can be used, /dev/nvidia<N> and /dev/kfd have an entry each that says why.
     static std::vector<DeviceInfo> all();
 
-    /// The strongest GPU, else the strongest other device, else that of the bundled driver. Throws Error(no_device)
-    /// that says why each device cannot be used, and the remedy.
+    /// The strongest GPU, also of a driver that is not registered, else the strongest other device, else that of the
+    /// bundled driver. Throws Error(no_device) that says why each device cannot be used, and the remedy.
     static Device strongest();
 
     /// A whole number is an index in all(). Any other text is a part of the name or of the platform's name of exactly

@@ -15,12 +15,13 @@ namespace clsdf {
 
 namespace tuning {
 
-/// Makes this process obey four environment variables, which the library does not read otherwise. For programs of
+/// Makes this process obey five environment variables, which the library does not read otherwise. For programs of
 /// tests and tools: call it first in main(). It cannot be undone. Thread-safe; throws nothing.
 ///
 /// - CLSDF_MAX_ALLOCATION=BYTES: the most bytes of one allocation of a device; read when a device is listed or opened.
 /// - CLSDF_MAX_FLOAT_WIDTH=FLOATS: the most floats in a vector of a device; read at the same time.
 /// - CLSDF_DRIVER=FOLDER: where the bundled driver is, in place of its own folder; read when devices are listed first.
+/// - CLSDF_DEVICE_FILES=FOLDER: where the files of GPUs are, in place of /dev; read when devices are listed.
 /// - CLSDF_SELF_TEST=0: the programs of a device are not tested; read when a program is first used.
 CLSDF_EXPORT void read_environment() noexcept;
 
