@@ -1,4 +1,5 @@
 #include "apps/process.hpp"
+#include "support/supposes.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -49,7 +50,8 @@ constexpr const char* compiled = "compiled the kernels for this device, once, in
 
 }  // namespace
 
-BOOST_AUTO_TEST_SUITE(kernels)
+// They look into PoCL's folder of compiled programs, and know what it compiles when.
+BOOST_AUTO_TEST_SUITE(kernels, *boost::unit_test::precondition(on_pocl))
 
 BOOST_AUTO_TEST_CASE(are_said_to_be_compiled_when_they_are) {
     const FreshCaches caches;

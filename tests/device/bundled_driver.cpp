@@ -1,4 +1,5 @@
 #include "device/context.hpp"
+#include "support/supposes.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 using namespace clsdf;
@@ -30,9 +32,13 @@ double distance_to_cube(const Vec3& position) {
     return std::sqrt(squares) + inside;
 }
 
+boost::test_tools::assertion_result in_its_environment(boost::unit_test::test_unit_id) {
+    return supposed(std::getenv("CLSDF_DRIVER") != nullptr, "the folder of a driver in CLSDF_DRIVER");
+}
+
 }  // namespace
 
-BOOST_AUTO_TEST_SUITE(the_bundled_driver)
+BOOST_AUTO_TEST_SUITE(the_bundled_driver, *boost::unit_test::precondition(in_its_environment))
 
 BOOST_AUTO_TEST_CASE(has_a_device_that_is_taken_if_no_driver_is_installed) {
     const std::vector<DeviceInfo> infos = Device::all();

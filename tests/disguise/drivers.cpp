@@ -1,4 +1,5 @@
 // Drivers that are not at hand: PoCL with two devices gives their answers.
+#include "support/supposes.hpp"
 #include "support/throws.hpp"
 
 #include <clsdf/device.hpp>
@@ -66,6 +67,8 @@ void check_unusable(const Answers& answers, const std::string& why_not, const An
 }
 
 }  // namespace
+
+BOOST_AUTO_TEST_SUITE(drivers_that_are_not_at_hand, *boost::unit_test::precondition(clsdf::test::on_pocl))
 
 BOOST_AUTO_TEST_CASE(opencl_1_1_is_refused_in_any_driver) {
     const std::string why_not = "it has OpenCL 1.1, and 1.2 is needed";
@@ -156,3 +159,5 @@ BOOST_AUTO_TEST_CASE(a_compiler_that_says_nothing_is_an_error_with_a_remedy) {
                  });
     disguise::restart();
 }
+
+BOOST_AUTO_TEST_SUITE_END()

@@ -4,6 +4,7 @@
 #include "apps/process.hpp"
 
 #include "disguise/disguise.hpp"
+#include "support/supposes.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,8 @@ using namespace clsdf::test;
 namespace {
 
 using nlohmann::json;
+
+const std::string preload = "LD_PRELOAD=" + path_of_build("CLSDF_DISGUISE_LIBRARY", CLSDF_DISGUISE_LIBRARY);
 
 /// Calls whose failure costs only time.
 const std::set<std::string> passed_over{
@@ -57,8 +60,8 @@ Run run(const Job& job, const std::string& fault) {
     const std::string counts = folder.file("counts"), file = output.file("out" + job.ending);
     std::vector<std::string> arguments = job.arguments, environment = job.environment;
     arguments.insert(arguments.end(), {"-o", file, "--quiet"});
-    environment.insert(environment.end(), {"LD_PRELOAD=" CLSDF_DISGUISE_LIBRARY, "CLSDF_DISGUISE_COUNTS=" + counts,
-                                           "CLSDF_DISGUISE_FAULT=" + fault});
+    environment.insert(environment.end(),
+                       {preload, "CLSDF_DISGUISE_COUNTS=" + counts, "CLSDF_DISGUISE_FAULT=" + fault});
     Run result;
     Process process(arguments, environment);
     std::future<Outcome> ended = std::async(std::launch::async, [&] { return process.wait(); });
@@ -184,6 +187,9 @@ constexpr std::size_t searched_points = 500, many_points = 17000;
 
 }  // namespace
 
+// The calls of PoCL on a processor and as a GPU, and PoCL's names.
+BOOST_AUTO_TEST_SUITE(on_a_known_driver, *boost::unit_test::precondition(on_pocl))
+
 BOOST_AUTO_TEST_SUITE(the_command_survives_a_failing_call)
 
 BOOST_AUTO_TEST_CASE(on_a_processor) {
@@ -252,8 +258,7 @@ BOOST_AUTO_TEST_CASE(a_call_that_is_named_fails_wherever_it_is_made) {
 }
 
 BOOST_AUTO_TEST_CASE(a_device_whose_compiler_is_known_to_crash_is_listed_and_not_taken) {
-    const std::vector<std::string> environment{"LD_PRELOAD=" CLSDF_DISGUISE_LIBRARY, "CLSDF_DISGUISE=pocl-3.0",
-                                               "CLSDF_DEVICE="};
+    const std::vector<std::string> environment{preload, "CLSDF_DISGUISE=pocl-3.0", "CLSDF_DEVICE="};
     const Outcome listed = run_command({"devices", "--json"}, environment);
     const json devices = json::parse(listed.out);
     BOOST_REQUIRE(!devices["devices"].empty());
@@ -277,8 +282,8 @@ BOOST_AUTO_TEST_CASE(a_device_whose_driver_does_not_answer_is_listed_with_what_i
     const std::string name = "a device of Portable Computing Language";
     // The platform lists no devices; then a device tells nothing; then its name alone.
     for (const char* fault : {"clGetDeviceIDs:1+", "clGetDeviceInfo:1+", "clGetDeviceInfo:3+"}) {
-        const std::vector<std::string> environment{"LD_PRELOAD=" CLSDF_DISGUISE_LIBRARY,
-                                                   std::string("CLSDF_DISGUISE_FAULT=") + fault, "CLSDF_DEVICE="};
+        const std::vector<std::string> environment{preload, std::string("CLSDF_DISGUISE_FAULT=") + fault,
+                                                   "CLSDF_DEVICE="};
         const bool has_name = fault == std::string("clGetDeviceInfo:3+");
         const Outcome listed = run_command({"devices", "--json"}, environment);
         BOOST_TEST_CONTEXT(fault << "; the command said: " << listed.error) {
@@ -304,3 +309,5 @@ BOOST_AUTO_TEST_CASE(a_device_whose_driver_does_not_answer_is_listed_with_what_i
         }
     }
 }
+
+BOOST_AUTO_TEST_SUITE_END()
