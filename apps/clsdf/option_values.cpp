@@ -71,12 +71,6 @@ std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<s
     return files;
 }
 
-clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report, const Placement& placement) {
-    clsdf::ReadOptions options = read_options(placement);
-    options.log = [&](const std::string& message) { report.warn(message); };
-    return clsdf::read_meshes(files, options);
-}
-
 std::string paths_of(const std::vector<std::string>& files) {
     return joined(files, true);
 }

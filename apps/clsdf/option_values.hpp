@@ -53,8 +53,6 @@ struct Placement {
 void add_placement_options(Parser& parser, Placement& placement);
 clsdf::ReadOptions read_options(const Placement& placement);
 
-/// The mesh of all files. Warnings say what was skipped or changed.
-clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report, const Placement& placement = {});
 /// "a.stl + b.stl", with or without folders.
 std::string paths_of(const std::vector<std::string>& files);
 std::string names_of(const std::vector<std::string>& files);
@@ -98,6 +96,13 @@ std::array<Number, 3> parse_triple(const std::string& option, const std::string&
     if (numbers && numbers->size() == 1 && one_for_all) return {(*numbers)[0], (*numbers)[0], (*numbers)[0]};
     throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
                        fmt::format("{}: expected {}, not '{}'", option, expected, text));
+}
+
+/// The mesh of all files. Warnings say what was skipped or changed.
+inline clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report, const Placement& placement = {}) {
+    clsdf::ReadOptions options = read_options(placement);
+    options.log = [&](const std::string& message) { report.warn(message); };
+    return clsdf::read_meshes(files, options);
 }
 
 /// The outputs of --with.

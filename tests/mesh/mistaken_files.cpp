@@ -53,7 +53,7 @@ BOOST_AUTO_TEST_CASE(text_in_utf_16_is_named) {
     check_throws(unreadable, {"UTF-16"},
                  [&] { read_points(folder.file("p.csv", utf16("x,y,z\n1,2,3\n", false, true))); });
     // In UTF-8 a mark is skipped.
-    for (const std::string& name : {"a.obj", "a.off", "a.stl", "a.ply"}) {
+    for (const auto& name : std::vector<std::string>{"a.obj", "a.off", "a.stl", "a.ply"}) {
         write_mesh(make_shape("cube"), folder.file(name));
         if (name != "a.stl" && name != "a.ply")
             BOOST_TEST(read_mesh(folder.file("b" + name, "\xEF\xBB\xBF" + content_of(folder.file(name)))).hash() ==
@@ -62,9 +62,9 @@ BOOST_AUTO_TEST_CASE(text_in_utf_16_is_named) {
 }
 
 BOOST_AUTO_TEST_CASE(a_compressed_file_is_named) {
-    check_is_refused_as_any("\x1F\x8B\x08" + std::string(50, 'x'), {"compressed by gzip", "unpack it"});
-    check_is_refused_as_any("PK\x03\x04" + std::string(50, '\0'), {"compressed by zip", "unpack it"});
-    check_is_refused_as_any("\x28\xB5\x2F\xFD" + std::string(50, '\7'), {"compressed by zstd", "unpack it"});
+    check_is_refused_as_any(std::string("\x1F\x8B\x08").append(50, 'x'), {"compressed by gzip", "unpack it"});
+    check_is_refused_as_any(std::string("PK\x03\x04").append(50, '\0'), {"compressed by zip", "unpack it"});
+    check_is_refused_as_any(std::string("\x28\xB5\x2F\xFD").append(50, '\7'), {"compressed by zstd", "unpack it"});
 }
 
 BOOST_AUTO_TEST_CASE(a_mesh_of_another_format_is_named_with_its_ending) {
@@ -89,7 +89,8 @@ BOOST_AUTO_TEST_CASE(a_mesh_of_another_format_is_named_with_its_ending) {
 }
 
 BOOST_AUTO_TEST_CASE(other_text_is_quoted) {
-    const std::string text = "# exported by a program\nsolid part\n facet normal 0 0 1\n" + std::string(200, ' ');
+    std::string text = "# exported by a program\nsolid part\n facet normal 0 0 1\n";
+    text.append(200, ' ');
     check_is_refused("a.stl", text, unreadable, {"'# exported by a program'", "begins with 'solid'"});
     check_is_refused("a.stl", "hello", unreadable, {"'hello'", "begins with 'solid'"});
     check_is_refused("a.off", "hello\n", unreadable, {"line 1", "OFF", "'hello'"});
