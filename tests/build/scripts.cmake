@@ -25,7 +25,7 @@ if(count LESS 15)
   message(SEND_ERROR "only ${count} scripts were found")
 endif()
 set(refusing bundle bundle-driver fetch-meshes figures format gallery gpu-compile gpu-counts nightly on-debian on-opencl
-             python-tests same-bytes setup tidy try-debian walk wheel)
+             python-tests real-meshes same-bytes setup tidy try-debian walk wheel)
 if(NOT EXISTS /usr/bin/python3)
   list(REMOVE_ITEM scripts figures gpu-compile)
   list(REMOVE_ITEM refusing figures gpu-compile)

@@ -1,0 +1,553 @@
+"""Judges "clsdf info" and "clsdf query" on the mesh files of packages: scripts/real-meshes.
+
+Files of equal content count once. Half of a file's points lie in its box and up to 10% around it, the others within
+1e-5 to 3% of its longest side from random places of its surface. A file of more than 100,000 triangles gets fewer
+points, so that it has 15 million pairs, but 10 at least.
+
+The distance is compared with that to all triangles by brute force in double, the sign with
+
+- nonzero: the sum of the solid angles in double, whose integer is the winding number;
+- parity: the crossings of three random rays, which must agree;
+- none: no distance may be negative.
+
+Points in doubt are counted apart: within 1e-6 of the longest side from the surface, or a winding number within 0.1 of
+1/2, or rays that do not agree. Readers and the rules of docs/sign.md are written once more here, so the command's rule
+is compared, too.
+"""
+import argparse
+import collections
+import concurrent.futures
+import datetime
+import hashlib
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import numpy
+
+import mesh_readers
+
+ENDINGS = {".stl", ".obj", ".off", ".ply"}
+CHUNK = 16384  # pairs of a point and a triangle whose values stay in the cache
+FORMAT = 1  # of what is kept; another number judges all files again
+
+
+# Truth ----------------------------------------------------------------------------------------------------------------
+def dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def squared_distances(points, corners):
+    """Of each point (n, 1) from each triangle (m). No value is below the square of the distance but by rounding."""
+    best = None
+    for first, second in ((0, 1), (1, 2), (2, 0)):
+        start = corners[first]
+        edge = [corners[second][axis] - start[axis] for axis in range(3)]
+        offset = [points[axis] - start[axis] for axis in range(3)]
+        length = dot(edge, edge)
+        along = numpy.clip(dot(offset, edge) / numpy.where(length > 0, length, 1), 0, 1)
+        rest = [offset[axis] - along * edge[axis] for axis in range(3)]
+        best = dot(rest, rest) if best is None else numpy.minimum(best, dot(rest, rest))
+        if first == 0:
+            ab, from_a = edge, offset
+    ac = [corners[2][axis] - corners[0][axis] for axis in range(3)]
+    bb, bc, cc = dot(ab, ab), dot(ab, ac), dot(ac, ac)
+    determinant = bb * cc - bc * bc
+    safe = numpy.where(determinant > 0, determinant, 1)
+    b, c = dot(from_a, ab), dot(from_a, ac)
+    u, v = (cc * b - bc * c) / safe, (bb * c - bc * b) / safe
+    within = (determinant > 0) & (u >= 0) & (v >= 0) & (u + v <= 1)
+    rest = [from_a[axis] - u * ab[axis] - v * ac[axis] for axis in range(3)]
+    return numpy.where(within, numpy.minimum(best, dot(rest, rest)), best)
+
+
+def solid_angles(points, corners):
+    """Of each triangle (m) at each point (n, 1), as parts of 4 pi (van Oosterom and Strackee 1983)."""
+    a, b, c = ([corner[axis] - points[axis] for axis in range(3)] for corner in corners)
+    la, lb, lc = (numpy.sqrt(dot(side, side)) for side in (a, b, c))
+    across = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
+    return numpy.arctan2(dot(a, cross(b, c)), across) / (2 * numpy.pi)
+
+
+def crossings(points, corners, direction):
+    """Whether the ray from each point (n, 1) crosses each triangle (m) (Moeller and Trumbore 1997)."""
+    ab, ac = ([corners[k][axis] - corners[0][axis] for axis in range(3)] for k in (1, 2))
+    h = cross(direction, ac)
+    determinant = dot(ab, h)
+    safe = numpy.where(determinant != 0, determinant, 1)
+    offset = [points[axis] - corners[0][axis] for axis in range(3)]
+    q = cross(offset, ab)
+    u, v, t = dot(offset, h) / safe, dot(direction, q) / safe, dot(ac, q) / safe
+    return (determinant != 0) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0)
+
+
+def over_triangles(points, triangles, function, reduce, start):
+    """Reduces function(points, triangles) over the triangles; of a point, in the order of the blocks."""
+    result = numpy.full(len(points), start, dtype=float)
+    columns = [points[:, axis, None] for axis in range(3)]
+    block = max(1, CHUNK // max(1, len(points)))
+    for begin in range(0, len(triangles), block):
+        part = triangles[begin : begin + block]
+        corners = [[part[:, k, axis] for axis in range(3)] for k in range(3)]
+        result = reduce(result, function(columns, corners), slice(begin, begin + block))
+    return result
+
+
+def points_of(triangles, count, side, random):
+    lower, upper = triangles.min((0, 1)), triangles.max((0, 1))
+    box = random.uniform(lower - 0.1 * side, upper + 0.1 * side, (count - count // 2, 3))
+    normal = numpy.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    area = numpy.linalg.norm(normal, axis=1)
+    weights = area / area.sum() if area.sum() > 0 else None
+    chosen = random.choice(len(triangles), count // 2, p=weights)
+    u, v = random.random((2, count // 2, 1))
+    u, v = numpy.where(u + v > 1, 1 - u, u), numpy.where(u + v > 1, 1 - v, v)
+    a, b, c = (triangles[chosen, k] for k in range(3))
+    distance = side * 10 ** random.uniform(-5, -1.5, (count // 2, 1)) * random.choice([-1, 1], (count // 2, 1))
+    unit = normal[chosen] / numpy.maximum(area[chosen, None], 1e-300)
+    return numpy.concatenate([box, a + u * (b - a) + v * (c - a) + distance * unit])
+
+
+# The surface that decides the sign (docs/sign.md) ---------------------------------------------------------------------
+class Edges:
+    """The undirected edges of the faces that count, as often as they count in each direction."""
+
+    def __init__(self, faces, counts):
+        self.faces = numpy.flatnonzero(counts)
+        start = faces[self.faces].reshape(-1)
+        end = numpy.roll(faces[self.faces], -1, axis=1).reshape(-1)
+        forward = numpy.where(start < end, 1, -1) * numpy.repeat(counts[self.faces], 3)
+        key = numpy.minimum(start, end) * (int(faces.max(initial=0)) + 1) + numpy.maximum(start, end)
+        unique, first, self.edge, self.uses = numpy.unique(key, return_index=True, return_inverse=True,
+                                                           return_counts=True)
+        self.ends = numpy.stack([start[first], end[first]], -1)
+        self.direction = forward
+        self.net = numpy.bincount(self.edge, forward, len(unique)).astype(int)
+        self.closed = not (self.uses % 2).any()
+        self.balanced = not self.net.any()
+
+
+def joined(positions, candidates, side):
+    """For each vertex that whose position counts: candidates within rounding are one."""
+    stands_for = numpy.arange(len(positions))
+    tolerance = side * 2.0**-43
+    lower = positions.min(0)
+    parent = {}
+
+    def root(vertex):
+        while parent.setdefault(vertex, vertex) != vertex:
+            vertex = parent[vertex]
+        return vertex
+
+    # Two positions within the tolerance are in one cell of four tolerances, in one of eight lattices.
+    for shift in numpy.ndindex(2, 2, 2):
+        cells = numpy.floor((positions[candidates] - lower) / (4 * tolerance) + 0.5 * numpy.array(shift))
+        order = numpy.lexsort(cells.T)
+        same = (cells[order][1:] == cells[order][:-1]).all(1)
+        for run in numpy.split(order, numpy.flatnonzero(~same) + 1) if same.any() else []:
+            for k, one in enumerate(run):
+                for other in run[k + 1 :]:
+                    pair = candidates[one], candidates[other]
+                    if (numpy.abs(positions[pair[0]] - positions[pair[1]]) <= tolerance).all():
+                        parent[root(pair[0])] = root(pair[1])
+    clusters = collections.defaultdict(list)
+    for vertex in parent:
+        clusters[root(vertex)].append(vertex)
+    for cluster in clusters.values():
+        if (numpy.ptp(positions[cluster], axis=0) <= side * 2.0**-41).all():
+            stands_for[cluster] = min(cluster, key=lambda vertex: tuple(positions[vertex]))
+    return stands_for
+
+
+def without_doubled(faces, counts):
+    """Faces of the same three vertices count by their net number, at most once."""
+    order = numpy.argsort(faces, axis=1)
+    odd = numpy.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])
+    is_even = (order[:, None] == odd).all(2).any(1)
+    _, group, size = numpy.unique(numpy.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True)
+    group = group.reshape(-1)
+    net = numpy.bincount(group, numpy.where(is_even, 1, -1) * counts, len(size))
+    doubled = (size[group] > 1) & (counts != 0)
+    counts = numpy.where(doubled, 0, counts)
+    found = set()
+    for face in numpy.flatnonzero(doubled):
+        direction = 1 if is_even[face] else -1
+        if group[face] not in found and net[group[face]] * direction > 0:
+            found.add(group[face])
+            counts[face] = 1
+    return counts
+
+
+def oriented(edges, faces, counts, areas):
+    """Each part with the orientation of most of its area; None if a part has none."""
+    pairs = collections.defaultdict(list)
+    for index, (edge, direction) in enumerate(zip(edges.edge.tolist(), edges.direction.tolist())):
+        if edges.uses[edge] == 2:
+            pairs[edge].append((int(edges.faces[index // 3]), direction))
+    beside = collections.defaultdict(list)
+    for (one, first), (other, second) in pairs.values():
+        beside[one].append((other, first == second))
+        beside[other].append((one, first == second))
+    turned = {}
+    counts = counts.copy()
+    for seed in edges.faces.tolist():
+        if seed in turned:
+            continue
+        turned[seed], part = False, [seed]
+        for face in part:
+            for other, differs in beside[face]:
+                if other not in turned:
+                    turned[other] = turned[face] ^ differs
+                    part.append(other)
+                elif turned[other] != turned[face] ^ differs:
+                    return None
+        against = sum(areas[face] for face in part if turned[face])
+        along = sum(areas[face] for face in part if not turned[face])
+        for face in part:
+            if turned[face] != (against > along):
+                counts[face] = -counts[face]
+    return counts
+
+
+def sign_surface(triangles, side):
+    """The rule, how often each face counts, what was done last to get there, and whether the mesh itself is closed."""
+    positions, faces = numpy.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    faces = faces.reshape(-1, 3)
+
+    def proper(faces):
+        a, b, c = faces.T
+        return ((a != b) & (b != c) & (c != a)).astype(int)
+
+    counts = proper(faces)
+    edges, step = Edges(faces, counts), "as given"
+    is_closed = edges.closed
+    if not edges.balanced:
+        unbalanced = numpy.unique(edges.ends[edges.net != 0])
+        stands_for = joined(positions, unbalanced, side)
+        if (stands_for != numpy.arange(len(positions))).any():
+            faces = stands_for[faces]
+            counts = proper(faces)
+            edges, step = Edges(faces, counts), "joined"
+    if not edges.balanced:
+        fewer = without_doubled(faces, counts)
+        after = Edges(faces, fewer)
+        if (fewer != counts).any() and (after.closed or not edges.closed):
+            counts, edges, step = fewer, after, "doubled"
+    if edges.closed and not edges.balanced:
+        normal = numpy.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        turned = oriented(edges, faces, counts, numpy.linalg.norm(normal, axis=1))
+        if turned is not None and Edges(faces, turned).balanced:
+            counts, edges, step = turned, Edges(faces, turned), "turned"
+    return "nonzero" if edges.balanced else "parity" if edges.closed else "none", counts, step, is_closed
+
+
+# Judging --------------------------------------------------------------------------------------------------------------
+def run(command, *arguments):
+    outcome = subprocess.run([command, *map(str, arguments), "--json"], stdout=subprocess.PIPE,
+                             stderr=subprocess.PIPE, timeout=900)
+    try:
+        return json.loads(outcome.stdout)
+    except ValueError:
+        return {"error": {"message": f"ends with {outcome.returncode} and no result", "exit_status": outcome.returncode}}
+
+
+def reason_of(message, path):
+    """The message without what belongs to this file: places, numbers, quoted text."""
+    text = re.sub(r"^(line|row) [0-9]+( of '[a-z]*')?: ", "", message.replace(f"{path}: ", ""))
+    text = re.sub(r"'[^']*'", "'...'", text)
+    return re.sub(r"[0-9][0-9.e+]*", "N", text)
+
+
+def truth_of(path, sha, options):
+    """Points, distances, winding numbers and the surface of a file: kept, since no command changes them."""
+    kept = options.folder / "truth" / f"{FORMAT}-{options.seed}-{options.points}" / f"{sha}.npz"
+    if kept.exists():
+        with numpy.load(kept) as file:
+            return {key: file[key] for key in file.files}
+    triangles = mesh_readers.read(path)
+    side = (triangles.max((0, 1)) - triangles.min((0, 1))).max()
+    count = int(max(min(options.points, 10), min(options.points, 15_000_000 // len(triangles))))
+    random = numpy.random.default_rng([options.seed, int(sha[:12], 16)])
+    points = points_of(triangles, count, side if side > 0 else 1, random)
+    rule, counts, step, is_closed = sign_surface(triangles, side)
+    squares = over_triangles(points, triangles, squared_distances,
+                             lambda best, values, _: numpy.minimum(best, values.min(1)), numpy.inf)
+    winding = numpy.zeros((2, count))
+    for row, factors in enumerate((numpy.ones(len(triangles)), counts)):
+        if row == 0 or (counts < 1).any():
+            winding[row] = over_triangles(points, triangles, solid_angles,
+                                          lambda sum, values, part: sum + values @ factors[part], 0)
+        else:
+            winding[1] = winding[0]
+    odd = numpy.zeros((3, count))
+    # A command without these rules has parity for every mesh that is closed and not balanced.
+    if rule == "parity" or (is_closed and step != "as given"):
+        for ray in range(3):
+            direction = random.normal(size=3)
+            odd[ray] = over_triangles(points, triangles[counts != 0] if rule == "parity" else triangles,
+                                      lambda points, corners: crossings(points, corners, direction),
+                                      lambda sum, values, _: sum + values.sum(1), 0) % 2
+    truth = dict(points=points, distance=numpy.sqrt(squares), given=winding[0], winding=winding[1], odd=odd,
+                 rule=numpy.array(rule), step=numpy.array(step), side=numpy.array(side),
+                 triangles=numpy.array(len(triangles)))
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=kept.parent, suffix=".npz", delete=False) as file:
+        numpy.savez(file, **truth)
+    os.replace(file.name, kept)
+    return truth
+
+
+def judge(path, sha, options):
+    result = {"bytes": path.stat().st_size}
+    info = run(options.command, "info", path)
+    if "error" in info:
+        return result | {"unreadable": reason_of(info["error"]["message"], path),
+                         "failed": info["error"]["exit_status"] not in (2, 3)}
+    result |= {"triangles": info["triangles"], "defects": info["defects"]}
+    try:
+        truth = truth_of(path, sha, options)
+        if truth["triangles"] != info["triangles"]:
+            raise ValueError(f"{truth['triangles']} triangles here, {info['triangles']} in the command")
+    except Exception as error:
+        result["not_judged"] = f"{type(error).__name__}: {error}"
+        truth = None
+    with tempfile.TemporaryDirectory(dir=options.folder) as folder:
+        points = truth["points"] if truth else numpy.zeros((1, 3))
+        numpy.save(f"{folder}/points.npy", points)
+        query = run(options.command, "query", path, f"{folder}/points.npy", "-o", f"{folder}/result.npy", "--quiet")
+        if "error" in query:
+            return result | {"failed": True, "not_judged": reason_of(query["error"]["message"], path)}
+        found = numpy.load(f"{folder}/result.npy")["distance"]
+    result |= {"sign": query["sign"], "device": query["device"]["name"], "warnings": query["warnings"]}
+    if truth is None:
+        return result
+    side, distance = float(truth["side"]), truth["distance"]
+    voxel = side / 256 if side > 0 else 1.0
+    error = numpy.abs(numpy.abs(found.astype(float)) - distance)
+    limit = numpy.maximum(2 * numpy.spacing(distance.astype(numpy.float32)).astype(float), 1e-5 * voxel)
+    rule = query["sign"]
+    doubt = distance <= 1e-6 * side
+    if rule == "nonzero":
+        doubt |= numpy.abs(numpy.abs(truth["winding"]) - 0.5) < 0.1
+        inside = numpy.abs(numpy.round(truth["winding"])) >= 1
+    elif rule == "parity":
+        doubt |= (truth["odd"] != truth["odd"][0]).any(0)
+        inside = truth["odd"][0] > 0
+    else:
+        doubt[:] = False
+        inside = numpy.zeros(len(found), dtype=bool)
+    far = numpy.abs(truth["given"] - numpy.round(truth["given"])) > 0.1
+    return result | {
+        "points": len(found),
+        "rule_here": str(truth["rule"]),
+        "step": str(truth["step"]),
+        "wrong_values": int((~(error <= limit)).sum()),
+        "error_voxels": float(error.max() / voxel),
+        "doubt": int(doubt.sum()),
+        "wrong_signs": int(((numpy.signbit(found) != inside) & ~doubt).sum()),
+        "inside": int(inside.sum()),
+        "not_integer": int(far.sum()),
+        "beyond_half": int((numpy.abs(truth["given"]) > 0.5).sum()),
+    }
+
+
+def judged(task):
+    package, path, sha, options = task
+    kept = options.kept / f"{sha}.json"
+    if kept.exists():
+        return json.loads(kept.read_text())
+    result = {"package": package, "file": path.name, "sha256": sha} | judge(path, sha, options)
+    kept.with_suffix(".part").write_text(json.dumps(result))
+    os.replace(kept.with_suffix(".part"), kept)
+    return result
+
+
+# The record -----------------------------------------------------------------------------------------------------------
+def kind_without_sign(result):
+    defects = result["defects"]
+    share = defects["boundary_edges"] / max(1, result["triangles"])
+    if defects["boundary_edges"] == 0:
+        if defects.get("inner_wall_faces", 0) > 0:
+            return "no boundary; an inner wall"
+        return "no boundary; edges of three or more faces"
+    for limit in (0.01, 0.1, 1):
+        if share < limit:
+            return f"boundary edges fewer than {limit:.0%} of the faces"
+    return "boundary edges as many as faces, or more"
+
+
+def table(head, rows):
+    """In Markdown; columns of numbers are on the right."""
+    columns = list(zip(*rows))[1:]
+    numbers = [all(re.fullmatch(r"[0-9,]+(\.[0-9]e[-+][0-9]+)?", str(cell)) for cell in column) for column in columns]
+    lines = ["| " + " | ".join(map(str, line)) + " |" for line in (head, *rows)]
+    return "\n".join([lines[0], "|-|" + "".join("-:|" if is_number else "-|" for is_number in numbers), *lines[1:]])
+
+
+def machine():
+    model = re.search(r"model name\s*:\s*(.*)", pathlib.Path("/proc/cpuinfo").read_text())
+    return f"{model.group(1) if model else 'unknown'}, {len(os.sched_getaffinity(0))} cores"
+
+
+def record_of(results, files, options):
+    read = [result for result in results if "unreadable" not in result]
+    tested = [result for result in read if "points" in result]
+    signed = [result for result in read if result.get("sign", "none") != "none"]
+    wrong_signs = sum(result["wrong_signs"] for result in tested)
+    wrong_values = sum(result["wrong_values"] for result in tested)
+    rows = []
+    for package in [*options.packages, None]:
+        mine = [result for result in results if package in (None, result["package"])]
+        mine_read = [result for result in mine if "unreadable" not in result]
+        mine_tested = [result for result in mine if "points" in result]
+        steps = collections.Counter(result["step"] for result in mine_tested if result["sign"] != "none")
+        signs = collections.Counter(result.get("sign") for result in mine_read)
+        rows.append([package or "all", options.packages.get(package, ""),
+                     sum(files.values()) if package is None else files[package], len(mine_read),
+                     len(mine) - len(mine_read), signs["nonzero"], signs["parity"], signs["none"],
+                     steps["joined"], steps["doubled"], steps["turned"],
+                     sum(result["wrong_signs"] for result in mine_tested),
+                     sum(result["wrong_values"] for result in mine_tested),
+                     f"{max((result['error_voxels'] for result in mine_tested), default=0):.1e}"])
+    unreadable = collections.Counter(result["unreadable"] for result in results if "unreadable" in result)
+    unsigned = collections.defaultdict(list)
+    for result in read:
+        if result.get("sign") == "none":
+            unsigned[kind_without_sign(result)].append(result)
+    other_rule = [result for result in tested if result["rule_here"] != result["sign"]]
+    not_judged = [result for result in read if "not_judged" in result]
+    failed = [result for result in results if result.get("failed")]
+
+    def settled(group):
+        return sum(result.get("not_integer", 1) == 0 and result["beyond_half"] > 0 for result in group)
+
+    parts = [
+        "# Mesh files of public packages",
+        "",
+        f"{len(read):,} different files that can be read, out of packages of PyPI and Debian (robots, printers, CFD cases,\n"
+        f"CAD, test models). **{len(signed):,} of {len(read):,} ({len(signed) / max(1, len(read)):.0%}) have a sign; "
+        f"{wrong_signs:,} signs and {wrong_values:,} distances are wrong.**\n"
+        "`scripts/real-meshes` fetches them and writes this page; its `--help` and `benchmarks/real_meshes.py` say how\n"
+        "files are judged.",
+        "",
+        "| | |",
+        "|-|-|",
+        f"| points | {sum(result['points'] for result in tested):,} in {len(tested):,} files, {sum(result['inside'] for result in tested):,} of them inside; seed {options.seed}; "
+        f"{options.points} a file, fewer above 100,000 triangles |",
+        f"| wrong | {wrong_signs:,} signs, {wrong_values:,} distances beyond max(1e-5 voxel, 2 ulp) |",
+        f"| in doubt | {sum(result['doubt'] for result in tested):,} points whose sign was not judged |",
+        f"| largest error | {max((result['error_voxels'] for result in tested), default=0):.1e} voxel, of 1/256 of the "
+        "longest side |",
+        f"| crashes, refusals of points | {len(failed)} |",
+        f"| triangles | {sum(result['triangles'] for result in read):,}; the largest file has "
+        f"{max((result['triangles'] for result in read), default=0):,} |",
+        f"| command | {options.version} |",
+        f"| date | {datetime.datetime.now(datetime.timezone.utc):%Y-%m-%d %H:%M} UTC |",
+        f"| machine | {machine()} |",
+        f"| device | {next((result['device'] for result in read if 'device' in result), 'unknown')} |",
+        "",
+        "## By package",
+        "",
+        "Files of equal content count once, for the first package that has them. `joined`, `doubled` and `turned` are files\n"
+        "with a sign that had none without [these rules](../docs/sign.md): noise around zero, doubled faces, faces that look\n"
+        "the wrong way. The last rule that was needed counts.",
+        "",
+        table(["package", "version", "files", "read", "unreadable", "nonzero", "parity", "no sign", "joined", "doubled",
+               "turned", "wrong signs", "wrong distances", "largest error, voxel"], rows),
+        "",
+        "## Files that cannot be read",
+        "",
+    ]
+    if unreadable:
+        parts.append(table(["message, `N` for its numbers", "files"],
+                           [[reason.replace("|", "\\|"), count] for reason, count in unreadable.most_common()]))
+    else:
+        parts.append("None.")
+    parts += [
+        "",
+        "## Files without a sign",
+        "",
+        "`settled` are files whose sum of solid angles is within 0.1 of an integer at every point, and beyond 1/2 at one or\n"
+        "more.",
+        "",
+    ]
+    if unsigned:
+        parts.append(table(["defect", "files", "settled", "for instance"],
+                           [[kind, len(group), settled(group),
+                             ", ".join(f"`{result['file']}`" for result in
+                                       sorted(group, key=lambda one: (one["defects"]["boundary_edges"], one["file"]))[:3])]
+                            for kind, group in sorted(unsigned.items(), key=lambda item: -len(item[1]))]))
+    else:
+        parts.append("None.")
+    if other_rule:
+        parts += ["", "## Another rule than expected", "",
+                  "The rules of docs/sign.md, written once more in the script, give another rule for these files.", "",
+                  table(["file", "package", "rule", "expected", "after"],
+                        [[f"`{result['file']}`", result["package"], result["sign"], result["rule_here"], result["step"]]
+                         for result in other_rule[:20]])]
+        if len(other_rule) > 20:
+            parts.append(f"\nand {len(other_rule) - 20} more.")
+    if not_judged:
+        parts += ["", "## Files that could not be judged", "",
+                  table(["file", "package", "reason"],
+                        [[f"`{result['file']}`", result["package"], result["not_judged"]] for result in not_judged])]
+    return "\n".join(parts) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--command", required=True)
+    parser.add_argument("--folder", required=True, type=pathlib.Path)
+    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--points", type=int, default=150)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="", help="files whose path contains this text; writes no record")
+    parser.add_argument("--record", type=pathlib.Path, default=pathlib.Path("benchmarks/REAL-MESHES.md"))
+    options = parser.parse_args()
+
+    options.version = subprocess.run([options.command, "--version"], stdout=subprocess.PIPE, text=True,
+                                     check=True).stdout.splitlines()[0]
+    build = hashlib.sha256(pathlib.Path(options.command).read_bytes()).hexdigest()[:12]
+    options.kept = options.folder / "judged" / f"{build}-{FORMAT}-{options.seed}-{options.points}"
+    options.kept.mkdir(parents=True, exist_ok=True)
+    options.packages = {folder.name: (folder / "version").read_text().strip()
+                        for folder in sorted((options.folder / "files").iterdir())}
+    print(f"{options.version}, seed {options.seed}", flush=True)
+    tasks, seen, files = [], set(), collections.Counter()
+    for package in options.packages:
+        for path in sorted((options.folder / "files" / package).rglob("*")):
+            if path.suffix.lower() not in ENDINGS or not path.is_file():
+                continue
+            files[package] += 1
+            sha = hashlib.sha256(path.read_bytes()).hexdigest()
+            if sha not in seen and options.only in str(path):
+                tasks.append((package, path, sha, options))
+            seen.add(sha)
+    print(f"{sum(files.values())} files, {len(tasks)} different ones", flush=True)
+    results = []
+    with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
+        for result in pool.map(judged, tasks):
+            results.append(result)
+            told = [f"{key} {result[key]}" for key in ("wrong_signs", "wrong_values", "not_judged", "failed")
+                    if result.get(key)]
+            if told or len(results) % 100 == 0:
+                print(f"{len(results)} of {len(tasks)}: {result['package']} {result['file']}: "
+                      f"{', '.join(told) or 'as expected'}", flush=True)
+    if options.only:
+        print(json.dumps(results, indent=1))
+    else:
+        options.record.write_text(record_of(results, files, options))
+        print(f"Written: {options.record}")
+    sys.exit(any(result.get("wrong_signs") or result.get("wrong_values") or result.get("failed")
+                 for result in results))
+
+
+main()
