@@ -26,6 +26,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 
 import numpy
 
@@ -364,6 +365,8 @@ def judged(task):
     kept = options.kept / f"{sha}.json"
     if kept.exists():
         return json.loads(kept.read_text())
+    if time.monotonic() > options.end:
+        return None
     result = {"package": package, "file": path.name, "sha256": sha} | judge(path, sha, options)
     kept.with_suffix(".part").write_text(json.dumps(result))
     os.replace(kept.with_suffix(".part"), kept)
@@ -371,17 +374,16 @@ def judged(task):
 
 
 # The record -----------------------------------------------------------------------------------------------------------
+KINDS = ["no boundary, an inner wall", "no boundary, other edges of an odd number of faces",
+         "boundary edges: fewer than 1% of the faces", "1% to 10%", "10% to 100%", "as many as faces, or more"]
+
+
 def kind_without_sign(result):
     defects = result["defects"]
-    share = defects["boundary_edges"] / max(1, result["triangles"])
     if defects["boundary_edges"] == 0:
-        if defects.get("inner_wall_faces", 0) > 0:
-            return "no boundary; an inner wall"
-        return "no boundary; edges of three or more faces"
-    for limit in (0.01, 0.1, 1):
-        if share < limit:
-            return f"boundary edges fewer than {limit:.0%} of the faces"
-    return "boundary edges as many as faces, or more"
+        return KINDS[0] if defects.get("inner_wall_faces", 0) > 0 else KINDS[1]
+    share = defects["boundary_edges"] / max(1, result["triangles"])
+    return KINDS[2 + sum(share >= limit for limit in (0.01, 0.1, 1))]
 
 
 def table(head, rows):
@@ -397,7 +399,7 @@ def machine():
     return f"{model.group(1) if model else 'unknown'}, {len(os.sched_getaffinity(0))} cores"
 
 
-def record_of(results, files, options):
+def record_of(results, left, files, options):
     read = [result for result in results if "unreadable" not in result]
     tested = [result for result in read if "points" in result]
     signed = [result for result in read if result.get("sign", "none") != "none"]
@@ -406,9 +408,12 @@ def record_of(results, files, options):
     rows = []
     for package in [*options.packages, None]:
         mine = [result for result in results if package in (None, result["package"])]
+        if not mine:
+            continue
         mine_read = [result for result in mine if "unreadable" not in result]
         mine_tested = [result for result in mine if "points" in result]
-        steps = collections.Counter(result["step"] for result in mine_tested if result["sign"] != "none")
+        steps = collections.Counter(result["step"] for result in mine_tested
+                                    if result["sign"] == result["rule_here"] != "none")
         signs = collections.Counter(result.get("sign") for result in mine_read)
         rows.append([package or "all", options.packages.get(package, ""),
                      sum(files.values()) if package is None else files[package], len(mine_read),
@@ -438,6 +443,8 @@ def record_of(results, files, options):
         "`scripts/real-meshes` fetches them and writes this page; its `--help` and `benchmarks/real_meshes.py` say how\n"
         "files are judged.",
         "",
+        *([f"**This run is not complete: {left:,} of {len(results) + left:,} files are left.** Run it again to judge them.",
+           ""] if left else []),
         "| | |",
         "|-|-|",
         f"| points | {sum(result['points'] for result in tested):,} in {len(tested):,} files, {sum(result['inside'] for result in tested):,} of them inside; seed {options.seed}; "
@@ -484,7 +491,7 @@ def record_of(results, files, options):
                            [[kind, len(group), settled(group),
                              ", ".join(f"`{result['file']}`" for result in
                                        sorted(group, key=lambda one: (one["defects"]["boundary_edges"], one["file"]))[:3])]
-                            for kind, group in sorted(unsigned.items(), key=lambda item: -len(item[1]))]))
+                            for kind in KINDS if (group := unsigned[kind])]))
     else:
         parts.append("None.")
     if other_rule:
@@ -509,9 +516,12 @@ def main():
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--points", type=int, default=150)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--minutes", type=float, default=float("inf"),
+                        help="begins no file after that; the record says how many are left for the next run")
     parser.add_argument("--only", default="", help="files whose path contains this text; writes no record")
     parser.add_argument("--record", type=pathlib.Path, default=pathlib.Path("benchmarks/REAL-MESHES.md"))
     options = parser.parse_args()
+    options.end = time.monotonic() + 60 * options.minutes
 
     options.version = subprocess.run([options.command, "--version"], stdout=subprocess.PIPE, text=True,
                                      check=True).stdout.splitlines()[0]
@@ -535,6 +545,8 @@ def main():
     results = []
     with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
         for result in pool.map(judged, tasks):
+            if result is None:
+                continue
             results.append(result)
             told = [f"{key} {result[key]}" for key in ("wrong_signs", "wrong_values", "not_judged", "failed")
                     if result.get(key)]
@@ -544,7 +556,7 @@ def main():
     if options.only:
         print(json.dumps(results, indent=1))
     else:
-        options.record.write_text(record_of(results, files, options))
+        options.record.write_text(record_of(results, len(tasks) - len(results), files, options))
         print(f"Written: {options.record}")
     sys.exit(any(result.get("wrong_signs") or result.get("wrong_values") or result.get("failed")
                  for result in results))
