@@ -2676,16 +2676,19 @@ contains
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     class(clsdf_call_options), intent(inout), target, optional :: options
-    character(len=len(paths) + 1, kind=c_char), target :: texts(size(paths))
+    character(kind=c_char), target :: texts(len(paths) + 1, size(paths))
     type(c_ptr) :: pointers(size(paths))
     type(caller), target :: given
     type(c_read_options) :: read
     integer(c_int32_t) :: status
-    integer :: i
+    integer :: i, k
     call self%release()
     do i = 1, size(paths)
-      texts(i) = trim(paths(i))//c_null_char
-      pointers(i) = c_loc(texts(i))
+      do k = 1, len_trim(paths(i))
+        texts(k, i) = paths(i)(k:k)
+      end do
+      texts(len_trim(paths(i)) + 1, i) = c_null_char
+      pointers(i) = c_loc(texts(1, i))
     end do
     read%struct_size = c_sizeof(read)
     if (present(scale)) read%scale = scale
