@@ -189,12 +189,6 @@ BOOST_AUTO_TEST_CASE(on_a_short_edge_of_a_sliver_the_site_is_the_edge) {
                     for (std::size_t i = 0; i < count; ++i) wrong += is_right(found, i, i % 4) ? 0U : 1U;
                     BOOST_TEST(wrong == 0U, wrong << " of " << count << " points");
                 }
-                if (height < 4e-8) continue;
-                const Grid grid{{-1, -1, -height}, {2, 2, height / 10}, {2, 2, 21}, {}};
-                const Field field = transform.compute(grid, Band::full(), all_outputs());
-                std::size_t wrong = 0;
-                for (std::size_t at = 4; at < 80; ++at) wrong += is_right(field, at, at % 4) ? 0U : 1U;
-                BOOST_TEST(wrong == 0U, wrong << " samples");
             }
         }
     }

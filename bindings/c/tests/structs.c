@@ -92,10 +92,6 @@ int main(void) {
     MEMBER(clsdf_mesh_arrays, index_base);
     MEMBER(clsdf_mesh_arrays, reserved);
     MEMBER(clsdf_mesh_arrays, name);
-    SIZE(clsdf_read_options);
-    MEMBER(clsdf_read_options, struct_size);
-    MEMBER(clsdf_read_options, scale);
-    MEMBER(clsdf_read_options, translate);
     SIZE(clsdf_edge);
     MEMBER(clsdf_edge, from);
     MEMBER(clsdf_edge, to);
@@ -142,6 +138,8 @@ int main(void) {
     MEMBER(clsdf_read_options, struct_size);
     MEMBER(clsdf_read_options, user);
     MEMBER(clsdf_read_options, log);
+    MEMBER(clsdf_read_options, scale);
+    MEMBER(clsdf_read_options, translate);
     SIZE(clsdf_call_options);
     MEMBER(clsdf_call_options, struct_size);
     MEMBER(clsdf_call_options, user);

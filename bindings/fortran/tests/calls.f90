@@ -299,7 +299,7 @@ contains
     type(clsdf_mesh) :: edge
     type(clsdf_statistics) :: statistics
     real(8) :: points(3, 2)
-    real(4) :: distance(2)
+    real(8) :: distance(2)
     integer :: unit
     open (newunit=unit, file='fortran_edge.obj', status='replace')
     write (unit, '(a)') 'v 0 0 0', 'v 1 0 0', 'v 0 1 0', 'f 1 2', 'f 1 2 3'
