@@ -113,7 +113,7 @@ BOOST_AUTO_TEST_CASE(calls_of_a_kept_transform_stay_within_their_bounds) {
 }
 
 BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
-    const Grid fine = grid_around(mesh(), 140, 3);
+    const Grid fine = grid_around(mesh(), 170, 3);
     const Band narrow = Band::symmetric(2 * fine.voxel());
     const DistanceTransform transform(test_device(), mesh());
     std::vector<float> whole(fine.sample_count());
@@ -341,6 +341,7 @@ BOOST_AUTO_TEST_CASE(a_lack_of_memory_appears_when_a_plan_is_made) {
     const DistanceTransform transform(test_device(), mesh());
     const DeviceMemory memory(test_device().context(), grid().sample_count());
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
+    device::context_of(test_device()).spare_buffers().release();
     disguise::Settings settings = as_gpu;
     settings.memory = 0;
     disguise::set(settings);

@@ -17,6 +17,10 @@ void copy_on_all_cores(const std::byte* from, std::byte* to, std::size_t bytes) 
     });
 }
 
+bool is_in_use(const cl::Event& used) {
+    return used() != nullptr && used.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE;
+}
+
 }  // namespace
 
 PinnedCopies::~PinnedCopies() {
@@ -46,11 +50,9 @@ bool PinnedCopies::make_pieces() {
 
 PinnedCopies::Piece& PinnedCopies::free_piece() {
     Piece& piece = pieces_[next_++ % pieces_.size()];
-    if (piece.used() != nullptr) {
-        const cl::Event used = piece.used;
-        piece.used = cl::Event();
-        used.wait();
-    }
+    const cl::Event used = piece.used;
+    piece.used = cl::Event();
+    if (is_in_use(used)) used.wait();
     return piece;
 }
 
@@ -93,6 +95,8 @@ bool PinnedCopies::write(const cl::CommandQueue& queue, const std::byte* from, s
                          const cl::Buffer& to) {
     const std::scoped_lock lock(mutex_);
     if (bytes <= least_bytes || !make_pieces()) return false;
+    // Small arrays do not wait for a piece: the driver copies them as quickly.
+    if (bytes <= piece_bytes && is_in_use(pieces_[next_ % pieces_.size()].used)) return false;
     try {
         for (std::size_t begin = 0; begin < bytes; begin += piece_bytes) {
             const std::size_t length = std::min(piece_bytes, bytes - begin);
