@@ -52,8 +52,9 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
 
 void DistanceTransform::State::find_usable(points::UsablePoints& asked, const Box& box, double half_width) const {
     asked.find(box);
-    if (kept_mesh->restriction() != nullptr && asked.has_usable())
-        kept_mesh->restriction()->check(asked.points(), half_width);
+    // Points before the first usable one have copies of it.
+    if (const auto* restriction = kept_mesh->restriction())
+        restriction->check(asked.points().subspan(asked.first_usable()), half_width, asked.first_usable());
 }
 
 points::PointInputs DistanceTransform::State::inputs_of_few(points::UsablePoints& asked, double half_width,

@@ -35,6 +35,7 @@ void UsablePoints::find(const Box& box) {
     const double far = std::min(far_voxels, most);
     is_limit_of_floats_ = far_voxels >= most;
     unusable_.clear();
+    first_usable_ = 0;
     for (std::size_t i = 0; i < given_.size(); ++i) {
         const Vec3& p = given_[i];
         bool is_usable = true;
@@ -49,9 +50,8 @@ void UsablePoints::find(const Box& box) {
     if (unusable_.empty()) return;
     // A point before or behind, which costs least.
     replaced_.assign(given_.begin(), given_.end());
-    std::size_t first_usable = 0;
-    while (first_usable < unusable_.size() && unusable_[first_usable].index == first_usable) ++first_usable;
-    const Vec3 first = has_usable() ? given_[first_usable] : box.lower;
+    while (first_usable_ < unusable_.size() && unusable_[first_usable_].index == first_usable_) ++first_usable_;
+    const Vec3 first = first_usable_ < given_.size() ? given_[first_usable_] : box.lower;
     for (const Unusable& unusable : unusable_)
         replaced_[unusable.index] = unusable.index == 0 ? first : replaced_[unusable.index - 1];
 }

@@ -27,7 +27,8 @@ public:
     /// As many as given: after find() another point lies in the place of each that is not usable.
     std::span<const Vec3> points() const { return replaced_.empty() ? given_ : replaced_; }
     std::size_t unusable() const { return unusable_.size(); }
-    bool has_usable() const { return unusable_.size() < given_.size(); }
+    /// The number of points if none is usable.
+    std::size_t first_usable() const { return first_usable_; }
 
     /// Stores the outputs of those that are not usable among points [begin, begin + count), whose packed arrays these
     /// are: beside the distance, every bit is set. The distance is NaN; half_width, outside, if that and the point are
@@ -48,8 +49,9 @@ private:
     std::span<const Vec3> given_;
     bool are_refused_;
     bool is_limit_of_floats_ = false;  ///< too far for a float, not for voxels
-    std::vector<Unusable> unusable_;   // in ascending order
-    std::vector<Vec3> replaced_;       // empty if all are usable
+    std::size_t first_usable_ = 0;
+    std::vector<Unusable> unusable_;  // in ascending order
+    std::vector<Vec3> replaced_;      // empty if all are usable
 };
 
 }  // namespace clsdf::points

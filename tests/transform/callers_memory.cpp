@@ -266,7 +266,7 @@ BOOST_AUTO_TEST_CASE(points_and_results_on_the_device_that_cannot_be_used_are_re
     const cl::Buffer buffer = buffer_of(points), distance(context(), CL_MEM_READ_WRITE, 5 * sizeof(float));
     const auto refused = [&](ErrorCode code, const InputArray& from, const OutputArray& to,
                              const std::vector<std::string>& words) {
-        check_throws(code, words, [&] { transform.query(from, 1, to); });
+        check_throws(code, words, [&] { transform.query(from, 1, to, {.refuse_unusable_points = true}); });
     };
     const InputArray all(buffer(), ElementType::float64, 5);
     refused(ErrorCode::invalid_argument, all, OutputArray(distance()), {"point 3", "nan"});

@@ -519,7 +519,7 @@ BOOST_AUTO_TEST_CASE(few_points_have_the_errors_of_many) {
         points[2] = last;
         std::vector<float> distance(count);
         try {
-            asked.query(points, half_width, distance);
+            asked.query(points, half_width, distance, {.refuse_unusable_points = true});
         } catch (const Error& error) {
             return fmt::format("{}: {}", static_cast<int>(error.code()), error.what());
         }

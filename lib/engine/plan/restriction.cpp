@@ -119,10 +119,10 @@ void Restriction::check(const Grid& grid, const Band& band, SignRule sign) const
                samples);
 }
 
-void Restriction::check(std::span<const Vec3> points, double half_width) const {
+void Restriction::check(std::span<const Vec3> points, double half_width, std::size_t first) const {
     for (std::size_t i = 0; i < points.size(); ++i)
         if (const Box box{points[i], points[i]}; !holds(box, half_width, 0, 0))
-            refuse(fmt::format("point {} lies at ({}, {}, {}) and is looked up within {}", i, points[i][0],
+            refuse(fmt::format("point {} lies at ({}, {}, {}) and is looked up within {}", first + i, points[i][0],
                                points[i][1], points[i][2], half_width),
                    box);
 }

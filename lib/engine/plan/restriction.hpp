@@ -37,7 +37,8 @@ public:
 
     /// Each throws Error(invalid_argument) if the part of the mesh does not suffice for the field, points or boxes.
     void check(const Grid& grid, const Band& band, SignRule sign) const;
-    void check(std::span<const Vec3> points, double half_width) const;
+    /// first: the number of the first of these points, for messages.
+    void check(std::span<const Vec3> points, double half_width, std::size_t first = 0) const;
     void check(std::span<const Box> boxes, double half_width) const;
 
 private:
