@@ -287,7 +287,7 @@ BOOST_AUTO_TEST_CASE(warns_that_a_format_cannot_carry_the_band) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);
     for (const std::string name : {"a.sdf", "A.SDF"})
-        for (const std::string band : {"10%", "full"}) {
+        for (const std::string band : {"2v", "full"}) {
             const Outcome outcome = run_command(
                 {"compute", mesh, "-o", folder.file(name), "--resolution", "12", "--band", band, "--json", "--quiet"});
             BOOST_REQUIRE(outcome.status == 0);
@@ -310,7 +310,8 @@ BOOST_AUTO_TEST_CASE(warns_that_a_field_without_sign_has_no_band_inside) {
 BOOST_AUTO_TEST_CASE(warns_that_triangles_of_an_earlier_field_lie_beside_the_new_one) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);
-    const std::vector<std::string> plain{"compute", mesh, "-o", folder.file("a.npy"), "--resolution", "9", "--quiet"};
+    const std::vector<std::string> plain{"compute", mesh, "-o",     folder.file("a.npy"), "--resolution", "9",
+                                         "--band",  "2v", "--quiet"};
     std::vector<std::string> with_triangles = plain;
     with_triangles.insert(with_triangles.end(), {"--with", "triangle"});
     BOOST_TEST(run_command(plain).error.empty());
@@ -319,9 +320,11 @@ BOOST_AUTO_TEST_CASE(warns_that_triangles_of_an_earlier_field_lie_beside_the_new
     BOOST_TEST(outcome.status == 0);
     BOOST_TEST(outcome.error.find("warning: " + folder.file("a_triangle.npy")) == 0U);
     // A file of that name beside a format that has all outputs in one file is another field.
-    BOOST_REQUIRE(run_command({"compute", mesh, "-o", folder.file("a_triangle.vti"), "--resolution", "9"}).status == 0);
-    const Outcome in_one_file =
-        run_command({"compute", mesh, "-o", folder.file("a.vti"), "--resolution", "9", "--quiet"});
+    const auto in_vti = [&](const std::string& name) {
+        return run_command({"compute", mesh, "-o", folder.file(name), "--resolution", "9", "--band", "2v", "--quiet"});
+    };
+    BOOST_REQUIRE(in_vti("a_triangle.vti").status == 0);
+    const Outcome in_one_file = in_vti("a.vti");
     BOOST_TEST(in_one_file.status == 0);
     BOOST_TEST(in_one_file.error.empty(), in_one_file.error);
 }
@@ -558,7 +561,7 @@ BOOST_AUTO_TEST_CASE(make_the_inside_positive_and_files_say_so) {
                 zeros += expected.distance()[i] == 0 ? 1U : 0U;
                 wrong += std::signbit(found.distance()[i]) == std::signbit(expected.distance()[i]) ? 1U : 0U;
             }
-            BOOST_TEST(zeros > 100U);
+            BOOST_TEST(zeros > 50U);
             BOOST_TEST(wrong == 0U);
             found.negate();
             for (const clsdf::OutputInfo& info : clsdf::output_table())
