@@ -54,7 +54,7 @@ BOOST_FIXTURE_TEST_CASE(have_every_option_of_every_subcommand, Generated) {
     const std::string pages = without_backslashes(file("clsdf.1"));
     for (const std::string& name : names) {
         const std::string page = without_backslashes(file("clsdf-" + name + ".1"));
-        const std::string bash_options = bash.substr(std::min(bash.size(), bash.find("        " + name + ":*)")));
+        const std::string bash_options = bash.substr(std::min(bash.size(), bash.rfind("        " + name + ":*)")));
         const std::string zsh_options = zsh.substr(std::min(zsh.size(), zsh.find("            " + name + ")\n")));
         BOOST_TEST(contains(pages, "fB" + name + "fR"), name);
         BOOST_TEST(contains(pages, ".BR clsdf-" + name), name);
