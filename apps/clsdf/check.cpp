@@ -72,8 +72,8 @@ std::string note_on_the_mesh(const std::vector<std::string>& mesh, const clsdf::
 std::string note_on_signs(const clsdf::Mesh& mesh, const CheckReport& report, clsdf::Field field,
                           const clsdf::reference::CheckOptions& options) {
     if (report.wrong_signs * 10 < report.samples * 9 || report.wrong_signs == 0) return {};
-    for (float& distance : field.distance())
-        if (distance != 0) distance = -distance;
+    field.negate();
+    field.positive_inside = false;
     if (clsdf::reference::check(mesh, field, options).wrong_signs > 0) return {};
     return "all signs are opposite: positive inside? The distances of clsdf are negative inside; negate the field";
 }
