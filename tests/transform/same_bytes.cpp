@@ -607,7 +607,7 @@ BOOST_AUTO_TEST_CASE(and_on_a_device_that_allocates_little_at_once) {
 }
 
 BOOST_AUTO_TEST_CASE(and_on_a_device_with_little_memory) {
-    const Device device = test_device().limited({.memory = std::size_t{9} << 20});
+    const Device device = test_device().limited({.memory = std::size_t{12} << 20});
     check_all_ways(device, KernelBody::by_vector, false, is_large);
     // A plan whose arrays are copied is divided.
     const Fields& fields = all_fields().back();
