@@ -156,6 +156,7 @@ BOOST_AUTO_TEST_CASE(stays_ignored_while_kernels_are_compiled) {
     Process process({"compute", mesh, "-o", field, "--resolution", "16"},
                     {"CLSDF_CACHE_DIR=" + folder.file("cache"), "POCL_CACHE_DIR=" + folder.file("pocl")}, {},
                     [] { std::signal(SIGHUP, SIG_IGN); });
+    process.wait_until([&] { return process.error_so_far().find("sign") != std::string::npos; });
     process.wait_until([&] {
         process.send(SIGHUP);
         return std::filesystem::exists(field) || process.error_so_far().find("clsdf: ") != std::string::npos;

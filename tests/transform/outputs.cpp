@@ -172,9 +172,11 @@ BOOST_AUTO_TEST_CASE(on_a_short_edge_of_a_sliver_the_site_is_the_edge) {
             for (int k = 40; k <= 360; ++k)
                 for (std::size_t n = 0; n < 4; ++n)
                     points.push_back({vertices[n][0], vertices[n][1], height * (k / 200.0 - 1)});
+            const auto is_named = [&](const Field& field, std::size_t at, std::size_t corner) {
+                return field.triangle()[at] == lowest[corner] && field.site()[at] >= 3 && field.site()[at] <= 5;
+            };
             const auto is_right = [&](const Field& field, std::size_t at, std::size_t corner) {
-                if (field.distance()[at] != 0 || field.triangle()[at] != lowest[corner]) return false;
-                if (field.site()[at] < 3 || field.site()[at] > 5) return false;
+                if (field.distance()[at] != 0 || !is_named(field, at, corner)) return false;
                 for (std::size_t axis = 0; axis < 2; ++axis)
                     if (std::abs(static_cast<double>(field.gradient()[3 * at + axis]) -
                                  vertices[corner][axis] * std::sqrt(0.5)) > 1e-6)
@@ -188,6 +190,18 @@ BOOST_AUTO_TEST_CASE(on_a_short_edge_of_a_sliver_the_site_is_the_edge) {
                     std::size_t wrong = 0;
                     for (std::size_t i = 0; i < count; ++i) wrong += is_right(found, i, i % 4) ? 0U : 1U;
                     BOOST_TEST(wrong == 0U, wrong << " of " << count << " points");
+                }
+                if (height < 1e-9) continue;
+                for (std::size_t n = 0; n < 4; ++n) {
+                    const double step = height / 10;
+                    const Grid grid{vertices[n], {step, step, step}, {1, 1, 21}, {}};
+                    const Field field = transform.compute(grid, Band::full(), all_outputs());
+                    std::size_t wrong = 0;
+                    for (std::size_t at = 1; at < 20; ++at) {
+                        const bool is_near = std::abs(static_cast<double>(field.distance()[at])) <= 1e-5 * step;
+                        wrong += is_near && is_named(field, at, n) ? 0U : 1U;
+                    }
+                    BOOST_TEST(wrong == 0U, wrong << " samples of corner " << n);
                 }
             }
         }
