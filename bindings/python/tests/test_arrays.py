@@ -135,6 +135,9 @@ def test_arrays_that_never_change_are_no_out(body, points, module):
         def __init__(self, array):
             self.array, self.shape, self.dtype = array, array.shape, array.dtype
 
+        def __len__(self):
+            return len(self.array)
+
         def __dlpack__(self, **_):
             return self.array.__dlpack__()
 
