@@ -71,7 +71,8 @@ ArrayView view_on_device(nb::handle array, const std::string& what, bool is_outp
 std::string package_of_constants(nb::handle array) {
     const std::string module = nb::cast<std::string>(nb::str(nb::getattr(array.type(), "__module__", nb::str(""))));
     const std::string package = module.substr(0, module.find('.'));
-    return package == "jax" || package == "jaxlib" || package == "tensorflow" ? package : "";
+    if (package == "jaxlib") return "jax";
+    return package == "jax" || package == "tensorflow" ? package : "";
 }
 
 // Why an array could not be taken.
