@@ -214,7 +214,7 @@ bool is_one_part(std::span<const Triangle> triangles, std::size_t vertex_count) 
             ++parts;
         }
         for (const std::uint32_t label : {of_a, of_b, of_c})
-            if (label != 0 && sets.root(label) != sets.root(own)) {
+            if (label != 0 && label != own && sets.root(label) != sets.root(own)) {
                 sets.join(label, own);
                 --parts;
             }
