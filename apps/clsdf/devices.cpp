@@ -60,13 +60,11 @@ clsdf::Device open_device(const std::string& choice, Report& report) {
     clsdf::Device device = open_device(choice);
     static std::atomic<bool> is_told = false;
     if (!choice.empty() || !device_variable().empty() || is_told.exchange(true)) return device;
-    // Such an entry means that no GPU can be used.
-    for (const DeviceInfo& info : clsdf::Device::all())
-        if (info.source == clsdf::DeviceSource::device_file)
-            report.warn(
-                fmt::format("{} is not used ({}): {}; taken is \"{}\"; --device or CLSDF_DEVICE names a device "
-                            "without this warning",
-                            info.name, info.driver_file, info.why_not, device.name()));
+    for (const DeviceInfo& info : clsdf::Device::unused_gpus())
+        report.warn(
+            fmt::format("{} is not used ({}): {}; taken is \"{}\"; --device or CLSDF_DEVICE names a device "
+                        "without this warning",
+                        info.name, info.driver_file, info.why_not, device.name()));
     return device;
 }
 

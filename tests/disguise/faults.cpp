@@ -33,6 +33,8 @@ const std::set<std::string> passed_over{
     "clGetEventInfo",               // the library waits for the event
     "clSetEventCallback",           // likewise
     "clEnqueueMarkerWithWaitList",  // without the marker the library waits for the whole queue
+    "clEnqueueMapBuffer",           // copies go from and to memory that is not pinned; otherwise it is an error
+    "clEnqueueUnmapMemObject",      // pinned memory is given back
 };
 
 // The time limit on a busy machine.
@@ -61,7 +63,8 @@ Run run(const Job& job, const std::string& fault) {
     std::vector<std::string> arguments = job.arguments, environment = job.environment;
     arguments.insert(arguments.end(), {"-o", file, "--quiet"});
     environment.insert(environment.end(),
-                       {preload, "CLSDF_DISGUISE_COUNTS=" + counts, "CLSDF_DISGUISE_FAULT=" + fault});
+                       {preload, "CLSDF_DISGUISE_COUNTS=" + counts, "CLSDF_DISGUISE_FAULT=" + fault,
+                        "CLSDF_DEVICE_FILES=" + folder.file("none")});  // a GPU of this machine is not looked for
     Run result;
     Process process(arguments, environment);
     std::future<Outcome> ended = std::async(std::launch::async, [&] { return process.wait(); });

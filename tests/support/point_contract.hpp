@@ -157,7 +157,8 @@ private:
             return fmt::format("({}, {}) are the weights of a point that is {} off", u, v, weights_off);
 
         const double offset_off = (vector_at(field.offset(), i) + from).norm();
-        if (!(offset_off <= 2e-7 * truth.distance + coordinate)) return fmt::format("the offset is {} off", offset_off);
+        if (!(offset_off <= 2e-7 * truth.distance + truth.rounding + coordinate))
+            return fmt::format("the offset is {} off", offset_off);
 
         // On the surface it is the pseudonormal, or NaN if no face at the site has an area.
         if (truth.distance <= 1e-6 * voxel_) return {};

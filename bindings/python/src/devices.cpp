@@ -48,9 +48,8 @@ void warn_of_unused_gpus(const Device& device) {
     static std::atomic<bool> is_asked = false;
     if (is_asked.exchange(true)) return;
     std::string text;
-    for (const DeviceInfo& info : without_gil([] { return Device::all(); }))
-        if (info.source == DeviceSource::device_file)
-            text += (text.empty() ? "" : "; ") + info.name + " is not used (" + info.driver_file + "): " + info.why_not;
+    for (const DeviceInfo& info : without_gil([] { return Device::unused_gpus(); }))
+        text += (text.empty() ? "" : "; ") + info.name + " is not used (" + info.driver_file + "): " + info.why_not;
     if (text.empty()) return;
     text += "; clsdf computes on \"" + device.name() +
             "\": clsdf.Device.select, device= or CLSDF_DEVICE name a device without this warning";

@@ -8,6 +8,7 @@
 #include "device/found_devices.hpp"
 #include "device/opencl.hpp"
 #include "device/requirements.hpp"
+#include "device/unregistered_drivers.hpp"
 
 #include <fmt/format.h>
 
@@ -368,6 +369,15 @@ std::vector<DeviceInfo> Device::all() {
     const DefaultFloatingPoint as_usual;
     std::vector<DeviceInfo> infos;
     for (device::FoundDevice& found : device::guarded(device::find_devices)) infos.push_back(std::move(found.info));
+    return infos;
+}
+
+std::vector<DeviceInfo> Device::unused_gpus() {
+    const DefaultFloatingPoint as_usual;
+    std::vector<DeviceInfo> infos;
+    if (device::unregistered_drivers().empty()) return infos;
+    for (device::FoundDevice& found : device::guarded(device::find_installed_devices))
+        if (found.info.source == DeviceSource::device_file) infos.push_back(std::move(found.info));
     return infos;
 }
 
