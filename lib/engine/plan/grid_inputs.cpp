@@ -45,7 +45,7 @@ public:
                    [&] { return 0.1 * count(all_faces()); })) {
             inputs.sweep_mesh = std::make_shared<const SweepMesh>(
                 near_sweep_mesh(kept_mesh_.tools(), job_.grid, job_.lattice, kept_mesh_.mesh(),
-                                kept_mesh_.sign_surface(), kept_mesh_.topology(), near->faces));
+                                kept_mesh_.sign_surface(), kept_mesh_.boundary().get(), kept_mesh_.topology(), near->faces));
             if (!lone) lattice_.faces_swept += near->face_count;
         } else {
             if (!lattice_.sweep_mesh)
