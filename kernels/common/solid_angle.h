@@ -35,6 +35,30 @@ static inline Turns no_turns(void) {
     return none;
 }
 
+// A direction across the ray, of any length but 0.
+typedef struct Phase {
+    double y, z;
+} Phase;
+
+static inline Phase phase_of(double sy, double sz) {
+    const double ay = fabs(sy), az = fabs(sz), most = ay > az ? ay : az;
+    Phase phase;
+    phase.y = sy;
+    phase.z = sz;
+    if (most == 0.0) {
+        phase.y = -1.0;
+        phase.z = 0.0;
+    } else if (most < 0x1p-66) {  // products would underflow
+        phase.y *= 0x1p66;
+        phase.z *= 0x1p66;
+        if (most < 0x1p-132) {
+            phase.y /= most * 0x1p66;
+            phase.z /= most * 0x1p66;
+        }
+    }
+    return phase;
+}
+
 // (x, y, z): the vertex minus the point. (sy, sz): the offset across the ray as the crossings' predicate sees it: of
 // the snapped vertex for samples, (y, z) for points. If it is 0, the point counts as moved by (e, e^2). If the vertex
 // lies on the ray's side of the point's plane, that offset is the phase of (c, q): so the sum changes where the
@@ -48,23 +72,12 @@ static inline SeenVertex seen_vertex(double x, double y, double z, double sy, do
         seen.qy = y;
         seen.qz = z;
     } else {
-        const double ay = fabs(sy), az = fabs(sz), most = ay > az ? ay : az;
+        const Phase phase = phase_of(sy, sz);
         const double d = length - x;
-        if (most == 0.0) {
-            sy = -1.0;
-            sz = 0.0;
-        } else if (most < 0x1p-66) {  // products would underflow
-            sy *= 0x1p66;
-            sz *= 0x1p66;
-            if (most < 0x1p-132) {
-                sy /= most * 0x1p66;
-                sz /= most * 0x1p66;
-            }
-        }
-        seen.cr = y * sy + z * sz;
-        seen.ci = y * sz - z * sy;
-        seen.qy = d * sy;
-        seen.qz = d * sz;
+        seen.cr = y * phase.y + z * phase.z;
+        seen.ci = y * phase.z - z * phase.y;
+        seen.qy = d * phase.y;
+        seen.qz = d * phase.z;
     }
     return seen;
 }

@@ -23,8 +23,11 @@ constexpr int smallest_block = 4;
 constexpr double slack = 1e-6;
 // Around a block with more open edges than that, loops far away are taken as a linear function,
 constexpr std::size_t fewest_approximated = 48;
-// which may be off by that for each size of blocks.
-constexpr double tolerance = 0.02;
+// which may be off by that in a block, and as much more in the blocks around it. Small blocks may be off by more: where
+// that leaves a doubt, the functions of the blocks around them are tried.
+double tolerance_of(int block) {
+    return 0.3 / block;
+}
 
 /// A sample, or a place halfway between two: twice the indices in the lattice, x from LatticeBoundary::first_x.
 struct HalfSample {
@@ -64,14 +67,107 @@ struct Loop {
 
 /// The open edges around a block: near loops, and the turns of all others as a linear function.
 struct Surroundings {
+    const Surroundings* outer = nullptr;  ///< of the block around it, with more near loops; null if all are near
     std::vector<std::uint32_t> loops;
     std::size_t edges = 0;  ///< of these loops
-    bool has_far = false;
     HalfSample centre{};  ///< at which the linear function has the value `turns`
     double turns = 0;
     Vec3 gradient{};
     double remainder = 0;  ///< it may be off by that in the block
 };
+
+/// A loop seen from samples of a row, next to each other. Constant for them: the place across the row.
+struct RowPlace {
+    double x;          ///< of the first sample
+    std::int64_t y, z;  ///< as of snapped vertices
+    double per_y, per_z;
+    Vec3 spacing;
+};
+
+constexpr int lanes = smallest_block;
+
+/// Turns of several samples, with halves as numbers that vectors have.
+struct TurnsOfLanes {
+    std::array<double, lanes> re, im, halves;
+
+    TurnsOfLanes() {
+        re.fill(1);
+        im.fill(0);
+        halves.fill(0);
+    }
+    Turns operator[](std::size_t lane) const {
+        Turns turns;
+        turns.re = re[lane];
+        turns.im = im[lane];
+        turns.halves = static_cast<int>(halves[lane]);
+        return turns;
+    }
+};
+
+/// On which side of the line of snapped corners a place lies: 1 left of it, as the kernels' left_of() has it, or -1.
+inline int side_of(const SweepVertex& a, const SweepVertex& b, std::int64_t y, std::int64_t z) {
+    using Wide = __int128;
+    const Wide value = Wide{b.y - a.y} * (z - a.z) - Wide{b.z - a.z} * (y - a.y);
+    if (value != 0) return value > 0 ? 1 : -1;
+    return b.z < a.z || (b.z == a.z && b.y > a.y) ? 1 : -1;
+}
+
+/// Adds a loop's turns: seen_vertex() and turned() of solid_angle.h in lanes, with the same bits.
+CLSDF_SEVERAL_TARGETS void add_turns(const LatticeCorner* corners, std::size_t count, const RowPlace& place,
+                                     TurnsOfLanes& turns) {
+    struct Seen {
+        std::array<double, lanes> cr, ci, qy, qz;
+    };
+    Seen first{}, from{}, to{};
+    for (std::size_t i = 0; i <= count; ++i) {
+        if (i == count) {
+            to = first;
+        } else {
+            const LatticeCorner& corner = corners[i];
+            const double across_y = static_cast<double>(corner.snapped.y - place.y) * place.per_y,
+                         across_z = static_cast<double>(corner.snapped.z - place.z) * place.per_z;
+            const double y = (across_y + corner.rest_y) * place.spacing[1],
+                         z = (across_z + corner.rest_z) * place.spacing[2];
+            const Phase phase = phase_of(across_y * place.spacing[1], across_z * place.spacing[2]);
+            const double behind_cr = y * phase.y + z * phase.z, behind_ci = y * phase.z - z * phase.y;
+            const double squared = y * y + z * z;
+            for (int l = 0; l < lanes; ++l) {
+                const double x = (corner.snapped.x - (place.x + l)) * place.spacing[0];
+                const double length = std::sqrt(x * x + squared), d = length - x;
+                const bool is_ahead = x >= 0;
+                to.cr[l] = is_ahead ? length + x : behind_cr;
+                to.ci[l] = is_ahead ? 0.0 : behind_ci;
+                to.qy[l] = is_ahead ? y : d * phase.y;
+                to.qz[l] = is_ahead ? z : d * phase.z;
+            }
+        }
+        if (i == 0) {
+            first = from = to;
+            continue;
+        }
+        std::array<double, lanes> re, im;
+        bool may_turn = false;
+        for (int l = 0; l < lanes; ++l) {
+            re[l] = (from.cr[l] * to.cr[l] + from.ci[l] * to.ci[l]) + (from.qy[l] * to.qy[l] + from.qz[l] * to.qz[l]);
+            im[l] = (from.cr[l] * to.ci[l] - from.ci[l] * to.cr[l]) + (from.qy[l] * to.qz[l] - from.qz[l] * to.qy[l]);
+        }
+        for (int l = 0; l < lanes; ++l) may_turn = may_turn || re[l] < 0;
+        const double side =
+            may_turn ? side_of(corners[i - 1].snapped, corners[i == count ? 0 : i].snapped, place.y, place.z) : 0;
+        for (int l = 0; l < lanes; ++l) {
+            const bool is_none = re[l] == 0 && im[l] == 0, is_back = re[l] < 0;
+            const double a = is_none ? 1.0 : is_back ? -re[l] : re[l], b = is_back ? -im[l] : im[l];
+            const double pr = turns.re[l] * a - turns.im[l] * b, pi = turns.re[l] * b + turns.im[l] * a;
+            const bool is_over = pr < 0;
+            turns.halves[l] += (is_back ? side : 0.0) + (is_over ? (b > 0 ? 1.0 : -1.0) : 0.0);
+            const double qr = is_over ? -pr : pr, qi = is_over ? -pi : pi, size = qr + std::fabs(qi);
+            const double factor = size > 0x1p200 ? 0x1p-400 : size < 0x1p-200 ? 0x1p400 : 1.0;
+            turns.re[l] = qr * factor;
+            turns.im[l] = qi * factor;
+        }
+        from = to;
+    }
+}
 
 /// The open edges, seen from any place of the lattice.
 class Film {
@@ -111,8 +207,8 @@ public:
     /// too.
     std::pair<Surroundings, bool> around(const Block& block, const Surroundings& outer) const {
         Surroundings inner;
+        inner.outer = &outer;
         inner.centre = block.centre();
-        inner.has_far = outer.has_far;
         inner.turns = far_turns(outer, inner.centre);
         inner.gradient = outer.gradient;
         inner.remainder = outer.remainder;
@@ -124,7 +220,7 @@ public:
             const Far seen = look_at(loop, inner.centre, ball);
             turns += seen.turns;
             change.add(seen.change);
-            if (outer.edges > fewest_approximated && seen.change.beside < tolerance &&
+            if (outer.edges > fewest_approximated && seen.change.beside < tolerance_of(block.size) &&
                 !is_in_shadow(block, loops_[loop].shadow))
                 far.push_back(seen);
             else
@@ -134,11 +230,10 @@ public:
         double remainder = 0;
         for (const Far& one : far) {
             remainder += one.change.beside;
-            if (remainder > tolerance) {
+            if (remainder > tolerance_of(block.size)) {
                 keep(one.loop, inner);
                 continue;
             }
-            inner.has_far = true;
             inner.turns += one.turns;
             for (std::size_t axis = 0; axis < 3; ++axis) inner.gradient[axis] += one.change.gradient[axis];
             inner.remainder += one.change.beside;
@@ -149,12 +244,32 @@ public:
     /// The turns at a sample, rounded.
     int rounded_at(std::int64_t x, std::int64_t y, std::int64_t z, const Surroundings& around) const {
         const HalfSample sample{2 * x, 2 * y, 2 * z};
-        const Turns near = turns_at(sample, around);
-        if (!around.has_far) return rounded_turns(near);
-        const double raised = turns_of(near) + far_turns(around, sample) + 0.5, whole = std::floor(raised);
-        const double unsure = around.remainder + slack;
-        if (raised - whole > unsure && raised - whole < 1 - unsure) return static_cast<int>(whole);
-        return rounded_turns(turns_at(sample, all_));
+        for (const Surroundings* some = &around;; some = some->outer)
+            if (const auto rounded = rounded_of(turns_at(sample, *some), sample, *some)) return *rounded;
+    }
+
+    /// The same of samples next to each other.
+    std::array<int, lanes> rounded_from(std::int64_t x, std::int64_t y, std::int64_t z,
+                                        const Surroundings& around) const {
+        const RowPlace place{static_cast<double>(x),
+                             y * (std::int64_t{1} << boundary_.bits_y),
+                             z * (std::int64_t{1} << boundary_.bits_z),
+                             per_y_,
+                             per_z_,
+                             boundary_.spacing};
+        TurnsOfLanes turns;
+        for (const std::uint32_t loop : around.loops) {
+            const std::size_t begin = boundary_.begins[loop];
+            clsdf::engine::add_turns(boundary_.corners.data() + begin, boundary_.begins[loop + 1] - begin, place,
+                                     turns);
+        }
+        std::array<int, lanes> result{};
+        for (std::size_t lane = 0; lane < result.size(); ++lane) {
+            const std::int64_t at = x + static_cast<std::int64_t>(lane);
+            const auto rounded = rounded_of(turns[lane], {2 * at, 2 * y, 2 * z}, around);
+            result[lane] = rounded ? *rounded : rounded_at(at, y, z, *around.outer);
+        }
+        return result;
     }
 
 private:
@@ -163,6 +278,15 @@ private:
         double turns;
         WindingChange change;
     };
+
+    /// Of the near loops' turns and the others; nothing if the linear function leaves a doubt.
+    std::optional<int> rounded_of(const Turns& near, const HalfSample& sample, const Surroundings& around) const {
+        if (around.remainder == 0) return rounded_turns(near);
+        const double raised = turns_of(near) + far_turns(around, sample) + 0.5, whole = std::floor(raised);
+        const double unsure = around.remainder + slack;
+        if (raised - whole > unsure && raised - whole < 1 - unsure) return static_cast<int>(whole);
+        return std::nullopt;
+    }
 
     /// A corner from a place, and the offset of the snapped vertex across the row; in the unit of the spacing.
     struct Offset {
@@ -183,16 +307,6 @@ private:
         return seen_vertex(offset.given[0], offset.given[1], offset.given[2], offset.snapped_y, offset.snapped_z);
     }
 
-    /// On which side of the line of snapped corners a place lies: 1 left of it, as the kernels' left_of() has it, or -1.
-    int side_of(const SweepVertex& a, const SweepVertex& b, const HalfSample& from) const {
-        const std::int64_t y = from.y * (std::int64_t{1} << (boundary_.bits_y - 1)),
-                           z = from.z * (std::int64_t{1} << (boundary_.bits_z - 1));
-        using Wide = __int128;
-        const Wide value = Wide{b.y - a.y} * (z - a.z) - Wide{b.z - a.z} * (y - a.y);
-        if (value != 0) return value > 0 ? 1 : -1;
-        return b.z < a.z || (b.z == a.z && b.y > a.y) ? 1 : -1;
-    }
-
     void add_turns(std::uint32_t loop, const HalfSample& from, Turns& turns) const {
         const std::size_t begin = boundary_.begins[loop], end = boundary_.begins[loop + 1];
         const SeenVertex first = seen(boundary_.corners[begin], from);
@@ -202,7 +316,10 @@ private:
             const SeenVertex b = next == begin ? first : seen(boundary_.corners[next], from);
             const double re = edge_re(a, b), im = edge_im(a, b);
             const int side =
-                re < 0 ? side_of(boundary_.corners[i].snapped, boundary_.corners[next].snapped, from) : 0;
+                re < 0 ? side_of(boundary_.corners[i].snapped, boundary_.corners[next].snapped,
+                                 from.y * (std::int64_t{1} << (boundary_.bits_y - 1)),
+                                 from.z * (std::int64_t{1} << (boundary_.bits_z - 1)))
+                       : 0;
             turns = turned(turns, re, im, side);
             a = b;
         }
@@ -214,7 +331,7 @@ private:
     }
 
     double far_turns(const Surroundings& around, const HalfSample& at) const {
-        if (!around.has_far) return 0;
+        if (around.remainder == 0) return 0;
         const HalfSample& centre = around.centre;
         const Vec3 offset{0.5 * static_cast<double>(at.x - centre.x) * boundary_.spacing[0],
                           0.5 * static_cast<double>(at.y - centre.y) * boundary_.spacing[1],
@@ -328,8 +445,9 @@ private:
             pass(block, around);
         } else if (block.size == smallest_block) {
             for_each_row(block, [&](Row& row, std::int64_t y, std::int64_t z) {
-                for (int i = 0; i < block.size; ++i)
-                    set(row, film_.rounded_at(block.x + i, y, z, around), block.x + i, y, z);
+                const std::array<int, lanes> rounded = film_.rounded_from(block.x, y, z, around);
+                for (int i = 0; i < lanes; ++i)
+                    set(row, rounded[static_cast<std::size_t>(i)], block.x + i, y, z);
                 row.is_known = false;
             });
         } else {
