@@ -126,14 +126,13 @@ std::string share_in_doubt(const Topology& topology) {
     return fmt::format("at {:.2g}% of {} points of the mesh's box it is in doubt", percent, topology.tested_points);
 }
 
-/// "it has 3 edges that its faces do not use equally often in both directions".
+/// "it has 3 open edges".
 std::string count_holes(const Topology& topology) {
     const std::size_t count = topology.unbalanced_edges;
+    const char* const edges = count == 1 ? "edge" : "edges";
     return topology.open_edges == count
-               ? fmt::format("it has {} open {}", count, count == 1 ? "edge" : "edges")
-               : fmt::format("it has {}, {} of them open", 
-                             fmt::format("{} unbalanced {}", count, count == 1 ? "edge" : "edges"),
-                             topology.open_edges);
+               ? fmt::format("it has {} open {}", count, edges)
+               : fmt::format("it has {} unbalanced {}, {} of them open", count, edges, topology.open_edges);
 }
 
 /// Of the rule solid_angle for a mesh that is not balanced.
@@ -143,8 +142,8 @@ std::string warning_of_holes(const Topology& topology) {
         return fmt::format("the winding number is below one half at each of {} points of the mesh's box, so perhaps "
                            "nothing is inside; the sign rule none gives the distance alone",
                            topology.tested_points);
-    return fmt::format("{}, the sign follows from the winding number, and {} {}: inside is where it is one half or "
-                       "more; the sign rule none gives the distance alone",
+    return fmt::format("{}, {}, so the sign follows from the winding number: inside is where its magnitude is one half "
+                       "or more; {}; the sign rule none gives the distance alone",
                        topology.closed ? "the mesh is not balanced" : "the mesh is not closed", count_holes(topology),
                        share_in_doubt(topology));
 }

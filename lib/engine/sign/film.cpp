@@ -84,7 +84,7 @@ struct RowPlace {
     Vec3 spacing;
 };
 
-constexpr int lanes = smallest_block;
+constexpr std::size_t lanes = smallest_block;
 
 /// Turns of several samples, with halves as numbers that vectors have.
 struct TurnsOfLanes {
@@ -106,7 +106,7 @@ struct TurnsOfLanes {
 
 /// On which side of the line of snapped corners a place lies: 1 left of it, as the kernels' left_of() has it, or -1.
 inline int side_of(const SweepVertex& a, const SweepVertex& b, std::int64_t y, std::int64_t z) {
-    using Wide = __int128;
+    __extension__ typedef __int128 Wide;
     const Wide value = Wide{b.y - a.y} * (z - a.z) - Wide{b.z - a.z} * (y - a.y);
     if (value != 0) return value > 0 ? 1 : -1;
     return b.z < a.z || (b.z == a.z && b.y > a.y) ? 1 : -1;
@@ -131,8 +131,8 @@ CLSDF_SEVERAL_TARGETS void add_turns(const LatticeCorner* corners, std::size_t c
             const Phase phase = phase_of(across_y * place.spacing[1], across_z * place.spacing[2]);
             const double behind_cr = y * phase.y + z * phase.z, behind_ci = y * phase.z - z * phase.y;
             const double squared = y * y + z * z;
-            for (int l = 0; l < lanes; ++l) {
-                const double x = (corner.snapped.x - (place.x + l)) * place.spacing[0];
+            for (std::size_t l = 0; l < lanes; ++l) {
+                const double x = (corner.snapped.x - (place.x + static_cast<double>(l))) * place.spacing[0];
                 const double length = std::sqrt(x * x + squared), d = length - x;
                 const bool is_ahead = x >= 0;
                 to.cr[l] = is_ahead ? length + x : behind_cr;
@@ -147,14 +147,14 @@ CLSDF_SEVERAL_TARGETS void add_turns(const LatticeCorner* corners, std::size_t c
         }
         std::array<double, lanes> re, im;
         bool may_turn = false;
-        for (int l = 0; l < lanes; ++l) {
+        for (std::size_t l = 0; l < lanes; ++l) {
             re[l] = (from.cr[l] * to.cr[l] + from.ci[l] * to.ci[l]) + (from.qy[l] * to.qy[l] + from.qz[l] * to.qz[l]);
             im[l] = (from.cr[l] * to.ci[l] - from.ci[l] * to.cr[l]) + (from.qy[l] * to.qz[l] - from.qz[l] * to.qy[l]);
         }
-        for (int l = 0; l < lanes; ++l) may_turn = may_turn || re[l] < 0;
+        for (std::size_t l = 0; l < lanes; ++l) may_turn = may_turn || re[l] < 0;
         const double side =
             may_turn ? side_of(corners[i - 1].snapped, corners[i == count ? 0 : i].snapped, place.y, place.z) : 0;
-        for (int l = 0; l < lanes; ++l) {
+        for (std::size_t l = 0; l < lanes; ++l) {
             const bool is_none = re[l] == 0 && im[l] == 0, is_back = re[l] < 0;
             const double a = is_none ? 1.0 : is_back ? -re[l] : re[l], b = is_back ? -im[l] : im[l];
             const double pr = turns.re[l] * a - turns.im[l] * b, pi = turns.re[l] * b + turns.im[l] * a;
@@ -446,8 +446,8 @@ private:
         } else if (block.size == smallest_block) {
             for_each_row(block, [&](Row& row, std::int64_t y, std::int64_t z) {
                 const std::array<int, lanes> rounded = film_.rounded_from(block.x, y, z, around);
-                for (int i = 0; i < lanes; ++i)
-                    set(row, rounded[static_cast<std::size_t>(i)], block.x + i, y, z);
+                for (std::size_t i = 0; i < lanes; ++i)
+                    set(row, rounded[i], block.x + static_cast<std::int64_t>(i), y, z);
                 row.is_known = false;
             });
         } else {
