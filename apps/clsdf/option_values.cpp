@@ -145,5 +145,6 @@ clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length) {
 
 clsdf::SignRule parse_sign(const std::string& rule) {
     using clsdf::SignRule;
-    return value_named(rule, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
+    return value_named(
+        rule, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
 }

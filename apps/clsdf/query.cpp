@@ -45,7 +45,7 @@ struct QueryOptions {
 
 /// The outputs of all points, and what making them took.
 struct Found {
-    clsdf::Field values;  ///< of a grid of one row
+    clsdf::Field values;         ///< of a grid of one row
     std::vector<float> winding;  ///< empty unless asked for
     clsdf::TransformStatistics statistics;
     clsdf::SignRule sign = clsdf::SignRule::none;
@@ -127,8 +127,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
         std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));
     if (options.positive_inside) found.values.negate();
     const Stopwatch write;
-    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with),
-                        found.winding);
+    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with), found.winding);
     output_is_written();
     const double write_seconds = write.seconds();
 

@@ -251,8 +251,7 @@ void DistanceTransform::winding(const InputArray& points, const OutputArray& res
             try {
                 return place();
             } catch (const Error& error) {
-                throw Error(error.code(),
-                            fmt::format("winding numbers are written as distances are: {}", error.what()),
+                throw Error(error.code(), fmt::format("winding numbers are written as distances are: {}", error.what()),
                             error.opencl_code());
             }
         };
@@ -260,8 +259,8 @@ void DistanceTransform::winding(const InputArray& points, const OutputArray& res
         memory.map(call.wait_list);
         const PositionArray positions(memory.on_host(points));
         const targets::HostTargets on_host = placed([&] {
-            return targets::HostTargets(targets::on_host(targets, points.count, memory),
-                                        targets::row_of(points.count), "there are {} points");
+            return targets::HostTargets(targets::on_host(targets, points.count, memory), targets::row_of(points.count),
+                                        "there are {} points");
         });
         if (const auto* restriction = state.kept_mesh->restriction()) restriction->check(positions.get(), 0);
         const auto [tree, boundary] = state.winding_inputs();

@@ -112,9 +112,9 @@ inline std::vector<Mesh> open_meshes(std::uint64_t seed) {
     for (const double radius : {1.5, 2.5, 3.5, 4.5})
         shells.push_back(round_mesh(5, radius, {7, 7, 5}, true, "half sphere"));
     meshes.push_back(together(shells, "nested half spheres"));
-    meshes.push_back(together({open_box({3, 3, 3}, {10, 9, 8}, 5), open_box({4, 4, 4}, {8, 8, 8}, 5),
-                               open_box({3, 3, 3}, {10, 9, 8}, 5, 1)},
-                              "nested open boxes, one twice"));
+    meshes.push_back(together(
+        {open_box({3, 3, 3}, {10, 9, 8}, 5), open_box({4, 4, 4}, {8, 8, 8}, 5), open_box({3, 3, 3}, {10, 9, 8}, 5, 1)},
+        "nested open boxes, one twice"));
     meshes.push_back(reversed(open_box({3, 3, 3}, {10, 9, 8}, 1)));
     meshes.push_back(triangle_soup(40, true, random));
     meshes.push_back(triangle_soup(40, false, random));

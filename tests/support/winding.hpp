@@ -27,8 +27,8 @@ inline double winding_by_faces(const Mesh& mesh, const Vec3& p) {
         const Wide volume = at[0][0] * (at[1][1] * at[2][2] - at[1][2] * at[2][1]) +
                             at[0][1] * (at[1][2] * at[2][0] - at[1][0] * at[2][2]) +
                             at[0][2] * (at[1][0] * at[2][1] - at[1][1] * at[2][0]);
-        const Wide rest = length[0] * length[1] * length[2] + dot(0, 1) * length[2] + dot(1, 2) * length[0] +
-                          dot(2, 0) * length[1];
+        const Wide rest =
+            length[0] * length[1] * length[2] + dot(0, 1) * length[2] + dot(1, 2) * length[0] + dot(2, 0) * length[1];
         if (volume != 0 || rest != 0) sum += std::atan2(volume, rest);
     }
     return static_cast<double>(sum / (2 * std::numbers::pi_v<Wide>));

@@ -1,7 +1,7 @@
 // Meshes with open edges: the sign by the winding number, with the rule solid_angle (docs/sign.md).
 
-#include "support/exact_field.hpp"
 #include "support/open_meshes.hpp"
+#include "support/exact_field.hpp"
 #include "support/throws.hpp"
 
 #include <clsdf/tuning.hpp>
@@ -72,8 +72,7 @@ std::vector<float> winding_of(const DistanceTransform& transform, std::span<cons
 
 BOOST_AUTO_TEST_CASE(samples_have_the_sign_of_the_solid_angles) {
     for (const KernelBody body : bodies())
-        for (const Mesh& mesh : open_meshes(1))
-            BOOST_TEST_CONTEXT(mesh.name()) {
+        for (const Mesh& mesh : open_meshes(1)) BOOST_TEST_CONTEXT(mesh.name()) {
                 const Field field = compute(mesh, lattice_of(15), Band::full(),
                                             TransformOptions{.sign = SignRule::solid_angle, .body = body});
                 const Signs signs = signs_of(mesh, field);
@@ -90,9 +89,9 @@ BOOST_AUTO_TEST_CASE(vertices_beside_rows_of_samples_take_nothing_away) {
     Random random(seed);
     for (const double length : {1e-5, 2e-6, 1e-6, 5e-7, 1e-7, 1e-9})
         for (int i = 0; i < 3; ++i) {
-            const Mesh mesh = shaken(i == 0 ? triangle_soup(16, true, random)
-                                            : open_box({3, 3, 3}, {10, 9, 8}, random.index(6)),
-                                     length, random);
+            const Mesh mesh =
+                shaken(i == 0 ? triangle_soup(16, true, random) : open_box({3, 3, 3}, {10, 9, 8}, random.index(6)),
+                       length, random);
             BOOST_TEST_CONTEXT(mesh.name() << ", moved by " << length) {
                 BOOST_TEST(signs_of(mesh, compute(mesh, lattice_of(14), Band::full(), by_solid_angle)).wrong == 0U);
             }
@@ -110,8 +109,7 @@ BOOST_AUTO_TEST_CASE(spacings_may_be_unequal_and_lattices_far_away) {
         grid.origin = {0, 0, 0};
         grid.first = {1 << 27, -(1 << 27), 1 << 27};
         const Mesh at_far_samples = shifted(mesh, {0x1p27, -0x1p27, 0x1p27});
-        BOOST_TEST(
-            signs_of(at_far_samples, compute(at_far_samples, grid, Band::full(), by_solid_angle)).wrong == 0U);
+        BOOST_TEST(signs_of(at_far_samples, compute(at_far_samples, grid, Band::full(), by_solid_angle)).wrong == 0U);
     }
 }
 
@@ -119,8 +117,7 @@ BOOST_AUTO_TEST_CASE(points_have_the_sign_of_the_solid_angles_and_few_the_bytes_
     constexpr std::uint64_t seed = 3;
     BOOST_TEST_MESSAGE("seed " << seed);
     Random random(seed);
-    for (const Mesh& mesh : open_meshes(2))
-        BOOST_TEST_CONTEXT(mesh.name()) {
+    for (const Mesh& mesh : open_meshes(2)) BOOST_TEST_CONTEXT(mesh.name()) {
             std::vector<Vec3> points;
             for (int i = 0; i < 250; ++i) points.push_back(random.point(-2, 16));
             for (int i = 0; i < 100; ++i) {  // planes and shadows
@@ -182,8 +179,7 @@ BOOST_AUTO_TEST_CASE(points_on_a_line_through_the_film_have_the_same_sign_togeth
 
 BOOST_AUTO_TEST_CASE(parts_slabs_and_restricted_transforms_have_the_bytes_of_the_whole) {
     std::vector<Mesh> meshes = open_meshes(4);
-    for (const Mesh& mesh : meshes)
-        BOOST_TEST_CONTEXT(mesh.name()) {
+    for (const Mesh& mesh : meshes) BOOST_TEST_CONTEXT(mesh.name()) {
             Grid grid = lattice_of(40, {0.35, 0.35, 0.35});
             const Band band = Band::symmetric(1.5);
             const DistanceTransform transform(test_device(), mesh, by_solid_angle);
@@ -208,8 +204,7 @@ BOOST_AUTO_TEST_CASE(a_box_that_is_inside_or_outside_has_no_point_of_another_sig
     BOOST_TEST_MESSAGE("seed " << seed);
     Random random(seed);
     std::size_t inside = 0, outside = 0;
-    for (const Mesh& mesh : open_meshes(5))
-        BOOST_TEST_CONTEXT(mesh.name()) {
+    for (const Mesh& mesh : open_meshes(5)) BOOST_TEST_CONTEXT(mesh.name()) {
             std::vector<Box> boxes;
             for (int i = 0; i < 400; ++i) {
                 const Vec3 lower = random.point(0, 14);
@@ -226,7 +221,7 @@ BOOST_AUTO_TEST_CASE(a_box_that_is_inside_or_outside_has_no_point_of_another_sig
                 for (int k = 0; k < 9; ++k) {
                     Vec3 point{};
                     for (std::size_t axis = 0; axis < 3; ++axis)
-                        point[axis] = k == 8              ? random.uniform(boxes[i].lower[axis], boxes[i].upper[axis])
+                        point[axis] = k == 8 ? random.uniform(boxes[i].lower[axis], boxes[i].upper[axis])
                                       : (k >> axis) % 2 == 0 ? boxes[i].lower[axis]
                                                              : boxes[i].upper[axis];
                     const bool is_inside = std::abs(winding_by_faces(mesh, point)) >= 0.5;
@@ -268,9 +263,10 @@ BOOST_AUTO_TEST_CASE(automatic_takes_the_rule_if_the_winding_number_is_clear) {
             BOOST_TEST(topology.tested_points == 512U);
             BOOST_TEST(10 * topology.doubtful_points <= 512U);
             BOOST_TEST(topology.inside_points > 100U);
-            BOOST_TEST(topology.inside_out == (mesh.name() == reversed(holed).name() && warning.find("inside out") != std::string::npos));
-            for (const std::string& words : {std::to_string(topology.open_edges), std::string("% of 512 points"),
-                                             std::string("none")})
+            BOOST_TEST(topology.inside_out ==
+                       (mesh.name() == reversed(holed).name() && warning.find("inside out") != std::string::npos));
+            for (const std::string& words :
+                 {std::to_string(topology.open_edges), std::string("% of 512 points"), std::string("none")})
                 BOOST_TEST(warning.find(words) != std::string::npos, warning << " lacks " << words);
         }
     }

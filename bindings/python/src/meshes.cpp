@@ -71,7 +71,8 @@ void add_meshes(nb::module_& module) {
         "balanced, another surface decides the sign (docs/sign.md), and edges are those of that surface.")
         .def_ro("closed", &Topology::closed, "Every edge has an even number of faces.")
         .def_ro("balanced", &Topology::balanced, "Every edge is used equally often in both directions.")
-        .def_ro("inside_out", &Topology::inside_out, "Balanced, and the enclosed volume is negative; or not balanced, and the winding number is.")
+        .def_ro("inside_out", &Topology::inside_out,
+                "Balanced, and the enclosed volume is negative; or not balanced, and the winding number is.")
         .def_ro("open_edges", &Topology::open_edges, "Number of edges with an odd number of faces.")
         .def_ro("unbalanced_edges", &Topology::unbalanced_edges, "Number of edges that are not used equally often.")
         .def_ro("non_manifold_edges", &Topology::non_manifold_edges, "Number of edges with more than two faces.")

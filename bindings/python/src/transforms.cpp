@@ -21,7 +21,8 @@ Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const s
     const Call call;
     TransformOptions options;
     options.sign =
-        value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
+        value_named("sign", sign,
+                    {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
     options.kept_bytes = kept_bytes;
     const Device& own = device.get();
     const nb::gil_scoped_release no_gil;

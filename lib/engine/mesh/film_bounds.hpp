@@ -64,8 +64,7 @@ public:
             length({a[0] + share * along[0], a[1] + share * along[1], a[2] + share * along[2]}) - radius_;
         if (away > 0) {
             change_.most += radius_ * per_sphere * std::min(2 / away, edge / (away * away));
-            change_.beside +=
-                0.5 * radius_ * radius_ * per_sphere * std::min(2 * edge / away, 4.0) / (away * away);
+            change_.beside += 0.5 * radius_ * radius_ * per_sphere * std::min(2 * edge / away, 4.0) / (away * away);
         } else {
             change_.most = change_.beside = infinite;
         }

@@ -173,7 +173,8 @@ std::vector<Vec3> points_of(const Box& box) {
 /// The crossings of the points' rays towards -x with the triangles. The points ascend in y.
 class RayCrossings {
 public:
-    RayCrossings(const Mesh& mesh, std::span<const Vec3> points) : mesh_(mesh), points_(points), counts_(points.size()) {
+    RayCrossings(const Mesh& mesh, std::span<const Vec3> points)
+        : mesh_(mesh), points_(points), counts_(points.size()) {
         const Box& box = mesh.box();
         const double height = box.upper[1] / 2 - box.lower[1] / 2;
         lower_ = box.lower[1] / 2;
@@ -243,7 +244,8 @@ void test_winding_number(const Mesh& mesh, std::span<const Triangle> triangles, 
         longest = std::max(longest, mesh.box().upper[axis] / 2 - mesh.box().lower[axis] / 2);
     const double unit = std::ldexp(1.0, std::clamp(longest > 0 ? std::ilogb(longest) : 0, -1000, 1000));
     std::vector<SolidAngle> angles(points.size());
-    for_each_index(points.size(), [&](std::size_t i) { angles[i] = angle_of(boundary, points[i], unit); }, 8);
+    for_each_index(
+        points.size(), [&](std::size_t i) { angles[i] = angle_of(boundary, points[i], unit); }, 8);
     report.tested_points = points.size();
     report.doubtful_points = report.inside_points = 0;
     long long sum = 0;

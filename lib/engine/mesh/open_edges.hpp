@@ -25,9 +25,7 @@ struct OpenLoops {
     std::vector<std::size_t> begins{0};   ///< where each loop begins in `vertices`, and the end of the last
 
     bool empty() const { return vertices.empty(); }
-    std::size_t host_bytes() const {
-        return vertices.size() * sizeof(vertices[0]) + begins.size() * sizeof(begins[0]);
-    }
+    std::size_t host_bytes() const { return vertices.size() * sizeof(vertices[0]) + begins.size() * sizeof(begins[0]); }
 };
 
 /// The edges: of a surface, all different. At every vertex as many of them end as begin.
@@ -42,9 +40,7 @@ struct OpenBoundary {
     OpenBoundary(const OpenLoops& loops, std::span<const Vec3> positions);
 
     bool empty() const { return corners.empty(); }
-    std::size_t host_bytes() const {
-        return corners.size() * sizeof(corners[0]) + begins.size() * sizeof(begins[0]);
-    }
+    std::size_t host_bytes() const { return corners.size() * sizeof(corners[0]) + begins.size() * sizeof(begins[0]); }
 };
 
 /// The part of the open edges in the generalised winding number at a point (kernels/common/solid_angle.h). The rest are

@@ -139,25 +139,29 @@ std::string count_holes(const Topology& topology) {
 std::string warning_of_holes(const Topology& topology) {
     if (topology.tested_points == 0) return {};
     if (topology.inside_points == 0)
-        return fmt::format("the winding number is below one half at each of {} points of the mesh's box, so perhaps "
-                           "nothing is inside; the sign rule none gives the distance alone",
-                           topology.tested_points);
-    return fmt::format("{}, {}, so the sign follows from the winding number: inside is where its magnitude is one half "
-                       "or more; {}; the sign rule none gives the distance alone",
-                       topology.closed ? "the mesh is not balanced" : "the mesh is not closed", count_holes(topology),
-                       share_in_doubt(topology));
+        return fmt::format(
+            "the winding number is below one half at each of {} points of the mesh's box, so perhaps "
+            "nothing is inside; the sign rule none gives the distance alone",
+            topology.tested_points);
+    return fmt::format(
+        "{}, {}, so the sign follows from the winding number: inside is where its magnitude is one half "
+        "or more; {}; the sign rule none gives the distance alone",
+        topology.closed ? "the mesh is not balanced" : "the mesh is not closed", count_holes(topology),
+        share_in_doubt(topology));
 }
 
 /// Why `automatic` does not take it.
 std::string refusal_of_winding_number(const Topology& topology) {
     if (topology.tested_points == 0) return {};
     return topology.inside_points == 0
-               ? fmt::format("; its winding number is below one half at each of {} points of its box, so the sign rule "
-                             "solid-angle would find nothing inside",
-                             topology.tested_points)
-               : fmt::format("; its winding number would tell inside from outside, but {}, and 10% is the limit: the "
-                             "sign rule solid-angle takes it all the same",
-                             share_in_doubt(topology));
+               ? fmt::format(
+                     "; its winding number is below one half at each of {} points of its box, so the sign rule "
+                     "solid-angle would find nothing inside",
+                     topology.tested_points)
+               : fmt::format(
+                     "; its winding number would tell inside from outside, but {}, and 10% is the limit: the "
+                     "sign rule solid-angle takes it all the same",
+                     share_in_doubt(topology));
 }
 
 /// The warnings about a mesh that has a sign.

@@ -27,8 +27,8 @@ Topology describe_vertices(const Mesh& mesh);
 /// The second half, for a mesh whose vertices are all different, with the surface that decides the sign. The mesh has
 /// its first positions. are_paired: each edge is known to have two faces, which run along it in opposite directions;
 /// then nothing is left to count. neighbours: the faces with other numbers of vertices, best in an order in which
-/// neighbours follow each other. asked: the sign rule that the mesh is for; the winding number of a mesh with open edges
-/// is looked at if the rule may become solid_angle.
+/// neighbours follow each other. asked: the sign rule that the mesh is for; the winding number of a mesh with open
+/// edges is looked at if the rule may become solid_angle.
 SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, SignRule asked,
                            Topology& report);
 

@@ -167,7 +167,8 @@ SurfacePoints KeptMesh::points_of(const LatticeView& view) {
 
 SweepMesh KeptMesh::sweep_mesh(const Job& job) {
     const auto faces = device_faces(job.lattice);
-    return make_sweep_mesh(set_up(), job.grid, job.lattice, mesh_, sign_surface(), boundary().get(), names(), faces.get());
+    return make_sweep_mesh(set_up(), job.grid, job.lattice, mesh_, sign_surface(), boundary().get(), names(),
+                           faces.get());
 }
 
 bool KeptMesh::needs_normals(Lattice& lattice) {

@@ -70,7 +70,7 @@ struct Surroundings {
     const Surroundings* outer = nullptr;  ///< of the block around it, with more near loops; null if all are near
     std::vector<std::uint32_t> loops;
     std::size_t edges = 0;  ///< of these loops
-    HalfSample centre{};  ///< at which the linear function has the value `turns`
+    HalfSample centre{};    ///< at which the linear function has the value `turns`
     double turns = 0;
     Vec3 gradient{};
     double remainder = 0;  ///< it may be off by that in the block
@@ -78,7 +78,7 @@ struct Surroundings {
 
 /// A loop seen from samples of a row, next to each other. Constant for them: the place across the row.
 struct RowPlace {
-    double x;          ///< of the first sample
+    double x;           ///< of the first sample
     std::int64_t y, z;  ///< as of snapped vertices
     double per_y, per_z;
     Vec3 spacing;
@@ -315,11 +315,10 @@ private:
             const std::size_t next = i + 1 < end ? i + 1 : begin;
             const SeenVertex b = next == begin ? first : seen(boundary_.corners[next], from);
             const double re = edge_re(a, b), im = edge_im(a, b);
-            const int side =
-                re < 0 ? side_of(boundary_.corners[i].snapped, boundary_.corners[next].snapped,
-                                 from.y * (std::int64_t{1} << (boundary_.bits_y - 1)),
-                                 from.z * (std::int64_t{1} << (boundary_.bits_z - 1)))
-                       : 0;
+            const int side = re < 0 ? side_of(boundary_.corners[i].snapped, boundary_.corners[next].snapped,
+                                              from.y * (std::int64_t{1} << (boundary_.bits_y - 1)),
+                                              from.z * (std::int64_t{1} << (boundary_.bits_z - 1)))
+                                    : 0;
             turns = turned(turns, re, im, side);
             a = b;
         }

@@ -67,8 +67,8 @@ struct SweepLattice {
 
     Place place(std::size_t axis, double position) const { return place_of(position, grid, view, axis); }
 
-    /// Whether the vertex lies within the sweep's integers; then `vertex` is set, and how far it is moved across the row,
-    /// unless that is null.
+    /// Whether the vertex lies within the sweep's integers; then `vertex` is set, and how far it is moved across the
+    /// row, unless that is null.
     bool snap(const Vec3& position, SweepVertex& vertex, LatticeCorner* corner = nullptr) const {
         const Place on_x = place(0, position[0]), on_y = place(1, position[1]), on_z = place(2, position[2]);
         if (!(std::abs(std::nearbyint((on_y.sample + on_y.past) * scale_y)) < snapped_limit) ||
@@ -95,10 +95,11 @@ struct SweepLattice {
 };
 
 [[noreturn]] void refuse_far(const Mesh& mesh, const std::string& vertex) {
-    throw Error(ErrorCode::unsupported,
-                fmt::format("{} of {} lies more than 2^40 voxels from the grid's origin, too far for an exact sign; use "
-                            "a larger spacing or an unsigned field",
-                            vertex, mesh.name()));
+    throw Error(
+        ErrorCode::unsupported,
+        fmt::format("{} of {} lies more than 2^40 voxels from the grid's origin, too far for an exact sign; use "
+                    "a larger spacing or an unsigned field",
+                    vertex, mesh.name()));
 }
 
 /// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.

@@ -47,8 +47,8 @@ struct SweepSelection {
 SweepSelection select_triangles(const device::Context& context, const NearRecords& near);
 
 /// The mesh with the surface that decides its sign. Throws Error(unsupported) if it reaches farther from the grid's
-/// origin than the sweep's integers. view: of the grid's lattice. `faces`: null if the host makes the vertices. boundary:
-/// null unless open edges count.
+/// origin than the sweep's integers. view: of the grid's lattice. `faces`: null if the host makes the vertices.
+/// boundary: null unless open edges count.
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
                           const SignSurface& surface, const OpenBoundary* boundary,
                           const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces);

@@ -147,8 +147,8 @@ public:
     /// The signed distance at points anywhere, in the mesh's units and in any order, and all else that has an array;
     /// docs/library.md, 'Points', says what each output is. Beyond `half_width`, which is not negative and may be
     /// infinite, the distance is `half_width` with the point's sign, and there is no triangle. The sign is that of the
-    /// exact winding number (or parity) at the given doubles, of open meshes as docs/accuracy.md says; a point on the surface has the distance +0. A voxel, as a
-    /// measure, is 1/256 of the longest side of the mesh's box, or 1 if the mesh has no extent.
+    /// exact winding number (or parity) at the given doubles, see docs/accuracy.md; a point on the surface has the
+    /// distance +0. A voxel, as a measure, is 1/256 of the longest side of the mesh's box, or 1 if that has no extent.
     ///
     /// The points and each array may be memory of the host or of the device, and may share a buffer. Outputs may lie on
     /// the points, which are read first. An array has points.count items, packed or strides[0] bytes apart. Memory of

@@ -36,8 +36,8 @@ struct Topology {
 
     bool closed = false;      ///< every undirected edge has an even number of faces
     bool balanced = false;    ///< every edge is used equally often in both directions
-    bool inside_out = false;  ///< balanced, and the enclosed volume is negative; or not balanced, and the winding number
-                              ///< is negative at most of inside_points
+    bool inside_out = false;  ///< balanced, and the enclosed volume is negative; or not balanced, and the winding
+                              ///< number is negative at most of inside_points
 
     std::size_t open_edges = 0;             ///< undirected edges with an odd number of faces
     std::size_t unbalanced_edges = 0;       ///< undirected edges not used equally often in both directions
