@@ -304,6 +304,21 @@ BOOST_AUTO_TEST_CASE(winding_numbers_are_those_of_the_solid_angles) {
         }
 }
 
+BOOST_AUTO_TEST_CASE(a_mesh_that_moves_has_the_sign_of_its_new_positions) {
+    const Mesh mesh = open_box({3, 3, 3}, {10, 9, 8}, 1);
+    const Mesh moved = shifted(tilted(mesh), {0.3, 1, -0.2});
+    const Band band = Band::symmetric(2);
+    DistanceTransform transform(test_device(), mesh, by_solid_angle);
+    transform.compute(lattice_of(15), band);
+    query(transform, samples_of(lattice_of(3)));
+    transform.set_positions(moved.vertices());
+    const DistanceTransform fresh(test_device(), moved, by_solid_angle);
+    BOOST_TEST(same_bytes(transform.compute(lattice_of(15), band), fresh.compute(lattice_of(15), band)));
+    const std::vector<Vec3> points = samples_of(lattice_of(15));
+    BOOST_TEST(same_bytes(query(transform, points), query(fresh, points)));
+    BOOST_TEST(winding_of(transform, points) == winding_of(fresh, points), boost::test_tools::per_element());
+}
+
 BOOST_AUTO_TEST_CASE(the_reference_finds_nothing_wrong) {
     for (const Mesh& mesh : open_meshes(7)) {
         check_exact(mesh, compute(mesh, lattice_of(15), Band::symmetric(2), by_solid_angle), guaranteed);
