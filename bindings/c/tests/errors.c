@@ -260,7 +260,7 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     clsdf_array points = clsdf_host_array(CLSDF_FLOAT64, point, 1);
     int32_t n;
 
-    for (n = -1; n <= 5; n += 5) {
+    for (n = -1; n <= 5; n += 6) {
         options.sign = n;
         FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_transform_options.sign is",
               clsdf_transform_create(device, mesh, &options, NULL, &transform));
