@@ -8,10 +8,11 @@ The distance is compared with that to all triangles by brute force in double, th
 
 - nonzero: the sum of the solid angles in double, whose integer is the winding number;
 - parity: the crossings of three random rays, which must agree;
+- solid-angle: that sum, whose magnitude is 1/2 or more inside;
 - none: no distance may be negative.
 
 Points in doubt are counted apart: within 1e-6 of the longest side from the surface, or a winding number within 0.1 of
-1/2, or rays that do not agree. Readers and the rules of docs/sign.md are written once more here, so the command's rule
+1/2 (1e-8 for solid-angle), or rays that do not agree. Readers and the rules of docs/sign.md are written once more here, so the command's rule
 is compared, too.
 """
 import argparse
@@ -34,7 +35,7 @@ import mesh_readers
 
 ENDINGS = {".stl", ".obj", ".off", ".ply"}
 CHUNK = 16384  # pairs of a point and a triangle whose values stay in the cache
-FORMAT = 1  # of what is kept; another number judges all files again
+FORMAT = 2  # of what is kept; another number judges all files again
 
 
 # Truth ----------------------------------------------------------------------------------------------------------------
@@ -250,6 +251,29 @@ def sign_surface(triangles, side):
     return "nonzero" if edges.balanced else "parity" if edges.closed else "none", counts, step, is_closed
 
 
+def halton(number, base):
+    digit, result = 1.0, 0.0
+    while number > 0:
+        digit /= base
+        result += digit * (number % base)
+        number //= base
+    return result
+
+
+def has_clear_winding_number(triangles, counts):
+    """Whether `auto` takes the rule solid-angle for an open mesh."""
+    lower, upper = triangles.min((0, 1)), triangles.max((0, 1))
+    share = numpy.array([[halton(i, base) for base in (2, 3, 5)] for i in range(1, 513)])
+    points = lower * (1 - share) + upper * share
+    for begin in range(0, 512, 64):  # until there is too much doubt
+        some = over_triangles(points[begin:begin + 64], triangles, solid_angles,
+                              lambda sum, values, part: sum + values @ counts[part], 0)
+        winding = some if begin == 0 else numpy.concatenate([winding, some])
+        if 10 * (numpy.abs(winding - numpy.round(winding)) > 0.1).sum() > 512:
+            return False
+    return bool((numpy.abs(winding) >= 0.5).any())
+
+
 # Judging --------------------------------------------------------------------------------------------------------------
 def run(command, *arguments):
     outcome = subprocess.run([command, *map(str, arguments), "--json"], stdout=subprocess.PIPE,
@@ -279,6 +303,8 @@ def truth_of(path, sha, options):
     random = numpy.random.default_rng([options.seed, int(sha[:12], 16)])
     points = points_of(triangles, count, side if side > 0 else 1, random)
     rule, counts, step, is_closed = sign_surface(triangles, side)
+    if rule == "none" and has_clear_winding_number(triangles, counts):
+        rule = "solid-angle"
     squares = over_triangles(points, triangles, squared_distances,
                              lambda best, values, _: numpy.minimum(best, values.min(1)), numpy.inf)
     winding = numpy.zeros((2, count))
@@ -339,6 +365,9 @@ def judge(path, sha, options):
     if rule == "nonzero":
         doubt |= numpy.abs(numpy.abs(truth["winding"]) - 0.5) < 0.1
         inside = numpy.abs(numpy.round(truth["winding"])) >= 1
+    elif rule == "solid-angle":
+        doubt |= numpy.abs(numpy.abs(truth["winding"]) - 0.5) < 1e-8
+        inside = numpy.abs(truth["winding"]) >= 0.5
     elif rule == "parity":
         doubt |= (truth["odd"] != truth["odd"][0]).any(0)
         inside = truth["odd"][0] > 0
@@ -417,7 +446,7 @@ def record_of(results, left, files, options):
         signs = collections.Counter(result.get("sign") for result in mine_read)
         rows.append([package or "all", options.packages.get(package, ""),
                      sum(files.values()) if package is None else files[package], len(mine_read),
-                     len(mine) - len(mine_read), signs["nonzero"], signs["parity"], signs["none"],
+                     len(mine) - len(mine_read), signs["nonzero"], signs["parity"], signs["solid-angle"], signs["none"],
                      steps["joined"], steps["doubled"], steps["turned"],
                      sum(result["wrong_signs"] for result in mine_tested),
                      sum(result["wrong_values"] for result in mine_tested),
@@ -467,7 +496,7 @@ def record_of(results, left, files, options):
         "with a sign that had none without [these rules](../docs/sign.md): noise around zero, doubled faces, faces that look\n"
         "the wrong way. The last rule that was needed counts.",
         "",
-        table(["package", "version", "files", "read", "unreadable", "nonzero", "parity", "no sign", "joined", "doubled",
+        table(["package", "version", "files", "read", "unreadable", "nonzero", "parity", "solid angle", "no sign", "joined", "doubled",
                "turned", "wrong signs", "wrong distances", "largest error, voxel"], rows),
         "",
         "## Files that cannot be read",

@@ -91,7 +91,10 @@ Json facts_of(const clsdf::Topology& topology) {
             {"inner_wall_faces", topology.inner_wall_faces},
             {"parts", topology.parts},
             {"inward_parts", topology.inward_parts},
-            {"nested_parts", topology.nested_parts}};
+            {"nested_parts", topology.nested_parts},
+            {"tested_points", topology.tested_points},
+            {"doubtful_points", topology.doubtful_points},
+            {"inside_points", topology.inside_points}};
 }
 
 const char* meaning_of(clsdf::SignRule rule) {
@@ -100,6 +103,8 @@ const char* meaning_of(clsdf::SignRule rule) {
             return "nonzero: negative if the winding number is not zero";
         case clsdf::SignRule::parity:
             return "parity: negative if a ray crosses the surface an odd number of times";
+        case clsdf::SignRule::solid_angle:
+            return "solid-angle: negative if the winding number is one half or more, or minus one half or less";
         default:
             return "none: no sign";
     }

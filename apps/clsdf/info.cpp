@@ -65,7 +65,10 @@ Json describe(const Info& info) {
                  {"reoriented_faces", info.topology.reoriented_faces},
                  {"inner_wall_faces", info.topology.inner_wall_faces},
                  {"inward_parts", info.topology.inward_parts},
-                 {"nested_parts", info.topology.nested_parts}};
+                 {"nested_parts", info.topology.nested_parts},
+                 {"tested_points", info.topology.tested_points},
+                 {"doubtful_points", info.topology.doubtful_points},
+                 {"inside_points", info.topology.inside_points}};
     if (info.self_intersections) defects["self_intersections"] = *info.self_intersections;
     return {{"vertices", info.vertices},
             {"triangles", info.triangles},
@@ -84,7 +87,7 @@ Json describe(const Info& info) {
 }
 
 std::string closedness(const clsdf::Topology& topology) {
-    if (!topology.closed) return "open";
+    if (!topology.closed) return topology.inside_out ? "open, inside out" : "open";
     if (!topology.balanced) return "closed, faces not oriented alike";
     return topology.inside_out ? "closed, inside out" : "closed";
 }
@@ -115,6 +118,10 @@ void print_human(const Info& info) {
     if (topology.joined_vertices + topology.uncounted_faces + topology.reoriented_faces > 0)
         print_text("sign      {} vertices joined, {} doubled faces not counted, {} faces turned around\n",
                    topology.joined_vertices, topology.uncounted_faces, topology.reoriented_faces);
+    if (topology.tested_points > 0)
+        print_text("sign      {} of {} points of the box have a winding number in doubt, {} are inside: {}\n",
+                   topology.doubtful_points, topology.tested_points, topology.inside_points,
+                   name_of(resolve_sign_rule(clsdf::SignRule::automatic, topology).rule));
     if (info.self_intersections) print_text("          {} pairs of triangles intersect\n", *info.self_intersections);
 }
 

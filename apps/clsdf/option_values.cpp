@@ -119,7 +119,7 @@ void add_outputs_option(Parser& parser, std::vector<std::string>& names) {
 
 void add_sign_option(Parser& parser, std::string& rule) {
     parser.add("--sign", rule, "the rule that decides what is inside; none: no sign")
-        .takes_one_of({"auto", "nonzero", "parity", "none"});
+        .takes_one_of({"auto", "nonzero", "parity", "solid-angle", "none"});
 }
 
 void add_positive_inside_option(Parser& parser, bool& positive_inside) {
@@ -145,5 +145,6 @@ clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length) {
 
 clsdf::SignRule parse_sign(const std::string& rule) {
     using clsdf::SignRule;
-    return value_named(rule, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none});
+    return value_named(
+        rule, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
 }

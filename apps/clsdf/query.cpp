@@ -36,6 +36,7 @@ struct QueryOptions {
     std::vector<std::string> with;
     bool positive_inside = false;
     bool refuse_unusable_points = false;
+    bool winding = false;
     std::string device;
 
     std::vector<std::string> meshes() const { return mesh_files(mesh, more); }
@@ -44,7 +45,8 @@ struct QueryOptions {
 
 /// The outputs of all points, and what making them took.
 struct Found {
-    clsdf::Field values;  ///< of a grid of one row
+    clsdf::Field values;         ///< of a grid of one row
+    std::vector<float> winding;  ///< empty unless asked for
     clsdf::TransformStatistics statistics;
     clsdf::SignRule sign = clsdf::SignRule::none;
     std::string device_name;
@@ -78,6 +80,10 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
     const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
     found.sign = transform.sign();
     found.statistics = transform.query(points, half_width, found.values.targets(), call);
+    if (options.winding) {
+        found.winding.resize(points.size());
+        transform.winding(points, found.winding, call);
+    }
     found.seconds = std::max(0.0, watch.seconds() - found.statistics.compile_seconds);
     found.device_name = device.name();
     found.device_platform = device.platform();
@@ -121,7 +127,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
         std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));
     if (options.positive_inside) found.values.negate();
     const Stopwatch write;
-    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with));
+    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with), found.winding);
     output_is_written();
     const double write_seconds = write.seconds();
 
@@ -140,6 +146,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
                      {"sign", name_of(found.sign)},
                      {"inside", inside},
                      {"positive_inside", options.positive_inside},
+                     {"winding", options.winding},
                      {"device", {{"name", found.device_name}, {"platform", found.device_platform}}},
                      {"seconds",
                       {{"read", read_seconds},
@@ -164,6 +171,7 @@ Command add_query(Parser& program) {
     parser.add("--half-width", options->half_width, "how far the surface is looked for").takes_text("LENGTH");
     add_outputs_option(parser, options->with);
     add_sign_option(parser, options->sign);
+    parser.add("--winding", options->winding, "a column of generalised winding numbers, too");
     parser.add("--refuse-unusable-points", options->refuse_unusable_points,
                "fail if a point is not finite or too far from the mesh");
     add_positive_inside_option(parser, options->positive_inside);
@@ -173,7 +181,9 @@ Command add_query(Parser& program) {
     parser.set_footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels of 1/256 of that side), 0.05 (the\n"
         "mesh's units) or full (without end). Farther points have the distance LENGTH, with their sign.\n"
-        "A point that is not finite has the distance nan, and a warning has the number of such points.\n\n"
+        "A point that is not finite has the distance nan, and a warning has the number of such points.\n"
+        "The winding number says how clearly a point is inside: 1 or -1 inside a closed mesh, 0 outside, and values\n"
+        "between near the holes of an open one.\n\n"
         "Examples:\n"
         "  clsdf query bunny.off particles.npy -o distances.npy\n"
         "  clsdf query part.stl scan.ply -o deviation.csv --with closest,triangle\n"

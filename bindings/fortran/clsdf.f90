@@ -63,7 +63,7 @@ module clsdf
   !                                                                 closest point
 
   integer(c_int32_t), parameter, public :: CLSDF_SIGN_AUTOMATIC = 0, CLSDF_SIGN_NONZERO = 1, CLSDF_SIGN_PARITY = 2, &
-      CLSDF_SIGN_NONE = 3
+      CLSDF_SIGN_NONE = 3, CLSDF_SIGN_SOLID_ANGLE = 4
   !> The place of a box.
   integer(c_int32_t), parameter, public :: CLSDF_WITHIN = 0, CLSDF_INSIDE = 1, CLSDF_OUTSIDE = 2, CLSDF_BEYOND = 3
   integer(c_int32_t), parameter, public :: CLSDF_GPU = 0, CLSDF_PROCESSOR = 1, CLSDF_ACCELERATOR = 2, &
@@ -314,7 +314,8 @@ module clsdf
     !> The numbers of faces count from 0.
     integer(c_int64_t) :: boundary_edges = 0, joined_vertices = 0, duplicate_faces = 0, uncounted_faces = 0, &
         reoriented_faces = 0, inner_wall_faces = 0, first_inner_wall_face = 0, parts = 0, &
-        inward_parts = 0, first_inward_face = 0, nested_parts = 0, first_nested_face = 0
+        inward_parts = 0, first_inward_face = 0, nested_parts = 0, first_nested_face = 0, &
+        tested_points = 0, doubtful_points = 0, inside_points = 0
   end type
 
   type, bind(C) :: clsdf_defects
@@ -371,6 +372,8 @@ module clsdf
     procedure, private :: query_targets, query_r4, query_r8, query_xyz_r4, query_xyz_r8
     generic :: query => query_targets, query_r4, query_r8, query_xyz_r4, query_xyz_r8
     procedure :: classify => transform_classify
+    procedure, private :: winding_targets, winding_r4, winding_r8
+    generic :: winding => winding_targets, winding_r4, winding_r8
     procedure :: box => transform_box
     procedure :: topology => transform_topology
     procedure :: sign => transform_sign
@@ -492,7 +495,8 @@ module clsdf
     type(clsdf_edge) :: first_open(5), first_unbalanced(5)
     integer(c_int64_t) :: boundary_edges = 0, joined_vertices = 0, duplicate_faces = 0, uncounted_faces = 0, &
         reoriented_faces = 0, inner_wall_faces = 0, first_inner_wall_face = 0, parts = 0, &
-        inward_parts = 0, first_inward_face = 0, nested_parts = 0, first_nested_face = 0
+        inward_parts = 0, first_inward_face = 0, nested_parts = 0, first_nested_face = 0, &
+        tested_points = 0, doubtful_points = 0, inside_points = 0
   end type
   type, bind(C) :: c_call_options
     integer(c_size_t) :: struct_size = 0
@@ -1135,6 +1139,12 @@ module clsdf
       integer(c_int64_t), value :: count
       real(c_double), value :: half_width
       integer(c_int8_t), intent(out) :: places(*)
+    end function
+    function c_winding(transform, points, results, call) bind(C, name="clsdf_winding") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(clsdf_c_array), intent(in) :: points, results
     end function
     function c_transform_box(transform, box) bind(C, name="clsdf_transform_box") result(value)
       import
@@ -2882,6 +2892,9 @@ contains
     topology%first_inward_face = c%first_inward_face
     topology%nested_parts = c%nested_parts
     topology%first_nested_face = c%first_nested_face
+    topology%tested_points = c%tested_points
+    topology%doubtful_points = c%doubtful_points
+    topology%inside_points = c%inside_points
   end subroutine
 
   !> Defects beside those of edges.
@@ -3514,6 +3527,48 @@ contains
     points%rank = 2
     points%shape(1:2) = [3_c_int64_t, x%shape(1)]
     points%strides(1:2) = [apart, x%strides(1)]
+  end subroutine
+
+  !> The generalised winding number at points, in memory of the host or of the device: an integer for a closed mesh.
+  subroutine winding_targets(self, points, results, options, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_array), intent(in) :: points, results
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_target) :: c(1)
+    type(clsdf_c_array) :: from
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call rows_for_c(points, 'points', from, status)
+    ! Winding numbers have the type and the shape of distances.
+    if (status == CLSDF_OK) &
+        call clsdf_targets_of_samples([clsdf_target(CLSDF_DISTANCE, results)], [from%count], 1, c, status)
+    if (status == CLSDF_OK) status = c_winding(self%handle, from, c(1)%array, options_for_c(given, options))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The same with arrays of one kind: points(3, n) or points(n, 3).
+  subroutine winding_r4(self, points, results, options, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_float), intent(in), target :: points(:, :)
+    real(c_float), intent(inout), target :: results(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%winding(clsdf_array(points), clsdf_array(results), options, stat, errmsg)
+  end subroutine
+
+  !> The same with arrays of one kind: points(3, n) or points(n, 3).
+  subroutine winding_r8(self, points, results, options, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_double), intent(in), target :: points(:, :)
+    real(c_double), intent(inout), target :: results(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%winding(clsdf_array(points), clsdf_array(results), options, stat, errmsg)
   end subroutine
 
   !> The places (CLSDF_WITHIN ...) of boxes.

@@ -1,15 +1,18 @@
 #include "calls/transform_state.hpp"
 #include "core/large_memory.hpp"
 #include "core/outputs.hpp"
+#include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "device/in_flight.hpp"
 #include "points/box_places.hpp"
 #include "points/face_sides.hpp"
 #include "points/few_points.hpp"
 #include "points/point_query.hpp"
+#include "points/point_signs.hpp"
 #include "points/usable_points.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/output_targets.hpp"
+#include "targets/target_layout.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -17,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace clsdf {
@@ -55,6 +59,24 @@ void DistanceTransform::State::find_usable(points::UsablePoints& asked, const Bo
     // Points before the first usable one have copies of it.
     if (const auto* restriction = kept_mesh->restriction())
         restriction->check(asked.points().subspan(asked.first_usable()), half_width, asked.first_usable());
+}
+
+DistanceTransform::State::WindingInputs DistanceTransform::State::winding_inputs() {
+    const KeepsBudget keeps_budget(*this);
+    const std::scoped_lock lock(mutex);
+    context().begin_call();
+    const bool is_closed = topology.balanced && sign != SignRule::none;
+    const bool is_known = is_closed || sign == SignRule::solid_angle;
+    if (kept_mesh->restriction() != nullptr && !is_known)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("the transform is restricted, has the sign rule {} and does not keep what winding "
+                                "numbers need; restrict one with the sign rule solid-angle",
+                                name_of(sign)));
+    WindingInputs inputs;
+    inputs.tree = calls::with_remedies(nullptr, {forgetting()}, [&] { return kept_points->tree(); });
+    inputs.boundary = is_known ? kept_mesh->boundary() : kept_mesh->any_boundary();
+    if (!inputs.boundary) inputs.boundary = std::make_shared<const OpenBoundary>();
+    return inputs;
 }
 
 points::PointInputs DistanceTransform::State::inputs_of_few(points::UsablePoints& asked, double half_width,
@@ -214,6 +236,62 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
         memory.unmap();
         if (call.log && !warning.empty()) call.log(warning);
         return statistics.published();
+    });
+}
+
+void DistanceTransform::winding(const InputArray& points, const OutputArray& results, const CallOptions& call) const {
+    with_host_memory("for the points; give fewer at once", [&] {
+        State& state = this->state();
+        check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
+        if (points.count == 0) return;
+        targets::MappedMemory memory(device::context_of(state.device));
+        memory.add(points, "points");
+        const OutputTargets targets(results);  // winding numbers have the type and the place of distances
+        const auto placed = [&](const auto& place) {
+            try {
+                return place();
+            } catch (const Error& error) {
+                throw Error(error.code(), fmt::format("winding numbers are written as distances are: {}", error.what()),
+                            error.opencl_code());
+            }
+        };
+        placed([&] { targets::add_targets(targets, points.count, memory); });
+        memory.map(call.wait_list);
+        const PositionArray positions(memory.on_host(points));
+        const targets::HostTargets on_host = placed([&] {
+            return targets::HostTargets(targets::on_host(targets, points.count, memory), targets::row_of(points.count),
+                                        "there are {} points");
+        });
+        if (const auto* restriction = state.kept_mesh->restriction()) restriction->check(positions.get(), 0);
+        const auto [tree, boundary] = state.winding_inputs();
+        UninitializedVector<double> numbers(points.count);
+        const double farthest = 1e14 * tree->lattice.unit;  // beyond, what rounding leaves of it is 0
+        constexpr std::size_t grain = 16;
+        for_each_index(
+            points.count,
+            [&](std::size_t i) {
+                const Vec3& point = positions.get()[i];
+                bool is_finite = true, is_near = true;
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    is_finite = is_finite && std::isfinite(point[axis]);
+                    is_near = is_near && point[axis] > tree->box.lower[axis] - farthest &&
+                              point[axis] < tree->box.upper[axis] + farthest;
+                }
+                numbers[i] = !is_finite ? std::numeric_limits<double>::quiet_NaN()
+                             : is_near  ? points::winding_number(*tree, *boundary, point)
+                                        : 0;
+            },
+            grain);
+        const OutputArray& target = on_host.targets[Output::distance];
+        std::byte* to = static_cast<std::byte*>(target.host) + target.offset;
+        for (std::size_t i = 0; i < points.count; ++i, to += target.strides[0]) {
+            const auto single = static_cast<float>(numbers[i]);
+            if (targets::is_in_double(target))
+                std::memcpy(to, &numbers[i], sizeof numbers[i]);
+            else
+                std::memcpy(to, &single, sizeof single);
+        }
+        memory.unmap();
     });
 }
 

@@ -38,9 +38,12 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
     kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
     const engine::MeshTopology& of_mesh = kept_mesh->topology();
     SignSurface surface =
-        describe_edges(kept_mesh->mesh(), of_mesh.faces.triangles, of_mesh.edges.are_paired, topology);
+        describe_edges(kept_mesh->mesh(), of_mesh.faces.triangles, of_mesh.edges.are_paired, options.sign, topology);
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
+    OpenLoops open_loops = std::move(surface.open_loops);
+    if (sign == SignRule::solid_angle && !open_loops.empty()) kept_mesh->set_open_loops(std::move(open_loops));
+    surface.open_loops = {};
     if (sign != SignRule::none) kept_mesh->set_sign_surface(std::move(surface));
     if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
 }
@@ -147,6 +150,7 @@ engine::Job DistanceTransform::State::check(engine::JobKey asked) const {
 
 DistanceTransform::State::NormalsNeeded DistanceTransform::State::normals_for(OutputSet outputs) {
     if (!engine::takes_normals(outputs)) return {false, false};
+    if (sign == SignRule::solid_angle && !topology.balanced) return {true, topology.inside_out};
     return {true, sign != SignRule::none && topology.balanced && kept_mesh->encloses_negative_volume()};
 }
 

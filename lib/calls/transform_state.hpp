@@ -144,6 +144,13 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     CallStatistics query_many(points::UsablePoints& asked, double half_width, OutputSet outputs,
                               const targets::HostTargets& targets, const CallOptions& call);
 
+    struct WindingInputs {
+        std::shared_ptr<const engine::PointMesh> tree;
+        std::shared_ptr<const OpenBoundary> boundary;  ///< never null
+    };
+    /// Throws as DistanceTransform::winding() does.
+    WindingInputs winding_inputs();
+
     Topology topology;
     engine::Vertices vertices;
 

@@ -155,10 +155,12 @@ Band band_of(double inside, double outside) {
 }
 
 SignRule sign_rule_of(const std::string& text) {
-    for (const SignRule rule : {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none})
+    for (const SignRule rule :
+         {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none, SignRule::solid_angle})
         if (text == name_of(rule)) return rule;
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("{} is no sign rule; there are auto, nonzero, parity and none", clsdf::quoted(text)));
+    throw Error(
+        ErrorCode::invalid_argument,
+        fmt::format("{} is no sign rule; there are auto, nonzero, parity, none and solid-angle", clsdf::quoted(text)));
 }
 
 bool is_positive_inside(const std::string& text) {

@@ -191,7 +191,7 @@ struct Columns {
     std::vector<OutputInfo> infos;
     std::vector<std::span<const std::byte>> values;
 
-    Columns(std::size_t points, const FieldSlab& results, OutputSet wanted) {
+    Columns(std::size_t points, const FieldSlab& results, OutputSet wanted, std::span<const float> winding) {
         infos.push_back(info_of(Output::distance));
         for (const OutputInfo& info : extra_outputs())
             if (wanted.contains(info.output) || !results.bytes(info.output).empty()) infos.push_back(info);
@@ -203,6 +203,14 @@ struct Columns {
                     fmt::format("there are {} points, and the array of the output {} holds {} values of {}", points,
                                 info.name, values.back().size() / bytes_of(info.type), points * info.components));
         }
+        if (winding.empty()) return;
+        if (winding.size() != points)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("there are {} points, and the array of winding numbers holds {} values; give as "
+                                    "many",
+                                    points, winding.size()));
+        infos.push_back({.name = "winding", .description = "winding number"});
+        values.push_back(std::as_bytes(winding));
     }
 
     /// "closest_x" for a component, "distance" for a single value.
@@ -358,9 +366,10 @@ std::vector<Vec3> read_points(const std::string& path) try {
     throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
 }
 
-void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path, OutputSet wanted) {
+void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path, OutputSet wanted,
+                  std::span<const float> winding) {
     const PointFormat format = format_of_points(path);
-    const Columns columns(points.size(), results, wanted);
+    const Columns columns(points.size(), results, wanted, winding);
     AtomicFile file(path);
     switch (format) {
         case PointFormat::npy:

@@ -2,6 +2,7 @@
 
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "mesh/film_bounds.hpp"
 #include "points/curve_order.hpp"
 #include "points/point_signs.hpp"
 
@@ -13,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace clsdf::points {
@@ -144,6 +146,18 @@ void check_boxes(std::span<const Box> boxes) {
     }
 }
 
+namespace {
+
+/// The film may meet a box: then it has no side. Else the rounded winding number of all of it.
+std::optional<int> winding_number_of(const engine::PointMesh& mesh, const Box& box, const Vec3& centre) {
+    Vec3 half{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        half[axis] = std::max(box.upper[axis] - centre[axis], centre[axis] - box.lower[axis]) / mesh.lattice.unit;
+    return rounded_winding_number(mesh, centre, length(half));
+}
+
+}  // namespace
+
 void find_places(const engine::PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
                  std::span<BoxPlace> places) {
     if (std::isinf(half_width)) {
@@ -160,6 +174,18 @@ void find_places(const engine::PointMesh& mesh, SignRule rule, std::span<const B
         if (mesh.has_several_regions) bounds[i] = std::min(bounds[i], reach.least_squared_in_units);
     });
     if (!has_sign) return;
+
+    if (mesh.boundary) {
+        for_each_index(
+            boxes.size(),
+            [&](std::size_t i) {
+                if (places[i] == BoxPlace::within) return;
+                const std::optional<int> winding = winding_number_of(mesh, boxes[i], centre_of(boxes[i]));
+                places[i] = !winding ? BoxPlace::within : *winding != 0 ? BoxPlace::inside : BoxPlace::outside;
+            },
+            16);
+        return;
+    }
 
     // A box that the surface does not meet lies on the side of its centre.
     std::vector<std::uint32_t> open;

@@ -10,6 +10,7 @@ std::shared_ptr<const engine::PointMesh> KeptPoints::tree() {
             engine::PointMesh made = engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(),
                                                              kept_mesh_.sign_surface(), kept_mesh_.shared_topology());
             const engine::Restriction* restriction = kept_mesh_.restriction();
+            made.boundary = kept_mesh_.boundary();
             made.is_part = restriction != nullptr;
             made.has_several_regions = made.is_part && restriction->regions.size() > 1;
             return made;
@@ -27,8 +28,8 @@ std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh() {
 }
 
 std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_found) {
-    // In front of a part's faces there may be others that are missing.
-    if (!is_found || kept_mesh_.restriction() != nullptr) return face_sides_.get();
+    // In front of a part's faces there may be others that are missing, and in front of any face the film.
+    if (!is_found || kept_mesh_.restriction() != nullptr || kept_mesh_.boundary() != nullptr) return face_sides_.get();
     return kept_mesh_.prepare(
         [&] { return face_sides_.get_or([&] { return find_face_sides(kept_mesh_.tools(), *tree(), sign); }); });
 }

@@ -33,7 +33,7 @@ public:
     std::shared_ptr<const ScannedMesh> scanned_mesh();
 
     /// The signs on the sides of faces. If they are not known, they are found if `is_found`; otherwise null. Always
-    /// null for a part of a mesh. The sign rule is the same in all calls.
+    /// null for a part of a mesh, and if open edges count. The sign rule is the same in all calls.
     std::shared_ptr<const FaceSides> face_sides(SignRule sign, bool is_found);
 
     /// The inputs of few points that remember() was called with, if they suffice for the outputs and are still kept.

@@ -1,6 +1,7 @@
 #include "points/point_signs.hpp"
 
 #include "core/parallel.hpp"
+#include "mesh/film_bounds.hpp"
 #include "mesh/predicates.hpp"
 #include "mesh/ray_side.hpp"
 
@@ -65,10 +66,8 @@ bool is_apart(const Corners& corners, const Vec3& p, const Vec3& q, std::size_t 
     return high < std::min(p[axis], q[axis]) || low > std::max(p[axis], q[axis]);
 }
 
-/// On the ray along x from a point that is not on the surface, to the nearer side of the mesh's box; of a part of a
-/// mesh, to the lower one.
-Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, const Vec3& in_units) {
-    const bool is_forward = !mesh.is_part && from[0] - mesh.box.lower[0] > mesh.box.upper[0] - from[0];
+/// On the ray along x from a point that is not on the surface.
+Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, const Vec3& in_units, bool is_forward) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     engine::UnitBox box(in_units);
     (is_forward ? box.upper : box.lower)[0] = static_cast<float>(is_forward ? infinity : -infinity);
@@ -92,6 +91,17 @@ Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, cons
         return false;
     });
     return crossings;
+}
+
+/// The same to the nearer side of the mesh's box; of a part of a mesh to the lower one.
+Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, const Vec3& in_units) {
+    return crossings_of_ray(mesh, from, in_units,
+                            !mesh.is_part && from[0] - mesh.box.lower[0] > mesh.box.upper[0] - from[0]);
+}
+
+/// The same towards -x, to which the part of open edges fits.
+int winding_of_ray(const engine::PointMesh& mesh, const Vec3& from) {
+    return crossings_of_ray(mesh, from, mesh.in_units(from), false).winding;
 }
 
 /// On the way from `from`, whose crossings are known, straight to `to`; neither is on the surface. Nothing if it meets
@@ -182,6 +192,26 @@ Crossings crossings_of(const engine::PointMesh& mesh, const Vec3& p, const Vec3&
 
 }  // namespace
 
+int rounded_winding_number(const engine::PointMesh& mesh, const Vec3& point) {
+    const int crossings = winding_of_ray(mesh, point);
+    return mesh.boundary ? crossings + angle_of(*mesh.boundary, point, mesh.lattice.unit).rounded : crossings;
+}
+
+std::optional<int> rounded_winding_number(const engine::PointMesh& mesh, const Vec3& centre, double radius) {
+    const int crossings = winding_of_ray(mesh, centre);
+    if (!mesh.boundary) return crossings;
+    const SolidAngle angle = angle_of(*mesh.boundary, centre, mesh.lattice.unit);
+    // Above the rounding of the winding number and of its bound.
+    constexpr double slack = 1e-6;
+    if (!(change_within(*mesh.boundary, centre, radius, mesh.lattice.unit) < distance_to_half(angle.turns) - slack))
+        return std::nullopt;
+    return crossings + angle.rounded;
+}
+
+double winding_number(const engine::PointMesh& mesh, const OpenBoundary& boundary, const Vec3& point) {
+    return winding_of_ray(mesh, point) + angle_of(boundary, point, mesh.lattice.unit).turns;
+}
+
 Crossings count_crossings(const engine::PointMesh& mesh, const Vec3& point, const Vec3& in_units) {
     return crossings_of_ray(mesh, point, in_units);
 }
@@ -195,7 +225,7 @@ void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoint
             if (signs[i] != CLSDF_POINT_UNDECIDED) continue;
             signs[i] = CLSDF_POINT_OUTSIDE;
             const Vec3& p = points.callers[points.order[i]];
-            if (!engine::contains(mesh.box, p)) continue;
+            if (!mesh.boundary && !engine::contains(mesh.box, p)) continue;
             const double distance = std::sqrt(points.squared[i]);
             const Vec3 in_units = mesh.in_units(p);
             if (distance < nearly_zero && is_on_surface(mesh, p, in_units)) {
@@ -203,6 +233,10 @@ void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoint
                 continue;
             }
             if (rule == SignRule::none) continue;
+            if (mesh.boundary) {  // neighbours may lie on the other side of the film
+                if (rounded_winding_number(mesh, p) != 0) signs[i] = CLSDF_POINT_INSIDE;
+                continue;
+            }
             const double radius = distance * (1 - rounding) - rounding;
             const KnownBalls::Found known = balls.find(in_units, radius);
             const Crossings crossings = crossings_of(mesh, p, in_units, known);

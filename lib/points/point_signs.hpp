@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace clsdf::points {
@@ -23,6 +24,13 @@ struct Crossings {
 /// caller's coordinates.
 Crossings count_crossings(const engine::PointMesh& mesh, const Vec3& point, const Vec3& in_units);
 
+/// The generalised winding number of a point, given in the caller's coordinates. boundary: the open edges, or empty.
+double winding_number(const engine::PointMesh& mesh, const OpenBoundary& boundary, const Vec3& point);
+/// That of a point that is not on the surface, with the open edges that count, rounded to an integer, a half up.
+int rounded_winding_number(const engine::PointMesh& mesh, const Vec3& point);
+/// The same for all points of a ball without surface, whose radius is in units; nothing if it may not be the same.
+std::optional<int> rounded_winding_number(const engine::PointMesh& mesh, const Vec3& centre, double radius);
+
 /// Points whose nearest faces are known, in an order in which neighbours are near each other.
 struct LocatedPoints {
     std::span<const Vec3> callers;         ///< the caller's coordinates, in the caller's order
@@ -34,7 +42,8 @@ struct LocatedPoints {
 /// coordinates. Without a sign no point is inside.
 ///
 /// Two points have the same sign if a ball around one of them holds the other and does not reach the surface. For every
-/// other point, crossings with the surface are counted: on the way from a point nearby, or on a ray along x.
+/// other point, crossings with the surface are counted: on the way from a point nearby, or on a ray along x. If open
+/// edges count, each point has a ray of its own.
 void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoints& points,
                 std::span<std::uint8_t> signs);
 

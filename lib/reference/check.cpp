@@ -87,8 +87,9 @@ float Judge::fill(bool inside) const {
 }
 
 void Judge::judge(const Index3& index, const TrueSample& truth, Tally& tally) const {
-    const bool in_doubt = truth.on_surface || truth.distance <= std::max({options_.sign_margin_voxels * voxel_,
-                                                                          truth.rounding, joined_margin_});
+    const bool in_doubt =
+        truth.on_surface || truth.in_doubt ||
+        truth.distance <= std::max({options_.sign_margin_voxels * voxel_, truth.rounding, joined_margin_});
     const double limit = half_width(field_.band, truth_.is_signed(), truth.inside);
     const bool in_band = truth.distance <= limit;
     const bool at_limit = std::isfinite(limit) && std::fabs(truth.distance - limit) <= tolerance(limit);

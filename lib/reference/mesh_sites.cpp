@@ -2,6 +2,8 @@
 
 #include <clsdf/topology.hpp>
 
+#include "mesh/topology.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -70,7 +72,11 @@ MeshSites::FacesAt MeshSites::find_faces(const Mesh& mesh) {
 }
 
 MeshSites::MeshSites(const Mesh& mesh, const SignSurface& surface)
-    : mesh_(mesh), surface_(surface), faces_(find_faces(mesh)), is_inside_out_(describe_topology(mesh).inside_out) {
+    : mesh_(mesh),
+      surface_(surface),
+      faces_(find_faces(mesh)),
+      is_inside_out_(describe_mesh(mesh, surface.open_loops.empty() ? SignRule::automatic : SignRule::solid_angle)
+                         .topology.inside_out) {
     if (surface.is_mesh()) return;
     std::vector<Triangle> triangles = mesh.triangles();
     for (Triangle& triangle : triangles)

@@ -293,7 +293,9 @@ std::string OutputsOfSample::wrong_gradient() const {
     // If no triangle is named, the nearest triangle in the direction of the gradient: any of several equally near ones
     // is right.
     const ExactPosition position = truths.position(index);
-    const double side = truth.inside ? -1.0 : 1.0;
+    // Where the sign is in doubt, the gradient must fit to the one found.
+    const bool is_inside = truth.in_doubt ? std::signbit(field.distance()[at]) : truth.inside;
+    const double side = is_inside ? -1.0 : 1.0;
     const Eigen::Vector3d to_surface = -side * vector_of(gradient);
     Vec3 there{};
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -1,5 +1,6 @@
 #include "true_samples.hpp"
 
+#include <clsdf/reference.hpp>
 #include <clsdf/topology.hpp>
 
 #include "mesh/topology.hpp"
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace clsdf::reference {
@@ -26,7 +28,7 @@ std::unique_ptr<const Mesh> mesh_of(const SignSurface& surface, const Mesh& mesh
 }  // namespace
 
 TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, double reach)
-    : TrueSamples(mesh, grid, sign, describe_mesh(mesh), reach) {}
+    : TrueSamples(mesh, grid, sign, describe_mesh(mesh, sign), reach) {}
 
 TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, DescribedMesh described, double reach)
     : grid_(grid),
@@ -38,6 +40,13 @@ TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, Desc
       sign_tree_(sign_mesh_ ? std::make_unique<const TriangleTree>(*sign_mesh_) : nullptr),
       rays_(sign_tree_ ? *sign_tree_ : tree_) {
     grid_.validate();
+    if (sign_ != SignRule::solid_angle) return;
+    const OpenLoops& loops = surface_.open_loops;
+    for (std::size_t loop = 0; loop + 1 < loops.begins.size(); ++loop)
+        for (std::size_t i = loops.begins[loop]; i < loops.begins[loop + 1]; ++i) {
+            const std::size_t next = i + 1 < loops.begins[loop + 1] ? i + 1 : loops.begins[loop];
+            open_edges_.push_back({mesh.vertices()[loops.vertices[i]], mesh.vertices()[loops.vertices[next]]});
+        }
 }
 
 void TrueSamples::measure(const ExactPosition& position, double bound, TrueSample& sample) const {
@@ -56,14 +65,48 @@ void TrueSamples::measure(const ExactPosition& position, double bound, TrueSampl
 
 void TrueSamples::take_sign(const std::optional<RayCount>& count, TrueSample& sample) const {
     sample.on_surface = !count;
-    sample.inside = count && (sign_ == SignRule::nonzero ? count->winding != 0 : count->crossings % 2 != 0);
+    sample.inside = count && (sign_ == SignRule::parity ? count->crossings % 2 != 0 : count->winding != 0);
+}
+
+namespace {
+
+/// A part of the winding number: a solid angle over that of a sphere (A. van Oosterom and J. Strackee, 1983).
+double share_of_sphere(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Eigen::Vector3d p(point.data());
+    const Eigen::Vector3d x = Eigen::Vector3d(a.data()) - p, y = Eigen::Vector3d(b.data()) - p,
+                          z = Eigen::Vector3d(c.data()) - p;
+    const double lx = x.norm(), ly = y.norm(), lz = z.norm();
+    const double volume = x.dot(y.cross(z));
+    const double rest = lx * ly * lz + x.dot(y) * lz + y.dot(z) * lx + z.dot(x) * ly;
+    return volume == 0 && rest == 0 ? 0 : std::atan2(volume, rest) / (2 * std::numbers::pi);
+}
+
+}  // namespace
+
+void TrueSamples::take_sign(const Vec3& point, TrueSample& sample) const {
+    const Mesh& mesh = sign_mesh_ ? *sign_mesh_ : tree_.mesh();
+    double winding = 0;
+    for (const auto& [a, b, c] : mesh.triangles())
+        winding += share_of_sphere(point, mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]);
+    // docs/accuracy.md: 1e-8, or more beside an open edge; and the rounding of the sum.
+    double doubt = 1e-8 + 1e-15 * static_cast<double>(mesh.triangles().size());
+    for (const auto& [from, to] : open_edges_) {
+        const double length = std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+        const double distance = nearest_on_triangle(point, from, to, to).distance;
+        doubt = std::max(doubt, 1e-15 * length / distance);
+    }
+    sample.on_surface = sample.distance == 0;
+    sample.inside = std::abs(winding) >= 0.5;
+    sample.in_doubt = std::abs(std::abs(winding) - 0.5) < doubt;
 }
 
 TrueSample TrueSamples::at(const Index3& index) const {
     const ExactPosition position = exact_position(grid_, index);
     TrueSample sample;
     measure(position, reach_, sample);
-    if (is_signed()) {
+    if (!open_edges_.empty()) {
+        take_sign(position.head, sample);
+    } else if (is_signed()) {
         const Vec3& point = position.head;
         take_sign(rays_.count_along_row({point.data(), 1}, point[1], point[2]).front(), sample);
     }
@@ -83,7 +126,10 @@ void TrueSamples::row(std::int64_t j, std::int64_t k, std::vector<TrueSample>& s
         measure(position, bound, samples[i]);
         bound = std::min(reach_, samples[i].distance + step + 2 * samples[i].rounding);
     }
-    if (is_signed()) {
+    if (!open_edges_.empty()) {
+        for (std::size_t i = 0; i < samples.size(); ++i)
+            take_sign(exact_position(grid_, {static_cast<std::int64_t>(i), j, k}).head, samples[i]);
+    } else if (is_signed()) {
         const auto counts = rays_.count_along_row(x, position.head[1], position.head[2]);
         for (std::size_t i = 0; i < samples.size(); ++i) {
             take_sign(counts[i], samples[i]);

@@ -8,7 +8,9 @@
 #include "mesh/sign_surface.hpp"
 #include "mesh/topology.hpp"
 
+#include <array>
 #include <memory>
+#include <vector>
 
 namespace clsdf::reference {
 
@@ -19,6 +21,7 @@ struct TrueSample {
     Site site = Site::face;  ///< of that triangle, and the closest point, within the reach
     Vec3 point{};
     bool inside = false;
+    bool in_doubt = false;    ///< by the rule solid_angle: the winding number is about one half
     bool on_surface = false;  ///< the double nearest to the sample, which decides the sign, lies on the surface
     double rounding =
         0;  ///< largest distance of the sample from that double; the sign is uncertain that near to the surface
@@ -53,13 +56,16 @@ private:
     TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, DescribedMesh described, double reach);
     void measure(const ExactPosition& position, double bound, TrueSample& sample) const;
     void take_sign(const std::optional<RayCount>& count, TrueSample& sample) const;
+    /// By the solid angles of all faces.
+    void take_sign(const Vec3& point, TrueSample& sample) const;
 
     Grid grid_;
     SignRule sign_;
     SignSurface surface_;
     double reach_;
     TriangleTree tree_;
-    std::unique_ptr<const Mesh> sign_mesh_;  ///< null if it is the mesh
+    std::vector<std::array<Vec3, 2>> open_edges_;  ///< if the rule is solid_angle
+    std::unique_ptr<const Mesh> sign_mesh_;        ///< null if it is the mesh
     std::unique_ptr<const TriangleTree> sign_tree_;
     RayCounter rays_;
 };

@@ -177,6 +177,7 @@ BOOST_AUTO_TEST_CASE(says_what_decides_the_sign_and_joins_what_is_to_be_welded) 
     BOOST_TEST(topology["joined_vertices"].get<int>() > 8);
     const std::string coarse = folder.file("coarse.off", cube(1e-7));
     BOOST_TEST(dry_run(coarse, {})["sign"] == "none");
+    BOOST_TEST(dry_run(coarse, {})["topology"]["tested_points"] == 512);
     BOOST_TEST(dry_run(coarse, {"--weld", "1e-6"})["sign"] == "nonzero");
     BOOST_TEST(dry_run(coarse, {"--weld", "0.0001%"})["sign"] == "nonzero");
     check_refused(run_command({"compute", coarse, "--dry-run", "--weld", "3v"}, no_devices), 2, {"--weld", "3v"});

@@ -98,6 +98,26 @@ BOOST_AUTO_TEST_CASE(writes_its_result_into_a_pipe) {
     BOOST_TEST(written == content_of(path));
 }
 
+BOOST_AUTO_TEST_CASE(writes_winding_numbers_as_the_last_column) {
+    const Inputs inputs;
+    for (const std::string name : {"found.csv", "found.ply", "found.npy"}) {
+        const std::string result = inputs.folder.file(name);
+        const Outcome outcome = run_command(
+            {"query", inputs.mesh, inputs.csv, "-o", result, "--winding", "--sign", "solid-angle", "--json"});
+        BOOST_REQUIRE(outcome.status == 0);
+        const nlohmann::json report = nlohmann::json::parse(outcome.out);
+        BOOST_TEST(report["sign"] == "solid-angle");
+        BOOST_TEST(report["winding"] == true);
+        BOOST_TEST(content_of(result).find("winding") != std::string::npos);
+    }
+    const auto rows = table_of(inputs.folder.file("found.csv"));
+    BOOST_REQUIRE(rows.size() == 5U);
+    const std::vector<std::string> names{"x", "y", "z", "distance", "winding"};
+    BOOST_TEST(rows[0] == names, boost::test_tools::per_element());
+    BOOST_TEST(rows[1][4] == "1");
+    BOOST_TEST(rows[2][4] == "0");
+}
+
 BOOST_AUTO_TEST_CASE(writes_a_table_with_a_row_for_each_point) {
     const Inputs inputs;
     const std::string result = inputs.folder.file("found.csv");

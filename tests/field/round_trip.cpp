@@ -45,6 +45,15 @@ BOOST_AUTO_TEST_CASE(is_read_with_the_same_bits_grid_band_sign_and_name) {
     });
 }
 
+BOOST_AUTO_TEST_CASE(says_that_its_sign_is_that_of_an_open_mesh) {
+    for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
+        Field written = example_field(format);
+        written.sign = SignRule::solid_angle;
+        write_field(written, folder.file("field" + format.ending));
+        BOOST_CHECK(read_field(folder.file("field" + format.ending)).sign == SignRule::solid_angle);
+    });
+}
+
 BOOST_AUTO_TEST_CASE(says_that_it_is_positive_inside_or_is_refused) {
     for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
         const std::string path = folder.file("field" + format.ending);

@@ -72,7 +72,7 @@ BOOST_AUTO_TEST_CASE(a_hole_of_one_triangle_has_three_open_edges) {
         BOOST_TEST(is_corner(edge.from));
         BOOST_TEST(is_corner(edge.to));
     }
-    BOOST_CHECK(resolved(topology) == SignRule::none);
+    BOOST_CHECK(resolved(topology) == SignRule::solid_angle);
 }
 
 BOOST_AUTO_TEST_CASE(the_first_open_edges_are_those_of_the_first_triangles) {
@@ -292,7 +292,7 @@ BOOST_AUTO_TEST_CASE(a_rule_that_the_mesh_cannot_honour_is_an_error_with_the_cou
     BOOST_TEST(resolve_sign_rule(SignRule::none, open).warning.empty());
 
     const Topology unbalanced = describe_topology(strip(12, 5, true, true));
-    check_throws(ErrorCode::invalid_mesh, {"5 unbalanced edges", "parity would do"},
+    check_throws(ErrorCode::invalid_mesh, {"5 unbalanced edges", "parity and solid-angle would do"},
                  [&] { resolve_sign_rule(SignRule::nonzero, unbalanced); });
     BOOST_CHECK(resolve_sign_rule(SignRule::parity, unbalanced).rule == SignRule::parity);
     BOOST_TEST(resolve_sign_rule(SignRule::parity, unbalanced).warning.empty());
@@ -312,9 +312,11 @@ BOOST_AUTO_TEST_CASE(a_sound_mesh_needs_no_warning_and_an_inside_out_one_gets_on
 }
 
 BOOST_AUTO_TEST_CASE(sign_rules_have_names) {
-    for (const SignRule rule : {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none})
+    for (const SignRule rule :
+         {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none, SignRule::solid_angle})
         BOOST_TEST(name_of(rule) != std::string("unknown"));
     BOOST_TEST(name_of(SignRule::automatic) == std::string("auto"));
+    BOOST_TEST(name_of(SignRule::solid_angle) == std::string("solid-angle"));
 }
 
 }  // namespace clsdf

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "winding.hpp"
+
 #include <clsdf/clsdf.hpp>
 #include <clsdf/reference.hpp>
 
@@ -80,6 +82,11 @@ private:
         // 1e-13 in the documentation, "about".
         truth.rounding = 4e-13 * std::max(256 * voxel_, truth.distance);
         if (sign_ == SignRule::none) return truth;
+        if (sign_ == SignRule::solid_angle) {
+            truth.is_on_surface = truth.distance == 0;
+            truth.is_inside = !truth.is_on_surface && std::abs(winding_by_faces(mesh_, point)) >= 0.5;
+            return truth;
+        }
         const std::optional<int> count =
             sign_ == SignRule::parity ? oracle_.crossings(point) : oracle_.winding_number(point);
         truth.is_on_surface = !count;

@@ -2,6 +2,7 @@
 #include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "support/throws.hpp"
+#include "support/winding.hpp"
 
 #include <algorithm>
 #include <array>
@@ -78,6 +79,11 @@ Seen check_places(const Mesh& mesh, SignRule rule, std::span<const Box> boxes, d
             if (oracle.nearest(p).distance <= half_width) ++wrong;
             if (transform.sign() == SignRule::none) {
                 wrong += places[i] != BoxPlace::beyond ? 1U : 0U;
+                continue;
+            }
+            if (transform.sign() == SignRule::solid_angle) {
+                const bool is_inside = std::abs(winding_by_faces(mesh, p)) >= 0.5;
+                wrong += is_inside != (places[i] == BoxPlace::inside) ? 1U : 0U;
                 continue;
             }
             const std::optional<int> winding = oracle.winding_number(p);

@@ -4,7 +4,7 @@ function(clsdf_transform_test name)
   target_link_libraries(test_transform_${name} PRIVATE clsdf::reference OpenCL::OpenCL)
 endfunction()
 
-foreach(name counterexamples shapes bands grids accuracy double_distances topology sign_surface ties extremes determinism plans calls
+foreach(name counterexamples shapes bands grids accuracy double_distances topology sign_surface open_meshes ties extremes determinism plans calls
              outputs bodies slabs streams launches hostile_callers kernel_frusta plain_opencl
              slender_polyhedra self_test stages requests same_bytes points classify restricted
              callers_memory shared_memory promises runs overlap blocks arrays)

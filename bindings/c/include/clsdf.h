@@ -104,10 +104,13 @@ typedef int32_t clsdf_status;
 #define CLSDF_SET(output) ((uint32_t)1 << (output))
 
 /* Rules of the sign. */
-#define CLSDF_SIGN_AUTOMATIC 0 /* balanced: nonzero; closed: parity; else none (call->log warns of the last two) */
-#define CLSDF_SIGN_NONZERO 1   /* inside if the winding number is not zero; needs a balanced mesh */
-#define CLSDF_SIGN_PARITY 2    /* inside if a ray crosses the surface an odd number of times; needs a closed mesh */
-#define CLSDF_SIGN_NONE 3      /* the distance alone */
+/* balanced: nonzero; closed: parity; open: solid_angle if few points are in doubt; else none (call->log warns unless it
+ * is nonzero) */
+#define CLSDF_SIGN_AUTOMATIC 0
+#define CLSDF_SIGN_NONZERO 1     /* inside if the winding number is not zero; needs a balanced mesh */
+#define CLSDF_SIGN_PARITY 2      /* inside if a ray crosses the surface an odd number of times; needs a closed mesh */
+#define CLSDF_SIGN_NONE 3        /* the distance alone */
+#define CLSDF_SIGN_SOLID_ANGLE 4 /* inside if the winding number is one half or more, or -1/2 or less; any mesh */
 
 /* The place of a box. */
 #define CLSDF_WITHIN 0  /* the surface may be within the half width of a point of the box */
@@ -501,7 +504,7 @@ typedef struct clsdf_topology {
     size_t struct_size;
     int32_t closed;     /* 1: every undirected edge has an even number of faces */
     int32_t balanced;   /* 1: every edge is used equally often in both directions */
-    int32_t inside_out; /* 1: balanced, and the enclosed volume is negative */
+    int32_t inside_out; /* 1: balanced, and the enclosed volume is negative; or not, and the winding number is */
     int32_t reserved;
     int64_t open_edges;            /* undirected edges with an odd number of faces */
     int64_t unbalanced_edges;      /* undirected edges not used equally often in both directions */
@@ -525,6 +528,10 @@ typedef struct clsdf_topology {
     int64_t first_inward_face;     /* the lowest face of the first of them */
     int64_t nested_parts;          /* lie within others, look the same way and are filled */
     int64_t first_nested_face;     /* the lowest face of the first of them */
+    /* Of a mesh that is not closed, if the rule may become solid_angle; else 0: */
+    int64_t tested_points;   /* of the mesh's box: there the winding number is looked at */
+    int64_t doubtful_points; /* of them those at which it is more than 0.1 from an integer */
+    int64_t inside_points;   /* of them those at which it is one half or more, or -1/2 or less */
 } clsdf_topology;
 #define CLSDF_EDGE_INIT \
     {                   \
@@ -537,7 +544,7 @@ typedef struct clsdf_topology {
 #define CLSDF_TOPOLOGY_INIT                                                                                          \
     {                                                                                                                \
         sizeof(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT, CLSDF_FIVE_EDGES_INIT, 0, \
-            0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                                                                          \
+            0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                                                                 \
     }
 
 /* Defects beside those of edges. The distance is exact in spite of them. */
@@ -789,6 +796,11 @@ CLSDF_API clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf
 /* The places (CLSDF_WITHIN ...) of `count` boxes. */
 CLSDF_API clsdf_status clsdf_classify(const clsdf_transform* transform, const clsdf_box* boxes, int64_t count,
                                       double half_width, uint8_t* places);
+/* The generalised winding number at points->count points anywhere, in floats or doubles: an integer for a closed mesh.
+ * The sign rule solid_angle takes points with 1/2 or more, or -1/2 or less, to be inside. NaN for a point that is not
+ * finite. results->count is 0 or that of the points. */
+CLSDF_API clsdf_status clsdf_winding(const clsdf_transform* transform, const clsdf_array* points,
+                                     const clsdf_array* results, const clsdf_call_options* call);
 
 /* The box of the vertices in use, at their present positions. */
 CLSDF_API clsdf_status clsdf_transform_box(const clsdf_transform* transform, clsdf_box* box);

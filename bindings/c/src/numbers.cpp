@@ -32,7 +32,8 @@ static_assert(is(Output::distance, CLSDF_DISTANCE) && is(Output::triangle, CLSDF
               is(Output::gradient, CLSDF_GRADIENT) && is(Output::barycentric, CLSDF_BARYCENTRIC) &&
               is(Output::offset, CLSDF_OFFSET));
 static_assert(is(SignRule::automatic, CLSDF_SIGN_AUTOMATIC) && is(SignRule::nonzero, CLSDF_SIGN_NONZERO) &&
-              is(SignRule::parity, CLSDF_SIGN_PARITY) && is(SignRule::none, CLSDF_SIGN_NONE));
+              is(SignRule::parity, CLSDF_SIGN_PARITY) && is(SignRule::none, CLSDF_SIGN_NONE) &&
+              is(SignRule::solid_angle, CLSDF_SIGN_SOLID_ANGLE));
 static_assert(is(BoxPlace::within, CLSDF_WITHIN) && is(BoxPlace::inside, CLSDF_INSIDE) &&
               is(BoxPlace::outside, CLSDF_OUTSIDE) && is(BoxPlace::beyond, CLSDF_BEYOND));
 static_assert(is(DeviceSource::registered, CLSDF_REGISTERED) && is(DeviceSource::bundled, CLSDF_BUNDLED) &&
@@ -69,7 +70,7 @@ const char* clsdf_type_name(std::int32_t type) {
     return type == CLSDF_AUTOMATIC ? "automatic" : name_within(type, ElementType::uint8);
 }
 const char* clsdf_sign_name(std::int32_t rule) {
-    return name_within(rule, SignRule::none);
+    return name_within(rule, SignRule::solid_angle);
 }
 const char* clsdf_device_kind_name(std::int32_t kind) {
     return name_within(kind, DeviceKind::other);

@@ -215,6 +215,16 @@ clsdf_status clsdf_classify(const clsdf_transform* transform, const clsdf_box* b
     });
 }
 
+clsdf_status clsdf_winding(const clsdf_transform* transform, const clsdf_array* points, const clsdf_array* results,
+                           const clsdf_call_options* call) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        const Call caller(call);
+        const InputArray from = c::input_of(points, "points");
+        self.transform.winding(from, c::output_of(results, "results", from.count), caller);
+    });
+}
+
 clsdf_status clsdf_transform_box(const clsdf_transform* transform, clsdf_box* box) {
     return guarded([&] { given(box, "box") = c::as_c(of(transform).transform.box()); });
 }

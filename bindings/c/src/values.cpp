@@ -166,6 +166,16 @@ OutputTargets targets_of(const clsdf_targets& targets, std::size_t points) {
     return result;
 }
 
+OutputArray output_of(const clsdf_array* array, const char* name, std::size_t points) {
+    const clsdf_array& from = given(array, name);
+    clsdf_target target{CLSDF_DISTANCE, 0, from};
+    check_counts(clsdf_targets{&target, 1}, static_cast<std::int64_t>(points),
+                 [](const std::string& count) { return "there are " + count + " points"; });
+    if (from.host == nullptr && from.device == nullptr)
+        throw misuse(std::string(name) + " has no memory; give it one address: host or device");
+    return output_array_of(from);
+}
+
 clsdf_target as_c(const OutputTarget& target) {
     clsdf_target result{};
     const OutputArray& array = target.array;
@@ -228,7 +238,7 @@ FieldSlab slab_of(const clsdf_target* values, std::int64_t count, std::int64_t s
 }
 
 SignRule sign_rule_of(std::int32_t rule, const char* name) {
-    return enumerator(rule, SignRule::none, name);
+    return enumerator(rule, SignRule::solid_angle, name);
 }
 
 clsdf_topology as_c(const Topology& topology) {
@@ -264,6 +274,9 @@ clsdf_topology as_c(const Topology& topology) {
     result.first_inward_face = static_cast<std::int64_t>(topology.first_inward_face);
     result.nested_parts = static_cast<std::int64_t>(topology.nested_parts);
     result.first_nested_face = static_cast<std::int64_t>(topology.first_nested_face);
+    result.tested_points = static_cast<std::int64_t>(topology.tested_points);
+    result.doubtful_points = static_cast<std::int64_t>(topology.doubtful_points);
+    result.inside_points = static_cast<std::int64_t>(topology.inside_points);
     return result;
 }
 

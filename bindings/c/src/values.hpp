@@ -25,6 +25,7 @@ inline constexpr bool is_triple =
     std::is_standard_layout_v<Triple> && sizeof(Triple) == 3 * sizeof(Number) &&
     alignof(Triple) == alignof(Number) && std::is_same_v<typename Triple::value_type, Number>;
 
+OutputArray output_of(const clsdf_array* array, const char* name, std::size_t points);
 Box box_of(const clsdf_box* box);
 clsdf_box as_c(const Box& box);
 Band band_of(const clsdf_band* band);

@@ -427,7 +427,7 @@ static void check_points(void) {
     double points[4][3] = {{0, 0, 0}, {9, 9, 9}, {0, 0, 0.01}, {0, 0, 0}};
     double found[4], closest[4][3], in_place[4][3];
     uint8_t site[4], place[2];
-    clsdf_array array = clsdf_host_array(CLSDF_FLOAT64, points, 4);
+    clsdf_array array = clsdf_host_array(CLSDF_FLOAT64, points, 4), results;
     clsdf_target targets[2];
     clsdf_box boxes[2];
     clsdf_kept_memory memory = CLSDF_KEPT_MEMORY_INIT;
@@ -479,6 +479,11 @@ static void check_points(void) {
     memset(&boxes[1], 0, sizeof boxes[1]); /* the hole of the torus */
     OK(clsdf_classify(transform, boxes, 2, 1e-3, place));
     CHECK(place[0] == CLSDF_WITHIN && place[1] == CLSDF_OUTSIDE);
+    results = clsdf_host_array(CLSDF_FLOAT64, found, 4);
+    OK(clsdf_winding(transform, &array, &results, NULL));
+    CHECK(found[0] == 0 || found[0] == 1);
+    results.count = 3;
+    FAILS(CLSDF_INVALID_ARGUMENT, "there are 4 points", clsdf_winding(transform, &array, &results, NULL));
     OK(clsdf_transform_memory(transform, &memory));
     CHECK(memory.host_bytes > 0);
 }
@@ -715,6 +720,7 @@ int main(void) {
     CHECK(strcmp(clsdf_status_name(CLSDF_INVALID_MESH), "invalid_mesh") == 0 &&
           strcmp(clsdf_type_name(CLSDF_FLOAT64), "double") == 0 &&
           strcmp(clsdf_sign_name(CLSDF_SIGN_PARITY), "parity") == 0 &&
+          strcmp(clsdf_sign_name(CLSDF_SIGN_SOLID_ANGLE), "solid-angle") == 0 &&
           strcmp(clsdf_device_kind_name(CLSDF_GPU), "gpu") == 0 &&
           strcmp(clsdf_device_source_name(CLSDF_UNREGISTERED), "unregistered") == 0);
     OK(clsdf_device_automatic(&device));

@@ -103,6 +103,7 @@ static void check_null(void) {
     NULL_FAILS(clsdf_slabs_of(NULL, NULL, 0, &count));
     NULL_FAILS(clsdf_query(NULL, &array, 1, &target, 1, NULL, NULL));
     NULL_FAILS(clsdf_classify(NULL, NULL, 0, 1, NULL));
+    NULL_FAILS(clsdf_winding(NULL, &array, &array, NULL));
     NULL_FAILS(clsdf_transform_box(NULL, &box));
     NULL_FAILS(clsdf_transform_topology(NULL, &topology));
     NULL_FAILS(clsdf_transform_sign(NULL, &number));
@@ -259,7 +260,7 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     clsdf_array points = clsdf_host_array(CLSDF_FLOAT64, point, 1);
     int32_t n;
 
-    for (n = -1; n <= 4; n += 5) {
+    for (n = -1; n <= 5; n += 6) {
         options.sign = n;
         FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_transform_options.sign is",
               clsdf_transform_create(device, mesh, &options, NULL, &transform));
@@ -319,6 +320,7 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     FAILS(CLSDF_INVALID_ARGUMENT, "wait_list", clsdf_compute(transform, &grid, &band, targets, 1, &call, NULL));
     FAILS(CLSDF_INVALID_ARGUMENT, "requests", clsdf_compute_requests(transform, NULL, 3, NULL, NULL));
     FAILS(CLSDF_INVALID_ARGUMENT, "places", clsdf_classify(transform, &box, 1, 1, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "results", clsdf_winding(transform, &points, NULL, NULL));
     box.lower[1] = 2;
     FAILS(CLSDF_INVALID_ARGUMENT, "box", clsdf_classify(transform, &box, 1, 1, &place));
     points.type = CLSDF_AUTOMATIC;

@@ -123,6 +123,9 @@ int main(void) {
     MEMBER(clsdf_topology, first_inward_face);
     MEMBER(clsdf_topology, nested_parts);
     MEMBER(clsdf_topology, first_nested_face);
+    MEMBER(clsdf_topology, tested_points);
+    MEMBER(clsdf_topology, doubtful_points);
+    MEMBER(clsdf_topology, inside_points);
     SIZE(clsdf_defects);
     MEMBER(clsdf_defects, struct_size);
     MEMBER(clsdf_defects, zero_area_faces);

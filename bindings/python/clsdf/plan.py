@@ -26,7 +26,7 @@ class Plan:
 
     @property
     def sign(self) -> str:
-        """The rule in use: 'nonzero', 'parity' or 'none'."""
+        """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
         return self._plan.sign
 
     def enqueue(self, *, out: Any = None, queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:

@@ -85,7 +85,8 @@ class Transform:
         are counter-clockwise seen from outside. The mesh is copied once: the arrays may change afterwards.
     device: None (clsdf.Device.automatic()), a clsdf.Device, an index or a part of a device's name, or a
         pyopencl.CommandQueue.
-    sign: 'auto', 'nonzero', 'parity' or 'none'. With 'auto' an open mesh has no sign, and a MeshWarning says so.
+    sign: 'auto', 'nonzero', 'parity', 'solid-angle' or 'none'. With 'auto' an open mesh gets 'solid-angle' if its
+        winding number is clear, else no sign; a MeshWarning says which.
     kept_bytes: limit of the device memory that is kept between calls; None: the library's default.
 
     Raises clsdf.Error: invalid_mesh names the row and the value; also unreadable_input, no_device, device_failure.
@@ -127,7 +128,7 @@ class Transform:
 
     @property
     def sign(self) -> str:
-        """The rule in use: 'nonzero', 'parity' or 'none'."""
+        """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
         return self._body.sign
 
     @property
@@ -426,6 +427,23 @@ class Transform:
         if corners.ndim != 3 or corners.shape[1:] != (2, 3):
             raise Error(f"boxes has the shape {corners.shape}; expected (n, 2, 3): lower and upper corner of each box")
         return self._body.classify(corners, half_width)
+
+    def winding(self, points: Any, *, out: Any = None, wait_for: Any = None) -> Any:
+        """The generalised winding number at points anywhere: 1 or -1 inside a closed mesh, 0 outside, and values between
+        near the holes of an open one, which the sign rule 'solid-angle' takes to be inside from 0.5 or -0.5 on.
+
+        points: an array (n, 3) as of query(); or one point (3,), whose result is a number. out: an array (n,) of float32
+        or float64 to write to. A point that is not finite gets NaN.
+        """
+        points = _meshes.as_array(points, np.float64)
+        is_one = len(points.shape) < 2
+        if is_one:
+            if tuple(points.shape) != (3,):
+                raise Error(f"points has the shape {tuple(points.shape)}; expected (n, 3), or (3,) of one point")
+            points = points[None]
+        results = np.empty(len(points), np.float32) if out is None else out
+        self._body.winding(points, results, wait_for)
+        return results[0] if is_one and out is None else results
 
     def restrict_to(self, regions: Region | Iterable[Region]) -> Transform:
         """A transform for parts of the domain, which keeps only what they need. Every grid, point and box asked for

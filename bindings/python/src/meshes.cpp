@@ -71,7 +71,8 @@ void add_meshes(nb::module_& module) {
         "balanced, another surface decides the sign (docs/sign.md), and edges are those of that surface.")
         .def_ro("closed", &Topology::closed, "Every edge has an even number of faces.")
         .def_ro("balanced", &Topology::balanced, "Every edge is used equally often in both directions.")
-        .def_ro("inside_out", &Topology::inside_out, "Balanced, and the enclosed volume is negative.")
+        .def_ro("inside_out", &Topology::inside_out,
+                "Balanced, and the enclosed volume is negative; or not balanced, and the winding number is.")
         .def_ro("open_edges", &Topology::open_edges, "Number of edges with an odd number of faces.")
         .def_ro("unbalanced_edges", &Topology::unbalanced_edges, "Number of edges that are not used equally often.")
         .def_ro("non_manifold_edges", &Topology::non_manifold_edges, "Number of edges with more than two faces.")
@@ -102,6 +103,12 @@ void add_meshes(nb::module_& module) {
         .def_ro("inward_parts", &Topology::inward_parts, "Parts that look inwards and are not wholly within others.")
         .def_ro("nested_parts", &Topology::nested_parts,
                 "Parts that lie within others, look the same way and are filled.")
+        .def_ro("tested_points", &Topology::tested_points,
+                "Points of the box of a mesh that is not closed, at which the winding number is looked at; else 0.")
+        .def_ro("doubtful_points", &Topology::doubtful_points,
+                "Of them those at which it is more than 0.1 from an integer.")
+        .def_ro("inside_points", &Topology::inside_points,
+                "Of them those at which it is one half or more, or minus one half or less.")
         .def_ro("first_inner_wall_face", &Topology::first_inner_wall_face)
         .def_ro("first_inward_face", &Topology::first_inward_face)
         .def_ro("first_nested_face", &Topology::first_nested_face)

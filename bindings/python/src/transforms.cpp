@@ -21,7 +21,8 @@ Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const s
     const Call call;
     TransformOptions options;
     options.sign =
-        value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none});
+        value_named("sign", sign,
+                    {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
     options.kept_bytes = kept_bytes;
     const Device& own = device.get();
     const nb::gil_scoped_release no_gil;
@@ -67,6 +68,15 @@ void query(const Body& body, nb::handle points, double within, const ArraysByNam
     Call call(std::move(progress), wait_for);
     call.refuse_unusable_points(refuse_unusable_points);
     body.read([&](const DistanceTransform& transform) { transform.query(asked, within, targets, call.options()); });
+}
+
+void winding(const Body& body, nb::handle points, nb::handle results, nb::handle wait_for) {
+    Arrays arrays;
+    const InputArray asked = arrays.triples(points, "points");
+    const OutputArray written =
+        arrays.output(results, info_of(Output::distance), {static_cast<std::int64_t>(asked.count)});
+    const Call call(nb::none(), wait_for);
+    body.read([&](const DistanceTransform& transform) { transform.winding(asked, written, call.options()); });
 }
 
 using Boxes = nb::ndarray<const double, nb::shape<-1, 2, 3>, nb::c_contig, nb::device::cpu>;
@@ -169,6 +179,7 @@ void add_transforms(nb::module_& module) {
              nb::arg("outputs"), nb::arg("progress").none(), nb::arg("wait_for").none())
         .def("query", &query, nb::arg("points"), nb::arg("within"), nb::arg("outputs"), nb::arg("progress").none(),
              nb::arg("wait_for").none(), nb::arg("refuse_unusable_points"))
+        .def("winding", &winding, nb::arg("points"), nb::arg("results"), nb::arg("wait_for").none())
         .def("classify", &classify, nb::arg("boxes"), nb::arg("half_width"))
         .def("restrict_to", &restrict_to, nb::arg("regions"))
         .def("set_positions", &set_positions, nb::arg("positions"), nb::arg("wait_for").none())

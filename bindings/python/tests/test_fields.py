@@ -387,6 +387,20 @@ def test_a_box_that_is_refused_is_named_among_all(body):
             part.classify(boxes, 0.1)
 
 
+def test_winding_numbers_of_a_mesh_with_a_hole():
+    vertices, faces = clsdf.make_shape("sphere3")
+    with pytest.warns(clsdf.MeshWarning, match=r"3 open edges.*% of 512 points"):
+        body = clsdf.Transform((vertices, faces[1:]))
+    assert body.sign == "solid-angle" and body.topology.tested_points == 512
+    points = np.array([[0, 0, 0], [0, 0, 3], [np.nan, 0, 0]])
+    winding = body.winding(points)
+    assert winding.dtype == np.float32 and 0.9 < winding[0] < 1 and abs(winding[1]) < 0.1 and np.isnan(winding[2])
+    assert body.winding(points[0]) == winding[0]
+    assert body.query(points[0]).distance < 0
+    wide = np.empty(3)
+    assert body.winding(points, out=wide) is wide and np.float32(wide[0]) == winding[0]
+
+
 def test_boxes_are_classified():
     # `within` counts from the boxes around triangles, so these are small.
     shape = clsdf.make_shape("sphere3")

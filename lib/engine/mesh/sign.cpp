@@ -1,6 +1,8 @@
 #include <clsdf/error.hpp>
 #include <clsdf/topology.hpp>
 
+#include "mesh/open_edges.hpp"
+
 #include <fmt/format.h>
 
 #include <array>
@@ -10,10 +12,11 @@ namespace clsdf {
 
 namespace {
 
-constexpr std::array<std::pair<SignRule, const char*>, 4> names{{{SignRule::automatic, "auto"},
+constexpr std::array<std::pair<SignRule, const char*>, 5> names{{{SignRule::automatic, "auto"},
                                                                  {SignRule::nonzero, "nonzero"},
                                                                  {SignRule::parity, "parity"},
-                                                                 {SignRule::none, "none"}}};
+                                                                 {SignRule::none, "none"},
+                                                                 {SignRule::solid_angle, "solid-angle"}}};
 
 std::string text_of(const Vec3& point) {
     return fmt::format("({}, {}, {})", point[0], point[1], point[2]);
@@ -116,6 +119,51 @@ std::string warning_of_parts(const Topology& topology) {
     return sentences.text();
 }
 
+/// "at 3% of 512 points it is in doubt".
+std::string share_in_doubt(const Topology& topology) {
+    const double percent =
+        100 * static_cast<double>(topology.doubtful_points) / static_cast<double>(topology.tested_points);
+    return fmt::format("at {:.2g}% of {} points of the mesh's box it is in doubt", percent, topology.tested_points);
+}
+
+/// "it has 3 open edges".
+std::string count_holes(const Topology& topology) {
+    const std::size_t count = topology.unbalanced_edges;
+    const char* const edges = count == 1 ? "edge" : "edges";
+    return topology.open_edges == count
+               ? fmt::format("it has {} open {}", count, edges)
+               : fmt::format("it has {} unbalanced {}, {} of them open", count, edges, topology.open_edges);
+}
+
+/// Of the rule solid_angle for a mesh that is not balanced.
+std::string warning_of_holes(const Topology& topology) {
+    if (topology.tested_points == 0) return {};
+    if (topology.inside_points == 0)
+        return fmt::format(
+            "the winding number is below one half at each of {} points of the mesh's box, so perhaps "
+            "nothing is inside; the sign rule none gives the distance alone",
+            topology.tested_points);
+    return fmt::format(
+        "{}, {}, so the sign follows from the winding number: inside is where its magnitude is one half "
+        "or more; {}; the sign rule none gives the distance alone",
+        topology.closed ? "the mesh is not balanced" : "the mesh is not closed", count_holes(topology),
+        share_in_doubt(topology));
+}
+
+/// Why `automatic` does not take it.
+std::string refusal_of_winding_number(const Topology& topology) {
+    if (topology.tested_points == 0) return {};
+    return topology.inside_points == 0
+               ? fmt::format(
+                     "; its winding number is below one half at each of {} points of its box, so the sign rule "
+                     "solid-angle would find nothing inside",
+                     topology.tested_points)
+               : fmt::format(
+                     "; its winding number would tell inside from outside, but {}, and 10% is the limit: the "
+                     "sign rule solid-angle takes it all the same",
+                     share_in_doubt(topology));
+}
+
 /// The warnings about a mesh that has a sign.
 std::string warning_of(const Topology& topology, SignRule rule) {
     Sentences sentences;
@@ -148,23 +196,36 @@ ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
                 sentences.add(warning_of(topology, SignRule::parity));
                 return {SignRule::parity, sentences.text()};
             }
-            return {SignRule::none,
-                    fmt::format("the mesh is not closed, so the distance has no sign; {}", list_open_edges(topology))};
+            if (has_clear_winding_number(topology)) {
+                Sentences sentences;
+                sentences.add(warning_of_holes(topology));
+                sentences.add(warning_of(topology, SignRule::solid_angle));
+                return {SignRule::solid_angle, sentences.text()};
+            }
+            return {SignRule::none, fmt::format("the mesh is not closed, so the distance has no sign; {}{}",
+                                                list_open_edges(topology), refusal_of_winding_number(topology))};
         case SignRule::nonzero:
             if (!topology.balanced)
                 throw Error(ErrorCode::invalid_mesh,
                             fmt::format("the sign rule nonzero needs a mesh whose edges are used equally often in both "
                                         "directions, but this one has {}; {}",
                                         list_unbalanced_edges(topology),
-                                        topology.closed ? "the rule parity would do" : "only the rule none would do"));
+                                        topology.closed ? "the rules parity and solid-angle would do"
+                                                        : "the rules solid-angle and none would do"));
             return {SignRule::nonzero, warning_of(topology, SignRule::nonzero)};
         case SignRule::parity:
             if (!topology.closed)
                 throw Error(ErrorCode::invalid_mesh,
-                            fmt::format("the sign rule parity needs a closed mesh; {}; only the rule none would "
-                                        "do",
+                            fmt::format("the sign rule parity needs a closed mesh; {}; the rules solid-angle and none "
+                                        "would do",
                                         list_open_edges(topology)));
             return {SignRule::parity, warning_of(topology, SignRule::parity)};
+        case SignRule::solid_angle: {
+            Sentences sentences;
+            if (!topology.balanced) sentences.add(warning_of_holes(topology));
+            sentences.add(warning_of(topology, topology.balanced ? SignRule::nonzero : SignRule::solid_angle));
+            return {SignRule::solid_angle, sentences.text()};
+        }
         case SignRule::none:
             break;
     }

@@ -2,6 +2,8 @@
 
 #include <clsdf/mesh.hpp>
 
+#include "mesh/open_edges.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +21,7 @@ struct SignSurface {
 
     std::vector<std::uint32_t> vertices;  ///< for each vertex of the mesh that whose position counts; empty: itself
     std::vector<Use> faces;               ///< of each face of the mesh; empty: all are forward
+    OpenLoops open_loops{};               ///< set for the rule solid_angle alone, if the surface is not balanced
 
     bool is_mesh() const { return vertices.empty() && faces.empty(); }
     std::uint32_t vertex(std::uint32_t v) const { return vertices.empty() ? v : vertices[v]; }

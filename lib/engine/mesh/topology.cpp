@@ -4,6 +4,7 @@
 #include "core/parallel.hpp"
 #include "mesh/local_frame.hpp"
 #include "mesh/one_rings.hpp"
+#include "mesh/open_edges.hpp"
 #include "mesh/parts.hpp"
 #include "mesh/sign_surface.hpp"
 
@@ -112,6 +113,7 @@ struct UnbalancedEdge {
     std::uint32_t lower;
     std::uint32_t higher;
     bool is_open = false;
+    std::int64_t net = 0;  ///< faces that use it from `lower` to `higher`, minus the others
     bool is_noted = false;
 
     friend bool operator<(const UnbalancedEdge& a, const UnbalancedEdge& b) {
@@ -130,7 +132,9 @@ struct EdgeCounts {
             static_cast<std::size_t>(std::count_if(faces.begin(), faces.end(), [&](const EdgeEntry& face) {
                 return triangles[face.edge().face][face.edge().vertex] == lower;
             }));
-        if (2 * leaving != faces.size()) unbalanced.push_back({lower, faces[0].other_vertex(), faces.size() % 2 != 0});
+        if (2 * leaving != faces.size())
+            unbalanced.push_back({lower, faces[0].other_vertex(), faces.size() % 2 != 0,
+                                  2 * static_cast<std::int64_t>(leaving) - static_cast<std::int64_t>(faces.size())});
         if (faces.size() == 1) ++boundary;
         if (faces.size() > 2) ++non_manifold;
     }
@@ -350,8 +354,20 @@ private:
     std::size_t reoriented_ = 0;
 };
 
+OpenLoops loops_of(const EdgeCounts& edges) {
+    std::vector<OpenEdge> open;
+    open.reserve(edges.unbalanced.size());
+    for (const UnbalancedEdge& edge : edges.unbalanced) {
+        if (edge.net > 0)
+            open.push_back({edge.lower, edge.higher, static_cast<std::uint32_t>(edge.net)});
+        else
+            open.push_back({edge.higher, edge.lower, static_cast<std::uint32_t>(-edge.net)});
+    }
+    return clsdf::loops_of(std::move(open));
+}
+
 /// Describes the edges of a mesh's triangles, whose vertices are all different.
-SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles, Topology& report) {
+SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles, SignRule asked, Topology& report) {
     constexpr std::size_t grain = 4096;
     report.repeated_vertex_faces = reduce_ranges(
         triangles.size(), grain, std::size_t{0},
@@ -386,6 +402,12 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
     if (report.open_edges > 0 && report.boundary_edges == 0) find_inner_walls(mesh, search.triangles(), report);
     SignSurface surface = search.take_surface();
     report.inside_out = report.balanced && encloses_negative_volume(mesh, surface);
+    if (report.balanced) return surface;
+    if (asked == SignRule::solid_angle || (asked == SignRule::automatic && !report.closed)) {
+        surface.open_loops = loops_of(search.edges());
+        test_winding_number(mesh, search.triangles(), surface.open_loops, report);
+        report.inside_out = report.inside_out && (asked == SignRule::solid_angle || has_clear_winding_number(report));
+    }
     return surface;
 }
 
@@ -398,19 +420,27 @@ std::vector<Triangle> triangles_of(std::span<const Triangle> given, const SignSu
 
 }  // namespace
 
+OpenLoops open_loops_of(const Mesh& mesh, const SignSurface& surface) {
+    const std::vector<Triangle> own =
+        surface.is_mesh() ? std::vector<Triangle>() : triangles_of(mesh.triangles(), surface);
+    const std::span<const Triangle> triangles = surface.is_mesh() ? std::span(mesh.triangles()) : std::span(own);
+    return loops_of(count_edges(triangles, mesh.vertices().size()));
+}
+
 Topology describe_vertices(const Mesh& mesh) {
     Topology report;
     count_vertices(mesh.triangles(), first_equal_vertices(mesh.vertices()), report);
     return report;
 }
 
-SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, Topology& report) {
+SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, SignRule asked,
+                           Topology& report) {
     SignSurface surface;
     if (are_paired) {
         report.closed = report.balanced = true;
         report.inside_out = encloses_negative_volume(mesh);
     } else {
-        surface = describe_edges(mesh, mesh.triangles(), report);
+        surface = describe_edges(mesh, mesh.triangles(), asked, report);
     }
     report.parts = report.balanced ? 1 : 0;
     if (report.balanced && (!surface.is_mesh() || !is_one_part(neighbours, mesh.vertices().size())))
@@ -418,7 +448,7 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbour
     return surface;
 }
 
-DescribedMesh describe_mesh(const Mesh& mesh) {
+DescribedMesh describe_mesh(const Mesh& mesh, SignRule asked) {
     DescribedMesh described;
     auto& [report, surface] = described;
     const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
@@ -426,7 +456,7 @@ DescribedMesh describe_mesh(const Mesh& mesh) {
     const std::vector<Triangle> own =
         report.coincident_vertices > 0 ? triangles_over(first, mesh.triangles()) : std::vector<Triangle>();
     const std::span<const Triangle> triangles = own.empty() ? std::span(mesh.triangles()) : std::span(own);
-    surface = describe_edges(mesh, triangles, report);
+    surface = describe_edges(mesh, triangles, asked, report);
     report.parts = report.balanced ? 1 : 0;
     if (report.balanced && (!surface.is_mesh() || !is_one_part(triangles, mesh.vertices().size())))
         describe_parts(mesh, triangles_of(triangles, surface), report);

@@ -18,21 +18,26 @@ std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices);
 /// Whether a closed surface encloses a volume that is negative by more than its rounding error: its faces look inwards.
 bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface = {});
 
+/// The open edges of a mesh whose vertices are all different, or of a surface of it.
+OpenLoops open_loops_of(const Mesh& mesh, const SignSurface& surface);
+
 /// The first half of describe_topology(): the counts of vertices.
 Topology describe_vertices(const Mesh& mesh);
 
 /// The second half, for a mesh whose vertices are all different, with the surface that decides the sign. The mesh has
 /// its first positions. are_paired: each edge is known to have two faces, which run along it in opposite directions;
 /// then nothing is left to count. neighbours: the faces with other numbers of vertices, best in an order in which
-/// neighbours follow each other.
-SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, Topology& report);
+/// neighbours follow each other. asked: the sign rule that the mesh is for; the winding number of a mesh with open
+/// edges is looked at if the rule may become solid_angle.
+SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, SignRule asked,
+                           Topology& report);
 
 /// A mesh with its first positions, and what decides its sign.
 struct DescribedMesh {
     Topology topology;
     SignSurface surface;
 };
-/// Throws as describe_topology() does.
-DescribedMesh describe_mesh(const Mesh& mesh);
+/// As for `automatic`, unless another rule is asked for. Throws as describe_topology() does.
+DescribedMesh describe_mesh(const Mesh& mesh, SignRule asked = SignRule::automatic);
 
 }  // namespace clsdf

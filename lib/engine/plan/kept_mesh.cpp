@@ -57,6 +57,10 @@ std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPoo
         std::unique_ptr<KeptMesh> kept_mesh(
             new KeptMesh(context_, std::move(pool), std::move(part), std::move(restriction), options_));
         kept_mesh->encloses_negative_volume_.set(std::make_shared<const bool>(encloses_negative_volume()));
+        if (boundary() != nullptr) {
+            kept_mesh->open_loops_.set(open_loops_.get());
+            kept_mesh->boundary_.set(boundary_.get());
+        }
         return kept_mesh;
     });
 }
@@ -163,7 +167,8 @@ SurfacePoints KeptMesh::points_of(const LatticeView& view) {
 
 SweepMesh KeptMesh::sweep_mesh(const Job& job) {
     const auto faces = device_faces(job.lattice);
-    return make_sweep_mesh(set_up(), job.grid, job.lattice, mesh_, sign_surface(), names(), faces.get());
+    return make_sweep_mesh(set_up(), job.grid, job.lattice, mesh_, sign_surface(), boundary().get(), names(),
+                           faces.get());
 }
 
 bool KeptMesh::needs_normals(Lattice& lattice) {
@@ -172,6 +177,16 @@ bool KeptMesh::needs_normals(Lattice& lattice) {
         lattice.may_meet_samples =
             engine::may_meet_samples(topology(), frusta().positions, lattice.origin, lattice.spacing);
     return *lattice.may_meet_samples;
+}
+
+std::shared_ptr<const OpenBoundary> KeptMesh::boundary() {
+    if (!open_loops_) return nullptr;
+    return boundary_.get_or([&] { return OpenBoundary(*open_loops_, mesh_.vertices()); });
+}
+
+std::shared_ptr<const OpenBoundary> KeptMesh::any_boundary() {
+    if (open_loops_) return boundary();
+    return boundary_.get_or([&] { return OpenBoundary(open_loops_of(mesh_, sign_surface()), mesh_.vertices()); });
 }
 
 bool KeptMesh::encloses_negative_volume() {

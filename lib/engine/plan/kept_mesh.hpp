@@ -13,6 +13,7 @@
 #include "frusta/prepared_mesh.hpp"
 #include "frusta/topology.hpp"
 #include "launch/programs.hpp"
+#include "mesh/open_edges.hpp"
 #include "mesh/sign_surface.hpp"
 #include "plan/job.hpp"
 #include "plan/kept.hpp"
@@ -84,6 +85,13 @@ public:
     double sign_surface_gap() const {
         return sign_surface().vertices.empty() ? 0 : 2 * joined_extent * mesh_.box().longest_side();
     }
+
+    /// The open edges of that surface count, for the rule solid_angle.
+    void set_open_loops(OpenLoops loops) { open_loops_.set(std::make_shared<const OpenLoops>(std::move(loops))); }
+    /// At the present positions, of the whole mesh, also for a part of it; null if there are none that count.
+    std::shared_ptr<const OpenBoundary> boundary();
+    /// The same of a whole mesh, also if they do not count for the sign; may be empty.
+    std::shared_ptr<const OpenBoundary> any_boundary();
 
     /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
@@ -176,6 +184,8 @@ private:
     KeptValues kept_;  // those that follow, in their order
     Kept<Restriction> restriction_{kept_, MadeOf::triangles};
     Kept<SignSurface> sign_surface_{kept_, MadeOf::triangles};
+    Kept<OpenLoops> open_loops_{kept_, MadeOf::triangles};
+    Kept<OpenBoundary> boundary_{kept_, MadeOf::positions};  // any_boundary(), if none count
     Kept<MeshTopology> topology_{kept_, MadeOf::triangles};
     Kept<bool> encloses_negative_volume_{kept_, MadeOf::positions};
     Kept<Frusta> frusta_{kept_, MadeOf::positions};

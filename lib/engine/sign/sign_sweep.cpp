@@ -9,6 +9,7 @@
 #include "sweep.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
@@ -40,8 +41,10 @@ constexpr std::size_t rows_of_a_core = 64;
 /// The launches that find the crossings of the part's rows of samples and the surface, and make bits of them.
 class CrossingSearch {
 public:
-    explicit CrossingSearch(const SweepInputs& inputs)
+    /// film: crossings that are known; it must outlive this.
+    CrossingSearch(const SweepInputs& inputs, const FilmCrossings& film)
         : inputs_(inputs),
+          film_(film),
           queue_(inputs.tools.context.queue()),
           seen_(inputs.layout),
           row_count_(sign_row_count(inputs.layout)),
@@ -58,7 +61,7 @@ public:
             std::min<std::size_t>(inputs.tools.context.capabilities().largest_allocation / sizeof(SweepRecord),
                                   std::numeric_limits<cl_uint>::max());
         // The first capacity is a guess. If there is no memory for it, crossings are only counted at first.
-        capacity_ = std::min(records_per_row * row_count_ + left_over, most);
+        capacity_ = std::min(records_per_row * row_count_ + left_over + film.records.size(), most);
         if (auto guess = inputs.tools.pool->lease_if_it_fits(capacity_ * sizeof(SweepRecord), records_purpose))
             records_ = std::move(*guess);
         else
@@ -68,8 +71,11 @@ public:
     /// Enqueues the search with room for `capacity_` records, and what says where each row's start; does not wait.
     void begin() {
         totals_found_.begin();
-        queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
+        if (film_.records.empty())
+            queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
+        else
+            begin_with_film();
         inputs_.launches.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
             enqueue(parts_, begin, end, has_selection(),
                     has_selection() ? inputs_.selection.triangles : inputs_.mesh->triangles(), 0);
@@ -94,6 +100,16 @@ public:
     }
 
 private:
+    /// The kernel counts on, behind the crossings of the film.
+    void begin_with_film() {
+        const auto count = static_cast<cl_uint>(film_.records.size());
+        queue_.enqueueWriteBuffer(*row_counts_, CL_FALSE, 0, row_count_ * sizeof(cl_uint), film_.row_counts.data());
+        queue_.enqueueWriteBuffer(*totals_, CL_FALSE, offsetof(SweepTotals, records), sizeof count, &count);
+        if (const std::size_t room = std::min(film_.records.size(), capacity_); room > 0)
+            queue_.enqueueWriteBuffer(*records_, CL_FALSE, 0, room * sizeof(SweepRecord), film_.records.data());
+        queue_.finish();
+    }
+
     bool has_selection() const { return inputs_.selection.triangles() != nullptr; }
 
     /// Waits, and sets the crossings' numbers: of the records those that it took, also if there was room for fewer.
@@ -168,6 +184,7 @@ private:
     }
 
     const SweepInputs& inputs_;
+    const FilmCrossings& film_;
     const cl::CommandQueue& queue_;
     Layout seen_;  ///< from where the mesh's x is counted
     std::size_t row_count_;
@@ -193,12 +210,15 @@ SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
         const std::size_t bytes =
             sign_row_count(inputs.layout) * static_cast<std::size_t>(inputs.layout.sign_words) * sizeof(cl_uint);
         bits_ = inputs.tools.pool->lease(bytes, "sign bits");
+        if (inputs.mesh != nullptr && inputs.mesh->boundary)
+            film_ = film_crossings(*inputs.mesh->boundary, inputs.layout,
+                                   [&] { inputs.launches.one_by_one(1, [](std::size_t) {}); });
         const bool is_empty = inputs.mesh == nullptr || inputs.mesh->triangle_count == 0 ||
                               (inputs.selection.triangles() != nullptr && inputs.selection.count == 0);
-        if (is_empty) {
+        if (is_empty && film_.records.empty()) {
             inputs.tools.context.queue().enqueueFillBuffer(*bits_, cl_uint{0}, 0, bytes);
         } else {
-            search_ = std::make_unique<CrossingSearch>(inputs_);
+            search_ = std::make_unique<CrossingSearch>(inputs_, film_);
             search_->begin();
         }
     });

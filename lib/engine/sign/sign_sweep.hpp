@@ -6,6 +6,7 @@
 #include "launch/device_tools.hpp"
 #include "launch/short_launches.hpp"
 #include "layout.h"
+#include "sign/film.hpp"
 #include "sign/sweep_mesh.hpp"
 
 #include <memory>
@@ -46,6 +47,7 @@ public:
 private:
     SweepInputs inputs_;
     device::BufferPool::Lease bits_;
+    FilmCrossings film_;
     std::unique_ptr<CrossingSearch> search_;
 };
 

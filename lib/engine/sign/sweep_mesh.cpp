@@ -67,8 +67,9 @@ struct SweepLattice {
 
     Place place(std::size_t axis, double position) const { return place_of(position, grid, view, axis); }
 
-    /// Whether the vertex lies within the sweep's integers; then `vertex` is set.
-    bool snap(const Vec3& position, SweepVertex& vertex) const {
+    /// Whether the vertex lies within the sweep's integers; then `vertex` is set, and how far it is moved across the
+    /// row, unless that is null.
+    bool snap(const Vec3& position, SweepVertex& vertex, LatticeCorner* corner = nullptr) const {
         const Place on_x = place(0, position[0]), on_y = place(1, position[1]), on_z = place(2, position[2]);
         if (!(std::abs(std::nearbyint((on_y.sample + on_y.past) * scale_y)) < snapped_limit) ||
             !(std::abs(std::nearbyint((on_z.sample + on_z.past) * scale_z)) < snapped_limit))
@@ -78,6 +79,11 @@ struct SweepLattice {
                    static_cast<std::int64_t>(std::nearbyint(at.past * scale));
         };
         vertex = {snapped(on_y, scale_y), snapped(on_z, scale_z), (on_x.sample - first_x) + on_x.past};
+        if (corner == nullptr) return true;
+        const auto rest = [](const Place& at, double scale) {
+            return (at.past * scale - std::nearbyint(at.past * scale)) / scale;
+        };
+        *corner = {vertex, rest(on_y, scale_y), rest(on_z, scale_z)};
         return true;
     }
 
@@ -87,6 +93,14 @@ struct SweepLattice {
     std::int32_t first_x;
     double scale_y, scale_z;
 };
+
+[[noreturn]] void refuse_far(const Mesh& mesh, const std::string& vertex) {
+    throw Error(
+        ErrorCode::unsupported,
+        fmt::format("{} of {} lies more than 2^40 voxels from the grid's origin, too far for an exact sign; use "
+                    "a larger spacing or an unsigned field",
+                    vertex, mesh.name()));
+}
 
 /// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.
 device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLattice& lattice, const Mesh& mesh,
@@ -100,11 +114,7 @@ device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLatt
     for_each_index(numbers.size(), [&](std::size_t v) {
         if (!lattice.snap(mesh.vertices()[surface.vertex(numbers[v])], vertices[v])) far.take(numbers[v]);
     });
-    if (far.get() != none)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("vertex {} of {} lies more than 2^40 voxels from the grid's origin, too far for an "
-                                "exact sign; use a larger spacing or an unsigned field",
-                                far.get(), mesh.name()));
+    if (far.get() != none) refuse_far(mesh, fmt::format("vertex {}", far.get()));
     return filling.finish();
 }
 
@@ -134,6 +144,27 @@ device::BufferPool::Lease triangles_of(const DeviceSetUp& job, const SignSurface
     return filling.finish();
 }
 
+/// Throws if a corner is beyond the sweep's integers: but then a vertex of the mesh is.
+std::shared_ptr<const LatticeBoundary> boundary_on(const SweepLattice& lattice, const Mesh& mesh,
+                                                   const OpenBoundary* boundary) {
+    if (boundary == nullptr || boundary->empty()) return nullptr;
+    auto result = std::make_shared<LatticeBoundary>();
+    result->corners.resize(boundary->corners.size());
+    result->begins = boundary->begins;
+    result->bits_y = lattice.bits_y;
+    result->bits_z = lattice.bits_z;
+    result->first_x = lattice.first_x;
+    result->spacing = lattice.view.spacing_in_units;
+    const std::size_t none = boundary->corners.size();
+    LeastIndex far(none);
+    for_each_index(none, [&](std::size_t i) {
+        SweepVertex vertex;
+        if (!lattice.snap(boundary->corners[i], vertex, &result->corners[i])) far.take(i);
+    });
+    if (far.get() != none) refuse_far(mesh, "a vertex of an open edge");
+    return result;
+}
+
 }  // namespace
 
 SweepSelection select_triangles(const device::Context& context, const NearRecords& near) {
@@ -153,8 +184,8 @@ const cl::Buffer& SweepMesh::triangles() const {
 }
 
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const SignSurface& surface, const std::shared_ptr<const DeviceFaces::Names>& names,
-                          const DeviceFaces* faces) {
+                          const SignSurface& surface, const OpenBoundary* boundary,
+                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, view, mesh);
         SweepMesh result;
@@ -169,6 +200,7 @@ SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Lattic
         result.bits_y = lattice.bits_y;
         result.bits_z = lattice.bits_z;
         result.first_x = lattice.first_x;
+        result.boundary = boundary_on(lattice, mesh, boundary);
         return result;
     });
 }
@@ -180,7 +212,7 @@ bool is_within_sweep(const Mesh& mesh, const Grid& grid, const LatticeView& view
 }
 
 SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const SignSurface& surface, const MeshTopology& topology,
+                          const SignSurface& surface, const OpenBoundary* boundary, const MeshTopology& topology,
                           const std::vector<RecordRange>& faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, view, mesh);
@@ -209,8 +241,13 @@ SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Latt
             });
             begin += range.end - range.begin;
         }
-        return SweepMesh{
-            triangle_filling.finish(), vertex_filling.finish(), count, lattice.bits_y, lattice.bits_z, lattice.first_x};
+        return SweepMesh{.own_triangles = triangle_filling.finish(),
+                         .vertices = vertex_filling.finish(),
+                         .triangle_count = count,
+                         .bits_y = lattice.bits_y,
+                         .bits_z = lattice.bits_z,
+                         .first_x = lattice.first_x,
+                         .boundary = boundary_on(lattice, mesh, boundary)};
     });
 }
 

@@ -8,7 +8,9 @@
 #include "frusta/device_faces.hpp"
 #include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
+#include "mesh/open_edges.hpp"
 #include "mesh/sign_surface.hpp"
+#include "sign/film.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +29,8 @@ struct SweepMesh {
 
     /// Whose triangles are swept; null: own_triangles.
     std::shared_ptr<const DeviceFaces::Names> faces{};
+    /// The open edges of the whole surface; null if there are none, or if the rule is not solid_angle.
+    std::shared_ptr<const LatticeBoundary> boundary{};
 
     const cl::Buffer& triangles() const;
     /// Bytes on the device that are its own.
@@ -44,16 +48,18 @@ SweepSelection select_triangles(const device::Context& context, const NearRecord
 
 /// The mesh with the surface that decides its sign. Throws Error(unsupported) if it reaches farther from the grid's
 /// origin than the sweep's integers. view: of the grid's lattice. `faces`: null if the host makes the vertices.
+/// boundary: null unless open edges count.
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const SignSurface& surface, const std::shared_ptr<const DeviceFaces::Names>& names,
-                          const DeviceFaces* faces);
+                          const SignSurface& surface, const OpenBoundary* boundary,
+                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces);
 
 /// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
 bool is_within_sweep(const Mesh& mesh, const Grid& grid, const LatticeView& view);
 
-/// The faces that rows of a part of the lattice can cross, without the others. The sign has the same bits.
+/// The faces that rows of a part of the lattice can cross, without the others, and all open edges. The sign has the
+/// same bits.
 SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const SignSurface& surface, const MeshTopology& topology,
+                          const SignSurface& surface, const OpenBoundary* boundary, const MeshTopology& topology,
                           const std::vector<RecordRange>& faces);
 
 }  // namespace clsdf::engine

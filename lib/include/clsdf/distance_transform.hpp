@@ -147,8 +147,8 @@ public:
     /// The signed distance at points anywhere, in the mesh's units and in any order, and all else that has an array;
     /// docs/library.md, 'Points', says what each output is. Beyond `half_width`, which is not negative and may be
     /// infinite, the distance is `half_width` with the point's sign, and there is no triangle. The sign is that of the
-    /// exact winding number (or parity) at the given doubles; a point on the surface has the distance +0. A voxel, as a
-    /// measure, is 1/256 of the longest side of the mesh's box, or 1 if the mesh has no extent.
+    /// exact winding number (or parity) at the given doubles, see docs/accuracy.md; a point on the surface has the
+    /// distance +0. A voxel, as a measure, is 1/256 of the longest side of the mesh's box, or 1 if that has no extent.
     ///
     /// The points and each array may be memory of the host or of the device, and may share a buffer. Outputs may lie on
     /// the points, which are read first. An array has points.count items, packed or strides[0] bytes apart. Memory of
@@ -177,7 +177,8 @@ public:
 
     /// Sets the place of each box. Boxes and half_width are in the mesh's units; boxes include their limits, and may be
     /// points. A box is `within` if it is within half_width of the smallest box around a triangle. So a box that is a
-    /// little farther than half_width from the surface may be `within`, too. The other answers are exact. Blocks;
+    /// little farther than half_width from the surface may be `within`, too. So may a box, with the sign rule
+    /// solid_angle, that is near the film where the winding number is one half. The other answers are exact. Blocks;
     /// cannot be cancelled.
     ///
     /// An answer depends on the box, half_width and the mesh's positions alone. Works on the host, on all cores. Keeps
@@ -185,6 +186,17 @@ public:
     /// finite or a lower corner above its upper one, for half_width below 0 or NaN, and if there are not as many places
     /// as boxes; Error(out_of_memory).
     void classify(std::span<const Box> boxes, double half_width, std::span<BoxPlace> places) const;
+
+    /// The generalised winding number at points anywhere: of the surface that decides the sign, or of the mesh if there
+    /// is no sign. A closed surface has an integer, with the sign rule parity, too. With open edges the value lies
+    /// between; the rule solid_angle takes points with one half or more, or minus one half or less, to be inside. The
+    /// error is that of a float, or 1e-14 for each thousand open edges in an array of doubles. On the surface it has
+    /// the value of one of the sides. A point that is not finite has NaN.
+    ///
+    /// Points and results are arrays of the host or of the device as in query(), which says what they throw. Works on
+    /// the host, on all cores, and takes for each point as long as crossings and a sum over the open edges. Also throws
+    /// Error(unsupported) for a restricted transform without the sign rule solid_angle whose mesh has open edges.
+    void winding(const InputArray& points, const OutputArray& results, const CallOptions& call = {}) const;
 
     // Plan.
 

@@ -68,10 +68,11 @@ CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path);
 /// Writes what DistanceTransform::query() found, a row for each point, by the file's ending: .npy (a structured array
 /// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. The columns are
 /// the distance, the outputs in `wanted`, and every other output whose array is not empty; docs/formats.md describes
-/// them. `wanted` is needed only without points. Throws Error(invalid_argument) if an array does not fit the points,
-/// Error(unsupported) for an unknown ending, Error(output_failure).
+/// them. `wanted` is needed only without points. winding: of the points, for a last column, or empty. Throws
+/// Error(invalid_argument) if an array does not fit the points, Error(unsupported) for an unknown ending,
+/// Error(output_failure).
 CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path,
-                               OutputSet wanted = {});
+                               OutputSet wanted = {}, std::span<const float> winding = {});
 
 /// Throws the error that write_points() would throw for the ending or the folder. Leaves no file.
 CLSDF_EXPORT void check_points_path(const std::string& path);

@@ -11,14 +11,15 @@ namespace clsdf {
 
 /// The rule that decides which points are inside; inside is negative. The values of the enumerators never change.
 enum class SignRule : std::int32_t {
-    automatic = 0,  ///< balanced: nonzero; closed: parity; else unsigned (with a warning for the last two)
-    nonzero = 1,    ///< inside if the winding number is not zero; needs a balanced mesh
-    parity = 2,     ///< inside if a ray crosses the surface an odd number of times; needs a closed mesh
-    none = 3,       ///< no sign: the distance alone
-    // 4 is kept for solid_angle: open meshes by the winding number beyond one half.
+    automatic = 0,    ///< balanced: nonzero; closed: parity; open: solid_angle if few points are in doubt; else
+                      ///< unsigned (with a warning unless it is nonzero)
+    nonzero = 1,      ///< inside if the winding number is not zero; needs a balanced mesh
+    parity = 2,       ///< inside if a ray crosses the surface an odd number of times; needs a closed mesh
+    none = 3,         ///< no sign: the distance alone
+    solid_angle = 4,  ///< inside if the winding number is one half or more, or minus one half or less; any mesh
 };
 
-/// "auto", "nonzero", "parity", "none".
+/// "auto", "nonzero", "parity", "none", "solid-angle".
 CLSDF_EXPORT const char* name_of(SignRule rule);
 
 /// The properties of a mesh that the sign rule depends on. Vertices of equal coordinates count as one. Faces with
@@ -35,7 +36,8 @@ struct Topology {
 
     bool closed = false;      ///< every undirected edge has an even number of faces
     bool balanced = false;    ///< every edge is used equally often in both directions
-    bool inside_out = false;  ///< balanced, and the enclosed volume is negative
+    bool inside_out = false;  ///< balanced, and the enclosed volume is negative; or not balanced, and the winding
+                              ///< number is negative at most of inside_points
 
     std::size_t open_edges = 0;             ///< undirected edges with an odd number of faces
     std::size_t unbalanced_edges = 0;       ///< undirected edges not used equally often in both directions
@@ -58,6 +60,12 @@ struct Topology {
     std::size_t first_inward_face = 0;      ///< the lowest face of the first of them
     std::size_t nested_parts = 0;           ///< parts that lie within others, look the same way and are filled
     std::size_t first_nested_face = 0;      ///< the lowest face of the first of them
+
+    /// The winding number is looked at if the mesh is not closed and the rule may become solid_angle: at so many fixed
+    /// points of the mesh's box.
+    std::size_t tested_points = 0;
+    std::size_t doubtful_points = 0;  ///< of them those at which it is more than 0.1 from an integer
+    std::size_t inside_points = 0;    ///< of them those at which it is one half or more, or minus one half or less
 };
 
 /// Throws Error(unsupported) for 2^30 triangles or more.

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+
+/// How the winding number changes in a ball around a point, because of the open edges: bounds of docs/method.md, 'Sign
+/// of open meshes'. Lengths are in any unit.
+namespace clsdf {
+
+inline double dot(const Vec3& a, const Vec3& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+inline double length(const Vec3& a) {
+    return std::sqrt(dot(a, a));
+}
+
+struct WindingChange {
+    double most = 0;
+    Vec3 gradient{};    ///< at the point
+    double beside = 0;  ///< the most that the gradient does not tell
+
+    void add(const WindingChange& other) {
+        most += other.most;
+        beside += other.beside;
+        for (std::size_t axis = 0; axis < 3; ++axis) gradient[axis] += other.gradient[axis];
+    }
+    double bound(double radius) const { return std::min(most, length(gradient) * radius + beside); }
+};
+
+/// The change by a loop.
+class LoopChange {
+public:
+    /// distance: of the point from the middle of a ball of `loop_radius` around the loop. area: of any film in the loop
+    /// that lies in that ball. radius: of the ball in which the winding number changes.
+    LoopChange(double distance, double loop_radius, double area, double radius) : radius_(radius) {
+        const double away = distance - loop_radius - radius;
+        if (!(away > 0)) return;
+        const double rate = 2 * area * per_sphere / (away * away * away);
+        most_ = radius * rate;
+        beside_ = 1.5 * radius * radius * rate / away;
+        is_far_ = most_ < 1e-3;
+    }
+
+    /// An edge; its ends minus the point.
+    void add_edge(const Vec3& a, const Vec3& b) {
+        const double length_a = length(a), length_b = length(b), both = length_a * length_b;
+        const double across = both * (both + dot(a, b));
+        if (across > 0) {  // the law of Biot and Savart
+            const double factor = per_sphere * (length_a + length_b) / across;
+            change_.gradient[0] += factor * (a[1] * b[2] - a[2] * b[1]);
+            change_.gradient[1] += factor * (a[2] * b[0] - a[0] * b[2]);
+            change_.gradient[2] += factor * (a[0] * b[1] - a[1] * b[0]);
+        }
+        if (is_far_) return;  // the bounds by the loop suffice
+        const Vec3 along{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+        const double squared = dot(along, along), edge = std::sqrt(squared);
+        const double share = squared > 0 ? std::clamp(-dot(a, along) / squared, 0.0, 1.0) : 0;
+        const double away =
+            length({a[0] + share * along[0], a[1] + share * along[1], a[2] + share * along[2]}) - radius_;
+        if (away > 0) {
+            change_.most += radius_ * per_sphere * std::min(2 / away, edge / (away * away));
+            change_.beside += 0.5 * radius_ * radius_ * per_sphere * std::min(2 * edge / away, 4.0) / (away * away);
+        } else {
+            change_.most = change_.beside = infinite;
+        }
+    }
+
+    WindingChange change() const {
+        WindingChange result = change_;
+        result.most = is_far_ ? most_ : std::min(result.most, most_);
+        result.beside = is_far_ ? beside_ : std::min(result.beside, beside_);
+        return result;
+    }
+
+private:
+    static constexpr double per_sphere = 0.25 * std::numbers::inv_pi;
+    static constexpr double infinite = std::numeric_limits<double>::infinity();
+
+    double radius_;
+    double most_ = infinite, beside_ = infinite;
+    bool is_far_ = false;
+    WindingChange change_;
+};
+
+/// The area of a film in a loop of such length, and within any ball around it: an upper bound.
+inline double film_area(double perimeter) {
+    return perimeter * perimeter * (0.25 * std::numbers::inv_pi) * (1 + 1e-9);
+}
+
+/// The distance of the winding number, known up to an integer, from the nearest half integer.
+inline double distance_to_half(double turns) {
+    return std::abs(turns - std::floor(turns) - 0.5);
+}
+
+}  // namespace clsdf

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf {
+
+/// An edge that the faces of a surface do not use equally often in both directions, in the direction that has more of
+/// them.
+struct OpenEdge {
+    std::uint32_t from;
+    std::uint32_t to;
+    std::uint32_t count;  ///< faces in that direction minus those in the other one; above 0
+};
+
+/// The open edges of a surface as closed loops, each edge as often as it counts. They follow from the triangles alone,
+/// and their order is part of the result: sums over them are rounded. No loop meets a vertex twice.
+struct OpenLoops {
+    std::vector<std::uint32_t> vertices;  ///< of the mesh, loop after loop
+    std::vector<std::size_t> begins{0};   ///< where each loop begins in `vertices`, and the end of the last
+
+    bool empty() const { return vertices.empty(); }
+    std::size_t host_bytes() const { return vertices.size() * sizeof(vertices[0]) + begins.size() * sizeof(begins[0]); }
+};
+
+/// The edges: of a surface, all different. At every vertex as many of them end as begin.
+OpenLoops loops_of(std::vector<OpenEdge> edges);
+
+/// The loops at positions of the mesh.
+struct OpenBoundary {
+    std::vector<Vec3> corners;  ///< the vertices of the loops, loop after loop
+    std::vector<std::size_t> begins{0};
+
+    OpenBoundary() = default;
+    OpenBoundary(const OpenLoops& loops, std::span<const Vec3> positions);
+
+    bool empty() const { return corners.empty(); }
+    std::size_t host_bytes() const { return corners.size() * sizeof(corners[0]) + begins.size() * sizeof(begins[0]); }
+};
+
+/// The part of the open edges in the generalised winding number at a point (kernels/common/solid_angle.h). The rest are
+/// the crossings of the point's ray towards -x.
+struct SolidAngle {
+    int rounded;   ///< what makes of the crossings the winding number rounded to an integer, a half up
+    double turns;  ///< what makes of the crossings the winding number
+};
+
+/// For a point as given, with exact sides of edges. unit: a power of two; positions divided by it are of moderate size.
+SolidAngle angle_of(const OpenBoundary& boundary, const Vec3& point, double unit);
+
+/// How much they change the winding number within a ball around a point, at most. radius: in the unit.
+double change_within(const OpenBoundary& boundary, const Vec3& centre, double radius, double unit);
+
+/// Looks at the winding number of a surface with open edges, at fixed points of the mesh's box, and sets
+/// Topology::tested_points and what follows from them. triangles: of the surface.
+void test_winding_number(const Mesh& mesh, std::span<const Triangle> triangles, const OpenLoops& loops,
+                         Topology& report);
+
+/// Whether it is near an integer at nine of ten tested points, and some are inside: then `automatic` takes solid_angle.
+bool has_clear_winding_number(const Topology& topology);
+
+}  // namespace clsdf
