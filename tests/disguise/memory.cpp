@@ -202,6 +202,18 @@ void forget_arguments(cl_kernel kernel) {
     memory().arguments.erase(kernel);
 }
 
+void note_transfer(const void* host, std::size_t bytes) {
+    const std::unique_lock lock(memory().mutex);
+    // Mappings do not overlap.
+    auto after = memory().mappings.upper_bound(host);
+    if (after != memory().mappings.begin()) {
+        --after;
+        const auto* const begin = static_cast<const std::byte*>(after->first);
+        if (static_cast<const std::byte*>(host) + bytes <= begin + after->second.bytes) return;
+    }
+    count([&](Counts& counts) { counts.pageable_bytes += bytes; });
+}
+
 void note_read(cl_event event, const void* target) {
     const std::scoped_lock lock(memory().mutex);
     if (memory().mappings.contains(target))
@@ -230,7 +242,10 @@ cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, std::size_t bytes,
         ++counts.allocations;
         counts.allocated_bytes += bytes;
     });
-    if ((flags & (CL_MEM_COPY_HOST_PTR | CL_MEM_USE_HOST_PTR)) != 0) count_up(bytes);
+    if ((flags & (CL_MEM_COPY_HOST_PTR | CL_MEM_USE_HOST_PTR)) != 0) {
+        count_up(bytes);
+        note_transfer(host, bytes);
+    }
     return buffer;
 }
 
@@ -257,6 +272,7 @@ void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking
                          cl_event* event, cl_int* error) {
     if (const cl_int code = begin("clEnqueueMapBuffer")) return refused(code, error);
     if (const cl_int code = use(buffer)) return refused(code, error);
+    count_command();
     if (blocking != CL_FALSE) count_wait();
     if (is_gpu())
         return map_on_gpu(queue, buffer, blocking != CL_FALSE, flags, offset, bytes, waits, wait_list, event, error);
@@ -267,6 +283,7 @@ void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking
 cl_int clEnqueueUnmapMemObject(cl_command_queue queue, cl_mem buffer, void* mapped, cl_uint waits,
                                const cl_event* wait_list, cl_event* event) {
     if (const cl_int code = begin("clEnqueueUnmapMemObject")) return code;
+    count_command();
     if (is_gpu()) return unmap_on_gpu(queue, buffer, mapped, waits, wait_list, event);
     return CLSDF_NEXT(clEnqueueUnmapMemObject)(queue, buffer, mapped, waits, wait_list, event);
 }
