@@ -98,22 +98,22 @@ Result measure(const std::string& path) {
     const Device device = Device::strongest();
     std::vector<float> distance(result.grid.sample_count());
 
-    disguise::restart();
-    DistanceTransform transform(device, mesh);
-    transform.compute(result.grid, result.band, distance);
-    result.first = disguise::counts();
-    disguise::restart();
-    transform.compute(result.grid, result.band, distance);
-    result.kept = disguise::counts();
+    {
+        disguise::restart();
+        const DistanceTransform first(device, mesh);
+        first.compute(result.grid, result.band, distance);
+        result.first = disguise::counts();
+        disguise::restart();
+        first.compute(result.grid, result.band, distance);
+        result.kept = disguise::counts();
+    }
     if (result.kept.all_calls == 0)
         throw Error(ErrorCode::device_failure, "nothing is counted; preload the library: scripts/gpu-counts does");
 
-    {
-        disguise::restart();
-        DistanceTransform second(device, mesh);
-        second.compute(result.grid, result.band, distance);
-        result.second = disguise::counts();
-    }
+    disguise::restart();
+    const DistanceTransform transform(device, mesh);
+    transform.compute(result.grid, result.band, distance);
+    result.second = disguise::counts();
     const std::vector<Grid> patches = patches_of(mesh, result.grid);
     std::vector<float> samples(patch_count * patches.front().sample_count());
     std::vector<Request> requests;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <set>
@@ -138,6 +139,14 @@ void* map_on_gpu(cl_command_queue queue, cl_mem buffer, bool blocking, cl_map_fl
     return target;
 }
 
+/// Under the mutex. Mappings do not overlap.
+bool is_mapped(const void* host, std::size_t bytes) {
+    const auto after = memory().mappings.upper_bound(host);
+    if (after == memory().mappings.begin()) return false;
+    const auto& [begin, mapping] = *std::prev(after);
+    return static_cast<const std::byte*>(host) + bytes <= static_cast<const std::byte*>(begin) + mapping.bytes;
+}
+
 void CL_CALLBACK forget(cl_event event, cl_int, void* copy) {
     delete[] static_cast<std::byte*>(copy);
     CLSDF_NEXT(clReleaseEvent)(event);
@@ -203,20 +212,16 @@ void forget_arguments(cl_kernel kernel) {
 }
 
 void note_transfer(const void* host, std::size_t bytes) {
-    const std::unique_lock lock(memory().mutex);
-    // Mappings do not overlap.
-    auto after = memory().mappings.upper_bound(host);
-    if (after != memory().mappings.begin()) {
-        --after;
-        const auto* const begin = static_cast<const std::byte*>(after->first);
-        if (static_cast<const std::byte*>(host) + bytes <= begin + after->second.bytes) return;
+    {
+        const std::scoped_lock lock(memory().mutex);
+        if (is_mapped(host, bytes)) return;
     }
     count([&](Counts& counts) { counts.pageable_bytes += bytes; });
 }
 
 void note_read(cl_event event, const void* target) {
     const std::scoped_lock lock(memory().mutex);
-    if (memory().mappings.contains(target))
+    if (is_mapped(target, 1))
         memory().pinned_reads.insert(event);
     else
         memory().pinned_reads.erase(event);
