@@ -25,7 +25,8 @@ module clsdf
   public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_transform, &
       clsdf_kept_memory, clsdf_plan, clsdf_field, clsdf_thread_limit
   public :: clsdf_array, clsdf_pinned, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, &
-      clsdf_grid, clsdf_region, clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, clsdf_slab, clsdf_slab_sink
+      clsdf_grid, clsdf_region, clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, &
+      clsdf_slab, clsdf_slab_sink
   public :: clsdf_progress_procedure, clsdf_stop_procedure, clsdf_log_procedure, clsdf_slab_procedure
   public :: clsdf_version, clsdf_version_text, clsdf_last_error, clsdf_last_opencl_error, clsdf_set_last_error, &
       clsdf_status_name, clsdf_type_name, clsdf_sign_name, clsdf_device_kind_name, &

@@ -1,5 +1,5 @@
-// Counts the calls and bytes of W1 on a GPU: the first call of a transform, one of a kept transform, the first call of a
-// second transform on the same Device, and many patches in one call (scripts/gpu-counts).
+// Counts the calls and bytes of W1 on a GPU: the first call of a transform, one of a kept transform, the first call of
+// a second transform on the same Device, and many patches in one call (scripts/gpu-counts).
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/tuning.hpp>
@@ -58,10 +58,8 @@ struct Result {
     disguise::Counts patches;
 
     std::array<std::pair<const char*, const disguise::Counts*>, 4> calls() const {
-        return {{{"first_call", &first},
-                 {"kept_transform", &kept},
-                 {"second_transform", &second},
-                 {"patches", &patches}}};
+        return {
+            {{"first_call", &first}, {"kept_transform", &kept}, {"second_transform", &second}, {"patches", &patches}}};
     }
     std::size_t patch_bytes = 0;
     TransformStatistics statistics;

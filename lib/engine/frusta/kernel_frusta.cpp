@@ -118,10 +118,9 @@ private:
             void* to;
             std::size_t bytes;
         };
-        const std::array<Copy, 3> copies{
-            {{*faces_.slopes, frusta_->slopes.data(), in_place ? 0 : slope_bytes()},
-             {*vertex_answers_, read->vertex_answers.data(), read->vertex_answers.size()},
-             {*face_answers_, read->face_answers.data(), count_}}};
+        const std::array<Copy, 3> copies{{{*faces_.slopes, frusta_->slopes.data(), in_place ? 0 : slope_bytes()},
+                                          {*vertex_answers_, read->vertex_answers.data(), read->vertex_answers.size()},
+                                          {*face_answers_, read->face_answers.data(), count_}}};
         const auto is_pinned = [&](const Copy& copy) {
             return job_.tools.context.capabilities().has_own_memory && copy.bytes > device::PinnedCopies::least_bytes;
         };

@@ -11,9 +11,9 @@
 namespace clsdf::device {
 
 /// Memory in a device of its own that transforms take parts of: to make, touch and release a buffer takes longer than a
-/// small kernel. Small parts lie in blocks, as sub-buffers; a large part is a buffer of its own. Blocks of which no part
-/// is lent, and large buffers that no transform uses, are kept for the next transform. They are few enough not to be
-/// missed; if memory is short, all are released.
+/// small kernel. Small parts lie in blocks, as sub-buffers; a large part is a buffer of its own. Blocks of which no
+/// part is lent, and large buffers that no transform uses, are kept for the next transform. They are few enough not to
+/// be missed; if memory is short, all are released.
 ///
 /// Commands in the context's queue may still use a part that comes back. The next user enqueues after them.
 class Arena {
@@ -35,7 +35,9 @@ public:
     /// A part of at least `wanted` bytes, without a new buffer; a large one is not far larger. Throws cl::Error.
     std::optional<Part> take(std::size_t wanted);
     /// The size of the block to add for a part of so many bytes; 0: it is to be a buffer of its own.
-    std::size_t block_for(std::size_t wanted) const { return wanted <= limits_.block_bytes / 2 ? limits_.block_bytes : 0; }
+    std::size_t block_for(std::size_t wanted) const {
+        return wanted <= limits_.block_bytes / 2 ? limits_.block_bytes : 0;
+    }
     void add_block(cl::Buffer buffer, std::size_t bytes);
     /// Takes a part back, or a buffer of its own.
     void keep(Part part) noexcept;

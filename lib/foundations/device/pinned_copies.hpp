@@ -59,8 +59,8 @@ private:
     cl::Context context_;
     cl::Device device_;
     Half reads_, writes_;
-    std::vector<Use> uses_;   // of writes_; its mutex guards both
-    std::size_t next_ = 0;    // where the next piece of a write begins
+    std::vector<Use> uses_;     // of writes_; its mutex guards both
+    std::size_t next_ = 0;      // where the next piece of a write begins
     mutable std::mutex mutex_;  // for what follows; locked after a half's
     cl::CommandQueue maps_;
     cl::Buffer buffer_;
