@@ -24,8 +24,9 @@ module clsdf
 
   public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_transform, &
       clsdf_kept_memory, clsdf_plan, clsdf_field, clsdf_thread_limit
-  public :: clsdf_array, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, clsdf_grid, clsdf_region, &
-      clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, clsdf_slab, clsdf_slab_sink
+  public :: clsdf_array, clsdf_pinned, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, &
+      clsdf_grid, clsdf_region, clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, &
+      clsdf_slab, clsdf_slab_sink
   public :: clsdf_progress_procedure, clsdf_stop_procedure, clsdf_log_procedure, clsdf_slab_procedure
   public :: clsdf_version, clsdf_version_text, clsdf_last_error, clsdf_last_opencl_error, clsdf_set_last_error, &
       clsdf_status_name, clsdf_type_name, clsdf_sign_name, clsdf_device_kind_name, &
@@ -137,6 +138,7 @@ module clsdf
     integer(c_int32_t) :: type = CLSDF_AUTOMATIC, rank = 0
     integer(c_int64_t) :: shape(5) = 0, strides(5) = 0  ! bytes
     integer(c_int64_t) :: offset = 0, count = 0, component_stride = 0, block_stride = 0
+    integer(c_int32_t) :: pinned = 0
   end type
 
   !> An output and the array that it is written to: clsdf_target(CLSDF_GRADIENT, g), with the attribute target for g.
@@ -220,6 +222,8 @@ module clsdf
   type, bind(C) :: clsdf_kept_memory
     integer(c_size_t) :: struct_size = 0
     integer(c_int64_t) :: host_bytes = 0, device_bytes = 0
+    !> Of the device, for all its transforms; device%release_memory() gives them back.
+    integer(c_int64_t) :: shared_host_bytes = 0, shared_device_bytes = 0
   end type
 
   !> A slab of a field: whole slices, in memory that is there until the sink returns.
@@ -280,6 +284,7 @@ module clsdf
     procedure :: read_programs => device_read_programs
     procedure :: write_programs => device_write_programs
     procedure :: forget_records => device_forget_records
+    procedure :: release_memory => device_release_memory
     procedure :: record_folder => device_record_folder
     procedure :: is_set => device_is_set
     procedure :: release => device_release
@@ -436,7 +441,7 @@ module clsdf
   type, bind(C) :: clsdf_c_array
     type(c_ptr) :: host = c_null_ptr, device = c_null_ptr
     integer(c_int64_t) :: offset = 0, count = 0, strides(3) = 0, component_stride = 0, block_stride = 0, bytes = 0
-    integer(c_int32_t) :: type = CLSDF_AUTOMATIC, reserved = 0
+    integer(c_int32_t) :: type = CLSDF_AUTOMATIC, pinned = 0
   end type
   type, bind(C) :: clsdf_c_target
     integer(c_int32_t) :: output = 0, reserved = 0
@@ -878,6 +883,12 @@ module clsdf
       import
       integer(c_int32_t) :: value
       type(c_ptr), value :: device
+    end function
+    function c_device_release_memory(device, bytes) bind(C, name="clsdf_device_release_memory") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      integer(c_int64_t), intent(out) :: bytes
     end function
     function c_device_record_folder(device, text, size, length) &
         bind(C, name="clsdf_device_record_folder") result(value)
@@ -1976,6 +1987,15 @@ contains
 
   !> Numbers in a buffer of the device. Bytes, as in C: of the first number, from a sample to the next along each axis,
   !> from a component to the next, from a block to the next. `count`: of items, which points need.
+  !> The same array of an output, in memory that is pinned: see clsdf_array of C. In clsdf_target(CLSDF_DISTANCE,
+  !> clsdf_pinned(clsdf_array(x))).
+  function clsdf_pinned(array) result(pinned)
+    type(clsdf_array), intent(in) :: array
+    type(clsdf_array) :: pinned
+    pinned = array
+    pinned%pinned = 1
+  end function
+
   function array_of_buffer(buffer, type, count, offset, strides, component_stride, block_stride) result(array)
     type(c_ptr), intent(in) :: buffer
     integer(c_int32_t), intent(in) :: type
@@ -2067,6 +2087,7 @@ contains
           shapes(components, items, axes))
       return
     end if
+    c%pinned = array%pinned
     rest = [1, 2, 3, 4, 5]
     if (skipped > 0) rest(skipped:4) = rest(skipped + 1:5)
     c%host = array%host
@@ -2490,6 +2511,19 @@ contains
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     call clsdf_finish(c_device_forget_records(self%handle), stat, errmsg)
+  end subroutine
+
+  !> Gives back what the device keeps for later calls, beside what transforms and plans hold: memory of the device that
+  !> no transform uses, at most 512 MiB and 1/32 of its memory, and 16 MiB of pinned memory of the host. Only a device
+  !> with memory of its own keeps them. bytes: how many.
+  subroutine device_release_memory(self, bytes, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    integer(c_int64_t), intent(out), optional :: bytes
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: released
+    call clsdf_finish(c_device_release_memory(self%handle, released), stat, errmsg)
+    if (present(bytes)) bytes = released
   end subroutine
 
   !> The folder of keep_records().

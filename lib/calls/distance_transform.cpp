@@ -94,6 +94,8 @@ KeptMemory DistanceTransform::memory() const {
     State& state = this->state();
     const std::scoped_lock lock(state.mutex);
     KeptMemory memory = state.kept_mesh->memory();
+    memory.shared_host_bytes = state.context().pinned_bytes();
+    memory.shared_device_bytes = state.context().arena().free_bytes();
     memory.host_bytes += state.first_positions.size() * sizeof(Vec3);
     for (const auto& plan : state.plans) memory.device_bytes += state.bytes_of(*plan);
     return memory;

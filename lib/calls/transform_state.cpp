@@ -203,7 +203,7 @@ bool DistanceTransform::State::forget() {
     const std::size_t plans_before = plans.size(), bytes_before = kept_mesh->device_bytes();
     plans.clear();
     kept_mesh->release();
-    return pool->release() > 0 || plans_before > 0 || kept_mesh->device_bytes() < bytes_before;
+    return pool->release() || plans_before > 0 || kept_mesh->device_bytes() < bytes_before;
 }
 
 }  // namespace clsdf

@@ -84,7 +84,8 @@ void OutputMemories::read(const device::Context& context, const cl::CommandQueue
     for_each_output(
         [&](const OutputInfo& row, const HostArray& array, const cl::Buffer& buffer) {
             if (array.is_wanted)
-                context.read(transfers, buffer, samples * sample_bytes(row, array.in_double), array.data);
+                context.read(transfers, buffer, samples * sample_bytes(row, array.in_double), array.data,
+                             array.is_pinned);
         },
         arrays, buffers);
 }
@@ -98,6 +99,7 @@ HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples)
                 const std::size_t lines = chunk_count(bytes, sizeof(MemoryLine));
                 if (own.capacity() < lines) own = {};  // so as to get exactly so many
                 own.resize(lines);
+                array.is_pinned = false;
                 if (array.is_wanted) array.data = own.data()->bytes;
             },
             result, arrays_);

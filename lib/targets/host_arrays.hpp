@@ -16,6 +16,7 @@ struct HostArray {
     bool is_wanted = false;  ///< the output is asked for
     bool in_double = false;
     std::byte* data = nullptr;
+    bool is_pinned = false;  ///< the memory: see OutputArray
 };
 
 using HostArrays = PerOutput<HostArray>;

@@ -101,7 +101,8 @@ HostTargets::HostTargets(const OutputTargets& given, const Grid& samples, const 
             const bool is_packed = resolve_strides(row, grid, target);
             check_host_memory(row, grid, owner, target, is_plain);
             are_packed = are_packed && is_packed;
-            array = {true, is_in_double(target), static_cast<std::byte*>(target.host) + target.offset};
+            array = {true, is_in_double(target), static_cast<std::byte*>(target.host) + target.offset,
+                     target.is_pinned};
         },
         targets, arrays);
 }

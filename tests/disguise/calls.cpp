@@ -140,7 +140,9 @@ cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocki
     if (const cl_int code = begin("clEnqueueReadBuffer")) return code;
     if (const cl_int code = use(buffer)) return code;
     if (blocking != CL_FALSE) count_wait();
+    count_command();
     count_down(bytes);
+    note_transfer(target, bytes);
     const cl_int code =
         CLSDF_NEXT(clEnqueueReadBuffer)(queue, buffer, blocking, offset, bytes, target, waits, wait_list, event);
     if (code == CL_SUCCESS && event != nullptr) note_read(*event, target);
@@ -153,7 +155,9 @@ cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool block
     if (const cl_int code = begin("clEnqueueWriteBuffer")) return code;
     if (const cl_int code = use(buffer)) return code;
     if (blocking != CL_FALSE) count_wait();
+    count_command();
     count_up(bytes);
+    note_transfer(source, bytes);
     return CLSDF_NEXT(clEnqueueWriteBuffer)(queue, buffer, blocking, offset, bytes, source, waits, wait_list, event);
 }
 
@@ -162,6 +166,7 @@ cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void* pa
                            cl_event* event) {
     if (const cl_int code = begin("clEnqueueFillBuffer")) return code;
     if (const cl_int code = use(buffer)) return code;
+    count_command();
     count([](Counts& counts) { ++counts.fills; });
     return CLSDF_NEXT(clEnqueueFillBuffer)(queue, buffer, pattern, pattern_bytes, offset, bytes, waits, wait_list,
                                            event);
@@ -173,6 +178,7 @@ cl_int clEnqueueCopyBuffer(cl_command_queue queue, cl_mem from, cl_mem to, std::
     if (const cl_int code = begin("clEnqueueCopyBuffer")) return code;
     for (cl_mem buffer : {from, to})
         if (const cl_int code = use(buffer)) return code;
+    count_command();
     count([](Counts& counts) { ++counts.copies; });
     return CLSDF_NEXT(clEnqueueCopyBuffer)(queue, from, to, from_offset, to_offset, bytes, waits, wait_list, event);
 }

@@ -73,8 +73,10 @@ struct Counts {
     std::uint64_t copies = 0;  ///< within the device
     std::uint64_t transfers_up = 0, transfers_down = 0;
     std::uint64_t bytes_up = 0, bytes_down = 0;
-    std::uint64_t allocations = 0;  ///< buffers
-    std::uint64_t first_uses = 0;   ///< commands that are the first to use a buffer of a GPU
+    std::uint64_t pageable_bytes = 0;  ///< of those, by host pointers in no mapping: of memory that is not pinned
+    std::uint64_t commands = 0;        ///< launches, fills, copies, reads, writes, maps and their ends
+    std::uint64_t allocations = 0;     ///< buffers
+    std::uint64_t first_uses = 0;      ///< commands that are the first to use a buffer of a GPU
     std::uint64_t allocated_bytes = 0;
     std::uint64_t programs_built = 0;
     std::string failed;  ///< the first call that failed on purpose; empty: none

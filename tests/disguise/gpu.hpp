@@ -23,6 +23,8 @@ void note_argument(cl_kernel kernel, cl_uint index, std::size_t bytes, const voi
 /// A new kernel, which may have the handle of one that was released.
 void forget_arguments(cl_kernel kernel);
 
+/// A transfer of so many bytes from or to the host's memory.
+void note_transfer(const void* host, std::size_t bytes);
 /// A read that does not block, into `target`.
 void note_read(cl_event event, const void* target);
 /// Whether it reads into mapped memory; asked once.

@@ -1,5 +1,5 @@
-// Counts the calls and bytes of W1 on a GPU: the first call of a transform and one of a kept transform
-// (scripts/gpu-counts).
+// Counts the calls and bytes of W1 on a GPU: the first call of a transform, one of a kept transform, the first call of
+// a second transform on the same Device, and many patches in one call (scripts/gpu-counts).
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/tuning.hpp>
@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -22,6 +24,8 @@ namespace {
 constexpr std::int64_t resolution = 256;
 constexpr double band_of_longest_side = 0.1;
 constexpr unsigned compute_units = 132;  // as an H100 has
+constexpr std::size_t patch_count = 512;
+constexpr std::int64_t patch_side = 20;
 constexpr double megabyte = 1e6;
 
 /// The numbers of a call, in the order in which they are shown.
@@ -29,11 +33,13 @@ std::vector<std::pair<std::string, std::uint64_t>> numbers_of(const disguise::Co
     const auto list_kernel = counts.kernels.find("coarse_pairs");
     return {{"bytes_up", counts.bytes_up},
             {"bytes_down", counts.bytes_down},
+            {"pageable_bytes", counts.pageable_bytes},
             {"transfers_up", counts.transfers_up},
             {"transfers_down", counts.transfers_down},
             {"blocking_waits", counts.blocking_waits},
             {"pinned_reads", counts.pinned_reads},
             {"list_passes", list_kernel == counts.kernels.end() ? 0 : list_kernel->second.runs},
+            {"commands", counts.commands},
             {"launches", counts.launches},
             {"fills", counts.fills},
             {"allocations", counts.allocations},
@@ -48,12 +54,36 @@ struct Result {
     Band band;
     disguise::Counts first;
     disguise::Counts kept;
+    disguise::Counts second;
+    disguise::Counts patches;
+
+    std::array<std::pair<const char*, const disguise::Counts*>, 4> calls() const {
+        return {
+            {{"first_call", &first}, {"kept_transform", &kept}, {"second_transform", &second}, {"patches", &patches}}};
+    }
+    std::size_t patch_bytes = 0;
     TransformStatistics statistics;
 
     double per_band_sample(std::size_t count) const {
         return static_cast<double>(count) / static_cast<double>(statistics.work->band_samples);
     }
 };
+
+/// Boxes of 20^3 samples around vertices that are spread over the mesh, as blocks of 16^3 with ghost samples.
+std::vector<Grid> patches_of(const Mesh& mesh, const Grid& grid) {
+    std::vector<Grid> patches;
+    for (std::size_t n = 0; n < patch_count; ++n) {
+        const Vec3& vertex = mesh.vertices()[n * mesh.vertices().size() / patch_count];
+        std::array<std::int64_t, 3> first{}, size{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto nearest = static_cast<std::int64_t>((vertex[axis] - grid.origin[axis]) / grid.spacing[axis]);
+            size[axis] = std::min(patch_side, grid.size[axis]);
+            first[axis] = std::clamp<std::int64_t>(nearest - patch_side / 2, 0, grid.size[axis] - size[axis]);
+        }
+        patches.push_back(grid.part(first, size));
+    }
+    return patches;
+}
 
 Result measure(const std::string& path) {
     disguise::set({.gpu = true, .compute_units = compute_units});
@@ -66,15 +96,31 @@ Result measure(const std::string& path) {
     const Device device = Device::strongest();
     std::vector<float> distance(result.grid.sample_count());
 
-    disguise::restart();
-    DistanceTransform transform(device, mesh);
-    transform.compute(result.grid, result.band, distance);
-    result.first = disguise::counts();
-    disguise::restart();
-    transform.compute(result.grid, result.band, distance);
-    result.kept = disguise::counts();
+    {
+        disguise::restart();
+        const DistanceTransform first(device, mesh);
+        first.compute(result.grid, result.band, distance);
+        result.first = disguise::counts();
+        disguise::restart();
+        first.compute(result.grid, result.band, distance);
+        result.kept = disguise::counts();
+    }
     if (result.kept.all_calls == 0)
         throw Error(ErrorCode::device_failure, "nothing is counted; preload the library: scripts/gpu-counts does");
+
+    disguise::restart();
+    const DistanceTransform transform(device, mesh);
+    transform.compute(result.grid, result.band, distance);
+    result.second = disguise::counts();
+    const std::vector<Grid> patches = patches_of(mesh, result.grid);
+    std::vector<float> samples(patch_count * patches.front().sample_count());
+    std::vector<Request> requests;
+    for (std::size_t n = 0; n < patches.size(); ++n)
+        requests.push_back({patches[n], result.band, samples.data() + n * patches[n].sample_count()});
+    disguise::restart();
+    transform.compute(requests);
+    result.patches = disguise::counts();
+    result.patch_bytes = samples.size() * sizeof(float);
 
     result.statistics = transform.compute(result.grid, result.band, distance, {.count_work = true});
     return result;
@@ -87,8 +133,8 @@ void print_json(const Result& result) {
     json["size"] = result.grid.size;
     json["half_width"] = result.band.outside;
     json["compute_units"] = compute_units;
-    for (const auto& [name, counts] :
-         {std::pair("first_call", &result.first), std::pair("kept_transform", &result.kept)}) {
+    json["patch_bytes"] = result.patch_bytes;
+    for (const auto& [name, counts] : result.calls()) {
         for (const auto& [number, value] : numbers_of(*counts)) json[name][number] = value;
         for (const auto& [kernel, of_kernel] : counts->kernels)
             json[name]["kernels"][kernel] = {{"launches", of_kernel.launches}, {"work_items", of_kernel.work_items}};
@@ -106,14 +152,19 @@ void print_text(const Result& result) {
     fmt::print("{}: {} triangles, {} x {} x {} samples, a band of {:.0f}% of the longest side; {} compute units\n\n",
                result.mesh, result.triangles, result.grid.size[0], result.grid.size[1], result.grid.size[2],
                100 * band_of_longest_side, compute_units);
-    fmt::print("{:<16} {:>16} {:>16}\n", "", "first call", "kept transform");
-    const auto first = numbers_of(result.first), kept = numbers_of(result.kept);
-    for (std::size_t i = 0; i < first.size(); ++i) {
-        const bool bytes = first[i].first.find("bytes") != std::string::npos;
-        const auto text = [&](std::uint64_t value) {
-            return bytes ? fmt::format("{:.1f} MB", static_cast<double>(value) / megabyte) : fmt::format("{}", value);
-        };
-        fmt::print("{:<16} {:>16} {:>16}\n", first[i].first, text(first[i].second), text(kept[i].second));
+    fmt::print("{:<16}", "");
+    for (const auto& [name, counts] : result.calls()) fmt::print(" {:>16}", name);
+    fmt::print("\n");
+    const auto rows = numbers_of(result.first);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const bool bytes = rows[i].first.find("bytes") != std::string::npos;
+        fmt::print("{:<16}", rows[i].first);
+        for (const auto& [name, counts] : result.calls()) {
+            const std::uint64_t value = numbers_of(*counts)[i].second;
+            fmt::print(" {:>16}", bytes ? fmt::format("{:.2f} MB", static_cast<double>(value) / megabyte)
+                                        : fmt::format("{}", value));
+        }
+        fmt::print("\n");
     }
     fmt::print("\n{:<28} {:.2f}\n{:<28} {:.2f}\n", "evaluations_per_band_sample",
                result.per_band_sample(result.statistics.work->lanes_evaluated), "covered_per_band_sample",

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <set>
@@ -138,6 +139,14 @@ void* map_on_gpu(cl_command_queue queue, cl_mem buffer, bool blocking, cl_map_fl
     return target;
 }
 
+/// Under the mutex. Mappings do not overlap.
+bool is_mapped(const void* host, std::size_t bytes) {
+    const auto after = memory().mappings.upper_bound(host);
+    if (after == memory().mappings.begin()) return false;
+    const auto& [begin, mapping] = *std::prev(after);
+    return static_cast<const std::byte*>(host) + bytes <= static_cast<const std::byte*>(begin) + mapping.bytes;
+}
+
 void CL_CALLBACK forget(cl_event event, cl_int, void* copy) {
     delete[] static_cast<std::byte*>(copy);
     CLSDF_NEXT(clReleaseEvent)(event);
@@ -202,9 +211,17 @@ void forget_arguments(cl_kernel kernel) {
     memory().arguments.erase(kernel);
 }
 
+void note_transfer(const void* host, std::size_t bytes) {
+    {
+        const std::scoped_lock lock(memory().mutex);
+        if (is_mapped(host, bytes)) return;
+    }
+    count([&](Counts& counts) { counts.pageable_bytes += bytes; });
+}
+
 void note_read(cl_event event, const void* target) {
     const std::scoped_lock lock(memory().mutex);
-    if (memory().mappings.contains(target))
+    if (is_mapped(target, 1))
         memory().pinned_reads.insert(event);
     else
         memory().pinned_reads.erase(event);
@@ -230,7 +247,10 @@ cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, std::size_t bytes,
         ++counts.allocations;
         counts.allocated_bytes += bytes;
     });
-    if ((flags & (CL_MEM_COPY_HOST_PTR | CL_MEM_USE_HOST_PTR)) != 0) count_up(bytes);
+    if ((flags & (CL_MEM_COPY_HOST_PTR | CL_MEM_USE_HOST_PTR)) != 0) {
+        count_up(bytes);
+        note_transfer(host, bytes);
+    }
     return buffer;
 }
 
@@ -257,6 +277,7 @@ void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking
                          cl_event* event, cl_int* error) {
     if (const cl_int code = begin("clEnqueueMapBuffer")) return refused(code, error);
     if (const cl_int code = use(buffer)) return refused(code, error);
+    count_command();
     if (blocking != CL_FALSE) count_wait();
     if (is_gpu())
         return map_on_gpu(queue, buffer, blocking != CL_FALSE, flags, offset, bytes, waits, wait_list, event, error);
@@ -267,6 +288,7 @@ void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking
 cl_int clEnqueueUnmapMemObject(cl_command_queue queue, cl_mem buffer, void* mapped, cl_uint waits,
                                const cl_event* wait_list, cl_event* event) {
     if (const cl_int code = begin("clEnqueueUnmapMemObject")) return code;
+    count_command();
     if (is_gpu()) return unmap_on_gpu(queue, buffer, mapped, waits, wait_list, event);
     return CLSDF_NEXT(clEnqueueUnmapMemObject)(queue, buffer, mapped, waits, wait_list, event);
 }

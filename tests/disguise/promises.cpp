@@ -147,7 +147,7 @@ BOOST_AUTO_TEST_CASE(without_pinned_memory_the_driver_copies) {
     const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, written.size(),
                             written.data());
     device::PinnedCopies reads(context.context(), context.device());
-    disguise::restart({.call = "clEnqueueMapBuffer", .number = 2});
+    disguise::restart({.call = "clEnqueueMapBuffer", .number = 1});
     for (const std::uint64_t pinned : {0U, 3U}) {
         std::fill(read.begin(), read.end(), 0);
         reads.read(context.queue(), buffer, read.size(), reinterpret_cast<std::byte*>(read.data()));
@@ -203,6 +203,58 @@ BOOST_AUTO_TEST_CASE(a_new_transform_finds_the_memory_of_the_one_before) {
     // The order of the coarse lists alone is copied when its buffer is made.
     BOOST_TEST(counts.allocations <= 1U);
     BOOST_TEST(counts.first_uses <= 1U);
+    // Of another size: its small buffers lie in the memory of the ones before.
+    disguise::restart();
+    compute(mesh(), grid_around(mesh(), 32, 4), band());
+    BOOST_TEST(disguise::counts().allocations <= 1U);
+}
+
+BOOST_AUTO_TEST_CASE(memory_that_is_given_back_is_made_anew) {
+    const Device device = Device::automatic();
+    std::vector<float> first(grid().sample_count()), again(first.size());
+    {
+        const DistanceTransform transform(device, mesh());
+        transform.compute(grid(), band(), first);
+        const KeptMemory memory = transform.memory();
+        BOOST_TEST(memory.shared_host_bytes > 0U);
+        BOOST_TEST(memory.shared_device_bytes > 0U);
+    }
+    const std::size_t released = device.release_memory();
+    BOOST_TEST(released > std::size_t{1} << 24);
+    BOOST_TEST(device.release_memory() == 0U);
+    disguise::restart();
+    const DistanceTransform transform(device, mesh());
+    transform.compute(grid(), band(), again);
+    BOOST_TEST(disguise::counts().first_uses > 0U);
+    BOOST_TEST((again == first));
+    // While a transform has a part of it, the rest of a block stays.
+    device.release_memory();
+    BOOST_TEST(transform.memory().shared_host_bytes == 0U);
+    BOOST_TEST(transform.memory().device_bytes > 0U);
+}
+
+BOOST_AUTO_TEST_CASE(a_field_is_read_into_pinned_memory_of_the_caller_at_once) {
+    const Grid fine = grid_around(mesh(), 170, 3);
+    const Band narrow = Band::symmetric(2 * fine.voxel());
+    const DistanceTransform transform(test_device(), mesh());
+    std::vector<float> distance(fine.sample_count());
+    transform.compute(fine, narrow, distance);
+    const device::Context& context = device::context_of(test_device());
+    const std::size_t bytes = distance.size() * sizeof(float);
+    const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes);
+    auto* const memory =
+        static_cast<float*>(context.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes));
+    OutputArray target(memory);
+    target.is_pinned = true;
+    disguise::restart();
+    transform.compute(fine, narrow, target);
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    BOOST_TEST(counts.transfers_down == 1U);
+    BOOST_TEST(counts.pinned_reads == 0U);
+    BOOST_TEST(counts.pageable_bytes == 0U);
+    BOOST_TEST(std::ranges::equal(distance, std::span(memory, distance.size())));
+    context.queue().enqueueUnmapMemObject(buffer, memory);
 }
 
 BOOST_AUTO_TEST_CASE(a_first_call_waits_for_open_vertices_lists_and_the_field_only) {
@@ -341,7 +393,7 @@ BOOST_AUTO_TEST_CASE(a_lack_of_memory_appears_when_a_plan_is_made) {
     const DistanceTransform transform(test_device(), mesh());
     const DeviceMemory memory(test_device().context(), grid().sample_count());
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
-    device::context_of(test_device()).spare_buffers().release();
+    device::context_of(test_device()).arena().release();
     disguise::Settings settings = as_gpu;
     settings.memory = 0;
     disguise::set(settings);

@@ -84,6 +84,7 @@ void count_launch(const std::string& kernel, std::uint64_t work_items) {
     if (all.latest_kernel != kernel) ++of_kernel.runs;
     all.latest_kernel = kernel;
     ++all.counts.launches;
+    ++all.counts.commands;
     ++of_kernel.launches;
     of_kernel.work_items += work_items;
 }
@@ -109,10 +110,12 @@ std::string to_json(const Counts& counts) {
     nlohmann::ordered_json json;
     json["bytes_up"] = counts.bytes_up;
     json["bytes_down"] = counts.bytes_down;
+    json["pageable_bytes"] = counts.pageable_bytes;
     json["transfers_up"] = counts.transfers_up;
     json["transfers_down"] = counts.transfers_down;
     json["blocking_waits"] = counts.blocking_waits;
     json["pinned_reads"] = counts.pinned_reads;
+    json["commands"] = counts.commands;
     json["launches"] = counts.launches;
     json["fills"] = counts.fills;
     json["copies"] = counts.copies;

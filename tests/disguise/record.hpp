@@ -43,6 +43,10 @@ inline void count_wait() {
     count([](Counts& counts) { ++counts.blocking_waits; });
 }
 
+inline void count_command() {
+    count([](Counts& counts) { ++counts.commands; });
+}
+
 inline void count_up(std::uint64_t bytes) {
     count([&](Counts& counts) {
         ++counts.transfers_up;

@@ -205,7 +205,9 @@ typedef struct clsdf_array {
     int64_t block_stride;     /* bytes from a block of a clsdf_block_set to the next; 0: the blocks follow each other */
     int64_t bytes;            /* of host memory from `host` on; 0: unknown. An array that reaches beyond is refused */
     int32_t type;             /* CLSDF_FLOAT32 ... */
-    int32_t reserved;
+    int32_t pinned;           /* 1: `host` is pinned: mapped memory of a buffer with CL_MEM_ALLOC_HOST_PTR, or
+                                 page-locked by another interface of the device's driver. A packed field is then read
+                                 into it without a copy by the host. Inputs: not used */
 } clsdf_array;
 #define CLSDF_ARRAY_INIT \
     { NULL, NULL, 0, 0, {0, 0, 0}, 0, 0, 0, CLSDF_AUTOMATIC, 0 }
@@ -462,6 +464,10 @@ CLSDF_API clsdf_status clsdf_device_read_programs(const clsdf_device* device, co
 CLSDF_API clsdf_status clsdf_device_write_programs(const clsdf_device* device, const char* folder);
 /* Deletes the records of this device: programs are tested again. */
 CLSDF_API clsdf_status clsdf_device_forget_records(const clsdf_device* device);
+/* Gives back what the device keeps for later calls, beside what transforms and plans hold: memory of the device that no
+ * transform uses, at most 512 MiB and 1/32 of its memory, and 16 MiB of pinned memory of the host. Only a device with
+ * memory of its own keeps them. *bytes, if not null: how many. The next call makes what it needs anew. */
+CLSDF_API clsdf_status clsdf_device_release_memory(const clsdf_device* device, int64_t* bytes);
 /* The folder of clsdf_device_keep_records(). Here and below, a text is written to text[size] with its ending 0, cut if
  * it is too long; *length, if not null, is that of the whole text. `text` may be null if size is 0. */
 CLSDF_API clsdf_status clsdf_device_record_folder(const clsdf_device* device, char* text, int64_t size,
@@ -680,9 +686,12 @@ typedef struct clsdf_kept_memory {
     size_t struct_size;
     int64_t host_bytes;
     int64_t device_bytes;
+    /* Of the device, for all its transforms: clsdf_device_release_memory() gives them back. */
+    int64_t shared_host_bytes;   /* pinned memory for copies */
+    int64_t shared_device_bytes; /* that no transform uses */
 } clsdf_kept_memory;
 #define CLSDF_KEPT_MEMORY_INIT \
-    { sizeof(clsdf_kept_memory), 0, 0 }
+    { sizeof(clsdf_kept_memory), 0, 0, 0, 0 }
 
 /* One box of many. */
 typedef struct clsdf_request {

@@ -139,6 +139,13 @@ clsdf_status clsdf_device_write_programs(const clsdf_device* device, const char*
     return guarded([&] { of(device).device.write_programs(c::text_or(folder, "")); });
 }
 
+clsdf_status clsdf_device_release_memory(const clsdf_device* device, std::int64_t* bytes) {
+    return guarded([&] {
+        const std::size_t released = of(device).device.release_memory();
+        if (bytes != nullptr) *bytes = static_cast<std::int64_t>(released);
+    });
+}
+
 clsdf_status clsdf_device_forget_records(const clsdf_device* device) {
     return guarded([&] { of(device).device.forget_records(); });
 }

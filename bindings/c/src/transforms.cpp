@@ -248,8 +248,9 @@ clsdf_status clsdf_transform_device(const clsdf_transform* transform, clsdf_devi
 clsdf_status clsdf_transform_memory(const clsdf_transform* transform, clsdf_kept_memory* memory) {
     return guarded([&] {
         const KeptMemory kept = of(transform).transform.memory();
-        const clsdf_kept_memory result{sizeof result, static_cast<std::int64_t>(kept.host_bytes),
-                                       static_cast<std::int64_t>(kept.device_bytes)};
+        const clsdf_kept_memory result{
+            sizeof result, static_cast<std::int64_t>(kept.host_bytes), static_cast<std::int64_t>(kept.device_bytes),
+            static_cast<std::int64_t>(kept.shared_host_bytes), static_cast<std::int64_t>(kept.shared_device_bytes)};
         c::write_given(result, memory, "clsdf_kept_memory");
     });
 }

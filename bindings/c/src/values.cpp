@@ -23,8 +23,7 @@ void store(const std::array<Value, 3>& from, Value* to) {
 }
 
 /// Sets what inputs and outputs have in common.
-void set_layout(const clsdf_array& from, const char* name, ArrayLayout& to) {
-    check_reserved(from.reserved, name);
+void set_layout(const clsdf_array& from, ArrayLayout& to) {
     to.type = enumerator(from.type, ElementType::uint8, "clsdf_array.type");
     to.offset = count_of(from.offset, "clsdf_array.offset");
     for (std::size_t axis = 0; axis < 3; ++axis) to.strides[axis] = from.strides[axis];
@@ -40,7 +39,8 @@ bool is_packed(const clsdf_array& array) {
 
 OutputArray output_array_of(const clsdf_array& array) {
     OutputArray result;
-    set_layout(array, "clsdf_array", result);
+    set_layout(array, result);
+    result.is_pinned = flag(array.pinned, "clsdf_array.pinned");
     result.host = array.host;
     result.device = static_cast<cl_mem>(array.device);
     result.block_stride = array.block_stride;
@@ -120,7 +120,7 @@ Length length_of(const clsdf_length* length, const char* name) {
 InputArray input_of(const clsdf_array* array, const char* name) {
     const clsdf_array& from = given(array, name);
     InputArray result;
-    set_layout(from, name, result);
+    set_layout(from, result);
     if (from.type == CLSDF_AUTOMATIC)
         throw misuse(std::string(name) + ".type is 0; state the type of its numbers, as CLSDF_FLOAT64");
     result.count = count_of(from.count, "clsdf_array.count");

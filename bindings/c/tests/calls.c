@@ -63,6 +63,7 @@ static void check_devices(void) {
     OK(clsdf_device_record_folder(device, text, 5, &length));
     CHECK(length >= 21 && strlen(text) == 4); /* cut */
     OK(clsdf_device_forget_records(device));
+    OK(clsdf_device_release_memory(device, NULL));
     OK(clsdf_device_keep_records(device, NULL));
     OK(clsdf_device_read_programs(device, ""));
     OK(clsdf_device_write_programs(device, NULL));

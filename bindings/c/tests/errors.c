@@ -52,6 +52,7 @@ static void check_null(void) {
     NULL_FAILS(clsdf_device_read_programs(NULL, NULL));
     NULL_FAILS(clsdf_device_write_programs(NULL, NULL));
     NULL_FAILS(clsdf_device_forget_records(NULL));
+    NULL_FAILS(clsdf_device_release_memory(NULL, NULL));
     NULL_FAILS(clsdf_device_record_folder(NULL, NULL, 0, NULL));
     NULL_FAILS(clsdf_mesh_create(NULL, &mesh));
     NULL_FAILS(clsdf_mesh_shape(NULL, &mesh));

@@ -17,7 +17,7 @@ int main(void) {
     MEMBER(clsdf_array, block_stride);
     MEMBER(clsdf_array, bytes);
     MEMBER(clsdf_array, type);
-    MEMBER(clsdf_array, reserved);
+    MEMBER(clsdf_array, pinned);
     SIZE(clsdf_target);
     MEMBER(clsdf_target, output);
     MEMBER(clsdf_target, reserved);
@@ -173,6 +173,8 @@ int main(void) {
     MEMBER(clsdf_kept_memory, struct_size);
     MEMBER(clsdf_kept_memory, host_bytes);
     MEMBER(clsdf_kept_memory, device_bytes);
+    MEMBER(clsdf_kept_memory, shared_host_bytes);
+    MEMBER(clsdf_kept_memory, shared_device_bytes);
     SIZE(clsdf_request);
     MEMBER(clsdf_request, grid);
     MEMBER(clsdf_request, band);

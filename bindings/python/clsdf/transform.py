@@ -140,6 +140,12 @@ class Transform:
         """Bytes that are kept between calls: of the host, and of the device."""
         return self._body.memory
 
+    @property
+    def shared_memory(self) -> tuple[int, int]:
+        """Bytes that the device keeps for all its transforms: pinned memory of the host, and memory of the device that
+        no transform uses. Device.release_memory() gives them back."""
+        return self._body.shared_memory
+
     def set_positions(self, positions: Any, *, wait_for: Any = None) -> None:
         """Gives the same faces new positions: an array (n, 3), one row for each vertex of the mesh. What follows from
         the faces stays. Raises clsdf.Error: invalid_argument for another number of rows, invalid_mesh for a row that is

@@ -183,6 +183,8 @@ OutputArray Arrays::output(nb::handle array, const OutputInfo& info, const std::
     output.device = seen.device;
     output.type = seen.type;
     output.offset = seen.offset;
+    // Tensors of torch know.
+    output.is_pinned = nb::hasattr(array, "is_pinned") && nb::cast<bool>(array.attr("is_pinned")());
     if (seen.is_packed()) {
         if (seen.host != nullptr) output.bytes = count(seen.shape) * bytes_of(seen.type);
         return output;

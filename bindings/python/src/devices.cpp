@@ -173,6 +173,13 @@ void add_devices(nb::module_& module) {
             [](const PyDevice& device, const std::string& folder) { device.get().read_programs(folder); },
             nb::arg("folder"),
             "Takes compiled programs from a folder that `clsdf devices --prepare` wrote. An empty text: from none.")
+        .def(
+            "release_memory",
+            [](const PyDevice& device) {
+                const Device& own = device.get();
+                return without_gil([&] { return own.release_memory(); });
+            },
+            "Gives back what the device keeps for later calls (Transform.shared_memory). Returns the bytes.")
         .def("__repr__", [](const PyDevice& device) {
             return "<clsdf.Device " + device.get().name() + ", " + device.get().platform() + ">";
         });

@@ -205,6 +205,12 @@ void add_transforms(nb::module_& module) {
                              body.read([](const DistanceTransform& transform) { return transform.memory(); });
                          return std::pair(kept.host_bytes, kept.device_bytes);
                      })
+        .def_prop_ro("shared_memory",
+                     [](const Body& body) {
+                         const KeptMemory kept =
+                             body.read([](const DistanceTransform& transform) { return transform.memory(); });
+                         return std::pair(kept.shared_host_bytes, kept.shared_device_bytes);
+                     })
         .def_prop_ro("device", [](const Body& body) { return body.device(); });
     module.def("make_body", &make, nb::arg("device"), nb::arg("vertices"), nb::arg("faces"), nb::arg("sign"),
                nb::arg("kept_bytes").none());

@@ -96,8 +96,11 @@ BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
       finishing_(inputs.finishing),
       fill_outputs_(set_arguments(fill_kernel_, 0, layout_, *computed_, inputs.sign_bits)),
       leave_outputs_(set_arguments(leave_kernel_, 0, layout_, *computed_)) {
-    if (!lists_.order.empty()) order_ = device::copied(inputs.tools.context, lists_.order);
-    if (!inputs.wanted.empty()) first_marks_ = device::copied(inputs.tools.context, marks_of(layout_, inputs.wanted));
+    const DeviceTools& tools = inputs.tools;
+    if (!lists_.order.empty())
+        order_ = device::copied(tools.context, tools.pool, lists_.order, "order of the coarse bricks");
+    if (!inputs.wanted.empty())
+        first_marks_ = device::copied(tools.context, tools.pool, marks_of(layout_, inputs.wanted), "marks of bricks");
     const double slice = static_cast<double>(layout_.size[0]) * static_cast<double>(layout_.size[1]);
     const std::size_t most_slices = inputs.launches.most(seconds_per_filled_sample * slice);
     if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
@@ -130,11 +133,11 @@ void BrickScan::set_outputs(cl::Kernel& kernel, cl_uint first, const OutputBuffe
 }
 
 void BrickScan::enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) {
-    if (first_marks_() == nullptr)
+    if (first_marks_.bytes() == 0)
         chain.then_fill(*computed_, bricks_);
     else
         chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueCopyBuffer(first_marks_, *computed_, 0, 0, bricks_, wait, event);
+            queue.enqueueCopyBuffer(*first_marks_, *computed_, 0, 0, bricks_, wait, event);
         });
     chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
     enqueue_reset(chain, outputs);
@@ -164,7 +167,7 @@ void BrickScan::enqueue_end(CommandChain& chain) {
 void BrickScan::describe(CallStatistics& statistics) const {
     statistics.coarse_pairs = lists_.pairs;
     statistics.coarse_bricks = lists_.order.size();
-    if (first_marks_() != nullptr) statistics.device_bytes += computed_.bytes();
+    if (first_marks_.bytes() > 0) statistics.device_bytes += computed_.bytes();
     statistics.device_bytes += counters_.bytes() + lists_.bounds.bytes() + lists_.starts.bytes() +
                                lists_.entries.bytes() + lists_.order.size() * sizeof(cl_uint) + computed_.bytes();
 }

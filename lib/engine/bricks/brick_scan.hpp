@@ -50,7 +50,7 @@ protected:
 
     CoarseLists lists_;
     std::vector<BrickLaunch> launches_;
-    cl::Buffer order_;
+    device::BufferPool::Lease order_;
     device::BufferPool::Lease computed_;  ///< a mark for each brick that is computed
 
 private:
@@ -64,7 +64,7 @@ private:
     std::size_t fill_group_slices_;
     std::size_t fill_pieces_;  ///< of a row of bricks, a work-item each
     std::size_t slices_per_fill_;
-    cl::Buffer first_marks_;  ///< of the bricks; null: all 0
+    device::BufferPool::Lease first_marks_;  ///< of the bricks; empty: all 0
     cl::Kernel fill_kernel_;
     cl::Kernel leave_kernel_;
     const Finishing* finishing_;  ///< null if only floats are written

@@ -26,7 +26,7 @@ public:
         make_counters(inputs, lists_.order.size() * groups_per_coarse_brick);
         kernel_.setArg(0, inputs.layout);  // 1: enqueue_launch()
         first_output_ =
-            set_arguments(kernel_, 2, order_, *lists_.starts, static_cast<cl_uint>(lists_.parts), *lists_.entries,
+            set_arguments(kernel_, 2, *order_, *lists_.starts, static_cast<cl_uint>(lists_.parts), *lists_.entries,
                           *bounds_, *masks_, *inputs.mesh.polyhedra, inputs.sign_bits, *computed_);
         enqueue_masks(inputs);
     }
@@ -54,7 +54,7 @@ private:
             const std::size_t items = (launch.end - launch.begin) * group_size_;
             cl_uint next = 0;
             for (cl::Kernel* kernel : {&bounds, &masks})
-                next = set_arguments(*kernel, 0, inputs.layout, launch.begin, order_, *lists_.starts,
+                next = set_arguments(*kernel, 0, inputs.layout, launch.begin, *order_, *lists_.starts,
                                      static_cast<cl_uint>(lists_.parts), *lists_.entries, *lists_.bounds,
                                      *inputs.mesh.polyhedra, *bounds_);
             set_arguments(masks, next, static_cast<cl_uint>(mask_groups), *masks_);

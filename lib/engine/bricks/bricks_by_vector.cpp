@@ -56,7 +56,7 @@ private:
           minima_(inputs.tools.pool->lease(work_items_ * minima_bytes(inputs.variant), "minima of the bricks")) {
         make_counters(inputs, work_items_);
         kernel_.setArg(0, inputs.layout);  // 1 to 3: set_launch()
-        first_output_ = set_arguments(kernel_, 4, *next_slots_, order_, *lists_.starts,
+        first_output_ = set_arguments(kernel_, 4, *next_slots_, *order_, *lists_.starts,
                                       static_cast<cl_uint>(lists_.parts), *lists_.entries, *lists_.bounds,
                                       *inputs.mesh.polyhedra, inputs.sign_bits, *computed_, *scratch_, *minima_);
     }

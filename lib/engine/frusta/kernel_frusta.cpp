@@ -7,6 +7,7 @@
 #include "launch/short_launches.hpp"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -109,21 +110,29 @@ private:
             clEnqueueUnmapMemObject(queue(), (*faces_.slopes)(), memory, 0, nullptr, nullptr);
         };
         std::unique_ptr<void, decltype(unmap)> in_place(nullptr, unmap);
-        const bool is_large = slope_bytes() > device::PinnedCopies::least_bytes;
         if (job_.shares_memory())
             in_place.reset(
                 queue.enqueueMapBuffer(*faces_.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes()));
-        else if (!is_large)
-            queue.enqueueReadBuffer(*faces_.slopes, CL_FALSE, 0, slope_bytes(), frusta_->slopes.data());
-        if (!read->vertex_answers.empty())
-            queue.enqueueReadBuffer(*vertex_answers_, CL_FALSE, 0, read->vertex_answers.size(),
-                                    read->vertex_answers.data());
+        struct Copy {
+            const cl::Buffer& from;
+            void* to;
+            std::size_t bytes;
+        };
+        const std::array<Copy, 3> copies{{{*faces_.slopes, frusta_->slopes.data(), in_place ? 0 : slope_bytes()},
+                                          {*vertex_answers_, read->vertex_answers.data(), read->vertex_answers.size()},
+                                          {*face_answers_, read->face_answers.data(), count_}}};
+        const auto is_pinned = [&](const Copy& copy) {
+            return job_.tools.context.capabilities().has_own_memory && copy.bytes > device::PinnedCopies::least_bytes;
+        };
         cl::Event last;
-        queue.enqueueReadBuffer(*face_answers_, CL_FALSE, 0, count_, read->face_answers.data(), nullptr, &last);
-        last.wait();  // which fails if a kernel has failed; a blocking read by PoCL does not
-        if (!in_place && is_large)
-            job_.tools.context.read(queue, *faces_.slopes, slope_bytes(),
-                                    reinterpret_cast<std::byte*>(frusta_->slopes.data()));
+        for (const Copy& copy : copies)
+            if (copy.bytes > 0 && !is_pinned(copy))
+                queue.enqueueReadBuffer(copy.from, CL_FALSE, 0, copy.bytes, copy.to, nullptr, &last);
+        // Which fails if a kernel has failed, as copies by way of pinned memory do; a blocking read by PoCL does not.
+        if (last() != nullptr) last.wait();
+        for (const Copy& copy : copies)
+            if (is_pinned(copy))
+                job_.tools.context.read(queue, copy.from, copy.bytes, static_cast<std::byte*>(copy.to));
         read.end();
         left_ = sources_->of_kernels->left_to_host(topology_, read->face_answers, read->vertex_answers);
         complete_frusta(topology_, box_, left_, *frusta_);

@@ -18,22 +18,26 @@ void CL_CALLBACK end_share(cl_mem, void* share) {
     delete static_cast<std::shared_ptr<const void>*>(share);
 }
 
-/// A large buffer of a processor lies on huge pages: kernels read records all over it. On other devices a
-/// fill of one byte uses each new buffer at once. Some drivers allocate a buffer at its first use only; so a lack of
-/// memory is reported here, not later.
-cl::Buffer make_buffer(const Context& context, std::size_t bytes) {
-    const bool is_processor = context.capabilities().is_processor;
-    if (!is_processor || bytes < large_memory_bytes) {
-        cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, bytes);
-        if (!is_processor) context.queue().enqueueFillBuffer(buffer, cl_uchar{0}, 0, 1);
-        return buffer;
-    }
+cl::Buffer large_buffer(const Context& context, std::size_t bytes) {
     try {
         const std::shared_ptr<void> memory(allocate_large_memory(bytes), &free_large_memory);
         return buffer_in(context, memory, bytes, CL_MEM_READ_WRITE);
     } catch (const std::bad_alloc&) {
         throw cl::Error(CL_OUT_OF_HOST_MEMORY, "clCreateBuffer");
     }
+}
+
+/// A large buffer of a processor lies on huge pages: kernels read records all over it. On other devices a
+/// fill of one byte uses each new buffer at once. Some drivers allocate a buffer at its first use only; so a lack of
+/// memory is reported here, not later. Throws Error.
+cl::Buffer make_buffer(const Context& context, std::size_t bytes) {
+    return guarded([&] {
+        const bool is_processor = context.capabilities().is_processor;
+        if (is_processor && bytes >= large_memory_bytes) return large_buffer(context, bytes);
+        cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, bytes);
+        if (!is_processor) context.queue().enqueueFillBuffer(buffer, cl_uchar{0}, 0, 1);
+        return buffer;
+    });
 }
 
 }  // namespace
@@ -77,11 +81,13 @@ void BufferPool::Lease::give_back() noexcept {
     try {
         const std::scoped_lock lock(pool_->mutex_);
         pool_->leased_bytes_ -= bytes_;
-        pool_->free_.push_back({std::move(buffer_), bytes_});
+        pool_->free_.push_back({buffer_, bytes_});
     } catch (const std::exception&) {
-        // No memory to remember it by: the buffer is released instead.
+        // No memory to remember it by.
         pool_->forget(bytes_);
+        pool_->context_->arena().keep({buffer_, bytes_});
     }
+    buffer_ = {};
 }
 
 std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {
@@ -92,12 +98,17 @@ std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {
         free_.erase(best);
         return lease;
     }
-    auto spare = context_->spare_buffers().take(wanted);
-    if (!spare) return std::nullopt;
-    *all_bytes_ += spare->bytes;
-    leased_bytes_ += spare->bytes;
+    auto part = guarded([&] { return context_->arena().take(wanted); });
+    if (!part) return std::nullopt;
+    *all_bytes_ += part->bytes;
+    return lease_of(std::move(*part));
+}
+
+BufferPool::Lease BufferPool::lease_of(Arena::Part part) {
+    Lease lease(shared_from_this(), std::move(part.buffer), part.bytes);
+    leased_bytes_ += part.bytes;
     peak_ = std::max(peak_, leased_bytes_ + free_bytes());
-    return std::optional<Lease>(std::in_place, shared_from_this(), std::move(spare->buffer), spare->bytes);
+    return lease;
 }
 
 static constexpr std::size_t least_bytes = 64;  // of a buffer
@@ -119,25 +130,37 @@ BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
     if (auto free = take_free(wanted)) return std::move(*free);
     check_size(wanted, purpose);
     const Context::Capabilities& device = context_->capabilities();
+    if (add_block_for(wanted))
+        if (auto free = take_free(wanted)) return std::move(*free);
     const std::scoped_lock lock(mutex_);
     const auto reserve = [&] {
-        const std::size_t before = all_bytes_->fetch_add(wanted) + context_->spare_buffers().bytes();
+        const std::size_t before = all_bytes_->fetch_add(wanted) + context_->arena().free_bytes();
         if (before + wanted <= device.memory) return true;
         forget(wanted);
         return false;
     };
-    if (!reserve() && (release_free() == 0 || !reserve()))
+    if (!reserve() && (!release_free() || !reserve()))
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("the {} need {} bytes of device memory, and {} of the device's {} are in use; {}",
                                 purpose, wanted, all_bytes_->load(), device.memory, remedy));
     try {
-        Lease lease(shared_from_this(), guarded([&] { return make_buffer(*context_, wanted); }), wanted);
-        leased_bytes_ += wanted;
-        peak_ = std::max(peak_, leased_bytes_ + free_bytes());
-        return lease;
+        return lease_of({make_buffer(*context_, wanted), wanted});
     } catch (const Error&) {
         forget(wanted);
         throw;
+    }
+}
+
+bool BufferPool::add_block_for(std::size_t wanted) {
+    Arena& arena = context_->arena();
+    const std::size_t bytes = arena.block_for(wanted);
+    if (bytes == 0 || *all_bytes_ + arena.free_bytes() + bytes > context_->capabilities().memory) return false;
+    try {
+        arena.add_block(make_buffer(*context_, bytes), bytes);
+        return true;
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::out_of_memory) throw;
+        return false;  // a buffer of its own may still fit
     }
 }
 
@@ -171,21 +194,23 @@ void BufferPool::hand_back() {
 void BufferPool::give_up(std::span<Free> buffers) {
     for (Free& free : buffers) {
         forget(free.bytes);
-        if (!context_->is_lost()) context_->spare_buffers().keep({std::move(free.buffer), free.bytes});
+        if (context_->is_lost())
+            keep_for_good(free.buffer);
+        else
+            context_->arena().keep({std::move(free.buffer), free.bytes});
     }
     free_.erase(free_.end() - static_cast<std::ptrdiff_t>(buffers.size()), free_.end());
 }
 
-std::size_t BufferPool::release() {
+bool BufferPool::release() {
     const std::scoped_lock lock(mutex_);
     return release_free();
 }
 
-std::size_t BufferPool::release_free() {
-    const std::size_t bytes = free_bytes();
-    free_.clear();
-    forget(bytes);
-    return bytes + context_->spare_buffers().release();
+bool BufferPool::release_free() {
+    const bool had_free = !free_.empty();
+    give_up(free_);
+    return context_->arena().release() > 0 || had_free;
 }
 
 std::size_t BufferPool::peak() const {

@@ -77,13 +77,13 @@ public:
     /// The same for an optional buffer: nothing if it does not fit.
     std::optional<Lease> lease_if_it_fits(std::size_t bytes, const char* purpose);
 
-    /// Gives up the free buffers that were not in use since the last call: see Context::spare_buffers().
+    /// Gives up the free buffers that were not in use since the last call: see Context::arena().
     void trim();
     /// Gives up all free buffers.
     void hand_back();
 
-    /// Releases all free buffers and all spare ones of the context, because memory is short. Returns their bytes.
-    std::size_t release();
+    /// Releases all free buffers and what the context keeps, because memory is short. Returns whether there were any.
+    bool release();
 
     /// The most bytes that all buffers, free ones included, took at once since the last restart_peak().
     std::size_t peak() const;
@@ -100,8 +100,11 @@ private:
     std::optional<Lease> take_free(std::size_t wanted);
     std::size_t free_bytes() const;
     void forget(std::size_t bytes) { *all_bytes_ -= bytes; }
-    std::size_t release_free();
-    /// The last of the free buffers become spare ones.
+    bool release_free();
+    /// Adds memory for small leases if the lease is small and there is room.
+    bool add_block_for(std::size_t wanted);
+    Lease lease_of(Arena::Part part);
+    /// The arena gets the last of the free buffers.
     void give_up(std::span<Free> buffers);
 
     std::shared_ptr<Context> context_;
@@ -169,6 +172,16 @@ BufferPool::Lease uploaded(const Context& context, const std::shared_ptr<BufferP
     HostFilling filling(context, pool, values.size() * sizeof(values[0]), purpose);
     std::copy(values.begin(), values.end(), static_cast<std::remove_cvref_t<decltype(values[0])>*>(filling.memory()));
     return filling.finish();
+}
+
+/// The same of few values, as copied(): from the pool if the device has memory of its own, to which a write does not
+/// wait.
+template <class Value>
+BufferPool::Lease copied(const Context& context, const std::shared_ptr<BufferPool>& pool,
+                         const std::vector<Value>& values, const char* purpose) {
+    const Context::Capabilities& device = context.capabilities();
+    if (device.has_own_memory && !device.is_processor) return uploaded(context, pool, values, purpose);
+    return {nullptr, copied(context, values), values.size() * sizeof(Value)};
 }
 
 }  // namespace clsdf::device

@@ -137,35 +137,45 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
 void Context::limit_memory(std::size_t bytes) {
     capabilities_.memory = std::min(capabilities_.memory, bytes);
     capabilities_.largest_allocation = std::min(capabilities_.largest_allocation, bytes);
+    limit_arena();
 }
 
 void Context::take_settings(const Context& other) {
     capabilities_.memory = std::min(capabilities_.memory, other.capabilities_.memory);
     capabilities_.largest_allocation =
         std::min(capabilities_.largest_allocation, other.capabilities_.largest_allocation);
+    limit_arena();
     const std::scoped_lock lock(other.programs_mutex_);
     records_ = other.records_;
     prepared_ = other.prepared_;
     identity_ = other.identity_;
 }
 
-// Enough for the next transform of the same size; a small part of a GPU's memory.
-static constexpr std::size_t most_spare_bytes = std::size_t{1} << 29;
+void Context::limit_arena() {
+    if (!capabilities_.has_own_memory || capabilities_.is_processor) return;
+    // What is kept is enough for the next transform of the same size, and a small part of a GPU's memory. A block is so
+    // small a part that what is not lent of it is not missed.
+    constexpr std::size_t most_kept = std::size_t{1} << 29, most_of_a_block = std::size_t{1} << 25;
+    constexpr std::size_t share_kept = 32, share_of_a_block = 64, bits_of_a_byte = 8, least_alignment = 256;
+    const std::size_t bits = device_.getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>();
+    arena_.set_limits({.kept_bytes = std::min(capabilities_.memory / share_kept, most_kept),
+                       .block_bytes = std::min({capabilities_.memory / share_of_a_block, most_of_a_block,
+                                                capabilities_.largest_allocation}),
+                       .alignment = std::max(bits / bits_of_a_byte, least_alignment)});
+}
 
 Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     : context_(std::move(context)),
       device_(std::move(device)),
       callers_queue_(std::move(queue)),
       queue_(callers_queue_),
-      pinned_reads_(context_, device_),
-      pinned_writes_(context_, device_) {
+      pinned_(context_, device_) {
     guarded([&] {
         if (const std::string reason = missing_feature(device_); !reason.empty())
             throw Error(ErrorCode::unsupported, fmt::format("the device \"{}\" cannot be used: {}; choose another one",
                                                             device_.getInfo<CL_DEVICE_NAME>(), reason));
         capabilities_ = capabilities_of(device_);
-        if (capabilities_.has_own_memory)
-            spare_buffers_.set_limit(std::min(capabilities_.memory / 32, most_spare_bytes));
+        limit_arena();
         identity_ = identity_of(device_);
         if (is_bundled(device_)) prepared_.read_first(bundled_programs(device_));
         if (callers_queue_.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
@@ -173,16 +183,17 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     });
 }
 
-void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const {
-    if (capabilities_.has_own_memory)
-        pinned_reads_.read(queue, from, bytes, to);
+void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to,
+                   bool is_pinned) const {
+    if (capabilities_.has_own_memory && !is_pinned)
+        pinned_.read(queue, from, bytes, to);
     else
         queue.enqueueReadBuffer(from, CL_TRUE, 0, bytes, to);
 }
 
 bool Context::write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes,
                     const cl::Buffer& to) const {
-    return capabilities_.has_own_memory && pinned_writes_.write(queue, from, bytes, to);
+    return capabilities_.has_own_memory && pinned_.write(queue, from, bytes, to);
 }
 
 void Context::require_usable() const {

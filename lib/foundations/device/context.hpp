@@ -1,11 +1,11 @@
 #pragma once
 
 #include "core/call_mutex.hpp"
+#include "device/arena.hpp"
 #include "device/opencl.hpp"
 #include "device/pinned_copies.hpp"
 #include "device/prepared_programs.hpp"
 #include "device/records.hpp"
-#include "device/spare_buffers.hpp"
 
 #include <clsdf/device.hpp>
 
@@ -94,14 +94,19 @@ public:
     std::string description() const;
 
     /// Returns when `to` holds the first `bytes` bytes of `from`, which have been computed or are computed earlier in
-    /// the queue. Throws cl::Error.
-    void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const;
+    /// the queue. is_pinned: `to` is pinned memory. Throws cl::Error.
+    void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to,
+              bool is_pinned = false) const;
     /// Enqueues the copy of an array in the device's own memory by way of pinned memory; `from` is not needed any more
     /// when it returns. Returns false, and has done nothing, if the driver should copy. Throws cl::Error.
     bool write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes, const cl::Buffer& to) const;
 
-    /// Buffers that no transform uses; none on a processor.
-    SpareBuffers& spare_buffers() { return spare_buffers_; }
+    /// The memory of a device of its own, of which transforms take parts.
+    Arena& arena() { return arena_; }
+    /// Bytes of the host's memory by way of which arrays are copied.
+    std::size_t pinned_bytes() const { return pinned_.bytes(); }
+    /// See Device::release_memory().
+    std::size_t release_memory() { return arena_.release() + pinned_.release(); }
 
     /// Which subjects of the self-test (checks/self_test.hpp), by name, this process need not run any more.
     bool is_tested(const std::string& subject) const;
@@ -166,6 +171,7 @@ private:
         std::optional<Built> built;  // is set by the holder of both mutexes, and read by the holder of one
     };
 
+    void limit_arena();
     Built build(const ProgramSource& source, const BuildWatch& watch) const;
     cl::Program compile(const ProgramSource& source, const std::string& text) const;
 
@@ -174,8 +180,8 @@ private:
     cl::CommandQueue callers_queue_;
     cl::CommandQueue queue_;
     Capabilities capabilities_;
-    mutable PinnedCopies pinned_reads_, pinned_writes_;  // apart: a read need not end before a write
-    SpareBuffers spare_buffers_;
+    mutable PinnedCopies pinned_;
+    Arena arena_;
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
     std::map<std::string, Slot> programs_;
     std::set<cl_program> used_programs_;  // of those above, which stay

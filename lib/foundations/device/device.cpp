@@ -154,6 +154,10 @@ void Device::write_programs(const std::string& folder) const {
     device::context_of(*this).write_programs(folder);
 }
 
+std::size_t Device::release_memory() const {
+    return device::guarded([&] { return device::context_of(*this).release_memory(); });
+}
+
 void Device::forget_records() const {
     device::Context& context = device::context_of(*this);
     context.records().forget(context.identity());

@@ -4,6 +4,7 @@
 #include "core/parallel.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace clsdf::device {
@@ -17,96 +18,116 @@ void copy_on_all_cores(const std::byte* from, std::byte* to, std::size_t bytes) 
     });
 }
 
+constexpr std::size_t alignment = 4096;  // of what is copied to pinned memory
+
 bool is_in_use(const cl::Event& used) {
     return used() != nullptr && used.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE;
 }
 
 }  // namespace
 
-PinnedCopies::~PinnedCopies() {
-    for (const Piece& piece : pieces_) {
-        if (piece.memory == nullptr) continue;
-        if (piece.used() != nullptr) clWaitForEvents(1, &piece.used());
-        clEnqueueUnmapMemObject(maps_(), piece.buffer(), piece.memory, 0, nullptr, nullptr);
-    }
-    if (maps_() != nullptr) clFinish(maps_());
-}
-
-bool PinnedCopies::make_pieces() {
-    if (pieces_.back().memory != nullptr) return true;
+bool PinnedCopies::make_memory() {
     try {
         if (maps_() == nullptr) maps_ = cl::CommandQueue(context_, device_);
-        for (Piece& piece : pieces_) {
-            if (piece.memory != nullptr) continue;
-            piece.buffer = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, piece_bytes);
-            piece.memory = static_cast<std::byte*>(
-                maps_.enqueueMapBuffer(piece.buffer, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, piece_bytes));
-        }
+        buffer_ = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, 2 * half_bytes);
+        memory_ = static_cast<std::byte*>(
+            maps_.enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, 2 * half_bytes));
     } catch (const cl::Error&) {
         return false;
     }
     return true;
 }
 
-PinnedCopies::Piece& PinnedCopies::free_piece() {
-    Piece& piece = pieces_[next_++ % pieces_.size()];
-    const cl::Event used = piece.used;
-    piece.used = cl::Event();
-    if (is_in_use(used)) used.wait();
-    return piece;
+bool PinnedCopies::has_memory(Half& half) {
+    if (half.memory != nullptr) return true;
+    const std::scoped_lock lock(mutex_);
+    if (memory_ == nullptr && !make_memory()) return false;
+    half.memory = &half == &reads_ ? memory_ : memory_ + half_bytes;
+    return true;
 }
 
-void PinnedCopies::give_up(const cl::CommandQueue& queue) {
-    if (clFinish(queue()) != CL_SUCCESS) keep_for_good(pieces_);
-    pieces_ = {};
+std::size_t PinnedCopies::release() noexcept {
+    const std::scoped_lock lock(reads_.mutex, writes_.mutex, mutex_);
+    for (const Use& use : uses_) clWaitForEvents(1, &use.written());
+    uses_.clear();
+    reads_.memory = writes_.memory = nullptr;
+    if (memory_ == nullptr) return 0;
+    clEnqueueUnmapMemObject(maps_(), buffer_(), memory_, 0, nullptr, nullptr);
+    clFinish(maps_());
+    memory_ = nullptr;
+    buffer_ = {};
+    return 2 * half_bytes;
+}
+
+std::size_t PinnedCopies::bytes() const {
+    const std::scoped_lock lock(mutex_);
+    return memory_ == nullptr ? 0 : 2 * half_bytes;
+}
+
+void PinnedCopies::give_up(Half& half, const cl::CommandQueue& queue) {
+    const bool has_ended = clFinish(queue()) == CL_SUCCESS;
+    if (&half == &writes_) uses_.clear();
+    if (has_ended) return;
+    half.memory = nullptr;
+    // The other half stays in use.
+    const std::scoped_lock lock(mutex_);
+    keep_for_good(buffer_);
+    buffer_ = {};
+    memory_ = nullptr;
 }
 
 void PinnedCopies::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) {
-    const std::scoped_lock lock(mutex_);
-    if (bytes <= least_bytes || !make_pieces()) {
+    const std::scoped_lock lock(reads_.mutex);
+    if (bytes <= least_bytes || !has_memory(reads_)) {
         queue.enqueueReadBuffer(from, CL_TRUE, 0, bytes, to);
         return;
     }
     const std::size_t count = chunk_count(bytes, piece_bytes);
     const auto length = [&](std::size_t n) { return std::min(piece_bytes, bytes - n * piece_bytes); };
-    std::array<Piece*, std::tuple_size_v<decltype(pieces_)>> under_way{};
+    const auto memory = [&](std::size_t n) { return reads_.memory + n % pieces_at_once * piece_bytes; };
+    std::array<cl::Event, pieces_at_once> under_way;
     const auto start = [&](std::size_t n) {
-        Piece& piece = free_piece();
-        under_way[n % under_way.size()] = &piece;
-        queue.enqueueReadBuffer(from, CL_FALSE, n * piece_bytes, length(n), piece.memory, nullptr, &piece.used);
+        queue.enqueueReadBuffer(from, CL_FALSE, n * piece_bytes, length(n), memory(n), nullptr,
+                                &under_way[n % pieces_at_once]);
         queue.flush();
     };
     try {
-        for (std::size_t n = 0; n < std::min(count, under_way.size()); ++n) start(n);
+        for (std::size_t n = 0; n < std::min(count, pieces_at_once); ++n) start(n);
         for (std::size_t n = 0; n < count; ++n) {
-            Piece& piece = *under_way[n % under_way.size()];
-            piece.used.wait();
-            piece.used = cl::Event();
-            copy_on_all_cores(piece.memory, to + n * piece_bytes, length(n));
-            if (n + under_way.size() < count) start(n + under_way.size());
+            under_way[n % pieces_at_once].wait();
+            copy_on_all_cores(memory(n), to + n * piece_bytes, length(n));
+            if (n + pieces_at_once < count) start(n + pieces_at_once);
         }
     } catch (...) {
-        give_up(queue);
+        give_up(reads_, queue);
         throw;
     }
 }
 
 bool PinnedCopies::write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes,
                          const cl::Buffer& to) {
-    const std::scoped_lock lock(mutex_);
-    if (bytes <= least_bytes || !make_pieces()) return false;
-    // Small arrays do not wait for a piece: the driver copies them as quickly.
-    if (bytes <= piece_bytes && is_in_use(pieces_[next_ % pieces_.size()].used)) return false;
+    const std::scoped_lock lock(writes_.mutex);
+    if (bytes <= least_bytes || !has_memory(writes_)) return false;
+    std::erase_if(uses_, [](const Use& use) { return !is_in_use(use.written); });
     try {
         for (std::size_t begin = 0; begin < bytes; begin += piece_bytes) {
             const std::size_t length = std::min(piece_bytes, bytes - begin);
-            Piece& piece = free_piece();
-            copy_on_all_cores(from + begin, piece.memory, length);
-            queue.enqueueWriteBuffer(to, CL_FALSE, begin, length, piece.memory, nullptr, &piece.used);
+            if (next_ + length > half_bytes) next_ = 0;
+            const auto overlaps = [&](const Use& use) { return use.begin < next_ + length && next_ < use.end; };
+            // Small arrays do not wait for memory: the driver copies them as quickly.
+            if (bytes <= piece_bytes && std::ranges::any_of(uses_, overlaps)) return false;
+            for (const Use& use : uses_)
+                if (overlaps(use)) use.written.wait();
+            std::erase_if(uses_, overlaps);
+            copy_on_all_cores(from + begin, writes_.memory + next_, length);
+            uses_.push_back({next_, next_ + length, {}});
+            queue.enqueueWriteBuffer(to, CL_FALSE, begin, length, writes_.memory + next_, nullptr,
+                                     &uses_.back().written);
+            next_ = chunk_count(next_ + length, alignment) * alignment;
             queue.flush();
         }
     } catch (...) {
-        give_up(queue);
+        give_up(writes_, queue);
         throw;
     }
     return true;

@@ -150,6 +150,10 @@ struct OutputArray : ArrayLayout {
     cl_mem device = nullptr;
     /// In a BlockSet: bytes from a block's first sample to that of the next block; 0: the blocks follow one another.
     std::ptrdiff_t block_stride = 0;
+    /// The host's memory is pinned: mapped memory of a buffer with CL_MEM_ALLOC_HOST_PTR, or page-locked by another
+    /// interface of the device's driver. A packed field is then read into it directly, without a copy by the host. If
+    /// it is not true, the call is slower, not wrong.
+    bool is_pinned = false;
 
     OutputArray() = default;
     /// An array of the caller's. Without strides its size must be exactly the output's. A temporary container does not

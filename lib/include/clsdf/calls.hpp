@@ -82,6 +82,9 @@ struct TransformStatistics {
 struct KeptMemory {
     std::size_t host_bytes = 0;    ///< what follows from the triangles and the positions
     std::size_t device_bytes = 0;  ///< within TransformOptions::kept_bytes
+    // Of the transform's Device, for all its transforms; Device::release_memory() gives them back.
+    std::size_t shared_host_bytes = 0;    ///< pinned memory for copies
+    std::size_t shared_device_bytes = 0;  ///< that no transform uses
 };
 
 /// One box of many.
