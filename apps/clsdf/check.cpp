@@ -70,12 +70,14 @@ std::string note_on_the_mesh(const std::vector<std::string>& mesh, const clsdf::
 
 // Fields of other programs may be positive inside: then the negated field has the right sign everywhere.
 std::string note_on_signs(const clsdf::Mesh& mesh, const CheckReport& report, clsdf::Field field,
-                          const clsdf::reference::CheckOptions& options) {
+                          const clsdf::reference::CheckOptions& options, bool was_said_positive) {
     if (report.wrong_signs * 10 < report.samples * 9 || report.wrong_signs == 0) return {};
     field.negate();
     field.positive_inside = false;
     if (clsdf::reference::check(mesh, field, options).wrong_signs > 0) return {};
-    return "all signs are opposite: positive inside? The distances of clsdf are negative inside; negate the field";
+    return was_said_positive ? "all signs are opposite: the field is negative inside; leave out --positive-inside"
+                             : "all signs are opposite: positive inside? Check it with --positive-inside; other "
+                               "subcommands take the field to be negative inside";
 }
 
 // Samples beyond a band that the file does not state have its limits, which are the field's extreme values.
@@ -89,8 +91,7 @@ std::string note_on_the_band(const CheckReport& report, const clsdf::Field& fiel
     }
     return fmt::format(
         "the first wrong samples have the field's smallest or largest value, {} or {}; if these are the limits of a "
-        "band, "
-        "choose a format that states it, or compute the field with --band full",
+        "band, choose a format that states it, or compute the field with --band full",
         lowest, highest);
 }
 
@@ -132,6 +133,9 @@ ExitStatus run(const Options& options, Report& report) {
                         options.field(), fmt::join(missing, "', '")));
     // Its values are shown as clsdf computes them.
     const bool is_negated = field.positive_inside || options.positive_inside;
+    if (options.positive_inside && field.sign == clsdf::SignRule::none)
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           fmt::format("--positive-inside: {} has no sign; leave the option out", options.field()));
     if (is_negated) field.negate();
     field.positive_inside = false;
     if (field.sign == clsdf::SignRule::automatic)
@@ -143,7 +147,7 @@ ExitStatus run(const Options& options, Report& report) {
     const CheckReport found = clsdf::reference::check(mesh, field, check_options);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
-    std::string note = note_on_signs(mesh, found, field, check_options);
+    std::string note = note_on_signs(mesh, found, field, check_options, options.positive_inside);
     if (note.empty() && !found.passed()) note = note_on_the_mesh(meshes, field);
     if (note.empty()) note = note_on_the_band(found, field);
     if (!report.quiet || !found.passed()) print_human(found, field, is_negated, seconds.count());

@@ -241,6 +241,7 @@ MeshArrays read_off(const FileContent& file, ReadingNotes& notes) {
         return mesh;
     } catch (const Error&) {
         // White space is free in OFF. What is not a line for each vertex and face may be free text.
+        if (count_lines(scanner, header.vertices + header.faces + 1) == header.vertices + header.faces) throw;
         const bool is_free =
             count_lines(start, header.vertices / 2 + header.faces / 2 + 1) <= header.vertices / 2 + header.faces / 2;
         for (const std::size_t colour_values : {4U, 3U}) {

@@ -170,6 +170,9 @@ BOOST_AUTO_TEST_CASE(white_space_is_free_in_off) {
     check_is_refused("a.off", "OFF 4 2 5 " + replaced(body, "3 0 2 3", "3 0 2 4"), invalid, {"index 4"});
     check_is_refused("a.off", "OFF 4 2 5 " + body + "7", unreadable, {"4 vertices and 2 faces"});
     check_is_refused("a.off", "OFF 4 2 5 " + replaced(body, "1 1 0", "1 1 x"), unreadable, {"coordinate", "'x'"});
+    // Lines for all vertices and faces are no free text, though their numbers would fit.
+    check_is_refused("a.off", "OFF\n4 2 5\n0 0\n1 0 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n", unreadable,
+                     {"line 3", "coordinate"});
     for (const char* keyword : {"OFF BINARY\n", "off binary\n", "OFF\tBinary\n"})
         check_is_refused("a.off", keyword + std::string("\0\0\0\4", 4), ErrorCode::unsupported,
                          {"binary", "convert it to text"});

@@ -379,13 +379,25 @@ void describe_parts(const Mesh& mesh, std::span<const Triangle> triangles, Topol
         part.side = volume > least ? 1 : volume < -least ? -1 : 0;
     }
     const std::vector<Parts::Windings> windings = all.windings(outward);
+    std::vector<Box> boxes;
+    for (const Part& part : all.parts) boxes.push_back(part.box);
+    const BoxIndex index(boxes);
+    const auto is_in_another = [&](std::size_t n) {
+        return index.any(boxes[n], [&](std::size_t other) {
+            if (other == n) return false;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                if (boxes[n].lower[axis] < boxes[other].lower[axis] || boxes[n].upper[axis] > boxes[other].upper[axis])
+                    return false;
+            return true;
+        });
+    };
     for (std::size_t n = 0; n < all.parts.size(); ++n) {
         const auto [least, most] = windings[n];
         const Part& part = all.parts[n];
         const bool is_judged = least <= most;
         if (part.side < 0 && (!is_judged || least < 1)) {
             if (report.inward_parts++ == 0) report.first_inward_face = part.first;
-        } else if (part.side > 0 && is_judged && least > 0) {
+        } else if (part.side > 0 && is_judged && least > 0 && is_in_another(n)) {  // else a bar between two parts
             if (report.nested_parts++ == 0) report.first_nested_face = part.first;
         }
     }

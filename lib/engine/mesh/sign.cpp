@@ -48,16 +48,17 @@ std::string doubled_faces(const Topology& topology) {
 std::string list_open_edges(const Topology& topology) {
     const std::size_t open = topology.open_edges, boundary = topology.boundary_edges;
     const std::string edges = list_edges(open, topology.first_open_edges);
-    if (open == boundary) return fmt::format("it has {} open {}{}", open, open == 1 ? "edge" : "edges", edges);
+    const std::string remedy = boundary > 0 ? "; if they are seams, --weld LENGTH (weld()) joins vertices that are near" : "";
+    if (open == boundary)
+        return fmt::format("it has {} open {}{}{}", open, open == 1 ? "edge" : "edges", edges, remedy);
     std::string text = fmt::format("{} {} an odd number of faces", counted(open, "edge"), open == 1 ? "has" : "have");
     if (boundary > 0) text += fmt::format(" ({} of them one face)", boundary);
-    text += edges;
+    text += edges + remedy;
     if (topology.duplicate_faces > 0) text += "; " + doubled_faces(topology);
     if (topology.inner_wall_faces > 0)
         text += fmt::format(
             "; {} an inner wall, with an inside on both of its sides: leave out triangle {} and those that are joined "
-            "to "
-            "it over edges of two faces",
+            "to it over edges of two faces",
             topology.inner_wall_faces == 1 ? "1 face is" : fmt::format("{} faces are", topology.inner_wall_faces),
             topology.first_inner_wall_face);
     return text;
@@ -111,8 +112,7 @@ std::string warning_of_parts(const Topology& topology) {
     if (topology.nested_parts > 0)
         sentences.add(fmt::format(
             "{} of {} parts {} within others and {} the same way, so {} no cavity (that of triangle {}{}): the sign "
-            "rule "
-            "parity makes cavities of such parts, and so do faces that look inwards",
+            "rule parity makes cavities of such parts, and so do faces that look inwards",
             topology.nested_parts, topology.parts, topology.nested_parts == 1 ? "lies" : "lie",
             topology.nested_parts == 1 ? "looks" : "look", topology.nested_parts == 1 ? "it is" : "they are",
             topology.first_nested_face, topology.nested_parts == 1 ? "" : " is the first"));
@@ -190,7 +190,7 @@ ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
             if (topology.closed) {
                 Sentences sentences;
                 sentences.add(fmt::format(
-                    "the mesh is closed, but its faces are not oriented alike and cannot be, so the sign "
+                    "the mesh is closed, but its faces are not oriented alike, so the sign "
                     "follows from parity, and regions within an even number of shells are outside; it has {}",
                     list_unbalanced_edges(topology)));
                 sentences.add(warning_of(topology, SignRule::parity));
