@@ -447,7 +447,7 @@ def test_what_a_transform_says_of_itself(body, solid):
         assert clsdf.Device.select(device.index).name == clsdf.Device.select(str(device.index)).name == device.name
     with pytest.raises(clsdf.Error, match="device: 2.5 is no clsdf.Device"):
         clsdf.Transform(solid, device=2.5)
-    with pytest.raises(clsdf.Error, match="auto, nonzero, parity, none"):
+    with pytest.raises(clsdf.Error, match="auto, nonzero, parity, solid-angle, none"):
         clsdf.Transform(solid, sign="odd")
 
 
