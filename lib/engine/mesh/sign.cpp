@@ -48,7 +48,8 @@ std::string doubled_faces(const Topology& topology) {
 std::string list_open_edges(const Topology& topology) {
     const std::size_t open = topology.open_edges, boundary = topology.boundary_edges;
     const std::string edges = list_edges(open, topology.first_open_edges);
-    const std::string remedy = boundary > 0 ? "; if they are seams, --weld LENGTH (weld()) joins vertices that are near" : "";
+    const std::string remedy =
+        boundary > 0 ? "; if they are seams, --weld LENGTH (weld()) joins vertices that are near" : "";
     if (open == boundary)
         return fmt::format("it has {} open {}{}{}", open, open == 1 ? "edge" : "edges", edges, remedy);
     std::string text = fmt::format("{} {} an odd number of faces", counted(open, "edge"), open == 1 ? "has" : "have");

@@ -95,8 +95,8 @@ public:
     /// there is still no GPU that can be used, /dev/nvidia<N> and /dev/kfd have an entry each that says why.
     static std::vector<DeviceInfo> all();
     /// The entries of all() whose source is DeviceSource::device_file, without their index: GPUs that this machine has
-    /// and that cannot be used. The bundled driver is not opened; without such a file in /dev no driver is asked. Throws
-    /// Error(device_failure) if the platforms cannot be listed.
+    /// and that cannot be used. The bundled driver is not opened; without such a file in /dev no driver is asked.
+    /// Throws Error(device_failure) if the platforms cannot be listed.
     static std::vector<DeviceInfo> unused_gpus();
 
     /// The strongest GPU, also of a driver that is not registered, else the strongest other device, else that of the
