@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from . import _core
 from ._core import Band, Defects, Device, DeviceInfo, Grid, Topology, devices, make_shape, shape_names
-from ._error import Error, MeshWarning
+from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemory, OutputFailure, UnreadableInput
 from ._values import Blocks, Points
 from .field import Field
 from .files import FieldWriter, read_field, write_field
@@ -43,7 +43,11 @@ __all__ = [
     "Field",
     "FieldWriter",
     "Grid",
+    "InvalidArgument",
+    "InvalidMesh",
     "MeshWarning",
+    "OutOfMemory",
+    "OutputFailure",
     "Picture",
     "Plan",
     "Points",
@@ -51,6 +55,7 @@ __all__ = [
     "Request",
     "Topology",
     "Transform",
+    "UnreadableInput",
     "devices",
     "find_defects",
     "make_shape",

@@ -11,7 +11,7 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _core, _memory
 from ._error import Error
 
 Outputs = Union[str, Iterable[str]]
@@ -36,8 +36,11 @@ def wanted(outputs: Outputs) -> tuple[str, ...]:
     of `names`."""
     if isinstance(outputs, str):
         return _split(outputs)
-    asked = {"distance", *outputs}
-    unknown = sorted(asked.difference(names))
+    try:
+        asked = {"distance", *outputs}
+        unknown = sorted(asked.difference(names))
+    except TypeError:
+        raise Error(f"outputs: {outputs!r} is neither a text nor a list of names; the outputs are {', '.join(names)}") from None
     if unknown:
         raise Error(f"there is no output {unknown[0]!r}; the outputs are {', '.join(names)}")
     return tuple(name for name in names if name in asked)
@@ -52,6 +55,9 @@ def shape_of(output: str, shape: tuple[int, ...]) -> tuple[int, ...]:
 def new_samples(outputs: Iterable[str], shape: tuple[int, ...]) -> dict[str, npt.NDArray[Any]]:
     """Arrays for the samples of a grid, in memory for fast stores."""
     arrays = {}
+    outputs = tuple(outputs)
+    bytes_of_sample = sum(_types[name][0].itemsize * _types[name][1] for name in outputs)
+    _memory.check(bytes_of_sample * math.prod(shape), "a field")
     for name in outputs:
         dtype, components = _types[name]
         size = components * math.prod(shape) * dtype.itemsize

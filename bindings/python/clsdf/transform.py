@@ -5,6 +5,8 @@ from __future__ import annotations
 import enum
 import math
 import operator
+import os
+import threading
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -13,7 +15,7 @@ import numpy.typing as npt
 
 from . import _core, _meshes
 from ._core import Band, Device, Grid, Topology
-from ._devices import device_of
+from ._devices import device_named, device_of
 from ._error import Error
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
 from ._progress import Progress, shown
@@ -52,9 +54,14 @@ class BoxPlace(enum.IntEnum):
 
 def _whole(what: str, value: Any) -> int:
     try:
-        return operator.index(value)
+        if isinstance(value, bool):
+            raise TypeError
+        number = operator.index(value)
     except TypeError:
         raise Error(f"{what}: {value!r} is not a whole number of samples") from None
+    if not -(2**63) <= number < 2**63:
+        raise Error(f"{what}: {value!r} samples are more than a grid may have")
+    return number
 
 
 def _steps(spacing: float | Sequence[float] | None) -> tuple[float, float, float] | None:
@@ -75,6 +82,28 @@ def _vectors(name: str, values: Any, shape: tuple[int, ...]) -> npt.NDArray[np.f
     if array.shape != shape:
         raise Error(f"{name} has the shape {array.shape}; expected {shape}")
     return array
+
+
+def _limit(within: float | None) -> float:
+    if within is None:
+        return math.inf
+    try:
+        if isinstance(within, (str, bool)):
+            raise TypeError
+        return float(within)
+    except (TypeError, ValueError):
+        raise Error(f"within: {within!r} is not a number, in the mesh's units; None is no limit") from None
+
+
+def _plain(region: Any) -> tuple[tuple[float, ...], tuple[float, ...], float, float]:
+    """The numbers of a Region."""
+    if not isinstance(region, Region):
+        raise Error(f"regions: {region!r} is no clsdf.Region; write clsdf.Region(lower, upper, half_width, spacing)")
+    lower, upper = (tuple(_vectors(name, side, (3,)).tolist()) for name, side in (("lower", region.lower), ("upper", region.upper)))
+    try:
+        return lower, upper, float(region.half_width), float(region.spacing)
+    except (TypeError, ValueError):
+        raise Error(f"regions: {region!r} has a half width or a spacing that is no number") from None
 
 
 class Transform:
@@ -101,15 +130,50 @@ class Transform:
     def __init__(
         self, mesh: Any, faces: Any = None, *, device: Any = None, sign: str = "auto", kept_bytes: int | None = None
     ) -> None:
+        if kept_bytes is not None:
+            try:
+                kept_bytes = -1 if isinstance(kept_bytes, bool) else operator.index(kept_bytes)
+            except TypeError:
+                kept_bytes = -1
+            if not 0 <= kept_bytes < 2**64:
+                raise Error("kept_bytes is not a number of bytes, 0 or more; write 1 << 30 for a GiB, or None")
+        if not isinstance(sign, str):
+            raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity' or 'none'")
+        is_own = faces is None and isinstance(mesh, (str, os.PathLike))
         vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
         self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes)
+        if not is_own:
+            vertices, faces = _meshes.own_copy(vertices), _meshes.own_copy(faces)
+        self._keep((vertices, faces, sign, kept_bytes))
 
-    @classmethod
-    def _of(cls, body: _core.Body, mesh_name: str) -> Transform:
-        transform = cls.__new__(cls)
-        transform._body = body
-        transform.mesh_name = mesh_name
-        return transform
+    def _keep(self, made_of: tuple[Any, Any, str, int | None]) -> None:
+        """What the transform is made of, to make it again elsewhere."""
+        self._made_of = made_of
+        self._positions: Any = None
+        self._motion: Any = None
+        self._regions: Any = None
+        self._moves = threading.RLock()  # a handler of signals that moves the body gets the extension's error
+
+    # Copies.
+
+    def _state(self) -> tuple[Any, ...]:
+        with self._moves:
+            vertices, faces, sign, kept_bytes = self._made_of
+            if self.sign == "none":
+                sign = "none"  # known: no second warning
+            return vertices, faces, sign, kept_bytes, self._positions, self._motion, self._regions, self.mesh_name
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The mesh's arrays, the present positions, the options, and the device's name, on which unpickling makes the
+        transform again."""
+        return _made_again, (self.device.name, *self._state())
+
+    def __copy__(self) -> Transform:
+        """A transform of the same mesh at its present positions, on the same device."""
+        return _made_again(self.device, *self._state())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Transform:
+        return self.__copy__()
 
     def __repr__(self) -> str:
         return f"<clsdf.Transform: {self.mesh_name}, sign {self.sign}, on {self.device.name}>"
@@ -150,13 +214,18 @@ class Transform:
         """Gives the same faces new positions: an array (n, 3), one row for each vertex of the mesh. What follows from
         the faces stays. Raises clsdf.Error: invalid_argument for another number of rows, invalid_mesh for a row that is
         not finite; the positions are those of before then."""
-        self._body.set_positions(_meshes.as_array(positions, np.float64), wait_for)
+        positions = _meshes.as_array(positions, np.float64)
+        with self._moves:
+            self._body.set_positions(positions, wait_for)
+            self._positions, self._motion = _meshes.own_copy(positions), None
 
     def set_motion(self, rotation: Any, translation: Any) -> None:
         """Puts the vertices at rotation @ x + translation. x are the positions of the mesh that the transform was made
         from, so errors do not add up. Raises clsdf.Error if the 3 x 3 matrix is no rotation to 1e-12."""
         rotation, translation = _vectors("rotation", rotation, (3, 3)), _vectors("translation", translation, (3,))
-        self._body.set_motion(rotation, translation)
+        with self._moves:
+            self._body.set_motion(rotation, translation)
+            self._positions, self._motion = None, (rotation.copy(), translation.copy())
 
     # Grids.
 
@@ -291,6 +360,8 @@ class Transform:
     ) -> list[Field]:
         """The fields of many grids of any lattices, in one call, which is cheaper than one call each; each has the
         bytes of a call of its own. band and outputs: as of field()."""
+        if isinstance(grids, Grid):
+            raise Error("grids: one clsdf.Grid is given; pass a list of grids, or use field() for one")
         fields = []
         outputs = wanted(outputs)
         for grid in grids:
@@ -377,7 +448,7 @@ class Transform:
         points: Any,
         outputs: Outputs | None = None,
         *,
-        within: float = math.inf,
+        within: float | None = math.inf,
         out: Any = None,
         positive_inside: bool = False,
         progress: Progress = None,
@@ -388,7 +459,7 @@ class Transform:
 
         points: an array (n, 3), float32 or float64, any strides; or one point (3,), whose results are numbers and
             vectors (3,). outputs: as of field(). within: limits the search, in the mesh's units, which makes it
-            cheaper; a farther point has that limit as its distance, with its sign, and no triangle.
+            cheaper (None: no limit); a farther point has that limit as its distance, with its sign, and no triangle.
         out: arrays (n,), and (n, 3) of vectors, to write to, as of field(). positive_inside: as of field().
 
         The sign is exact at the given doubles; a point on the surface has the distance +0. A point that is not finite
@@ -403,8 +474,7 @@ class Transform:
                 raise Error(f"points has the shape {tuple(points.shape)}; expected (n, 3), or (3,) of one point")
             points = points[None]
         count = len(points)
-        if isinstance(within, str):
-            raise Error(f"within: {within!r} is a text; write a number, in the mesh's units")
+        within = _limit(within)
         if out is None:
             arrays = {}
             for name in wanted(outputs or ()):
@@ -454,9 +524,13 @@ class Transform:
     def restrict_to(self, regions: Region | Iterable[Region]) -> Transform:
         """A transform for parts of the domain, which keeps only what they need. Every grid, point and box asked for
         later must lie in one region. The results have the bytes of the whole transform."""
-        all_regions = [regions] if isinstance(regions, Region) else list(regions)
-        plain = [(tuple(r.lower), tuple(r.upper), float(r.half_width), float(r.spacing)) for r in all_regions]
-        return Transform._of(self._body.restrict_to(plain), self.mesh_name)
+        plain = [_plain(region) for region in ([regions] if isinstance(regions, Region) else regions)]
+        with self._moves:
+            part = Transform.__new__(Transform)
+            part._body, part.mesh_name = self._body.restrict_to(plain), self.mesh_name
+            part._keep(self._made_of)
+            part._positions, part._motion, part._regions = self._positions, self._motion, plain
+        return part
 
     # Plans.
 
@@ -483,3 +557,26 @@ class Transform:
         """The device_bytes of a plan of these requests, which is made and given back: takes its time and its memory."""
         with shown(progress) as show:
             return self._body.plan_bytes(self._requests(requests), show)
+
+
+def _made_again(
+    device: Device | str,
+    vertices: Any,
+    faces: Any,
+    sign: str,
+    kept_bytes: int | None,
+    positions: Any,
+    motion: Any,
+    regions: Any,
+    mesh_name: str,
+) -> Transform:
+    """A transform from what Transform._state() has."""
+    if isinstance(device, str):
+        device = device_named(device)
+    made = Transform((vertices, faces), device=device, sign=sign, kept_bytes=kept_bytes)
+    made.mesh_name = mesh_name
+    if positions is not None:
+        made.set_positions(positions)
+    if motion is not None:
+        made.set_motion(*motion)
+    return made if regions is None else made.restrict_to([Region(*region) for region in regions])
