@@ -22,6 +22,10 @@ class Picture:
     def __init__(self, pixels: np.ndarray[Any, Any]) -> None:
         self.pixels = pixels
 
+    def __repr__(self) -> str:
+        height, width, _ = self.pixels.shape
+        return f"<clsdf.Picture: {width} x {height} pixels>"
+
     def _repr_png_(self) -> bytes:
         return self.png()
 
