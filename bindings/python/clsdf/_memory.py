@@ -28,7 +28,7 @@ def _groups(proc: Path, root: Path) -> Iterator[tuple[Path, str, str]]:
         _, controllers, path = line.split(":", 2)
         if controllers and "memory" not in controllers.split(","):
             continue
-        names = ("memory.max", "memory.current") if not controllers else ("memory.limit_in_bytes", "memory.usage_in_bytes")
+        names = ("memory.limit_in_bytes", "memory.usage_in_bytes") if controllers else ("memory.max", "memory.current")
         top = root / "memory" if controllers else root
         folder = top / path.lstrip("/")
         while True:

@@ -99,8 +99,9 @@ def _motion(name: str, rotation: Any, translation: Any = None) -> Motion:
     turn = np.array(_core.rotation_near(turn.tolist()), np.float64)
     error = np.abs(turn @ turn.T - np.eye(3)).max()
     if not error <= 1e-11 or not np.linalg.det(turn) > 0:
+        kind = "a reflection" if error <= 1e-11 else f"{error:.2g} off"
         raise Error(
-            f"{name}: the matrix is no rotation to 1e-5, but {'a reflection' if error <= 1e-11 else f'{error:.2g} off'}; "
+            f"{name}: the matrix is no rotation to 1e-5, but {kind}; "
             "u, _, v = numpy.linalg.svd(matrix) makes the nearest one, u @ v, of a matrix that is nearly one, and "
             "scipy.spatial.transform.Rotation makes one of angles or a quaternion"
         )
@@ -124,7 +125,14 @@ def _rows(points: Any) -> tuple[Any, tuple[int, ...]]:
         raise Error(f"points has the shape {shape}; expected (n, 3) or (..., 3), or (3,) of one point")
     if len(shape) == 2:
         return points, shape[:1]
-    return (points[None] if len(shape) == 1 else points.reshape(math.prod(shape[:-1]), 3)), shape[:-1]
+    if not hasattr(points, "reshape"):
+        points = _on_host(points)
+    return points.reshape(math.prod(shape[:-1]), 3), shape[:-1]
+
+
+def _on_host(array: Any) -> npt.NDArray[Any]:
+    """An array of any package as one of NumPy, in the same memory."""
+    return np.asarray(array) if isinstance(array, memoryview) or hasattr(array, "__array__") else np.from_dlpack(array)
 
 
 def _flat(name: str, array: Any, shape: tuple[int, ...]) -> Any:
@@ -141,8 +149,13 @@ def _flat(name: str, array: Any, shape: tuple[int, ...]) -> Any:
 def _into_frame(points: Any, rotation: npt.NDArray[np.float64], translation: npt.NDArray[np.float64]) -> Any:
     """Points of the world in the frame of a body. Sums are written out: a product of matrices is another one on other
     processors."""
-    if not isinstance(points, np.ndarray):
-        raise Error("frame: points that are not in a NumPy array are to be taken into the frame where they are", "unsupported")
+    if hasattr(points, "base_data"):
+        raise Error(
+            "frame: the points are in memory of the device; take them into the frame there, (points - t) @ R, or copy "
+            "them to a NumPy array",
+            "unsupported",
+        )
+    points = _on_host(points)
     x, y, z = (points.T - translation[:, None]).astype(np.float64)
     return np.stack([x * rotation[0, a] + y * rotation[1, a] + z * rotation[2, a] for a in range(3)], axis=1)
 
@@ -174,7 +187,8 @@ def _plain(region: Any) -> tuple[tuple[float, ...], tuple[float, ...], float, fl
     """The numbers of a Region."""
     if not isinstance(region, Region):
         raise Error(f"regions: {region!r} is no clsdf.Region; write clsdf.Region(lower, upper, half_width, spacing)")
-    lower, upper = (tuple(_vectors(name, side, (3,)).tolist()) for name, side in (("lower", region.lower), ("upper", region.upper)))
+    lower = tuple(_vectors("lower", region.lower, (3,)).tolist())
+    upper = tuple(_vectors("upper", region.upper, (3,)).tolist())
     try:
         return lower, upper, float(region.half_width), float(region.spacing)
     except (TypeError, ValueError):
@@ -587,8 +601,9 @@ class Transform:
         """The exact signed distance at points anywhere, and other outputs.
 
         points: an array (n, 3) or (..., 3), float32 or float64, any strides; or one point (3,), whose results are
-            numbers and vectors (3,); [] is no point. Results have the shape (...), and (..., 3) of vectors. outputs: as of field(). within: limits the search, in the mesh's units, which makes it
-            cheaper (None: no limit); a farther point has that limit as its distance, with its sign, and no triangle.
+            numbers and vectors (3,); [] is no point. Results have the shape (...), and (..., 3) of vectors. outputs: as
+            of field(). within: limits the search, in the mesh's units, which makes it cheaper (None: no limit); a
+            farther point has that limit as its distance, with its sign, and no triangle.
         out: arrays (n,), and (n, 3) of vectors, to write to, as of field(). positive_inside: as of field(). dtype:
             "float64" for distance, gradient, barycentric and offset in double, instead of `out`.
         frame: the motion (R, t), or the 4 x 4 pose, of a rigid body whose mesh stays as it is: the points, and the

@@ -55,9 +55,10 @@ double width_of(nb::handle value, const char* what) {
     double width = 0;
     if (!nb::isinstance<nb::str>(value) && !nb::isinstance<nb::bool_>(value) && nb::try_cast(value, width))
         return width;
-    refuse(fmt::format("Band: {} is {}; write a number, in the mesh's units (three voxels are 3 * grid.voxel, no end is "
-                       "math.inf); band= of field() takes texts, too",
-                       what, value.is_none() ? "missing" : shown(value)));
+    refuse(
+        fmt::format("Band: {} is {}; write a number, in the mesh's units (three voxels are 3 * grid.voxel, no end is "
+                    "math.inf); band= of field() takes texts, too",
+                    what, value.is_none() ? "missing" : shown(value)));
 }
 
 // The positions of all samples, (nz, ny, nx, 3).

@@ -68,11 +68,24 @@ nb::list list_of(const std::vector<Topology::Edge>& edges) {
 }
 
 constexpr std::size_t Topology::*topology_counts[] = {
-    &Topology::open_edges, &Topology::unbalanced_edges, &Topology::non_manifold_edges,
-    &Topology::repeated_vertex_faces, &Topology::coincident_vertices, &Topology::unused_vertices,
-    &Topology::boundary_edges, &Topology::joined_vertices, &Topology::duplicate_faces, &Topology::uncounted_faces,
-    &Topology::reoriented_faces, &Topology::inner_wall_faces, &Topology::first_inner_wall_face, &Topology::parts,
-    &Topology::inward_parts, &Topology::first_inward_face, &Topology::nested_parts, &Topology::first_nested_face,
+    &Topology::open_edges,
+    &Topology::unbalanced_edges,
+    &Topology::non_manifold_edges,
+    &Topology::repeated_vertex_faces,
+    &Topology::coincident_vertices,
+    &Topology::unused_vertices,
+    &Topology::boundary_edges,
+    &Topology::joined_vertices,
+    &Topology::duplicate_faces,
+    &Topology::uncounted_faces,
+    &Topology::reoriented_faces,
+    &Topology::inner_wall_faces,
+    &Topology::first_inner_wall_face,
+    &Topology::parts,
+    &Topology::inward_parts,
+    &Topology::first_inward_face,
+    &Topology::nested_parts,
+    &Topology::first_nested_face,
 };
 
 using Edges = std::vector<std::pair<Vec3, Vec3>>;

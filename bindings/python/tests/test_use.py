@@ -12,7 +12,7 @@ import textwrap
 
 import numpy as np
 import pytest
-from brute_force import BruteForce
+from test_arrays import OnlyDLPack
 
 import clsdf
 
@@ -39,6 +39,9 @@ def test_points_of_more_axes_and_none(body, points):
         body.query(points.reshape(5, 100, 3), out=np.empty((100, 5)))
     with pytest.raises(clsdf.Error, match="strides"):
         body.query(points.reshape(5, 100, 3), out=np.empty((100, 5)).T)
+    for other in (memoryview(points.reshape(5, 100, 3)), OnlyDLPack(points.reshape(5, 100, 3))):
+        assert np.array_equal(body.query(other).distance, result.distance.astype(np.float32))
+        assert np.array_equal(body.query(other, frame=np.eye(4)).distance, body.query(other).distance)
     for none, shape in (([], (0,)), (np.empty((4, 0, 3)), (4, 0)), (np.empty((0, 3)), (0,))):
         found = body.query(none, "closest")
         assert found.distance.shape == shape and found.closest.shape == (*shape, 3) and len(found) == 0
