@@ -227,7 +227,7 @@ class Transform:
             if not 0 <= kept_bytes < 2**64:
                 raise Error("kept_bytes is not a number of bytes, 0 or more; write 1 << 30 for a GiB, or None")
         if not isinstance(sign, str):
-            raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity' or 'none'")
+            raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle' or 'none'")
         is_own = faces is None and isinstance(mesh, (str, os.PathLike))
         vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
         self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes)
@@ -248,8 +248,8 @@ class Transform:
     def _state(self) -> tuple[Any, ...]:
         with self._moves:
             vertices, faces, sign, kept_bytes = self._made_of
-            if self.sign == "none":
-                sign = "none"  # known: no second warning
+            if self.sign in ("none", "solid-angle"):
+                sign = self.sign  # known: no second warning
             return vertices, faces, sign, kept_bytes, self._positions, self._motion, self._regions, self.mesh_name
 
     def __reduce__(self) -> tuple[Any, ...]:

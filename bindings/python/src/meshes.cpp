@@ -68,6 +68,9 @@ nb::list list_of(const std::vector<Topology::Edge>& edges) {
 }
 
 constexpr std::size_t Topology::*topology_counts[] = {
+    &Topology::tested_points,
+    &Topology::doubtful_points,
+    &Topology::inside_points,
     &Topology::open_edges,
     &Topology::unbalanced_edges,
     &Topology::non_manifold_edges,
