@@ -12,9 +12,11 @@ order x, y, z. Lengths are in the mesh's units.
 
 from __future__ import annotations
 
+import inspect as _inspect
+
 from . import _core
 from ._core import Band, Defects, Device, DeviceInfo, Grid, Topology, devices, make_shape, shape_names
-from ._error import Error, MeshWarning
+from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemory, OutputFailure, UnreadableInput
 from ._values import Blocks, Points
 from .field import Field
 from .files import FieldWriter, read_field, write_field
@@ -43,7 +45,11 @@ __all__ = [
     "Field",
     "FieldWriter",
     "Grid",
+    "InvalidArgument",
+    "InvalidMesh",
     "MeshWarning",
+    "OutOfMemory",
+    "OutputFailure",
     "Picture",
     "Plan",
     "Points",
@@ -51,6 +57,7 @@ __all__ = [
     "Request",
     "Topology",
     "Transform",
+    "UnreadableInput",
     "devices",
     "find_defects",
     "make_shape",
@@ -65,3 +72,14 @@ __all__ = [
     "weld",
     "write_field",
 ]
+
+# The extension's classes have no signature for notebooks by themselves.
+for _kind, _like in ((Grid, lambda origin, spacing, size, first=(0, 0, 0): 0), (Band, lambda inside, outside=None: 0)):
+    setattr(_kind, "__signature__", _inspect.signature(_like))
+# Classes are those of the package, and its files are not beside them.
+for _name in __all__:
+    if isinstance(globals()[_name], type):
+        globals()[_name].__module__ = "clsdf"
+for _name in ("annotations", "field", "files", "pictures", "plan", "transform"):
+    globals().pop(_name, None)
+del _name, _kind, _like

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Union
 
+import numpy as np
+
 from ._core import Band, Grid, Length
 from ._error import Error
 
@@ -15,9 +17,13 @@ BandLike = Union[LengthLike, "tuple[LengthLike, LengthLike]", Band]
 def parse_length(what: str, value: LengthLike) -> Length:
     """The length that a number (in the mesh's units) or a text means. `what` names it in the error."""
     if isinstance(value, str):
-        return Length.parse(value, what)
+        length = Length.parse(value, what)
+        if not length.is_infinite() and value[-1] not in "%v":
+            raise Error(f"{what}: {value!r} is a text without a unit: write the number {value} (the mesh's units), "
+                        f"'{value}%' (of the longest side of the mesh's box) or '{value}v' (voxels)")
+        return length
     try:
-        number = float(value)
+        number = math.nan if isinstance(value, (bool, np.bool_)) else float(value)
     except (TypeError, ValueError):
         number = math.nan
     if not number >= 0:
@@ -38,6 +44,18 @@ def parse_band(band: BandLike) -> tuple[Length, Length] | Band:
         return parse_length("band inside", band[0]), parse_length("band outside", band[1])
     width = parse_length("band", band)
     return width, width
+
+
+def band_without_mesh(band: BandLike, grid: Grid) -> Band:
+    """The band on a grid, if it is not a part of the mesh's box."""
+    lengths = parse_band(band)
+    if isinstance(lengths, Band):
+        return lengths
+    inside, outside = (length.resolve(grid.voxel, math.nan) for length in lengths)
+    if math.isnan(inside) or math.isnan(outside):
+        raise Error(f"band: {band!r} is a part of the mesh's box, which is not known here; write a number, '3v' or "
+                    "'full', or pass the band of a field")
+    return Band(inside, outside)
 
 
 def outside_of(band: tuple[Length, Length] | Band) -> Length:

@@ -23,19 +23,47 @@ def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
         if len(mesh) != 2:
             raise Error(f"a mesh as a tuple is (vertices, faces); this one has {len(mesh)} items")
         return as_array(mesh[0], np.float64), as_array(mesh[1], np.int64), "mesh"
+    if hasattr(mesh, "geometry") and hasattr(mesh, "graph"):
+        raise Error(f"a {_name_of(mesh)} is a scene of meshes: pass scene.to_mesh(), which makes one mesh of all, or a "
+                    "Transform for each of scene.geometry.values()")
+    if hasattr(mesh, "extract_surface") and not hasattr(mesh, "is_all_triangles"):
+        raise Error(f"a {_name_of(mesh)} is no surface: pass mesh.extract_surface().triangulate()")
     for arrays in (_of_trimesh, _of_pyvista, _of_meshio, _of_open3d):
         found = arrays(mesh)
         if found is not None:
             return (*found, "mesh")
     raise Error(
-        f"a {type(mesh).__module__}.{type(mesh).__qualname__} is no mesh that is known: pass a path, (vertices, faces), "
+        f"a {_name_of(mesh)} is no mesh that is known: pass a path, (vertices, faces), "
         "or a mesh of trimesh, pyvista, meshio or open3d"
     )
 
 
 def as_array(values: Any, dtype: type) -> Any:
     """Lists and other objects without a shape become arrays; everything else stays what it is."""
-    return values if hasattr(values, "shape") else np.asarray(values, dtype)
+    if hasattr(values, "shape"):
+        return values
+    try:
+        return np.asarray(values, dtype)
+    except (TypeError, ValueError):
+        raise Error(f"{repr(values)[:100]} is no array of numbers: its rows differ in length, or it has other items") from None
+
+
+def own_copy(values: Any) -> Any:
+    """A NumPy array of its own that nobody writes to, of an array of any package."""
+    if hasattr(values, "base_data"):  # of pyopencl
+        values = values.get()
+    try:
+        array = np.array(values)
+        if array.dtype == object:
+            raise TypeError
+    except (TypeError, ValueError):
+        array = np.array(np.from_dlpack(values))
+    array.flags.writeable = False
+    return array
+
+
+def _name_of(mesh: Any) -> str:
+    return f"{type(mesh).__module__.split('.')[0]}.{type(mesh).__qualname__}"
 
 
 def _of_trimesh(mesh: Any) -> tuple[Any, Any] | None:

@@ -11,7 +11,7 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _core, _memory
 from ._error import Error
 
 Outputs = Union[str, Iterable[str]]
@@ -36,8 +36,11 @@ def wanted(outputs: Outputs) -> tuple[str, ...]:
     of `names`."""
     if isinstance(outputs, str):
         return _split(outputs)
-    asked = {"distance", *outputs}
-    unknown = sorted(asked.difference(names))
+    try:
+        asked = {"distance", *outputs}
+        unknown = sorted(asked.difference(names))
+    except TypeError:
+        raise Error(f"outputs: {outputs!r} is neither a text nor a list of names; the outputs are {', '.join(names)}") from None
     if unknown:
         raise Error(f"there is no output {unknown[0]!r}; the outputs are {', '.join(names)}")
     return tuple(name for name in names if name in asked)
@@ -49,11 +52,28 @@ def shape_of(output: str, shape: tuple[int, ...]) -> tuple[int, ...]:
     return shape if components == 1 else (*shape, components)
 
 
-def new_samples(outputs: Iterable[str], shape: tuple[int, ...]) -> dict[str, npt.NDArray[Any]]:
+def real_of(dtype: npt.DTypeLike | None) -> np.dtype[Any]:
+    """The type of the outputs that may be in floats or in doubles."""
+    try:
+        real = np.dtype(np.float32 if dtype is None else dtype)
+    except TypeError:
+        real = np.dtype(np.int8)
+    if real not in (np.dtype(np.float32), np.dtype(np.float64)):
+        raise Error(f"dtype: {dtype!r} is neither 'float32' nor 'float64'")
+    return real
+
+
+def new_samples(
+    outputs: Iterable[str], shape: tuple[int, ...], real: npt.DTypeLike | None = None
+) -> dict[str, npt.NDArray[Any]]:
     """Arrays for the samples of a grid, in memory for fast stores."""
     arrays = {}
+    outputs = tuple(outputs)
+    types = {name: real_of(real) if _types[name][0] == np.float32 else _types[name][0] for name in outputs}
+    bytes_of_sample = sum(types[name].itemsize * _types[name][1] for name in outputs)
+    _memory.check(bytes_of_sample * math.prod(shape), "a field")
     for name in outputs:
-        dtype, components = _types[name]
+        dtype, components = types[name], _types[name][1]
         size = components * math.prod(shape) * dtype.itemsize
         if size > sys.maxsize:
             raise Error(f"a field of {' x '.join(map(str, reversed(shape)))} samples does not fit the memory; choose a "
@@ -99,6 +119,14 @@ class Values:
         except KeyError:
             raise AttributeError(f"there is no {name} here: ask for it with outputs='distance {name}'") from None
 
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        """The array of an output, as of the attribute of its name: r["distance"]."""
+        if name not in self.arrays:
+            raise KeyError(f"there is no {name!r} here, but {', '.join(self.arrays)}; outputs= names what is computed")
+        return self.arrays[name]  # type: ignore[no-any-return]
+
+    __iter__ = None  # the names are in `outputs`
+
     @property
     def distance(self) -> npt.NDArray[np.float32]:
         """Signed distances in the mesh's units, negative inside."""
@@ -138,6 +166,10 @@ class Values:
 
 class Points(Values):
     """What query() found: arrays (n,), and (n, 3) of vectors, in the order of the points."""
+
+    def __len__(self) -> int:
+        """The number of points."""
+        return int(np.size(self.arrays["distance"]))
 
     def __repr__(self) -> str:
         return f"<clsdf.Points: {', '.join(self.outputs)} of {np.size(self.arrays['distance'])} points>"

@@ -38,6 +38,17 @@ class Field(Values):
     def __repr__(self) -> str:
         return f"<clsdf.Field: {', '.join(self.outputs)}, shape {self.grid.shape}, sign {self.sign}>"
 
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """(nz, ny, nx), of the grid."""
+        return self.grid.shape
+
+    def _repr_png_(self) -> bytes | None:
+        """A notebook shows the slice in the middle."""
+        from .pictures import slice_picture
+
+        return slice_picture(self).png() if isinstance(self.arrays["distance"], np.ndarray) else None
+
     def axes(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """The coordinates of the samples along x, y and z: float64 arrays (nx,), (ny,), (nz,)."""
         x, y, z = (

@@ -10,6 +10,8 @@ import numpy as np
 
 from . import _core
 from ._core import Band, Grid
+from ._error import Error
+from ._lengths import BandLike, band_without_mesh
 from ._values import Outputs, type_of, wanted
 from .field import Field
 
@@ -24,6 +26,8 @@ def read_field(path: str | os.PathLike[str]) -> Field:
 def write_field(field: Field, path: str | os.PathLike[str]) -> None:
     """Writes a field by the file's ending; complete or not at all. Raises clsdf.Error: output_failure; unsupported for
     an unknown ending, or outputs that the format cannot store."""
+    if not isinstance(field, Field):
+        raise Error(f"field: {_short(field)} is no clsdf.Field; body.field() and read_field() make them")
     with FieldWriter(
         path, field.grid, field.band, field.sign, field.mesh_name, field.outputs, field.positive_inside
     ) as writer:
@@ -43,12 +47,16 @@ class FieldWriter:
         self,
         path: str | os.PathLike[str],
         grid: Grid,
-        band: Band,
+        band: BandLike,
         sign: str,
         mesh_name: str = "mesh",
         outputs: Outputs = "distance",
         positive_inside: bool = False,
     ) -> None:
+        if not isinstance(grid, Grid):
+            raise Error(f"grid: {_short(grid)} is no clsdf.Grid")
+        if not isinstance(band, Band):
+            band = band_without_mesh(band, grid)
         self._outputs = wanted(outputs)
         self._writer: _core.Writer | None = _core.writer(
             os.fspath(path), grid, band, sign, mesh_name, self._outputs, positive_inside
@@ -57,7 +65,9 @@ class FieldWriter:
     def append(self, slab: Field) -> None:
         """The next whole slices, in ascending z, with the announced outputs."""
         if self._writer is None:
-            raise ValueError("the file is finished")
+            raise Error("the file is finished")
+        if not isinstance(slab, Field):
+            raise Error(f"slab: {_short(slab)} is no clsdf.Field; body.slabs() and body.field() make them")
         self._writer.append({name: _packed(name, slab.arrays[name]) for name in slab.outputs})
 
     def finish(self) -> None:
@@ -75,6 +85,10 @@ class FieldWriter:
         if kind is None:
             self.finish()
         self._writer = None
+
+
+def _short(value: Any) -> str:
+    return f"{repr(value)[:100]}, a {type(value).__name__},"
 
 
 def _packed(name: str, array: Any) -> Any:

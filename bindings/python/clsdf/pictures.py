@@ -22,6 +22,10 @@ class Picture:
     def __init__(self, pixels: np.ndarray[Any, Any]) -> None:
         self.pixels = pixels
 
+    def __repr__(self) -> str:
+        height, width, _ = self.pixels.shape
+        return f"<clsdf.Picture: {width} x {height} pixels>"
+
     def _repr_png_(self) -> bytes:
         return self.png()
 
@@ -38,9 +42,16 @@ class Picture:
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a PNG file."""
-        with open(path, "wb") as file:
-            file.write(self.png())
+        """Writes a PNG file; the path ends in .png. Raises clsdf.Error: unsupported for another ending;
+        output_failure."""
+        name = os.fsdecode(path)
+        if not name.lower().endswith(".png"):
+            raise Error(f"{name}: pictures are written as PNG; end the path with .png", "unsupported")
+        try:
+            with open(path, "wb") as file:
+                file.write(self.png())
+        except OSError as error:
+            raise Error(f"{name} cannot be written: {error.strerror}", "output_failure") from error
 
 
 def slice_picture(field: Field, axis: str = "z", index: int | None = None, pixels: int = 512) -> Picture:
@@ -50,6 +61,8 @@ def slice_picture(field: Field, axis: str = "z", index: int | None = None, pixel
     longer side, at most; a sample is a square of whole pixels. The first of the other two axes points to the right, the
     second one up. Raises clsdf.Error: invalid_argument for another axis or no such slice.
     """
+    if not isinstance(field, Field):
+        raise Error(f"field: {repr(field)[:100]} is no clsdf.Field; body.field() and read_field() make them")
     if axis not in ("x", "y", "z"):
         raise Error(f"axis: {axis!r} is not an axis; write 'x', 'y' or 'z'")
     along = "zyx".index(axis)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import enum
 import math
 import operator
+import os
+import threading
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -13,11 +15,11 @@ import numpy.typing as npt
 
 from . import _core, _meshes
 from ._core import Band, Device, Grid, Topology
-from ._devices import device_of
+from ._devices import device_named, device_of
 from ._error import Error
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
 from ._progress import Progress, shown
-from ._values import Blocks, Outputs, Points, given, new_samples, shape_of, type_of, wanted
+from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
 from .field import Field
 from .plan import Plan
 
@@ -52,9 +54,14 @@ class BoxPlace(enum.IntEnum):
 
 def _whole(what: str, value: Any) -> int:
     try:
-        return operator.index(value)
+        if isinstance(value, bool):
+            raise TypeError
+        number = operator.index(value)
     except TypeError:
         raise Error(f"{what}: {value!r} is not a whole number of samples") from None
+    if not -(2**63) <= number < 2**63:
+        raise Error(f"{what}: {value!r} samples are more than a grid may have")
+    return number
 
 
 def _steps(spacing: float | Sequence[float] | None) -> tuple[float, float, float] | None:
@@ -75,6 +82,117 @@ def _vectors(name: str, values: Any, shape: tuple[int, ...]) -> npt.NDArray[np.f
     if array.shape != shape:
         raise Error(f"{name} has the shape {array.shape}; expected {shape}")
     return array
+
+
+#: A rotation (3, 3) and a translation (3,).
+Motion = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
+
+
+def _motion(name: str, rotation: Any, translation: Any = None) -> Motion:
+    """The motion of a rotation and a translation, or of a pose; a rotation in floats is made one in double."""
+    if translation is None:
+        pose = _vectors(name, rotation, (4, 4))
+        if pose[3].tolist() != [0, 0, 0, 1]:
+            raise Error(f"{name}: the last row of the 4 x 4 matrix is {pose[3].tolist()}, not [0, 0, 0, 1]")
+        rotation, translation = pose[:3, :3], pose[:3, 3]
+    turn, shift = _vectors(name, rotation, (3, 3)), _vectors("translation", translation, (3,))
+    turn = np.array(_core.rotation_near(turn.tolist()), np.float64)
+    error = np.abs(turn @ turn.T - np.eye(3)).max()
+    if not error <= 1e-11 or not np.linalg.det(turn) > 0:
+        kind = "a reflection" if error <= 1e-11 else f"{error:.2g} off"
+        raise Error(
+            f"{name}: the matrix is no rotation to 1e-5, but {kind}; "
+            "u, _, v = numpy.linalg.svd(matrix) makes the nearest one, u @ v, of a matrix that is nearly one, and "
+            "scipy.spatial.transform.Rotation makes one of angles or a quaternion"
+        )
+    if not np.isfinite(shift).all():
+        raise Error(f"translation: {shift.tolist()} is not finite")
+    return turn, shift.copy()
+
+
+def _frame(frame: Any) -> Motion:
+    """The motion of (R, t), or of a pose."""
+    return _motion("frame", *frame) if isinstance(frame, (tuple, list)) and len(frame) == 2 else _motion("frame", frame)
+
+
+def _rows(points: Any) -> tuple[Any, tuple[int, ...]]:
+    """Points as (n, 3), and the shape of their distances."""
+    points = _meshes.as_array(points, np.float64)
+    shape = tuple(points.shape)
+    if shape == (0,):
+        return np.empty((0, 3)), (0,)
+    if shape[-1:] != (3,):
+        raise Error(f"points has the shape {shape}; expected (n, 3) or (..., 3), or (3,) of one point")
+    if len(shape) == 2:
+        return points, shape[:1]
+    if not hasattr(points, "reshape"):
+        points = _on_host(points)
+    return points.reshape(math.prod(shape[:-1]), 3), shape[:-1]
+
+
+def _on_host(array: Any) -> npt.NDArray[Any]:
+    """An array of any package as one of NumPy, in the same memory."""
+    return np.asarray(array) if isinstance(array, memoryview) or hasattr(array, "__array__") else np.from_dlpack(array)
+
+
+def _flat(name: str, array: Any, shape: tuple[int, ...]) -> Any:
+    """An array for points of the shape (...) as one of rows, in the same memory."""
+    expected = shape_of(name, shape)
+    if tuple(np.shape(array)) != expected:
+        raise Error(f"out: the array of '{name}' has the shape {tuple(np.shape(array))}; expected {expected}")
+    flat = array.reshape(shape_of(name, (math.prod(shape),)))
+    if isinstance(array, np.ndarray) and not np.may_share_memory(flat, array):
+        raise Error(f"out: the array of '{name}' has strides that cannot be those of rows; pass one in C order")
+    return flat
+
+
+def _into_frame(points: Any, rotation: npt.NDArray[np.float64], translation: npt.NDArray[np.float64]) -> Any:
+    """Points of the world in the frame of a body. Sums are written out: a product of matrices is another one on other
+    processors."""
+    if hasattr(points, "base_data"):
+        raise Error(
+            "frame: the points are in memory of the device; take them into the frame there, (points - t) @ R, or copy "
+            "them to a NumPy array",
+            "unsupported",
+        )
+    points = _on_host(points)
+    x, y, z = (points.T - translation[:, None]).astype(np.float64)
+    return np.stack([x * rotation[0, a] + y * rotation[1, a] + z * rotation[2, a] for a in range(3)], axis=1)
+
+
+def _out_of_frame(
+    arrays: dict[str, Any], rotation: npt.NDArray[np.float64], translation: npt.NDArray[np.float64]
+) -> None:
+    """Turns the vectors of results, and moves the closest points, in place."""
+    for name in ("gradient", "offset", "closest"):
+        if name in arrays:
+            x, y, z = arrays[name].astype(np.float64).T
+            shift = translation if name == "closest" else np.zeros(3)
+            for a in range(3):
+                arrays[name][:, a] = x * rotation[a, 0] + y * rotation[a, 1] + z * rotation[a, 2] + shift[a]
+
+
+def _limit(within: float | None) -> float:
+    if within is None:
+        return math.inf
+    try:
+        if isinstance(within, (str, bool)):
+            raise TypeError
+        return float(within)
+    except (TypeError, ValueError):
+        raise Error(f"within: {within!r} is not a number, in the mesh's units; None is no limit") from None
+
+
+def _plain(region: Any) -> tuple[tuple[float, ...], tuple[float, ...], float, float]:
+    """The numbers of a Region."""
+    if not isinstance(region, Region):
+        raise Error(f"regions: {region!r} is no clsdf.Region; write clsdf.Region(lower, upper, half_width, spacing)")
+    lower = tuple(_vectors("lower", region.lower, (3,)).tolist())
+    upper = tuple(_vectors("upper", region.upper, (3,)).tolist())
+    try:
+        return lower, upper, float(region.half_width), float(region.spacing)
+    except (TypeError, ValueError):
+        raise Error(f"regions: {region!r} has a half width or a spacing that is no number") from None
 
 
 class Transform:
@@ -101,15 +219,50 @@ class Transform:
     def __init__(
         self, mesh: Any, faces: Any = None, *, device: Any = None, sign: str = "auto", kept_bytes: int | None = None
     ) -> None:
+        if kept_bytes is not None:
+            try:
+                kept_bytes = -1 if isinstance(kept_bytes, bool) else operator.index(kept_bytes)
+            except TypeError:
+                kept_bytes = -1
+            if not 0 <= kept_bytes < 2**64:
+                raise Error("kept_bytes is not a number of bytes, 0 or more; write 1 << 30 for a GiB, or None")
+        if not isinstance(sign, str):
+            raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle' or 'none'")
+        is_own = faces is None and isinstance(mesh, (str, os.PathLike))
         vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
         self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes)
+        if not is_own:
+            vertices, faces = _meshes.own_copy(vertices), _meshes.own_copy(faces)
+        self._keep((vertices, faces, sign, kept_bytes))
 
-    @classmethod
-    def _of(cls, body: _core.Body, mesh_name: str) -> Transform:
-        transform = cls.__new__(cls)
-        transform._body = body
-        transform.mesh_name = mesh_name
-        return transform
+    def _keep(self, made_of: tuple[Any, Any, str, int | None]) -> None:
+        """What the transform is made of, to make it again elsewhere."""
+        self._made_of = made_of
+        self._positions: Any = None
+        self._motion: Any = None
+        self._regions: Any = None
+        self._moves = threading.RLock()  # a handler of signals that moves the body gets the extension's error
+
+    # Copies.
+
+    def _state(self) -> tuple[Any, ...]:
+        with self._moves:
+            vertices, faces, sign, kept_bytes = self._made_of
+            if self.sign in ("none", "solid-angle"):
+                sign = self.sign  # known: no second warning
+            return vertices, faces, sign, kept_bytes, self._positions, self._motion, self._regions, self.mesh_name
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The mesh's arrays, the present positions, the options, and the device's name, on which unpickling makes the
+        transform again."""
+        return _made_again, (self.device.name, *self._state())
+
+    def __copy__(self) -> Transform:
+        """A transform of the same mesh at its present positions, on the same device."""
+        return _made_again(self.device, *self._state())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Transform:
+        return self.__copy__()
 
     def __repr__(self) -> str:
         return f"<clsdf.Transform: {self.mesh_name}, sign {self.sign}, on {self.device.name}>"
@@ -150,13 +303,66 @@ class Transform:
         """Gives the same faces new positions: an array (n, 3), one row for each vertex of the mesh. What follows from
         the faces stays. Raises clsdf.Error: invalid_argument for another number of rows, invalid_mesh for a row that is
         not finite; the positions are those of before then."""
-        self._body.set_positions(_meshes.as_array(positions, np.float64), wait_for)
+        positions = _meshes.as_array(positions, np.float64)
+        with self._moves:
+            self._body.set_positions(positions, wait_for)
+            self._positions, self._motion = _meshes.own_copy(positions), None
 
-    def set_motion(self, rotation: Any, translation: Any) -> None:
+    def set_motion(self, rotation: Any, translation: Any = None) -> Motion:
         """Puts the vertices at rotation @ x + translation. x are the positions of the mesh that the transform was made
-        from, so errors do not add up. Raises clsdf.Error if the 3 x 3 matrix is no rotation to 1e-12."""
-        rotation, translation = _vectors("rotation", rotation, (3, 3)), _vectors("translation", translation, (3,))
-        self._body.set_motion(rotation, translation)
+        from, so errors do not add up. For a body that is rigid, query(points, frame=(rotation, translation)) is much
+        cheaper, since it prepares nothing.
+
+        rotation: 3 x 3, or a 4 x 4 pose with the last row 0 0 0 1 and no translation beside it. A matrix that was
+        rounded to float32 is made a rotation again, the same on every machine.
+
+        Returns the motion in use: the rotation and the translation, float64. Raises clsdf.Error if the matrix is no
+        rotation to 1e-5, a reflection for instance.
+        """
+        motion = _motion("rotation", rotation, translation)
+        with self._moves:
+            self._body.set_motion(motion[0].tolist(), motion[1].tolist())
+            self._positions, self._motion = None, motion
+        return motion[0].copy(), motion[1].copy()
+
+    @property
+    def faces(self) -> npt.NDArray[Any]:
+        """(m, 3): the faces that the transform was made of, read-only."""
+        return self._made_of[1]  # type: ignore[no-any-return]
+
+    @property
+    def vertices(self) -> npt.NDArray[Any]:
+        """(n, 3): the vertices that the transform was made of, at their present positions, read-only."""
+        with self._moves:
+            first, positions, motion = self._made_of[0], self._positions, self._motion
+        if motion is None:
+            return first if positions is None else positions  # type: ignore[no-any-return]
+        moved = _core.moved(np.ascontiguousarray(first, np.float64), *motion)
+        moved.flags.writeable = False
+        return moved
+
+    def sample(self, n: int, within: float = 0.0, seed: int | None = None) -> npt.NDArray[np.float64]:
+        """Points (n, 3), float64, on the surface, as dense on large faces as on small ones; with `within` each is moved
+        in a random direction by up to that length, so it is at most that far from the surface. seed: of NumPy's
+        default_rng(); the same seed gives the same points. query() has their distances."""
+        count, radius = _whole("n", n), _limit(within)
+        if count < 0 or not 0 <= radius < math.inf:
+            raise Error(f"sample takes a number of points and a length, each 0 or more; not {n!r} and {within!r}")
+        random = np.random.default_rng(seed)
+        corners = self.vertices[self.faces].astype(np.float64)
+        first, one, two = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        ends = np.cumsum(np.linalg.norm(np.cross(one, two), axis=1))
+        if not ends[-1] > 0:
+            raise Error("sample: no face of the mesh has an area", "invalid_mesh")
+        chosen = np.searchsorted(ends, random.uniform(0, ends[-1], count), side="right").clip(max=len(ends) - 1)
+        u, v = random.uniform(size=(2, count, 1))
+        u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+        points: npt.NDArray[np.float64] = first[chosen] + u * one[chosen] + v * two[chosen]
+        if radius > 0:
+            way = random.normal(size=(count, 3))
+            way /= np.linalg.norm(way, axis=1, keepdims=True)
+            points += way * (radius * random.uniform(size=(count, 1)))
+        return points
 
     # Grids.
 
@@ -240,6 +446,7 @@ class Transform:
         positive_inside: bool = False,
         progress: Progress = None,
         wait_for: Any = None,
+        dtype: npt.DTypeLike | None = None,
     ) -> Field:
         """Computes a field: every sample within the band has its exact distance, every other one the band's half width
         with its sign.
@@ -255,6 +462,7 @@ class Transform:
             grid.shape (vectors: one axis more) and any strides. Types: those of a new field; distance, gradient,
             barycentric and offset may also be float64, triangle int32 (-1 beyond the band). They may be pyopencl arrays
             of the device's context.
+        dtype: "float64" for distance, gradient, barycentric and offset in double, instead of `out`.
         positive_inside: distances and gradients are negated, also zeros and what lies beyond the band; files record it.
 
         Returns `out` if it is a Field, else a new Field. Raises clsdf.Error: invalid_argument before any work for an
@@ -265,7 +473,9 @@ class Transform:
         if band is None:
             band = out.band if isinstance(out, Field) else "10%"
         grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
-        arrays = new_samples(wanted(outputs or ()), grid.shape) if out is None else given(out, outputs)
+        if out is not None and dtype is not None:
+            raise Error("dtype= and out= exclude each other: arrays that are given have a type")
+        arrays = new_samples(wanted(outputs or ()), grid.shape, dtype) if out is None else given(out, outputs)
         if positive_inside:
             if own_band.inside == own_band.outside == 0:
                 raise Error("positive_inside: a field of signs alone has those of zeros, and these are negative inside")
@@ -291,6 +501,8 @@ class Transform:
     ) -> list[Field]:
         """The fields of many grids of any lattices, in one call, which is cheaper than one call each; each has the
         bytes of a call of its own. band and outputs: as of field()."""
+        if isinstance(grids, Grid):
+            raise Error("grids: one clsdf.Grid is given; pass a list of grids, or use field() for one")
         fields = []
         outputs = wanted(outputs)
         for grid in grids:
@@ -377,40 +589,53 @@ class Transform:
         points: Any,
         outputs: Outputs | None = None,
         *,
-        within: float = math.inf,
+        within: float | None = math.inf,
         out: Any = None,
         positive_inside: bool = False,
         progress: Progress = None,
         wait_for: Any = None,
         refuse_unusable_points: bool = False,
+        frame: Any = None,
+        dtype: npt.DTypeLike | None = None,
     ) -> Points:
         """The exact signed distance at points anywhere, and other outputs.
 
-        points: an array (n, 3), float32 or float64, any strides; or one point (3,), whose results are numbers and
-            vectors (3,). outputs: as of field(). within: limits the search, in the mesh's units, which makes it
-            cheaper; a farther point has that limit as its distance, with its sign, and no triangle.
-        out: arrays (n,), and (n, 3) of vectors, to write to, as of field(). positive_inside: as of field().
+        points: an array (n, 3) or (..., 3), float32 or float64, any strides; or one point (3,), whose results are
+            numbers and vectors (3,); [] is no point. Results have the shape (...), and (..., 3) of vectors. outputs: as
+            of field(). within: limits the search, in the mesh's units, which makes it cheaper (None: no limit); a
+            farther point has that limit as its distance, with its sign, and no triangle.
+        out: arrays (n,), and (n, 3) of vectors, to write to, as of field(). positive_inside: as of field(). dtype:
+            "float64" for distance, gradient, barycentric and offset in double, instead of `out`.
+        frame: the motion (R, t), or the 4 x 4 pose, of a rigid body whose mesh stays as it is: the points, and the
+            vectors of the results, are those of the world in which the body's point x is at R @ x + t. This costs
+            next to nothing, unlike set_motion(). The matrix is taken as set_motion() takes it.
 
         The sign is exact at the given doubles; a point on the surface has the distance +0. A point that is not finite
         gets the distance NaN and no triangle; a finite one more than 1e14 voxels from the mesh (1/256 of its longest
         side) gets `within` if that is finite, else NaN. One MeshWarning has their number; with refuse_unusable_points
         they raise clsdf.Error (invalid_argument) that names the row. Raises clsdf.Error for arrays as of field().
         """
-        points = _meshes.as_array(points, np.float64)
-        is_one = len(points.shape) < 2
-        if is_one:
-            if tuple(points.shape) != (3,):
-                raise Error(f"points has the shape {tuple(points.shape)}; expected (n, 3), or (3,) of one point")
-            points = points[None]
-        count = len(points)
-        if isinstance(within, str):
-            raise Error(f"within: {within!r} is a text; write a number, in the mesh's units")
+        points, shape = _rows(points)
+        is_one, count = shape == (), len(points)
+        within = _limit(within)
+        motion = None
+        if frame is not None:
+            motion = _frame(frame)
+            points = _into_frame(points, *motion)
         if out is None:
             arrays = {}
+            real = real_of(dtype)
             for name in wanted(outputs or ()):
-                arrays[name] = np.empty(shape_of(name, (count,)), type_of(name)[0])
+                own = type_of(name)[0]
+                arrays[name] = np.empty(shape_of(name, (count,)), real if own == np.float32 else own)
+            results = {name: array.reshape(shape_of(name, shape)) for name, array in arrays.items()}
         else:
-            arrays = given(out, outputs)
+            if dtype is not None:
+                raise Error("dtype= and out= exclude each other: arrays that are given have a type")
+            results = given(out, outputs)
+            arrays = results if len(shape) < 2 else {name: _flat(name, array, shape) for name, array in results.items()}
+            if motion is not None and not all(isinstance(array, np.ndarray) for array in arrays.values()):
+                raise Error("frame: the arrays of out= are not NumPy's, in which the results are turned", "unsupported")
         if positive_inside:
             self._check_negatable(arrays)
         if progress is None:
@@ -420,7 +645,24 @@ class Transform:
                 self._body.query(points, within, arrays, show, wait_for, refuse_unusable_points)
         if positive_inside:
             _core.negate(arrays)
-        return Points({name: array[0] for name, array in arrays.items()} if is_one and out is None else arrays)
+        if motion is not None:
+            _out_of_frame(arrays, *motion)
+        if is_one and out is None:
+            results = {name: array[0] for name, array in arrays.items()}
+        return Points(results)
+
+    def contains(self, points: Any, *, frame: Any = None) -> npt.NDArray[np.bool_]:
+        """Whether points (..., 3) are inside: an array (...), exact. One on the surface is not, nor one that is not
+        finite. points, frame: as of query(). Raises clsdf.Error (invalid_mesh) if the mesh has no inside."""
+        if self.sign == "none":
+            raise Error("contains: the mesh is open, or its sign is 'none', so it has no inside; clsdf.Transform(mesh, "
+                        "sign='nonzero') names the open edges", "invalid_mesh")
+        points, shape = _rows(points)
+        if frame is not None:
+            points = _into_frame(points, *_frame(frame))
+        distance = np.empty(len(points))
+        self._body.query(points, math.inf, {"distance": distance}, None, None, False)
+        return np.asarray(np.signbit(distance) & ~np.isnan(distance)).reshape(shape)
 
     def classify(self, boxes: Any, half_width: float) -> npt.NDArray[np.uint8]:
         """The place of each box, as numbers of clsdf.BoxPlace.
@@ -454,9 +696,13 @@ class Transform:
     def restrict_to(self, regions: Region | Iterable[Region]) -> Transform:
         """A transform for parts of the domain, which keeps only what they need. Every grid, point and box asked for
         later must lie in one region. The results have the bytes of the whole transform."""
-        all_regions = [regions] if isinstance(regions, Region) else list(regions)
-        plain = [(tuple(r.lower), tuple(r.upper), float(r.half_width), float(r.spacing)) for r in all_regions]
-        return Transform._of(self._body.restrict_to(plain), self.mesh_name)
+        plain = [_plain(region) for region in ([regions] if isinstance(regions, Region) else regions)]
+        with self._moves:
+            part = Transform.__new__(Transform)
+            part._body, part.mesh_name = self._body.restrict_to(plain), self.mesh_name
+            part._keep(self._made_of)
+            part._positions, part._motion, part._regions = self._positions, self._motion, plain
+        return part
 
     # Plans.
 
@@ -483,3 +729,26 @@ class Transform:
         """The device_bytes of a plan of these requests, which is made and given back: takes its time and its memory."""
         with shown(progress) as show:
             return self._body.plan_bytes(self._requests(requests), show)
+
+
+def _made_again(
+    device: Device | str,
+    vertices: Any,
+    faces: Any,
+    sign: str,
+    kept_bytes: int | None,
+    positions: Any,
+    motion: Any,
+    regions: Any,
+    mesh_name: str,
+) -> Transform:
+    """A transform from what Transform._state() has."""
+    if isinstance(device, str):
+        device = device_named(device)
+    made = Transform((vertices, faces), device=device, sign=sign, kept_bytes=kept_bytes)
+    made.mesh_name = mesh_name
+    if positions is not None:
+        made.set_positions(positions)
+    if motion is not None:
+        made.set_motion(*motion)
+    return made if regions is None else made.restrict_to([Region(*region) for region in regions])

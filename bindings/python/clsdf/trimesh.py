@@ -78,6 +78,9 @@ class ProximityQuery:
     def __init__(self, mesh: Any) -> None:
         self._mesh = mesh
 
+    def __repr__(self) -> str:
+        return f"<clsdf.trimesh.ProximityQuery: {self._mesh!r}>"
+
     def signed_distance(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """signed_distance() of the mesh."""
         return signed_distance(self._mesh, points)

@@ -4,7 +4,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
 
 namespace clsdf::python {
 
@@ -15,6 +19,60 @@ std::string text_of(const Grid& grid) {
                        grid.origin[0], grid.origin[1], grid.origin[2], grid.spacing[0], grid.spacing[1],
                        grid.spacing[2], grid.size[0], grid.size[1], grid.size[2], grid.first[0], grid.first[1],
                        grid.first[2]);
+}
+
+std::string shown(nb::handle value) {
+    return nb::cast<std::string>(nb::repr(value)).substr(0, 100);
+}
+
+// Three numbers of any sequence; `of_all` takes one for all axes.
+Vec3 numbers_of(nb::handle values, const char* what, bool of_all = false) {
+    Vec3 each{};
+    if (nb::try_cast(values, each)) return each;
+    double all = 0;
+    if (of_all && !nb::isinstance<nb::str>(values) && nb::try_cast(values, all)) return {all, all, all};
+    refuse(fmt::format("{}: expected {}three numbers (x, y, z), not {}", what, of_all ? "a number or " : "",
+                       shown(values)));
+}
+
+Index3 wholes_of(nb::handle values, const char* what, bool of_all = false) {
+    Index3 each{};
+    if (nb::try_cast(values, each)) return each;
+    std::int64_t all = 0;
+    if (of_all && !nb::isinstance<nb::bool_>(values) && nb::try_cast(values, all)) return {all, all, all};
+    refuse(fmt::format("{}: expected {}three whole numbers, along x, y and z, not {}", what,
+                       of_all ? "a whole number or " : "", shown(values)));
+}
+
+std::int64_t whole_of(nb::handle value, const char* what) {
+    std::int64_t number = 0;
+    if (nb::try_cast(value, number)) return number;
+    refuse(fmt::format("{}: {} is not a whole number", what, shown(value)));
+}
+
+// A half width of a Band, which knows neither a mesh nor a grid.
+double width_of(nb::handle value, const char* what) {
+    double width = 0;
+    if (!nb::isinstance<nb::str>(value) && !nb::isinstance<nb::bool_>(value) && nb::try_cast(value, width))
+        return width;
+    refuse(
+        fmt::format("Band: {} is {}; write a number, in the mesh's units (three voxels are 3 * grid.voxel, no end is "
+                    "math.inf); band= of field() takes texts, too",
+                    what, value.is_none() ? "missing" : shown(value)));
+}
+
+// The positions of all samples, (nz, ny, nx, 3).
+auto positions_of(const Grid& grid) {
+    const auto samples = static_cast<std::size_t>(grid.size[0] * grid.size[1] * grid.size[2]);
+    auto memory = std::make_unique<std::vector<Vec3>>(samples);
+    std::size_t at = 0;
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid.size[0]; ++i) (*memory)[at++] = grid.position(i, j, k);
+    auto* const data = reinterpret_cast<double*>(memory->data());
+    const nb::capsule owner(memory.release(), [](void* own) noexcept { delete static_cast<std::vector<Vec3>*>(own); });
+    const auto side = [&](std::size_t axis) { return static_cast<std::size_t>(grid.size[axis]); };
+    return nb::ndarray<nb::numpy, double, nb::shape<-1, -1, -1, 3>>(data, {side(2), side(1), side(0), 3}, owner);
 }
 
 Grid checked(const Vec3& origin, const Vec3& spacing, const Index3& size, const Index3& first) {
@@ -78,13 +136,15 @@ void add_bands(nb::module_& module) {
         "given. Raises clsdf.Error for a negative or NaN width.")
         .def(
             "__init__",
-            [](Band* band, double inside, std::optional<double> outside) {
-                const double other = outside.value_or(inside);
-                Band made{inside, other, inside == 0 && other == 0};
+            [](Band* band, nb::handle inside_width, nb::handle outside_width) {
+                const double inside = width_of(inside_width, "inside");
+                const double outside = outside_width.is_none() ? inside : width_of(outside_width, "outside");
+                Band made{inside, outside, inside == 0 && outside == 0};
                 made.validate();
                 new (band) Band(made);
             },
-            nb::arg("inside"), nb::arg("outside") = nb::none())
+            nb::arg("inside") = nb::none(), nb::arg("outside") = nb::none(),
+            nb::sig("def __init__(self, inside: float, outside: float | None = None) -> None"))
         .def_ro("inside", &Band::inside, "Half width inside, in the mesh's units.")
         .def_ro("outside", &Band::outside, "Half width outside, in the mesh's units.")
         .def(
@@ -112,16 +172,13 @@ void add_grids(nb::module_& module) {
         "units. Raises clsdf.Error for a size or a spacing that is not positive, or a number that is not finite.")
         .def(
             "__init__",
-            [](Grid* grid, const Vec3& origin, double spacing, const Index3& size, const Index3& first) {
-                new (grid) Grid(checked(origin, {spacing, spacing, spacing}, size, first));
+            [](Grid* grid, nb::handle origin, nb::handle spacing, nb::handle size, nb::handle first) {
+                new (grid) Grid(checked(numbers_of(origin, "origin"), numbers_of(spacing, "spacing", true),
+                                        wholes_of(size, "size", true), wholes_of(first, "first")));
             },
-            nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = Index3{})
-        .def(
-            "__init__",
-            [](Grid* grid, const Vec3& origin, const Vec3& spacing, const Index3& size, const Index3& first) {
-                new (grid) Grid(checked(origin, spacing, size, first));
-            },
-            nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = Index3{})
+            nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = nb::make_tuple(0, 0, 0),
+            nb::sig("def __init__(self, origin: numpy.typing.ArrayLike, spacing: float | numpy.typing.ArrayLike, "
+                    "size: int | numpy.typing.ArrayLike, first: numpy.typing.ArrayLike = (0, 0, 0)) -> None"))
         .def_static("between", &between, nb::arg("lower"), nb::arg("upper"), nb::kw_only(),
                     nb::arg("samples") = nb::none(), nb::arg("cells") = nb::none(), nb::arg("cell_centred") = false,
                     nb::sig("def between(lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, *, "
@@ -141,14 +198,33 @@ void add_grids(nb::module_& module) {
         .def_prop_ro(
             "box", [](const Grid& grid) { return pair_of(grid.box()); },
             "Two corners, lower and upper: the first and the last sample.")
-        .def("position", &Grid::position, nb::arg("i"), nb::arg("j"), nb::arg("k"),
-             "Position (x, y, z) of sample (i, j, k) of this block.")
         .def(
-            "part", &Grid::part, nb::arg("offset"), nb::arg("size"),
+            "position",
+            [](const Grid& grid, nb::handle i, nb::handle j, nb::handle k) {
+                return grid.position(whole_of(i, "i"), whole_of(j, "j"), whole_of(k, "k"));
+            },
+            nb::arg("i"), nb::arg("j"), nb::arg("k"),
+            nb::sig("def position(self, i: int, j: int, k: int) -> tuple[float, float, float]"),
+            "Position (x, y, z) of sample (i, j, k) of this block.")
+        .def("positions", &positions_of,
+             "The positions of all samples: an array (nz, ny, nx, 3), float64, as position() has them.")
+        .def(
+            "part",
+            [](const Grid& grid, nb::handle offset, nb::handle size) {
+                return grid.part(wholes_of(offset, "offset"), wholes_of(size, "size", true));
+            },
+            nb::arg("offset"), nb::arg("size"),
+            nb::sig("def part(self, offset: numpy.typing.ArrayLike, size: int | numpy.typing.ArrayLike) -> Grid"),
             "The block of `size` samples that starts `offset` samples from this one's first. Raises clsdf.Error if it\n"
             "is not inside.")
-        .def("block", &Grid::block, nb::arg("first"), nb::arg("size"),
-             "Any block of the lattice, within this grid or beyond it.")
+        .def(
+            "block",
+            [](const Grid& grid, nb::handle first, nb::handle size) {
+                return grid.block(wholes_of(first, "first"), wholes_of(size, "size", true));
+            },
+            nb::arg("first"), nb::arg("size"),
+            nb::sig("def block(self, first: numpy.typing.ArrayLike, size: int | numpy.typing.ArrayLike) -> Grid"),
+            "Any block of the lattice, within this grid or beyond it.")
         .def("grown", &Grid::grown, nb::arg("samples"), "So many samples more on every side; fewer if negative.")
         .def("refined", &Grid::refined, nb::arg("ratio"),
              "A lattice `ratio` times as fine that has all samples of this one, for samples at nodes.")

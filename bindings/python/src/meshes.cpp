@@ -7,9 +7,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace clsdf::python {
@@ -62,6 +67,59 @@ nb::list list_of(const std::vector<Topology::Edge>& edges) {
     return list;
 }
 
+constexpr std::size_t Topology::*topology_counts[] = {
+    &Topology::tested_points,
+    &Topology::doubtful_points,
+    &Topology::inside_points,
+    &Topology::open_edges,
+    &Topology::unbalanced_edges,
+    &Topology::non_manifold_edges,
+    &Topology::repeated_vertex_faces,
+    &Topology::coincident_vertices,
+    &Topology::unused_vertices,
+    &Topology::boundary_edges,
+    &Topology::joined_vertices,
+    &Topology::duplicate_faces,
+    &Topology::uncounted_faces,
+    &Topology::reoriented_faces,
+    &Topology::inner_wall_faces,
+    &Topology::first_inner_wall_face,
+    &Topology::parts,
+    &Topology::inward_parts,
+    &Topology::first_inward_face,
+    &Topology::nested_parts,
+    &Topology::first_nested_face,
+};
+
+using Edges = std::vector<std::pair<Vec3, Vec3>>;
+using TopologyState = std::tuple<std::tuple<bool, bool, bool>, std::vector<std::size_t>, Edges, Edges>;
+
+Edges pairs_of(const std::vector<Topology::Edge>& edges) {
+    Edges pairs;
+    for (const Topology::Edge& edge : edges) pairs.emplace_back(edge.from, edge.to);
+    return pairs;
+}
+
+TopologyState state_of(const Topology& topology) {
+    std::vector<std::size_t> counts;
+    for (const auto count : topology_counts) counts.push_back(topology.*count);
+    return {{topology.closed, topology.balanced, topology.inside_out},
+            counts,
+            pairs_of(topology.first_open_edges),
+            pairs_of(topology.first_unbalanced_edges)};
+}
+
+Topology topology_of(const TopologyState& state) {
+    const auto& [kinds, counts, open, unbalanced] = state;
+    Topology topology;
+    std::tie(topology.closed, topology.balanced, topology.inside_out) = kinds;
+    for (std::size_t i = 0; i < std::min(counts.size(), std::size(topology_counts)); ++i)
+        topology.*topology_counts[i] = counts[i];
+    for (const auto& [from, to] : open) topology.first_open_edges.push_back({from, to});
+    for (const auto& [from, to] : unbalanced) topology.first_unbalanced_edges.push_back({from, to});
+    return topology;
+}
+
 }  // namespace
 
 void add_meshes(nb::module_& module) {
@@ -112,6 +170,9 @@ void add_meshes(nb::module_& module) {
         .def_ro("first_inner_wall_face", &Topology::first_inner_wall_face)
         .def_ro("first_inward_face", &Topology::first_inward_face)
         .def_ro("first_nested_face", &Topology::first_nested_face)
+        .def("__getstate__", &state_of)
+        .def("__setstate__",
+             [](Topology& topology, const TopologyState& state) { new (&topology) Topology(topology_of(state)); })
         .def("__repr__", [](const Topology& topology) {
             return std::string("<clsdf.Topology: ") + (topology.closed ? "closed" : "open") +
                    (topology.balanced ? ", balanced" : ", not balanced") +
@@ -125,6 +186,15 @@ void add_meshes(nb::module_& module) {
         .def_ro("duplicate_faces", &Defects::duplicate_faces,
                 "Faces with the three different vertices of an earlier face, in any order.")
         .def_ro("components", &Defects::components, "Parts of the mesh that share no vertex.")
+        .def("__getstate__",
+             [](const Defects& defects) {
+                 return std::tuple(defects.zero_area_faces, defects.duplicate_faces, defects.components);
+             })
+        .def("__setstate__",
+             [](Defects& defects, const std::tuple<std::size_t, std::size_t, std::size_t>& state) {
+                 const auto [zero_area, duplicate, components] = state;
+                 new (&defects) Defects{zero_area, duplicate, components};
+             })
         .def("__repr__", [](const Defects& defects) {
             return fmt::format("<clsdf.Defects: {} faces without area, {} duplicate faces, {} components>",
                                defects.zero_area_faces, defects.duplicate_faces, defects.components);

@@ -1,7 +1,10 @@
 #include "body.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -129,6 +132,63 @@ void set_motion(Body& body, const std::array<Vec3, 3>& rotation, const Vec3& tra
     body.change([&](DistanceTransform& transform) { transform.set_motion(rotation, translation); });
 }
 
+using Matrix = std::array<Vec3, 3>;
+
+double determinant(const Matrix& m) {
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) + m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
+           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+// The largest difference of an element of R R^T from the identity's.
+double error_of(const Matrix& m) {
+    double largest = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b) {
+            const double product = m[a][0] * m[b][0] + m[a][1] * m[b][1] + m[a][2] * m[b][2];
+            const double error = std::abs(product - (a == b ? 1.0 : 0.0));
+            if (!(error <= largest)) largest = error;
+        }
+    return largest;
+}
+
+// The rotation that a matrix was before it was rounded to floats: Newton's iteration X <- (X + X^-T) / 2 for the polar
+// decomposition (Higham 1986). A matrix that is a rotation in double is returned as it is; one that is none, too, for
+// the library to refuse. No multiplication and addition is fused, so the bytes are the same on every machine.
+Matrix rotation_near(const Matrix& matrix) {
+    constexpr double exact = 1e-12, rounded = 1e-5;
+    const double error = error_of(matrix);
+    if (error <= exact || !(error <= rounded) || !(determinant(matrix) > 0)) return matrix;
+    Matrix x = matrix;
+    for (int step = 0; step < 3; ++step) {  // 1e-5, 1e-10, 1e-20
+        const double scale = 1 / determinant(x);
+        Matrix next;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t b = 0; b < 3; ++b) {
+                const std::size_t i = (a + 1) % 3, j = (a + 2) % 3, k = (b + 1) % 3, l = (b + 2) % 3;
+                const double cofactor = x[i][k] * x[j][l] - x[i][l] * x[j][k];
+                next[a][b] = (x[a][b] + cofactor * scale) / 2;
+            }
+        x = next;
+    }
+    return x;
+}
+
+// The positions R x + t, with the roundings of DistanceTransform::set_motion().
+auto moved(nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu> first, const Matrix& r,
+           const Vec3& t) {
+    auto positions = std::make_unique<std::vector<Vec3>>(first.shape(0));
+    for (std::size_t i = 0; i < positions->size(); ++i) {
+        const double* const x = first.data() + 3 * i;
+        for (std::size_t a = 0; a < 3; ++a)
+            (*positions)[i][a] = std::fma(r[a][0], x[0], std::fma(r[a][1], x[1], std::fma(r[a][2], x[2], t[a])));
+    }
+    auto* const data = reinterpret_cast<double*>(positions->data());
+    const std::size_t rows = positions->size();
+    const nb::capsule owner(positions.release(),
+                            [](void* own) noexcept { delete static_cast<std::vector<Vec3>*>(own); });
+    return nb::ndarray<nb::numpy, double, nb::shape<-1, 3>>(data, {rows, 3}, owner);
+}
+
 bool compile(const Body& body, const Grid& grid, const Band& band, const std::vector<std::string>& outputs,
              nb::object progress) {
     OutputSet wanted;
@@ -214,6 +274,10 @@ void add_transforms(nb::module_& module) {
         .def_prop_ro("device", [](const Body& body) { return body.device(); });
     module.def("make_body", &make, nb::arg("device"), nb::arg("vertices"), nb::arg("faces"), nb::arg("sign"),
                nb::arg("kept_bytes").none());
+    module.def("rotation_near", &rotation_near, nb::arg("matrix"),
+               "The rotation that was rounded to floats; a matrix that is one already, or is none, stays as it is.");
+    module.def("moved", &moved, nb::arg("first"), nb::arg("rotation"), nb::arg("translation"),
+               "The positions rotation @ x + translation, as a transform has them.");
     module.def(
         "slabs_of", [](const Grid& grid) { return DistanceTransform::slabs_of(grid); }, nb::arg("grid"),
         "The parts in which a large field is computed: whole slices, in the order of z.");
