@@ -191,6 +191,21 @@ BOOST_AUTO_TEST_CASE(of_many_patches_only_their_own_samples_come_to_the_host) {
         BOOST_TEST(std::equal(gradient_alone.begin(), gradient_alone.end(), gradient.begin() + 3 * at,
                               [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
     }
+
+    // With strides, too.
+    std::vector<float> spread(2 * distance.size(), -7.0F);
+    constexpr std::ptrdiff_t stride = 2 * sizeof(float);
+    for (std::size_t n = 0; n < requests.size(); ++n)
+        requests[n].targets = {{Output::distance, OutputArray(spread.data() + 2 * n * samples,
+                                                              {stride, stride * side, stride * side * side})}};
+    disguise::restart();
+    transform.compute(requests);
+    const std::size_t of_distances = distance.size() * sizeof(float);
+    BOOST_TEST(disguise::counts().bytes_down <= of_distances + of_distances / 10 + 1024U);
+    for (std::size_t i = 0; i < distance.size(); ++i) {
+        BOOST_TEST(spread[2 * i] == distance[i]);
+        BOOST_TEST(spread[2 * i + 1] == -7.0F);
+    }
 }
 
 BOOST_AUTO_TEST_CASE(a_new_transform_finds_the_memory_of_the_one_before) {
