@@ -424,7 +424,7 @@ BOOST_AUTO_TEST_CASE(notes_that_a_field_is_positive_inside) {
         BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "16", "--band", band}).status == 0);
         const Outcome mistaken = run_command({"check", mesh, path, "--positive-inside"});
         BOOST_TEST(mistaken.status == 1);
-        BOOST_TEST(mistaken.out.find("leave out --positive-inside") != std::string::npos, mistaken.out);
+        BOOST_TEST(mistaken.error.find("leave out --positive-inside") != std::string::npos, mistaken.error);
         const auto note_with = [&](std::size_t kept) {
             clsdf::Field field = clsdf::read_field(path);
             for (std::size_t i = kept; i < field.distance().size(); ++i) field.distance()[i] *= -1;

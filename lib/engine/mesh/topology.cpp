@@ -258,9 +258,8 @@ public:
         count();
     }
 
-    /// Faces of the same three vertices count by their net number, at most once. If the surface is not closed then,
-    /// those that cancel count once if that closes it. The surface stays as it is if more edges would be open, unless
-    /// it consists of doubled faces alone.
+    /// Faces of the same three vertices count by their net number, at most once. A closed surface stays as it is if
+    /// that would open it, unless it consists of doubled faces alone.
     void count_doubled_once(const std::vector<DoubledFace>& doubled) {
         if (doubled.empty()) return;
         std::vector<int> net(triangles_.size(), 1);
@@ -270,27 +269,27 @@ public:
         }
         const std::vector<Triangle> before = triangles_;
         const EdgeCounts edges_before = edges_;
-        count_by(net, doubled);
-        if (edges_.open() > 0 &&
-            std::ranges::any_of(doubled, [&](const DoubledFace& one) { return net[one.first] == 0; })) {
-            const std::vector<Triangle> cancelled = std::exchange(triangles_, before);
-            const EdgeCounts edges_of_cancelled = edges_;
-            const std::vector<SignSurface::Use> uses = surface_.faces;
-            std::vector<int> once = net;
-            for (const DoubledFace& one : doubled)
-                if (net[one.first] == 0) once[one.first] = 1;
-            count_by(once, doubled);
-            if (edges_.open() > 0) {
-                triangles_ = cancelled;
-                edges_ = edges_of_cancelled;
-                surface_.faces = uses;
-            }
+        std::vector<SignSurface::Use> uses(triangles_.size(), SignSurface::forward);
+        const auto use_of = [&](std::uint32_t first, bool is_reversed) {
+            return (net[first] < 0) != is_reversed ? SignSurface::unused_backward : SignSurface::unused_forward;
+        };
+        for (const DoubledFace& one : doubled) {
+            uses[one.face] = use_of(one.first, one.is_reversed);
+            uses[one.first] = net[one.first] > 0   ? SignSurface::forward
+                              : net[one.first] < 0 ? SignSurface::backward
+                                                   : SignSurface::unused_forward;
+            drop(one.face);
+            if (net[one.first] == 0) drop(one.first);
         }
-        if (edges_.open() > edges_before.open() && has_odd_face(before, doubled)) {
+        for (std::uint32_t face = 0; face < triangles_.size(); ++face)
+            if (uses[face] == SignSurface::backward) turn(face);
+        count();
+        if (edges_before.open() == 0 && edges_.open() > 0 && has_odd_face(before, doubled)) {
             triangles_ = before;
             edges_ = edges_before;
-            surface_.faces.clear();
+            return;
         }
+        surface_.faces = std::move(uses);
     }
 
     /// Turns around the faces that look otherwise than most of their part.
@@ -331,25 +330,6 @@ public:
     SignSurface take_surface() { return std::move(surface_); }
 
 private:
-    /// Each face of a set of doubled ones counts by the net number of the first, at most once.
-    void count_by(const std::vector<int>& net, const std::vector<DoubledFace>& doubled) {
-        std::vector<SignSurface::Use> uses(triangles_.size(), SignSurface::forward);
-        const auto use_of = [&](std::uint32_t first, bool is_reversed) {
-            return (net[first] < 0) != is_reversed ? SignSurface::unused_backward : SignSurface::unused_forward;
-        };
-        for (const DoubledFace& one : doubled) {
-            uses[one.face] = use_of(one.first, one.is_reversed);
-            uses[one.first] = net[one.first] > 0   ? SignSurface::forward
-                              : net[one.first] < 0 ? SignSurface::backward
-                                                   : SignSurface::unused_forward;
-            drop(one.face);
-            if (net[one.first] == 0) drop(one.first);
-        }
-        for (std::uint32_t face = 0; face < triangles_.size(); ++face)
-            if (uses[face] == SignSurface::backward) turn(face);
-        count();
-        surface_.faces = std::move(uses);
-    }
     /// Whether a face comes an odd number of times, by itself for instance.
     static bool has_odd_face(std::span<const Triangle> triangles, std::span<const DoubledFace> doubled) {
         std::vector<std::uint8_t> is_odd(triangles.size(), 1);
