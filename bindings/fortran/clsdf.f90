@@ -222,7 +222,7 @@ module clsdf
   type, bind(C) :: clsdf_kept_memory
     integer(c_size_t) :: struct_size = 0
     integer(c_int64_t) :: host_bytes = 0, device_bytes = 0
-    !> Of the device, for all its transforms; device%release_memory() gives them back.
+    !> All transforms of the device share these; device%release_memory() gives them back.
     integer(c_int64_t) :: shared_host_bytes = 0, shared_device_bytes = 0
   end type
 

@@ -81,8 +81,8 @@ Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, cons
         const auto& [a, b, c] = corners;
         if (is_apart(corners, from, to, 1) || is_apart(corners, from, to, 2) || is_apart(corners, from, to, 0))
             return false;
-        const int side = displaced_side(a, b, from);
-        if (side == 0 || displaced_side(b, c, from) != side || displaced_side(c, a, from) != side) return false;
+        const int side = side_of_edges(a, b, c, from);
+        if (side == 0) return false;
         // 1: the point is in front of the face. If that is `side`, the crossing has a smaller x than the point.
         const int front = side_of_face(corners, from);
         if ((front == side) == is_forward) return false;

@@ -534,10 +534,10 @@ typedef struct clsdf_topology {
     int64_t first_inward_face;     /* the lowest face of the first of them */
     int64_t nested_parts;          /* lie within others, look the same way and are filled */
     int64_t first_nested_face;     /* the lowest face of the first of them */
-    /* Of a mesh that is not closed, if the rule may become solid_angle; else 0: */
-    int64_t tested_points;   /* of the mesh's box: there the winding number is looked at */
-    int64_t doubtful_points; /* of them those at which it is more than 0.1 from an integer */
-    int64_t inside_points;   /* of them those at which it is one half or more, or -1/2 or less */
+    /* These three are 0 unless the mesh is not balanced and the rule may become solid_angle. */
+    int64_t tested_points;   /* points of the mesh's box at which the winding number was computed */
+    int64_t doubtful_points; /* tested points at which it is more than 0.1 from an integer */
+    int64_t inside_points;   /* tested points at which it is at least 1/2, or at most -1/2 */
 } clsdf_topology;
 #define CLSDF_EDGE_INIT \
     {                   \
@@ -686,7 +686,7 @@ typedef struct clsdf_kept_memory {
     size_t struct_size;
     int64_t host_bytes;
     int64_t device_bytes;
-    /* Of the device, for all its transforms: clsdf_device_release_memory() gives them back. */
+    /* All transforms of the device share these: clsdf_device_release_memory() gives them back. */
     int64_t shared_host_bytes;   /* pinned memory for copies */
     int64_t shared_device_bytes; /* that no transform uses */
 } clsdf_kept_memory;

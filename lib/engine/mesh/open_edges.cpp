@@ -219,9 +219,8 @@ private:
             if (p[1] < low_y || p[2] < std::min({a[2], b[2], c[2]}) || p[2] > std::max({a[2], b[2], c[2]}) ||
                 p[0] < std::min({a[0], b[0], c[0]}))
                 continue;
-            const int side = displaced_side(a, b, p);
-            if (side == 0 || displaced_side(b, c, p) != side || displaced_side(c, a, p) != side) continue;
-            if (orientation(a, b, c, p) != side) continue;  // the crossing has a greater x
+            const int side = side_of_edges(a, b, c, p);
+            if (side == 0 || orientation(a, b, c, p) != side) continue;  // the crossing has a greater x
             std::atomic_ref(counts_[i]).fetch_sub(side, std::memory_order_relaxed);
         }
     }

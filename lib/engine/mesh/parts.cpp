@@ -248,8 +248,8 @@ constexpr std::size_t most_probes = 64, most_probes_of_all = std::size_t{1} << 2
 /// the face.
 std::optional<int> crossing_of(const Vec3& from, const std::array<Vec3, 3>& corners) {
     const auto& [a, b, c] = corners;
-    const int side = displaced_side(a, b, from);
-    if (side == 0 || displaced_side(b, c, from) != side || displaced_side(c, a, from) != side) return 0;
+    const int side = side_of_edges(a, b, c, from);
+    if (side == 0) return 0;
     const int front = orientation(a, b, c, from);
     if (front == 0) return std::nullopt;
     return front == side ? -side : 0;

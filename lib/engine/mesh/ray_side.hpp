@@ -21,4 +21,11 @@ inline int displaced_side(const Vec3& a, const Vec3& b, const Vec3& p) {
     return a[1] == b[1] ? 0 : b[1] > a[1] ? 1 : -1;
 }
 
+/// The side of all edges of the face a, b, c on which the displaced point lies: then the line along x through it meets
+/// the face. 0 if it does not.
+inline int side_of_edges(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+    const int side = displaced_side(a, b, p);
+    return side != 0 && displaced_side(b, c, p) == side && displaced_side(c, a, p) == side ? side : 0;
+}
+
 }  // namespace clsdf

@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "mesh/film_bounds.hpp"
+#include "sign/turns_of_lanes.hpp"
 #include "solid_angle.h"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ namespace {
 
 // Blocks of samples: the largest ones lie in columns, and the smallest ones are searched sample by sample.
 constexpr int largest_block = 32;
-constexpr int smallest_block = 4;
+constexpr int smallest_block = lanes;
 // Above the rounding of the winding number, and of its bounds, in a block that no open edge meets.
 constexpr double slack = 1e-6;
 // Around a block with more open edges than that, loops far away are taken as a linear function,
@@ -75,99 +76,6 @@ struct Surroundings {
     Vec3 gradient{};
     double remainder = 0;  ///< it may be off by that in the block
 };
-
-/// A loop seen from samples of a row, next to each other. Constant for them: the place across the row.
-struct RowPlace {
-    double x;           ///< of the first sample
-    std::int64_t y, z;  ///< as of snapped vertices
-    double per_y, per_z;
-    Vec3 spacing;
-};
-
-constexpr std::size_t lanes = smallest_block;
-
-/// Turns of several samples, with halves as numbers that vectors have.
-struct TurnsOfLanes {
-    std::array<double, lanes> re, im, halves;
-
-    TurnsOfLanes() {
-        re.fill(1);
-        im.fill(0);
-        halves.fill(0);
-    }
-    Turns operator[](std::size_t lane) const {
-        Turns turns;
-        turns.re = re[lane];
-        turns.im = im[lane];
-        turns.halves = static_cast<int>(halves[lane]);
-        return turns;
-    }
-};
-
-/// On which side of the line of snapped corners a place lies: 1 left of it, as the kernels' left_of() has it, or -1.
-inline int side_of(const SweepVertex& a, const SweepVertex& b, std::int64_t y, std::int64_t z) {
-    __extension__ typedef __int128 Wide;
-    const Wide value = Wide{b.y - a.y} * (z - a.z) - Wide{b.z - a.z} * (y - a.y);
-    if (value != 0) return value > 0 ? 1 : -1;
-    return b.z < a.z || (b.z == a.z && b.y > a.y) ? 1 : -1;
-}
-
-/// Adds a loop's turns: seen_vertex() and turned() of solid_angle.h in lanes, with the same bits.
-CLSDF_SEVERAL_TARGETS void add_turns(const LatticeCorner* corners, std::size_t count, const RowPlace& place,
-                                     TurnsOfLanes& turns) {
-    struct Seen {
-        std::array<double, lanes> cr, ci, qy, qz;
-    };
-    Seen first{}, from{}, to{};
-    for (std::size_t i = 0; i <= count; ++i) {
-        if (i == count) {
-            to = first;
-        } else {
-            const LatticeCorner& corner = corners[i];
-            const double across_y = static_cast<double>(corner.snapped.y - place.y) * place.per_y,
-                         across_z = static_cast<double>(corner.snapped.z - place.z) * place.per_z;
-            const double y = (across_y + corner.rest_y) * place.spacing[1],
-                         z = (across_z + corner.rest_z) * place.spacing[2];
-            const Phase phase = phase_of(across_y * place.spacing[1], across_z * place.spacing[2]);
-            const double behind_cr = y * phase.y + z * phase.z, behind_ci = y * phase.z - z * phase.y;
-            const double squared = y * y + z * z;
-            for (std::size_t l = 0; l < lanes; ++l) {
-                const double x = (corner.snapped.x - (place.x + static_cast<double>(l))) * place.spacing[0];
-                const double length = std::sqrt(x * x + squared), d = length - x;
-                const bool is_ahead = x >= 0;
-                to.cr[l] = is_ahead ? length + x : behind_cr;
-                to.ci[l] = is_ahead ? 0.0 : behind_ci;
-                to.qy[l] = is_ahead ? y : d * phase.y;
-                to.qz[l] = is_ahead ? z : d * phase.z;
-            }
-        }
-        if (i == 0) {
-            first = from = to;
-            continue;
-        }
-        std::array<double, lanes> re, im;
-        bool may_turn = false;
-        for (std::size_t l = 0; l < lanes; ++l) {
-            re[l] = (from.cr[l] * to.cr[l] + from.ci[l] * to.ci[l]) + (from.qy[l] * to.qy[l] + from.qz[l] * to.qz[l]);
-            im[l] = (from.cr[l] * to.ci[l] - from.ci[l] * to.cr[l]) + (from.qy[l] * to.qz[l] - from.qz[l] * to.qy[l]);
-        }
-        for (std::size_t l = 0; l < lanes; ++l) may_turn = may_turn || re[l] < 0;
-        const double side =
-            may_turn ? side_of(corners[i - 1].snapped, corners[i == count ? 0 : i].snapped, place.y, place.z) : 0;
-        for (std::size_t l = 0; l < lanes; ++l) {
-            const bool is_none = re[l] == 0 && im[l] == 0, is_back = re[l] < 0;
-            const double a = is_none ? 1.0 : is_back ? -re[l] : re[l], b = is_back ? -im[l] : im[l];
-            const double pr = turns.re[l] * a - turns.im[l] * b, pi = turns.re[l] * b + turns.im[l] * a;
-            const bool is_over = pr < 0;
-            turns.halves[l] += (is_back ? side : 0.0) + (is_over ? (b > 0 ? 1.0 : -1.0) : 0.0);
-            const double qr = is_over ? -pr : pr, qi = is_over ? -pi : pi, size = qr + std::fabs(qi);
-            const double factor = size > 0x1p200 ? 0x1p-400 : size < 0x1p-200 ? 0x1p400 : 1.0;
-            turns.re[l] = qr * factor;
-            turns.im[l] = qi * factor;
-        }
-        from = to;
-    }
-}
 
 /// The open edges, seen from any place of the lattice.
 class Film {
@@ -260,8 +168,7 @@ public:
         TurnsOfLanes turns;
         for (const std::uint32_t loop : around.loops) {
             const std::size_t begin = boundary_.begins[loop];
-            clsdf::engine::add_turns(boundary_.corners.data() + begin, boundary_.begins[loop + 1] - begin, place,
-                                     turns);
+            add_loop(boundary_.corners.data() + begin, boundary_.begins[loop + 1] - begin, place, turns);
         }
         std::array<int, lanes> result{};
         for (std::size_t lane = 0; lane < result.size(); ++lane) {
