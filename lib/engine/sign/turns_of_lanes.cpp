@@ -6,8 +6,11 @@
 
 namespace clsdf::engine {
 
-CLSDF_SEVERAL_TARGETS void add_loop(const LatticeCorner* corners, std::size_t count, const RowPlace& place,
-                                    TurnsOfLanes& turns) {
+namespace {
+
+/// In a namespace without a name: compilers export the function that chooses a target, whatever the visibility.
+CLSDF_SEVERAL_TARGETS void add_turns(const LatticeCorner* corners, std::size_t count, const RowPlace& place,
+                                     TurnsOfLanes& turns) {
     struct Seen {
         std::array<double, lanes> cr, ci, qy, qz;
     };
@@ -60,6 +63,12 @@ CLSDF_SEVERAL_TARGETS void add_loop(const LatticeCorner* corners, std::size_t co
         }
         from = to;
     }
+}
+
+}  // namespace
+
+void add_loop(const LatticeCorner* corners, std::size_t count, const RowPlace& place, TurnsOfLanes& turns) {
+    add_turns(corners, count, place, turns);
 }
 
 }  // namespace clsdf::engine
