@@ -1,5 +1,9 @@
 #pragma once
 
+#include "core/large_memory.hpp"
+#include "core/parallel.hpp"
+
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -27,14 +31,43 @@ public:
         parent_[a < b ? b : a] = a < b ? a : b;
     }
 
-    /// Adds a number with a set of its own, and returns it.
-    std::uint32_t add() {
-        parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
-        return parent_.back();
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+/// The same for all cores at once: any number of threads may call join().
+class SharedDisjointSets {
+public:
+    explicit SharedDisjointSets(std::size_t count) : parent_(count) {
+        for_each_index(count, [this](std::size_t i) { parent_[i] = static_cast<std::uint32_t>(i); });
+    }
+
+    /// Whether they were in different sets. How many calls of all return true does not depend on their order.
+    bool join(std::uint32_t a, std::uint32_t b) {
+        for (;;) {
+            a = root(a);
+            b = root(b);
+            if (a == b) return false;
+            std::uint32_t higher = a < b ? b : a;
+            const std::uint32_t lower = a < b ? a : b;
+            if (parent(higher).compare_exchange_strong(higher, lower, std::memory_order_relaxed)) return true;
+        }
     }
 
 private:
-    std::vector<std::uint32_t> parent_;
+    std::atomic_ref<std::uint32_t> parent(std::uint32_t number) { return std::atomic_ref(parent_[number]); }
+
+    std::uint32_t root(std::uint32_t number) {
+        for (;;) {
+            const std::uint32_t above = parent(number).load(std::memory_order_relaxed);
+            if (above == number) return number;
+            const std::uint32_t next = parent(above).load(std::memory_order_relaxed);
+            if (next != above) parent(number).store(next, std::memory_order_relaxed);  // still above it
+            number = next;
+        }
+    }
+
+    UninitializedVector<std::uint32_t> parent_;
 };
 
 }  // namespace clsdf

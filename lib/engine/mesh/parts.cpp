@@ -11,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -202,25 +203,21 @@ void find_inner_walls(const Mesh& mesh, std::span<const Triangle> triangles, Top
 }
 
 bool is_one_part(std::span<const Triangle> triangles, std::size_t vertex_count) {
-    DisjointSets sets(1);  // 0 is the label of vertices that have none yet
-    std::vector<std::uint32_t> labels(vertex_count);
-    std::size_t parts = 0;
-    for (const auto& [a, b, c] : triangles) {
-        const std::uint32_t of_a = labels[a], of_b = labels[b], of_c = labels[c];
-        if (of_a == of_b && of_b == of_c && of_a != 0) continue;
-        std::uint32_t own = of_a != 0 ? of_a : of_b != 0 ? of_b : of_c;
-        if (own == 0) {
-            own = sets.add();
-            ++parts;
-        }
-        for (const std::uint32_t label : {of_a, of_b, of_c})
-            if (label != 0 && label != own && sets.root(label) != sets.root(own)) {
-                sets.join(label, own);
-                --parts;
+    SharedDisjointSets sets(vertex_count);
+    std::vector<std::uint8_t> used(vertex_count);
+    const std::size_t joined = reduce_ranges(
+        triangles.size(), 2048, std::size_t{0},
+        [&](std::size_t begin, std::size_t end, std::size_t count) {
+            for (std::size_t face = begin; face != end; ++face) {
+                const auto& [a, b, c] = triangles[face];
+                for (const std::uint32_t vertex : {a, b, c})
+                    std::atomic_ref(used[vertex]).store(1, std::memory_order_relaxed);
+                count += (sets.join(a, b) ? 1U : 0U) + (sets.join(b, c) ? 1U : 0U);
             }
-        labels[a] = labels[b] = labels[c] = own;
-    }
-    return parts <= 1;
+            return count;
+        },
+        std::plus<>());
+    return joined + 1 >= static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
 }
 
 namespace {
