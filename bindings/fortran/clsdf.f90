@@ -1491,7 +1491,7 @@ contains
     character(*), intent(inout), optional :: errmsg
     type(c_output_info) :: c
     integer(c_int32_t) :: status
-    c%struct_size = c_sizeof(c)
+    c%struct_size = c_sizeof(c) + 1  ! calls fill it
     status = c_output_describe(output, c)
     info%output = c%output
     info%type = c%type
@@ -1520,10 +1520,17 @@ contains
     infinity = ieee_value(infinity, ieee_positive_inf)
   end function
 
+  !> huge(1d0) is no limit, as infinity.
+  pure function without_limit(half_width) result(limit)
+    real(c_double), intent(in) :: half_width
+    real(c_double) :: limit
+    limit = merge(clsdf_infinity(), half_width, half_width >= huge(half_width))
+  end function
+
   pure function clsdf_band_symmetric(half_width) result(band)
     real(c_double), intent(in) :: half_width
     type(clsdf_band) :: band
-    band = clsdf_band(half_width, half_width)
+    band = clsdf_band(without_limit(half_width), without_limit(half_width))
   end function
 
   !> Every sample carries its distance.
@@ -2129,7 +2136,7 @@ contains
     type(c_output_info) :: info
     integer :: i
     do i = 1, size(targets)
-      info = c_output_info(c_sizeof(info))
+      info = c_output_info(c_sizeof(info) + 1)
       if (status == CLSDF_OK) status = c_output_describe(targets(i)%output, info)
       if (status /= CLSDF_OK) return
       c(i)%output = targets(i)%output
@@ -2342,7 +2349,7 @@ contains
     type(c_ptr) :: pointer
     pointer = c_null_ptr
     if (.not. present(statistics)) return
-    statistics%struct_size = c_sizeof(statistics)
+    statistics%struct_size = c_sizeof(statistics) + 1  ! calls fill it
     pointer = c_loc(statistics)
   end function
 
@@ -2360,7 +2367,7 @@ contains
     status = c_devices_list(list)
     allocate (devices(c_devices_count(list)))
     do i = 1, size(devices)
-      c = c_device_info(c_sizeof(c))
+      c = c_device_info(c_sizeof(c) + 1)
       if (status == CLSDF_OK) status = c_devices_describe(list, int(i - 1, c_int64_t), c)
       if (status == CLSDF_OK) call take_info(c, devices(i))
     end do
@@ -2464,7 +2471,7 @@ contains
     character(*), intent(inout), optional :: errmsg
     type(c_device_info) :: c
     integer(c_int32_t) :: status
-    c%struct_size = c_sizeof(c)
+    c%struct_size = c_sizeof(c) + 1  ! calls fill it
     status = c_device_describe(self%handle, c)
     if (status == CLSDF_OK) call take_info(c, info)
     call clsdf_finish(status, stat, errmsg)
@@ -2895,7 +2902,7 @@ contains
     character(*), intent(inout), optional :: errmsg
     type(clsdf_topology) :: topology
     type(c_topology) :: c
-    c%struct_size = c_sizeof(c)
+    c%struct_size = c_sizeof(c) + 1  ! calls fill it
     call clsdf_finish(c_mesh_topology(self%handle, c), stat, errmsg)
     call take_topology(c, topology)
   end function
@@ -2937,7 +2944,7 @@ contains
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     type(clsdf_defects) :: defects
-    defects%struct_size = c_sizeof(defects)
+    defects%struct_size = c_sizeof(defects) + 1  ! calls fill it
     call clsdf_finish(c_mesh_defects(self%handle, defects), stat, errmsg)
   end function
 
@@ -3404,8 +3411,8 @@ contains
     status = CLSDF_OK
     call rows_for_c(points, 'points', from, status)
     if (status == CLSDF_OK) call clsdf_targets_of_samples(targets, [from%count], 1, c, status)
-    if (status == CLSDF_OK) status = c_query(self%handle, from, half_width, c, size(targets, kind=c_int64_t), &
-        options_for_c(given, options), statistics_for_c(statistics))
+    if (status == CLSDF_OK) status = c_query(self%handle, from, without_limit(half_width), c, &
+        size(targets, kind=c_int64_t), options_for_c(given, options), statistics_for_c(statistics))
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
@@ -3618,7 +3625,8 @@ contains
       status = refused('the array of the places has the shape '//joined(shape(places, c_int64_t))//'; give it '// &
           joined(shape(boxes, c_int64_t)))
     else
-      status = c_classify(self%handle, boxes, size(boxes, kind=c_int64_t), half_width, places)
+      status = c_classify(self%handle, boxes, size(boxes, kind=c_int64_t), without_limit(half_width), &
+        places)
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
@@ -3638,7 +3646,7 @@ contains
     character(*), intent(inout), optional :: errmsg
     type(clsdf_topology) :: topology
     type(c_topology) :: c
-    c%struct_size = c_sizeof(c)
+    c%struct_size = c_sizeof(c) + 1  ! calls fill it
     call clsdf_finish(c_transform_topology(self%handle, c), stat, errmsg)
     call take_topology(c, topology)
   end function
@@ -3674,7 +3682,7 @@ contains
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     type(clsdf_kept_memory) :: memory
-    memory%struct_size = c_sizeof(memory)
+    memory%struct_size = c_sizeof(memory) + 1  ! calls fill it
     call clsdf_finish(c_transform_memory(self%handle, memory), stat, errmsg)
   end function
 
@@ -4072,7 +4080,7 @@ contains
     integer(c_int32_t), intent(out) :: status
     type(c_output_info) :: info
     integer(c_int32_t) :: own
-    info%struct_size = c_sizeof(info)
+    info%struct_size = c_sizeof(info) + 1  ! calls fill it
     status = c_output_describe(output, info)
     components = info%components
     if (status /= CLSDF_OK) return
@@ -4400,7 +4408,7 @@ contains
     integer(c_int32_t), intent(in) :: output
     type(c_ptr) :: name
     type(c_output_info) :: info
-    info%struct_size = c_sizeof(info)
+    info%struct_size = c_sizeof(info) + 1  ! calls fill it
     name = c_null_ptr
     if (c_output_describe(output, info) == CLSDF_OK) name = info%name
   end function

@@ -19,8 +19,9 @@
  *
  * STRUCTS. Those that begin with struct_size may grow in later versions: set them with their _INIT macro, then change
  * members. A smaller struct of an older program is accepted, a larger one (up to 4096 bytes) if the bytes that this
- * version does not know are 0. Null means defaults for options, and "not wanted" for results. The other structs never
- * change. Members called `reserved` must be 0.
+ * version does not know are 0. Null means defaults for options, and "not wanted" for results. A struct that calls only
+ * fill has an odd struct_size, CLSDF_RESULT_SIZE(type), so that it is never taken for options, nor options for it. The
+ * other structs never change. Members called `reserved` must be 0.
  *
  * UNITS. Lengths and positions are in the mesh's units unless a comment says otherwise; counts, indices, offsets and
  * strides are int64_t; sizes, offsets and strides are in bytes. Texts are UTF-8 and end with 0.
@@ -32,8 +33,9 @@
  * before the call returns. One that returns a number other than 0 ends the call, which returns that number unchanged: a
  * status of this header, as of a call that failed in the callback, or a number of the program's own from
  * CLSDF_OWN_STATUS on. Other numbers may become statuses of later versions. The message is that of the callback's last
- * failed call, or of its clsdf_set_last_error(). Callbacks must not make or use a
- * transform or plan of the same device: a call that would wait for theirs returns CLSDF_INVALID_ARGUMENT.
+ * failed call, or of its clsdf_set_last_error(). Callbacks must not make or use a transform or plan of the same device:
+ * a call that would wait for theirs returns CLSDF_INVALID_ARGUMENT. Only the function that takes slabs may use the
+ * transform.
  */
 
 #include <math.h>
@@ -62,6 +64,9 @@ extern "C" {
 CLSDF_API int64_t clsdf_version(void);
 /* The library's "major.minor.patch"; lives as long as the process. */
 CLSDF_API const char* clsdf_version_text(void);
+
+/* struct_size of a struct that calls fill. */
+#define CLSDF_RESULT_SIZE(type) (sizeof(type) + 1)
 
 /* ---- Numbers: they never change ---- */
 
@@ -274,7 +279,7 @@ typedef struct clsdf_output_info {
     const char* description; /* in words */
 } clsdf_output_info;
 #define CLSDF_OUTPUT_INFO_INIT \
-    { sizeof(clsdf_output_info), 0, 0, 0, NULL, NULL }
+    { CLSDF_RESULT_SIZE(clsdf_output_info), 0, 0, 0, NULL, NULL }
 
 /* The numbers of outputs lie below this; 6 is no output's. */
 CLSDF_API int64_t clsdf_output_count(void);
@@ -415,7 +420,7 @@ typedef struct clsdf_device_info {
     const char* driver_file;    /* if this library opened it; of CLSDF_DEVICE_FILE, the file in /dev; else "" */
 } clsdf_device_info;
 #define CLSDF_DEVICE_INFO_INIT \
-    { sizeof(clsdf_device_info), 0, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, NULL }
+    { CLSDF_RESULT_SIZE(clsdf_device_info), 0, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, NULL }
 
 /* Limits of clsdf_device_limited(). */
 typedef struct clsdf_device_limits {
@@ -549,7 +554,7 @@ typedef struct clsdf_topology {
     { CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT }
 #define CLSDF_TOPOLOGY_INIT                                                                                          \
     {                                                                                                                \
-        sizeof(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT, CLSDF_FIVE_EDGES_INIT, 0, \
+        CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT, CLSDF_FIVE_EDGES_INIT, 0, \
             0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                                                                 \
     }
 
@@ -561,7 +566,7 @@ typedef struct clsdf_defects {
     int64_t components;      /* parts that share no vertex */
 } clsdf_defects;
 #define CLSDF_DEFECTS_INIT \
-    { sizeof(clsdf_defects), 0, 0, 0 }
+    { CLSDF_RESULT_SIZE(clsdf_defects), 0, 0, 0 }
 
 typedef int32_t (*clsdf_log_function)(void* user, const char* message);
 
@@ -670,7 +675,7 @@ typedef struct clsdf_statistics {
     int64_t unusable_points; /* of clsdf_query(): points that are not finite or too far from the mesh */
 } clsdf_statistics;
 #define CLSDF_STATISTICS_INIT \
-    { sizeof(clsdf_statistics), 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+    { CLSDF_RESULT_SIZE(clsdf_statistics), 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 typedef struct clsdf_transform_options {
     size_t struct_size;
@@ -691,7 +696,7 @@ typedef struct clsdf_kept_memory {
     int64_t shared_device_bytes; /* that no transform uses */
 } clsdf_kept_memory;
 #define CLSDF_KEPT_MEMORY_INIT \
-    { sizeof(clsdf_kept_memory), 0, 0, 0, 0 }
+    { CLSDF_RESULT_SIZE(clsdf_kept_memory), 0, 0, 0, 0 }
 
 /* One box of many. */
 typedef struct clsdf_request {
@@ -773,6 +778,12 @@ CLSDF_API clsdf_status clsdf_transform_set_motion(clsdf_transform* transform, co
 CLSDF_API clsdf_status clsdf_compute(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,
                                      const clsdf_target* targets, int64_t target_count, const clsdf_call_options* call,
                                      clsdf_statistics* statistics);
+/* The distance alone, into a packed array of the host: distance[size[2]][size[1]][size[0]], x fastest. */
+static inline clsdf_status clsdf_compute_distance(const clsdf_transform* transform, const clsdf_grid* grid,
+                                                  const clsdf_band* band, float* distance) {
+    const clsdf_target target = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT32, distance, 0);
+    return clsdf_compute(transform, grid, band, &target, 1, NULL, NULL);
+}
 /* Many boxes in one call, of any lattices, bands and outputs. Messages number the requests from 0. */
 CLSDF_API clsdf_status clsdf_compute_requests(const clsdf_transform* transform, const clsdf_request* requests,
                                               int64_t count, const clsdf_call_options* call,
@@ -802,6 +813,14 @@ CLSDF_API clsdf_status clsdf_slabs_of(const clsdf_grid* grid, clsdf_grid* slabs,
 CLSDF_API clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* points, double half_width,
                                    const clsdf_target* targets, int64_t target_count, const clsdf_call_options* call,
                                    clsdf_statistics* statistics);
+/* The distances to points[count][3], packed on the host; beyond half_width, which may be HUGE_VAL, half_width with the
+ * point's sign. clsdf_query() says more. */
+static inline clsdf_status clsdf_query_distance(const clsdf_transform* transform, const double* points, int64_t count,
+                                                double half_width, float* distance) {
+    const clsdf_array at = clsdf_host_array(CLSDF_FLOAT64, points, count);
+    const clsdf_target target = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT32, distance, count);
+    return clsdf_query(transform, &at, half_width, &target, 1, NULL, NULL);
+}
 /* The places (CLSDF_WITHIN ...) of `count` boxes. */
 CLSDF_API clsdf_status clsdf_classify(const clsdf_transform* transform, const clsdf_box* boxes, int64_t count,
                                       double half_width, uint8_t* places);

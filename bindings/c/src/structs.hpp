@@ -2,11 +2,14 @@
 
 #include "errors.hpp"
 
+#include <clsdf.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <type_traits>
 
 /// What the caller gives, checked: pointers, numbers, and structs that begin with their size.
 namespace clsdf::c {
@@ -52,12 +55,26 @@ inline void check_reserved(std::int32_t value, const char* name) {
                      "; it must be 0: set the struct with zeros or its _INIT macro first");
 }
 
-inline std::size_t checked_size(const void* given_struct, const char* name) {
-    std::size_t size = 0;
-    std::memcpy(&size, given_struct, sizeof size);
+/// Structs that calls only fill. Their struct_size is CLSDF_RESULT_SIZE.
+template <typename Struct>
+inline constexpr bool is_result = std::is_same_v<Struct, clsdf_output_info> ||
+                                  std::is_same_v<Struct, clsdf_device_info> ||
+                                  std::is_same_v<Struct, clsdf_topology> || std::is_same_v<Struct, clsdf_defects> ||
+                                  std::is_same_v<Struct, clsdf_statistics> || std::is_same_v<Struct, clsdf_kept_memory>;
+
+template <typename Struct>
+std::size_t checked_size(const Struct* given_struct, const char* name) {
+    std::size_t stated = 0;
+    std::memcpy(&stated, given_struct, sizeof stated);
+    const std::size_t size = stated & ~std::size_t{1};
     if (size < 2 * sizeof size || size > 4096 || size % sizeof size != 0)
-        throw misuse(std::string(name) + ".struct_size is " + std::to_string(size) +
+        throw misuse(std::string(name) + ".struct_size is " + std::to_string(stated) +
                      ", which no version has; set the struct with its _INIT macro");
+    if ((stated != size) != is_result<Struct>)
+        throw misuse(std::string(name) + ".struct_size is " + std::to_string(stated) + ", that of a struct that calls " +
+                     (is_result<Struct> ? "read" : "fill") +
+                     "; arguments end with the options and then the statistics of the call, and each struct is set "
+                     "with its own _INIT macro");
     return size;
 }
 
@@ -85,7 +102,8 @@ Struct read_given(const Struct* from, const Struct& initial, const char* name) {
 }
 
 /// Throws what write_struct() would throw: before a call that takes long.
-inline void check_result(const void* to, const char* name) {
+template <typename Struct>
+void check_result(const Struct* to, const char* name) {
     if (to != nullptr) checked_size(to, name);
 }
 

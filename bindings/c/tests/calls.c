@@ -311,6 +311,9 @@ static void check_arrays(void) {
     targets[1] = clsdf_host_target(CLSDF_GRADIENT, CLSDF_AUTOMATIC, packed, SAMPLES);
     OK(clsdf_compute(transform, &grid, &band, targets, 2, NULL, NULL));
     CHECK(memcmp(distance, of_slices, sizeof distance) == 0);
+    memset(of_slices, 0, sizeof of_slices);
+    OK(clsdf_compute_distance(transform, &grid, &band, of_slices));
+    CHECK(memcmp(distance, of_slices, sizeof distance) == 0);
     for (n = 0; n < SAMPLES; ++n)
         if (triangle[n] != UINT32_MAX) CHECK(packed[n][1] == (float)gradient[1][n]);
 
@@ -427,6 +430,7 @@ static void check_many(void) {
 static void check_points(void) {
     double points[4][3] = {{0, 0, 0}, {9, 9, 9}, {0, 0, 0.01}, {0, 0, 0}};
     double found[4], closest[4][3], in_place[4][3];
+    float singles[4];
     uint8_t site[4], place[2];
     clsdf_array array = clsdf_host_array(CLSDF_FLOAT64, points, 4), results;
     clsdf_target targets[2];
@@ -445,6 +449,8 @@ static void check_points(void) {
     CHECK(found[0] == 0 && found[1] == 0);
     targets[1] = clsdf_host_target(CLSDF_CLOSEST, CLSDF_FLOAT64, closest, 4);
     OK(clsdf_query(transform, &array, HUGE_VAL, targets, 2, NULL, NULL));
+    OK(clsdf_query_distance(transform, &points[0][0], 4, HUGE_VAL, singles));
+    for (n = 0; n < 4; ++n) CHECK(singles[n] == (float)found[n]);
     memcpy(in_place, points, sizeof points);
     array.host = in_place;
     targets[1].array.host = in_place;

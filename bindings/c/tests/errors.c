@@ -190,10 +190,10 @@ static void check_sizes(const clsdf_device* device, const clsdf_mesh* mesh) {
     larger.later[1] = 1;
     FAILS(CLSDF_INVALID_ARGUMENT, "is not 0", clsdf_transform_create(device, mesh, &larger.known, NULL, &transform));
     /* Results that this version does not know are 0. */
-    result.known.struct_size = sizeof result;
+    result.known.struct_size = CLSDF_RESULT_SIZE(result);
     OK(clsdf_mesh_defects(mesh, &result.known));
     CHECK(result.known.components > 0 && result.later[0] == 0 && result.later[1] == 0);
-    CHECK(result.known.struct_size == sizeof result);
+    CHECK(result.known.struct_size == CLSDF_RESULT_SIZE(result));
 
     /* Of an older version: members that it does not have are not read or written. */
     options.struct_size = 16; /* without kept_bytes */
@@ -201,10 +201,27 @@ static void check_sizes(const clsdf_device* device, const clsdf_mesh* mesh) {
     options.kept_bytes = -77;
     OK(clsdf_transform_create(device, mesh, &options, NULL, &transform));
     clsdf_transform_release(transform);
-    defects.struct_size = 24;
+    defects.struct_size = 24 + 1;
     defects.components = -5;
     OK(clsdf_mesh_defects(mesh, &defects));
     CHECK(defects.components == -5 && defects.duplicate_faces == 0);
+}
+
+/* The last two arguments in the wrong order: neither struct is read or written as the other. */
+static void check_order(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band) {
+    static float values[125];
+    const clsdf_target target = float_target(values, 125);
+    clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
+    clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
+    void* const address = values;
+    call.user = address;
+    values[0] = 77;
+    FAILS(CLSDF_INVALID_ARGUMENT, "that of a struct that calls read",
+          clsdf_compute(transform, grid, band, &target, 1, NULL, (clsdf_statistics*)(void*)&call));
+    CHECK(call.user == address && values[0] == 77);
+    FAILS(CLSDF_INVALID_ARGUMENT, "that of a struct that calls fill",
+          clsdf_compute(transform, grid, band, &target, 1, (const clsdf_call_options*)(void*)&statistics, NULL));
+    OK(clsdf_compute(transform, grid, band, &target, 1, &call, &statistics));
 }
 
 /* A count that is not that of the samples or points is refused, whatever the layout, and nothing is written. */
@@ -295,6 +312,7 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     targets[0] = float_target(values, 124);
     FAILS(CLSDF_INVALID_ARGUMENT, "125", clsdf_compute(transform, &grid, &band, targets, 1, NULL, NULL));
     check_counts(transform, &grid, &band);
+    check_order(transform, &grid, &band);
     targets[0] = float_target(values, 125);
     targets[0].array.type = 8;
     FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_array.type is 8",

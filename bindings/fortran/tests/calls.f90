@@ -312,6 +312,10 @@ contains
     call check(w%messages == 3 .and. index(w%message, '1 of 2 points has no triangle') > 0, 'a mark')
     call check(ieee_is_nan(distance(2)) .and. .not. ieee_is_nan(distance(1)), 'the distance of a mark')
     call check(statistics%unusable_points == 1, 'the number of marks')
+    points(:, 2) = 0
+    call transform%query(points, huge(1d0), distance, stat=stat, errmsg=errmsg)
+    call check(stat == CLSDF_OK .and. distance(1) == distance(2) .and. abs(distance(1)) < 10, 'huge is no limit')
+    points(1, 2) = ieee_value(1d0, ieee_quiet_nan)
     w%refuse_unusable_points = .true.
     call transform%query(points, clsdf_infinity(), distance, options=w, stat=stat, errmsg=errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'not finite')
