@@ -263,6 +263,22 @@ BOOST_AUTO_TEST_CASE(an_inner_wall_is_named) {
     BOOST_TEST(has(warning, "4 edges have an odd number of faces"), warning);
     BOOST_TEST(has(warning, "2 faces are an inner wall"), warning);
     BOOST_TEST(!has(warning, "open"), warning);
+    // However the wall and each of the boxes look.
+    const auto place_of = [&](const Triangle& triangle) {
+        double sum = 0;
+        for (const std::uint32_t v : triangle) sum += mesh.vertices()[v][0];
+        return sum < 3 ? 0U : sum > 3 ? 1U : 2U;
+    };
+    for (unsigned orientation = 0; orientation < 8; ++orientation) {
+        std::vector<std::size_t> faces;
+        for (std::size_t face = 0; face < mesh.triangles().size(); ++face)
+            if ((orientation >> place_of(mesh.triangles()[face]) & 1U) != 0) faces.push_back(face);
+        const Topology found = describe_topology(with_turned(mesh, faces, ""));
+        BOOST_TEST_CONTEXT("orientation " << orientation) {
+            BOOST_TEST(found.inner_wall_faces == 2U);
+            BOOST_TEST(place_of(mesh.triangles()[found.first_inner_wall_face]) == 2U);
+        }
+    }
 }
 
 BOOST_AUTO_TEST_CASE(faces_that_look_the_wrong_way_are_turned_around) {
@@ -331,6 +347,14 @@ BOOST_AUTO_TEST_CASE(parts_that_look_inwards_beside_others_are_named) {
     BOOST_TEST(describe_topology(together({cube(1), reversed(shifted(cube(0.5), {9, 0, 0}))}, "")).inward_parts == 1U);
     const Mesh onion = together({cube(1), reversed(cube(0.6)), cube(0.3), reversed(cube(0.1))}, "onion");
     BOOST_TEST(warning_of(onion, SignRule::nonzero).empty());
+    // A bar that joins two parts, all of whose vertices lie in them.
+    const auto dumbbell = [](double end) {
+        return together({cube(1), shifted(cube(1), {8, 0, 0}), reversed(box({end - 9, -0.1, -0.1}, {8.5, 0.1, 0.1}))},
+                        "");
+    };
+    BOOST_TEST(describe_topology(dumbbell(8.5)).first_inward_face == 24U);
+    BOOST_TEST(describe_topology(dumbbell(8.5)).inward_parts == 1U);
+    BOOST_TEST(describe_topology(dumbbell(17)).inward_parts == 0U);  // a cavity of one of them
     // Of a mesh that is inside out as a whole.
     const Topology all = describe_topology(reversed(onion));
     BOOST_TEST(all.inside_out);
