@@ -170,7 +170,8 @@ def joined(positions, candidates, side):
 
 
 def without_doubled(faces, counts):
-    """Faces of the same three vertices count by their net number, at most once."""
+    """Faces of the same three vertices count by their net number, at most once; and once those that cancel each other,
+    whose rim is open, if all is closed then."""
     order = numpy.argsort(faces, axis=1)
     odd = numpy.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])
     is_even = (order[:, None] == odd).all(2).any(1)
@@ -185,7 +186,43 @@ def without_doubled(faces, counts):
         if group[face] not in found and net[group[face]] * direction > 0:
             found.add(group[face])
             counts[face] = 1
-    return counts
+    edges = Edges(faces, counts)
+    repeated = numpy.flatnonzero(doubled)
+    lowest = repeated[numpy.unique(group[repeated], return_index=True)[1]]
+    cancelled = lowest[net[group[lowest]] == 0].tolist()
+    if edges.closed or not cancelled:
+        return counts
+    open_edges = {frozenset(ends) for ends in edges.ends[edges.uses % 2 == 1].tolist()}
+    once = numpy.zeros_like(counts)
+    once[cancelled] = 1
+    own = Edges(faces, once)
+    parent = {face: face for face in cancelled}
+
+    def root(face):
+        while parent[face] != face:
+            face = parent[face]
+        return face
+
+    at_edge = collections.defaultdict(list)
+    for index, edge in enumerate(own.edge.tolist()):
+        at_edge[edge].append(int(own.faces[index // 3]))
+    for pair in at_edge.values():
+        if len(pair) == 2:
+            parent[root(pair[0])] = root(pair[1])
+    rims = collections.defaultdict(list)
+    for edge, at in at_edge.items():
+        if len(at) % 2 == 1:
+            for face in at:
+                rims[root(face)].append(frozenset(own.ends[edge].tolist()) in open_edges)
+    more = counts.copy()
+    for face in cancelled:
+        if rims[root(face)] and all(rims[root(face)]):
+            more[face] = 1
+    return more if Edges(faces, more).closed else counts
+
+
+def has_odd_face(faces):
+    return (numpy.unique(numpy.sort(faces, axis=1), axis=0, return_counts=True)[1] % 2).any()
 
 
 def oriented(edges, faces, counts, areas):
@@ -241,7 +278,8 @@ def sign_surface(triangles, side):
     if not edges.balanced:
         fewer = without_doubled(faces, counts)
         after = Edges(faces, fewer)
-        if (fewer != counts).any() and (after.closed or not edges.closed):
+        opens = edges.closed and not after.closed and has_odd_face(faces[counts != 0])
+        if (fewer != counts).any() and not opens and numpy.count_nonzero(after.net) <= numpy.count_nonzero(edges.net):
             counts, edges, step = fewer, after, "doubled"
     if edges.closed and not edges.balanced:
         normal = numpy.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])

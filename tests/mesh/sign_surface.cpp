@@ -165,7 +165,7 @@ BOOST_AUTO_TEST_CASE(nothing_is_joined_but_ends_of_unbalanced_edges) {
     check_throws(ErrorCode::invalid_argument, {"-1", "0 or more"}, [&] { weld(cracked(0), -1); });
 }
 
-BOOST_AUTO_TEST_CASE(doubled_faces_count_by_their_net_number_at_most_once) {
+BOOST_AUTO_TEST_CASE(doubled_faces_count_once) {
     const Mesh solid = cube(1);
     const Triangle face = solid.triangles()[4];
     const auto topology_of = [&](const std::vector<Triangle>& more) {
@@ -184,16 +184,55 @@ BOOST_AUTO_TEST_CASE(doubled_faces_count_by_their_net_number_at_most_once) {
     BOOST_TEST(topology_of({face, turned(face)}).balanced);  // as it is
     BOOST_TEST(topology_of({face, turned(face)}).uncounted_faces == 0U);
     BOOST_TEST(topology_of({face, face, turned(face)}).balanced);
-    // One that faces cancel is a hole.
-    const Topology hole = topology_of({turned(face)});
-    BOOST_TEST(!hole.closed);
-    BOOST_TEST(hole.boundary_edges == 3U);
-    BOOST_TEST(has(warning_of(with_faces(solid, {turned(face)}, "cube"), SignRule::none), "3 open edges"));
     // All of it twice is balanced, and counts twice as before.
     std::vector<Triangle> all = solid.triangles();
     BOOST_TEST(topology_of(all).balanced);
     BOOST_TEST(topology_of(all).duplicate_faces == 12U);
     BOOST_TEST(topology_of(all).uncounted_faces == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(faces_that_cancel_each_other_count_once_where_that_closes_the_mesh) {
+    const Mesh solid = make_shape("sphere2");
+    const std::vector<Triangle>& faces = solid.triangles();
+    // The lowest of the two decides, so the first face of the second mesh looks the wrong way.
+    for (const Mesh& mesh : {with_faces(solid, {turned(faces[0]), turned(faces[1]), turned(faces[9])}, "sphere"),
+                             with_faces(with_turned(solid, {0}, ""), {faces[0]}, "sphere")}) {
+        const Topology topology = describe_topology(mesh);
+        BOOST_TEST(topology.balanced);
+        const std::size_t more = mesh.triangles().size() - faces.size();
+        BOOST_TEST(topology.uncounted_faces == more);
+        BOOST_TEST(topology.reoriented_faces == (more == 1 ? 1U : 0U));
+        const SignSurface surface = describe_mesh(mesh).surface;
+        for (std::size_t face = 0; face < mesh.triangles().size(); ++face)
+            BOOST_TEST(surface.count(face) == (face >= faces.size() ? 0 : more == 1 && face == 0 ? -1 : 1));
+    }
+    // A fin closes nothing; what is closed without it stays so.
+    std::vector<Vec3> positions = solid.vertices();
+    positions.push_back({3, 0, 0});
+    const auto tip = static_cast<std::uint32_t>(positions.size() - 1);
+    const Triangle fin{faces[4][0], faces[4][1], tip};
+    std::vector<Triangle> with_fin = with_faces(solid, {turned(faces[7])}, "").triangles();
+    with_fin.insert(with_fin.end(), {fin, turned(fin)});
+    const Topology finned = describe_topology(Mesh(positions, with_fin));
+    BOOST_TEST(finned.balanced);
+    BOOST_TEST(finned.uncounted_faces == 3U);
+    // With a hole elsewhere they cancel each other.
+    std::vector<Triangle> with_hole = with_faces(solid, {turned(faces[7])}, "").triangles();
+    with_hole.erase(with_hole.begin() + 40);
+    BOOST_TEST(describe_topology(Mesh(solid.vertices(), with_hole)).boundary_edges == 6U);
+}
+
+BOOST_AUTO_TEST_CASE(doubled_faces_count_as_they_are_if_more_edges_would_be_unbalanced) {
+    // Two boxes, one within the other, with a floor for each, and a hole.
+    const Mesh boxes = weld(together({box({0, 0, 0}, {1, 1, 1}), box({0, 0, 0}, {1, 1, 2})}, "boxes"));
+    std::vector<Triangle> triangles = boxes.triangles();
+    std::erase(triangles, *std::ranges::find_if(triangles, [&](const Triangle& triangle) {
+                   return std::ranges::all_of(triangle, [&](std::uint32_t v) { return boxes.vertices()[v][2] == 2; });
+               }));
+    const Topology topology = describe_topology(Mesh(boxes.vertices(), triangles));
+    BOOST_TEST(topology.unbalanced_edges == 3U);
+    BOOST_TEST(topology.duplicate_faces == 2U);
+    BOOST_TEST(topology.uncounted_faces == 0U);
 }
 
 BOOST_AUTO_TEST_CASE(doubled_faces_never_open_what_is_closed) {
@@ -224,6 +263,22 @@ BOOST_AUTO_TEST_CASE(an_inner_wall_is_named) {
     BOOST_TEST(has(warning, "4 edges have an odd number of faces"), warning);
     BOOST_TEST(has(warning, "2 faces are an inner wall"), warning);
     BOOST_TEST(!has(warning, "open"), warning);
+    // However the wall and each of the boxes look.
+    const auto place_of = [&](const Triangle& triangle) {
+        double sum = 0;
+        for (const std::uint32_t v : triangle) sum += mesh.vertices()[v][0];
+        return sum < 3 ? 0U : sum > 3 ? 1U : 2U;
+    };
+    for (unsigned orientation = 0; orientation < 8; ++orientation) {
+        std::vector<std::size_t> faces;
+        for (std::size_t face = 0; face < mesh.triangles().size(); ++face)
+            if ((orientation >> place_of(mesh.triangles()[face]) & 1U) != 0) faces.push_back(face);
+        const Topology found = describe_topology(with_turned(mesh, faces, ""));
+        BOOST_TEST_CONTEXT("orientation " << orientation) {
+            BOOST_TEST(found.inner_wall_faces == 2U);
+            BOOST_TEST(place_of(mesh.triangles()[found.first_inner_wall_face]) == 2U);
+        }
+    }
 }
 
 BOOST_AUTO_TEST_CASE(faces_that_look_the_wrong_way_are_turned_around) {
@@ -292,6 +347,14 @@ BOOST_AUTO_TEST_CASE(parts_that_look_inwards_beside_others_are_named) {
     BOOST_TEST(describe_topology(together({cube(1), reversed(shifted(cube(0.5), {9, 0, 0}))}, "")).inward_parts == 1U);
     const Mesh onion = together({cube(1), reversed(cube(0.6)), cube(0.3), reversed(cube(0.1))}, "onion");
     BOOST_TEST(warning_of(onion, SignRule::nonzero).empty());
+    // A bar that joins two parts, all of whose vertices lie in them.
+    const auto dumbbell = [](double end) {
+        return together({cube(1), shifted(cube(1), {8, 0, 0}), reversed(box({end - 9, -0.1, -0.1}, {8.5, 0.1, 0.1}))},
+                        "");
+    };
+    BOOST_TEST(describe_topology(dumbbell(8.5)).first_inward_face == 24U);
+    BOOST_TEST(describe_topology(dumbbell(8.5)).inward_parts == 1U);
+    BOOST_TEST(describe_topology(dumbbell(17)).inward_parts == 0U);  // a cavity of one of them
     // Of a mesh that is inside out as a whole.
     const Topology all = describe_topology(reversed(onion));
     BOOST_TEST(all.inside_out);

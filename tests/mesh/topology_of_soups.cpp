@@ -82,8 +82,14 @@ bool are_closed(const Edges& edges) {
                                [](const auto& edge) { return (edge.second.upward + edge.second.downward) % 2 == 0; });
 }
 
-/// Of faces with the same vertices the first counts, in the direction of most of them, or none.
-std::vector<Triangle> counted_once(const std::vector<Triangle>& triangles, std::size_t& uncounted, bool& has_odd) {
+std::size_t unbalanced_edges(const Edges& edges) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(edges, [](const auto& edge) { return edge.second.upward != edge.second.downward; }));
+}
+
+/// Of faces with the same vertices the first counts, in the direction of most of them, or none: `cancelled`.
+std::vector<Triangle> counted_once(const std::vector<Triangle>& triangles, std::size_t& uncounted, bool& has_odd,
+                                   std::vector<Triangle>& cancelled) {
     std::map<Triangle, std::vector<std::size_t>> groups;
     for (std::size_t face = 0; face < triangles.size(); ++face) {
         if (repeats(triangles[face])) continue;
@@ -105,13 +111,14 @@ std::vector<Triangle> counted_once(const std::vector<Triangle>& triangles, std::
         }
         if (net > 0) result[faces[0]] = first;
         if (net < 0) result[faces[0]] = {first[0], first[2], first[1]};
+        if (net == 0) cancelled.push_back(first);
         uncounted += faces.size() - (net != 0 ? 1U : 0U);
         has_odd = has_odd || faces.size() % 2 != 0;
     }
     return result;
 }
 
-/// Nothing if the surface is to be oriented, which maps do not do.
+/// Nothing if the surface is to be oriented, or faces that cancel each other may close it, which maps do not do.
 std::optional<Topology> describe_by_map(const Mesh& mesh) {
     const std::vector<std::uint32_t> first = first_by_map(mesh.vertices());
     Topology report;
@@ -133,8 +140,14 @@ std::optional<Topology> describe_by_map(const Mesh& mesh) {
     if (!are_balanced(edges)) {
         std::size_t uncounted = 0;
         bool has_odd = false;
-        const Edges once = edges_of(counted_once(triangles, uncounted, has_odd), mesh.vertices());
-        if (!are_closed(edges) || are_closed(once) || !has_odd) {
+        std::vector<Triangle> cancelled;
+        const Edges once = edges_of(counted_once(triangles, uncounted, has_odd, cancelled), mesh.vertices());
+        const Edges of_cancelled = edges_of(cancelled, mesh.vertices());
+        const bool may_close = std::ranges::all_of(once, [&](const auto& edge) {
+            return (edge.second.upward + edge.second.downward) % 2 == 0 || of_cancelled.contains(edge.first);
+        });
+        if (!are_closed(once) && may_close) return std::nullopt;
+        if (unbalanced_edges(once) <= unbalanced_edges(edges) && (!are_closed(edges) || are_closed(once) || !has_odd)) {
             edges = once;
             report.uncounted_faces = uncounted;
         }

@@ -532,7 +532,7 @@ typedef struct clsdf_topology {
     int64_t duplicate_faces;       /* with the vertices of an earlier face; 0 if every edge has two faces */
     int64_t uncounted_faces;       /* of doubled faces those that do not count for the sign */
     int64_t reoriented_faces;      /* look the wrong way and are turned around for the sign */
-    int64_t inner_wall_faces;      /* between regions; without them the mesh would be balanced */
+    int64_t inner_wall_faces;      /* between regions; without them the mesh would be closed */
     int64_t first_inner_wall_face; /* the lowest of them, counted from 0, as those that follow */
     int64_t parts;                 /* of a balanced mesh: those that share no vertex; else 0 */
     int64_t inward_parts;          /* look inwards and are not wholly within others */

@@ -156,7 +156,7 @@ void add_meshes(nb::module_& module) {
         .def_ro("reoriented_faces", &Topology::reoriented_faces,
                 "Faces that look the wrong way and are turned around for the sign.")
         .def_ro("inner_wall_faces", &Topology::inner_wall_faces,
-                "Faces between regions; without them the mesh would be balanced.")
+                "Faces between regions; without them the mesh would be closed.")
         .def_ro("parts", &Topology::parts, "Parts of a balanced mesh that share no vertex; else 0.")
         .def_ro("inward_parts", &Topology::inward_parts, "Parts that look inwards and are not wholly within others.")
         .def_ro("nested_parts", &Topology::nested_parts,

@@ -142,36 +142,17 @@ void find_inner_walls(const Mesh& mesh, std::span<const Triangle> triangles, Top
     struct Wall {
         double area = 0;
         std::size_t faces = 0;
-        std::vector<std::uint32_t> edges;
-    };
-    // The sum of directions at each edge, and by part.
-    struct Share {
-        std::uint32_t part;
-        int sum;
+        std::vector<std::uint32_t> edges;  ///< an edge as often as the part has faces there
     };
     const std::size_t edge_count = parts.edges.size() - 1;
-    std::vector<int> sums(edge_count);
-    std::vector<std::vector<Share>> shares(edge_count);
-    const LocalFrame frame(mesh);
+    std::vector<std::uint8_t> is_odd(edge_count);
     std::vector<Wall> walls(triangles.size());
-    for (std::uint32_t edge = 0; edge < edge_count; ++edge) {
-        std::uint32_t lower = 0xFFFFFFFFU;
+    for (std::uint32_t edge = 0; edge < edge_count; ++edge)
         for (std::size_t i = parts.edges[edge]; i < parts.edges[edge + 1]; ++i) {
-            const Corner corner = parts.entries[i].edge();
-            const Triangle& triangle = triangles[corner.face];
-            if (i == parts.edges[edge]) lower = triangle[corner.vertex];
-            const int direction = triangle[corner.vertex] == lower ? 1 : -1;
-            const std::uint32_t part = parts.part[corner.face];
-            sums[edge] += direction;
-            const auto own = std::ranges::find(shares[edge], part, &Share::part);
-            if (own != shares[edge].end()) {
-                own->sum += direction;
-            } else {
-                shares[edge].push_back({part, direction});
-                walls[part].edges.push_back(edge);
-            }
+            is_odd[edge] ^= 1U;
+            walls[parts.part[parts.entries[i].edge().face]].edges.push_back(edge);
         }
-    }
+    const LocalFrame frame(mesh);
     for (std::uint32_t face = 0; face < triangles.size(); ++face) {
         Wall& wall = walls[parts.part[face]];
         if (wall.edges.empty()) continue;
@@ -182,22 +163,22 @@ void find_inner_walls(const Mesh& mesh, std::span<const Triangle> triangles, Top
     for (std::uint32_t part = 0; part < walls.size(); ++part)
         if (!walls[part].edges.empty()) order.push_back(part);
     std::ranges::stable_sort(order, {}, [&](std::uint32_t part) { return walls[part].area; });
-    const auto share_of = [&](std::uint32_t part, std::uint32_t edge) {
-        return std::ranges::find(shares[edge], part, &Share::part)->sum;
-    };
+    // Leaves out what makes fewer edges odd, whatever the directions of the faces.
     std::size_t faces = 0;
     std::uint32_t first = 0xFFFFFFFFU;
     for (const std::uint32_t part : order) {
-        const std::vector<std::uint32_t>& edges = walls[part].edges;
-        const bool is_wall =
-            std::ranges::any_of(edges, [&](std::uint32_t edge) { return share_of(part, edge) != 0; }) &&
-            std::ranges::all_of(edges, [&](std::uint32_t edge) { return sums[edge] == share_of(part, edge); });
-        if (!is_wall) continue;
-        for (const std::uint32_t edge : edges) sums[edge] = 0;
-        faces += walls[part].faces;
-        first = std::min(first, part);
+        const Wall& wall = walls[part];
+        std::ptrdiff_t change = 0;
+        const auto flip = [&](std::uint32_t edge) { change += (is_odd[edge] ^= 1U) != 0 ? 1 : -1; };
+        std::ranges::for_each(wall.edges, flip);
+        if (change < 0) {
+            faces += wall.faces;
+            first = std::min(first, part);
+        } else {
+            std::ranges::for_each(wall.edges, flip);
+        }
     }
-    if (faces == 0 || std::ranges::any_of(sums, [](int sum) { return sum != 0; })) return;
+    if (faces == 0 || std::ranges::any_of(is_odd, [](std::uint8_t odd) { return odd != 0; })) return;
     report.inner_wall_faces = faces;
     report.first_inner_wall_face = first;
 }
@@ -231,14 +212,14 @@ struct Part {
     int side = 0;  ///< 1: it looks as most of the mesh does; -1: the other way; 0: it encloses nothing
 };
 
-/// A ray along -x from a vertex of a part.
+/// A ray along -x from a point of a part.
 struct Probe {
     Vec3 from;
     std::uint32_t part;
 };
 
 /// Rays from a part, at most as many; fewer if there are many parts, and none beyond the last number of them.
-constexpr std::size_t most_probes = 64, most_probes_of_all = std::size_t{1} << 20;
+constexpr std::size_t most_probes = 128, most_probes_of_all = std::size_t{1} << 20, probes_of_face = 5;
 
 /// The direction in which a ray along -x crosses a face: 1 if it leaves the surface by it, -1 if it enters, 0 if it
 /// does not meet it. A ray through an edge or a vertex counts as moved by (e, e^2) in (y, z). Nothing if it begins on
@@ -285,7 +266,7 @@ public:
 
     std::vector<Part> parts;
 
-    /// The winding numbers of the other parts at a part's vertices: the least and the greatest at those looked at.
+    /// The winding numbers of the other parts at points of a part: the least and the greatest at those looked at.
     struct Windings {
         int least = std::numeric_limits<int>::max(), most = std::numeric_limits<int>::min();
     };
@@ -327,9 +308,22 @@ public:
     }
 
 private:
+    void add_points_of(const Triangle& triangle, std::uint32_t part, std::vector<Probe>& probes) const {
+        const Vec3 &a = at(triangle[0]), &b = at(triangle[1]), &c = at(triangle[2]);
+        probes.push_back({a, part});
+        Vec3 middle{};
+        for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] = a[axis] / 3 + b[axis] / 3 + c[axis] / 3;
+        probes.push_back({middle, part});
+        for (const auto& [from, to] : {std::pair(a, b), {b, c}, {c, a}}) {
+            for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] = from[axis] / 2 + to[axis] / 2;
+            probes.push_back({middle, part});
+        }
+    }
+
     const Vec3& at(std::uint32_t vertex) const { return mesh_.vertices()[vertex]; }
 
-    /// Of parts whose boxes overlap another one: vertices of some of their faces, and those that are farthest out.
+    /// Of parts whose boxes overlap another one: a vertex of some of their faces, the middle and those of the edges,
+    /// and the vertices that are farthest out.
     std::vector<Probe> probes() const {
         std::vector<Box> boxes;
         for (const Part& part : parts) boxes.push_back(part.box);
@@ -338,7 +332,8 @@ private:
         std::vector<std::size_t> steps(parts.size()), seen(parts.size());
         for_each_index(parts.size(), [&](std::size_t n) {
             const bool is_near = index.any(boxes[n], [n](std::size_t other) { return other != n; });
-            if (is_near && parts[n].side != 0) steps[n] = chunk_count(parts[n].faces, most);
+            if (is_near && parts[n].side != 0)
+                steps[n] = chunk_count(parts[n].faces, std::max<std::size_t>(most / probes_of_face, 1));
         });
         std::vector<Probe> result;
         std::vector<std::array<bool, 6>> is_found(parts.size());
@@ -346,7 +341,7 @@ private:
             const std::uint32_t number = part_of_[face];
             if (number == 0xFFFFFFFFU || steps[number] == 0) continue;
             const Part& part = parts[number];
-            if (seen[number]++ % steps[number] == 0) result.push_back({at(triangles_[face][0]), number});
+            if (seen[number]++ % steps[number] == 0) add_points_of(triangles_[face], number, result);
             for (const std::uint32_t vertex : triangles_[face])
                 for (std::size_t limit = 0; limit < 6; ++limit) {
                     const std::size_t axis = limit / 2;

@@ -32,7 +32,7 @@ struct OrientedParts {
 /// Nothing if a part cannot be oriented.
 std::vector<std::uint32_t> faces_to_turn(const Mesh& mesh, std::span<const Triangle> triangles);
 
-/// Finds inner walls: parts of a surface without open edges that it would be balanced without, the smallest first.
+/// Finds inner walls: parts that a surface with edges of three faces would be closed without, the smallest first.
 void find_inner_walls(const Mesh& mesh, std::span<const Triangle> triangles, Topology& report);
 
 /// Whether all faces are joined over vertices. Fast if neighbours follow each other and are numbered alike.

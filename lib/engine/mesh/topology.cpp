@@ -258,8 +258,9 @@ public:
         count();
     }
 
-    /// Faces of the same three vertices count by their net number, at most once. A closed surface stays as it is if
-    /// that would open it, unless it consists of doubled faces alone.
+    /// Faces of the same three vertices count by their net number, at most once. If edges stay open, faces that cancel
+    /// each other count once where that closes the surface. The surface stays as it is if more edges would be
+    /// unbalanced than before, or if it is closed and that would open it, unless it consists of doubled faces alone.
     void count_doubled_once(const std::vector<DoubledFace>& doubled) {
         if (doubled.empty()) return;
         std::vector<int> net(triangles_.size(), 1);
@@ -268,7 +269,7 @@ public:
             net[one.face] = 0;
         }
         const std::vector<Triangle> before = triangles_;
-        const EdgeCounts edges_before = edges_;
+        EdgeCounts edges_before = edges_;
         std::vector<SignSurface::Use> uses(triangles_.size(), SignSurface::forward);
         const auto use_of = [&](std::uint32_t first, bool is_reversed) {
             return (net[first] < 0) != is_reversed ? SignSurface::unused_backward : SignSurface::unused_forward;
@@ -284,9 +285,13 @@ public:
         for (std::uint32_t face = 0; face < triangles_.size(); ++face)
             if (uses[face] == SignSurface::backward) turn(face);
         count();
-        if (edges_before.open() == 0 && edges_.open() > 0 && has_odd_face(before, doubled)) {
+        if (!is_closed())
+            for (const std::uint32_t face : close_with(cancelled_faces(before, doubled, net)))
+                uses[face] = SignSurface::forward;
+        const bool is_opened = edges_before.open() == 0 && !is_closed() && has_odd_face(before, doubled);
+        if (is_opened || edges_.unbalanced.size() > edges_before.unbalanced.size()) {
             triangles_ = before;
-            edges_ = edges_before;
+            edges_ = std::move(edges_before);
             return;
         }
         surface_.faces = std::move(uses);
@@ -340,6 +345,48 @@ private:
         for (std::size_t face = 0; face < triangles.size(); ++face)
             if (is_odd[face] != 0 && !has_repeated_vertex(triangles[face])) return true;
         return false;
+    }
+
+    /// The lowest faces of those that cancel each other; in place of all others, points.
+    static std::vector<Triangle> cancelled_faces(std::span<const Triangle> triangles,
+                                                 std::span<const DoubledFace> doubled, std::span<const int> net) {
+        std::vector<Triangle> result(triangles.size());
+        for (const DoubledFace& one : doubled)
+            if (net[one.first] == 0) result[one.first] = triangles[one.first];
+        return result;
+    }
+
+    /// Adds the parts of another surface whose rims are open edges, if the surface is closed then. Returns their faces.
+    std::vector<std::uint32_t> close_with(const std::vector<Triangle>& other) {
+        const OrientedParts parts(other, mesh_.vertices().size());
+        std::vector<std::uint8_t> has_rim(other.size()), fits(other.size(), 1);  // of each part, by its lowest face
+        for (std::size_t i = 0; i + 1 < parts.edges.size(); ++i) {
+            if ((parts.edges[i + 1] - parts.edges[i]) % 2 == 0) continue;
+            for (std::size_t n = parts.edges[i]; n < parts.edges[i + 1]; ++n) {
+                const Corner corner = parts.entries[n].edge();
+                const std::uint32_t part = parts.part[corner.face];
+                const Triangle& face = other[corner.face];
+                has_rim[part] = 1;
+                if (!is_open(face[corner.vertex], face[next_of_three(corner.vertex)])) fits[part] = 0;
+            }
+        }
+        std::vector<std::uint32_t> added;
+        for (std::uint32_t face = 0; face < other.size(); ++face)
+            if (has_rim[parts.part[face]] != 0 && fits[parts.part[face]] != 0) added.push_back(face);
+        if (added.empty()) return {};
+        EdgeCounts before = edges_;
+        for (const std::uint32_t face : added) triangles_[face] = other[face];
+        count();
+        if (is_closed()) return added;
+        for (const std::uint32_t face : added) drop(face);
+        edges_ = std::move(before);
+        return {};
+    }
+
+    bool is_open(std::uint32_t a, std::uint32_t b) const {
+        const UnbalancedEdge edge{std::min(a, b), std::max(a, b)};
+        const auto found = std::ranges::lower_bound(edges_.unbalanced, edge, std::less<>());
+        return found != edges_.unbalanced.end() && !(edge < *found) && found->is_open;
     }
 
     void turn(std::uint32_t face) { std::swap(triangles_[face][1], triangles_[face][2]); }

@@ -53,7 +53,7 @@ struct Topology {
     std::size_t duplicate_faces = 0;   ///< with the vertices of an earlier face; 0 if every edge has two faces
     std::size_t uncounted_faces = 0;   ///< of doubled faces those that do not count for the sign
     std::size_t reoriented_faces = 0;  ///< faces that look the wrong way and are turned around for the sign
-    std::size_t inner_wall_faces = 0;  ///< faces between regions; without them the mesh would be balanced
+    std::size_t inner_wall_faces = 0;  ///< faces between regions; without them the mesh would be closed
     std::size_t first_inner_wall_face = 0;  ///< the lowest of them
     std::size_t parts = 0;                  ///< of a balanced mesh: those that share no vertex; else 0
     std::size_t inward_parts = 0;           ///< parts that look inwards and are not wholly within others
