@@ -12,22 +12,27 @@ order x, y, z. Lengths are in the mesh's units.
 
 from __future__ import annotations
 
+import importlib as _importlib
 import inspect as _inspect
+import typing as _typing
 
 from . import _core
 from ._core import Band, Defects, Device, DeviceInfo, Grid, Topology, devices, make_shape, shape_names
 from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemory, OutputFailure, UnreadableInput
 from ._values import Blocks, Points
-from .field import Field
-from .files import FieldWriter, read_field, write_field
-from .pictures import Picture, slice_picture
-from .plan import Plan
-from .transform import BoxPlace, Region, Request, Transform
+from ._field import Field
+from ._files import FieldWriter, read_field, write_field
+from ._pictures import Picture, slice_picture
+from ._plan import Plan
+from ._transform import BoxPlace, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
 
 from ._meshes import find_defects, mesh_hash, read_mesh, weld  # noqa: E402
 from . import trimesh  # noqa: E402
+
+if _typing.TYPE_CHECKING:
+    from . import jax, torch
 
 #: The triangle and the site of a sample beyond the band.
 no_triangle = 0xFFFFFFFF
@@ -80,6 +85,12 @@ for _kind, _like in ((Grid, lambda origin, spacing, size, first=(0, 0, 0): 0), (
 for _name in __all__:
     if isinstance(globals()[_name], type):
         globals()[_name].__module__ = "clsdf"
-for _name in ("annotations", "field", "files", "pictures", "plan", "transform"):
-    globals().pop(_name, None)
+globals().pop("annotations")
 del _name, _kind, _like
+
+
+def __getattr__(name: str) -> _typing.Any:
+    """clsdf.torch and clsdf.jax, which import PyTorch and JAX, when they are first used."""
+    if name in ("jax", "torch"):
+        return _importlib.import_module(f"clsdf.{name}")
+    raise AttributeError(f"module 'clsdf' has no attribute '{name}'")

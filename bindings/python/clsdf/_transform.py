@@ -20,8 +20,8 @@ from ._error import Error
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
-from .field import Field
-from .plan import Plan
+from ._field import Field
+from ._plan import Plan
 
 
 class Request(NamedTuple):

@@ -10,7 +10,7 @@ from ._core import Grid
 from ._progress import Progress, shown
 
 if TYPE_CHECKING:
-    from .transform import Request, Transform
+    from ._transform import Request, Transform
 
 
 class Plan:

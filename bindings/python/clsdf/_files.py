@@ -13,7 +13,7 @@ from ._core import Band, Grid
 from ._error import Error
 from ._lengths import BandLike, band_without_mesh
 from ._values import Outputs, type_of, wanted
-from .field import Field
+from ._field import Field
 
 
 def read_field(path: str | os.PathLike[str]) -> Field:
