@@ -1,4 +1,4 @@
-"""The programs of docs/python.md run as they stand, and its lists name what there is."""
+"""The programs of docs/python.md and docs/learning.md run as they stand, and their lists name what there is."""
 
 from __future__ import annotations
 
@@ -14,16 +14,28 @@ import pytest
 
 import clsdf
 
-PAGE = Path(__file__).parents[3] / "docs" / "python.md"
-PROGRAMS = re.findall(r"^## (.*?)$|^```python\n(.*?)^```$", "## the first\n" + PAGE.read_text(), re.M | re.S)
+DOCS = Path(__file__).parents[3] / "docs"
+PAGE = DOCS / "python.md"
+
+
+def programs_of(page):
+    """The title and the text of each program of a page."""
+    title = "the first"
+    for heading, program in re.findall(r"^## (.*?)$|^```python\n(.*?)^```$", page.read_text(), re.M | re.S):
+        title = heading or title
+        if program:
+            yield title, program
+
+
+def packages_of(program):
+    return [name for name in re.findall(r"^import (\w+)", program, re.M) if name not in ("clsdf", "numpy")]
 
 
 def programs():
-    title = ""
-    for heading, program in PROGRAMS:
-        title = heading or title
-        if program:
-            yield pytest.param(program, id=title.replace(" ", "-").lower())
+    for page in (PAGE, DOCS / "learning.md"):
+        for title, program in programs_of(page):
+            name = "-".join([page.stem, *packages_of(program), *title.lower().replace(",", "").split()])
+            yield pytest.param(program, id=name)
 
 
 @pytest.fixture(scope="module")
@@ -41,9 +53,10 @@ def bunny(tmp_path_factory):
 
 @pytest.mark.parametrize("program", list(programs()))
 def test_a_program_of_the_page_runs(program, bunny):
-    for package in re.findall(r"^import (\w+)", program, re.M):
+    for package in packages_of(program):
         pytest.importorskip(package)
-    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=bunny, timeout=200)
+    (bunny / "program.py").write_text(program)
+    result = subprocess.run([sys.executable, "program.py"], capture_output=True, text=True, cwd=bunny, timeout=200)
     assert result.returncode == 0, result.stderr
 
 
@@ -51,7 +64,7 @@ def test_any_number_of_ranks_computes_the_same(bunny):
     pytest.importorskip("mpi4py")
     if shutil.which("mpirun") is None:
         pytest.skip("there is no mpirun")
-    program = next(text for _, text in PROGRAMS if "mpi4py" in text)
+    program = next(text for _, text in programs_of(PAGE) if "mpi4py" in text)
     # As root, and with more ranks than cores, for Open MPI 4 and 5.
     settings = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                 "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
