@@ -359,7 +359,7 @@ def test_the_end_of_a_process_is_silent():
         """
         import clsdf
         body = clsdf.Transform(clsdf.make_shape("sphere1"))
-        field = body.field(resolution=8)
+        field = body.field(resolution=8, band="full")
         cycle = [body, field]
         cycle.append(cycle)
         """
