@@ -13,7 +13,6 @@ order x, y, z. Lengths are in the mesh's units.
 from __future__ import annotations
 
 import importlib as _importlib
-import inspect as _inspect
 import typing as _typing
 
 from . import _core
@@ -78,15 +77,28 @@ __all__ = [
     "write_field",
 ]
 
-# The extension's classes have no signature for notebooks by themselves.
-for _kind, _like in ((Grid, lambda origin, spacing, size, first=(0, 0, 0): 0), (Band, lambda inside, outside=None: 0)):
-    setattr(_kind, "__signature__", _inspect.signature(_like))
+
+
+class _Signature:
+    """The signature of a class of the extension, for notebooks. They alone import inspect, which takes long."""
+
+    def __init__(self, like: _typing.Callable[..., object]) -> None:
+        self._like = like
+
+    def __get__(self, instance: object, owner: type) -> object:
+        import inspect
+
+        return inspect.signature(self._like)
+
+
+setattr(Grid, "__signature__", _Signature(lambda origin, spacing, size, first=(0, 0, 0): 0))
+setattr(Band, "__signature__", _Signature(lambda inside, outside=None: 0))
 # Classes are those of the package, and its files are not beside them.
 for _name in __all__:
     if isinstance(globals()[_name], type):
         globals()[_name].__module__ = "clsdf"
 globals().pop("annotations")
-del _name, _kind, _like
+del _name
 
 
 def __getattr__(name: str) -> _typing.Any:
