@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import shutil
@@ -28,7 +29,8 @@ def programs_of(page):
 
 
 def packages_of(program):
-    return [name for name in re.findall(r"^import (\w+)", program, re.M) if name not in ("clsdf", "numpy")]
+    names = re.findall(r"^import (\w+)", program, re.M)
+    return [name for name in dict.fromkeys(names) if name not in ("clsdf", "numpy")]
 
 
 def programs():
@@ -51,13 +53,38 @@ def bunny(tmp_path_factory):
     return folder
 
 
+def run(program, folder):
+    (folder / "program.py").write_text(program)
+    return subprocess.run([sys.executable, "program.py"], capture_output=True, text=True, cwd=folder, timeout=200)
+
+
 @pytest.mark.parametrize("program", list(programs()))
 def test_a_program_of_the_page_runs(program, bunny):
     for package in packages_of(program):
         pytest.importorskip(package)
-    (bunny / "program.py").write_text(program)
-    result = subprocess.run([sys.executable, "program.py"], capture_output=True, text=True, cwd=bunny, timeout=200)
+    result = run(program, bunny)
     assert result.returncode == 0, result.stderr
+
+
+def test_the_cells_of_the_notebook_show_pictures(bunny, monkeypatch):
+    monkeypatch.chdir(bunny)
+    names, shown = {}, []
+    program = next(text for title, text in programs_of(PAGE) if title == "In a notebook")
+    for cell in program.split("# %%\n")[1:]:
+        *statements, last = ast.parse(cell).body
+        exec(compile(ast.Module(statements, []), "cell", "exec"), names)
+        shown.append(eval(compile(ast.Expression(last.value), "cell", "eval"), names))
+    body, *pictures = shown
+    assert repr(body).startswith("<clsdf.Transform: bunny.off")
+    assert len(pictures) == 2 and all(picture._repr_png_().startswith(b"\x89PNG") for picture in pictures)
+    assert Path("slice.png").read_bytes() == pictures[1].png()
+
+
+def test_a_forked_worker_of_torch_is_told_the_remedy(bunny):
+    pytest.importorskip("torch")
+    program = next(text for title, text in programs_of(DOCS / "learning.md") if title == "Samples for training")
+    result = run(program.replace('="spawn"', '="fork"'), bunny)
+    assert result.returncode != 0 and "this process was forked" in result.stderr and '"spawn"' in result.stderr
 
 
 def test_any_number_of_ranks_computes_the_same(bunny):

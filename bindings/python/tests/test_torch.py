@@ -1,10 +1,6 @@
-"""clsdf.torch: distances of tensors and their derivatives; workers of a DataLoader."""
+"""clsdf.torch: distances of tensors and their derivatives."""
 
 from __future__ import annotations
-
-import subprocess
-import sys
-import textwrap
 
 import numpy as np
 import pytest
@@ -115,43 +111,3 @@ def test_wrong_tensors_are_told(own_body, solid, some):
     ):
         with pytest.raises(clsdf.InvalidArgument, match=match):
             signed_distance(*arguments)
-
-
-LOADER = """
-    import sys
-    import torch
-    import clsdf
-
-    class Samples(torch.utils.data.Dataset):
-        def __init__(self):
-            self.body = clsdf.Transform(clsdf.make_shape("sphere1"))
-            self.body.query((0, 0, 0))
-
-        def __len__(self):
-            return 4
-
-        def __getitem__(self, n):
-            points = self.body.sample(50, within=0.1, seed=n)
-            return points, self.body.query(points, dtype="float64").distance
-
-    if __name__ == "__main__":
-        samples = Samples()
-        loader = torch.utils.data.DataLoader(samples, batch_size=2, num_workers=1, multiprocessing_context=sys.argv[1])
-        try:
-            for points, distance in loader:
-                print(points.shape, torch.equal(distance, clsdf.torch.signed_distance(samples.body, points)))
-        except clsdf.Error as error:
-            print(*str(error).splitlines()[-1:])
-"""
-
-
-@pytest.mark.parametrize("method", ["spawn", "fork"])
-def test_a_data_loader(tmp_path, method):
-    (tmp_path / "loader.py").write_text(textwrap.dedent(LOADER))
-    result = subprocess.run([sys.executable, "loader.py", method], capture_output=True, text=True, timeout=200, cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    lines = result.stdout.splitlines()
-    if method == "spawn":
-        assert lines == ["torch.Size([2, 50, 3]) True"] * 2
-    else:
-        assert len(lines) == 1 and "forked" in lines[0] and '"spawn"' in lines[0], lines
