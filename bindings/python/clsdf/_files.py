@@ -73,6 +73,7 @@ class FieldWriter:
         positive_inside: bool,
     ) -> None:
         name = os.fspath(path)
+        self._path = name
         self._writer: _core.Writer | None = _core.writer(name, grid, band, sign, mesh_name, outputs, positive_inside)
         if name.lower().endswith(".sdf") and (positive_inside or not math.isinf(max(band.inside, band.outside))):
             warnings.warn(
@@ -83,6 +84,9 @@ class FieldWriter:
                 MeshWarning,
                 stacklevel=3,
             )
+
+    def __repr__(self) -> str:
+        return f"<clsdf.FieldWriter: {self._path}{'' if self._writer else ', finished'}>"
 
     def append(self, slab: Field) -> None:
         """The next whole slices, in ascending z, with the announced outputs."""

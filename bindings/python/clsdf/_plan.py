@@ -19,6 +19,9 @@ class Plan:
     def __init__(self, plan: _core.PlanOfBoxes) -> None:
         self._plan = plan
 
+    def __repr__(self) -> str:
+        return f"<clsdf.Plan: {self.device_bytes} bytes of the device, sign {self.sign}>"
+
     @property
     def device_bytes(self) -> int:
         """Device memory of the plan, beside what the transform keeps."""

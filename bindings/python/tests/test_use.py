@@ -238,8 +238,13 @@ def test_results_by_name(body, points):
         iter(found)
 
 
-def test_looks(body):
+def test_looks(body, tmp_path):
     field = body.field(resolution=12)
+    writer = clsdf.FieldWriter(tmp_path / "x.nrrd", field.grid, field.band, field.sign)
+    shown = [body, field, field.grid, field.band, body.device, body.device.info(), body.topology, body.query((0, 0, 0)),
+             body.blocks(field.grid, [], (2, 2, 2)), body.plan(field.grid), writer, clsdf.Region((0, 0, 0), (1, 1, 1), 1)]
+    assert not [thing for thing in map(repr, shown) if " object at " in thing]
+    assert repr(writer) == f"<clsdf.FieldWriter: {tmp_path / 'x.nrrd'}>"
     assert field.shape == field.distance.shape and field._repr_png_() == clsdf.slice_picture(field).png()
     assert repr(clsdf.slice_picture(field)).startswith("<clsdf.Picture: ")
     assert repr(clsdf.trimesh.ProximityQuery("mesh")) == "<clsdf.trimesh.ProximityQuery: 'mesh'>"
