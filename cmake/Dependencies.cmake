@@ -42,6 +42,7 @@ if(CLSDF_BUILD_IO OR CLSDF_BUILD_APPS OR CLSDF_BUILD_TESTS)
 endif()
 if(CLSDF_BUILD_IO)
   clsdf_require(EXPAT libexpat1-dev)
+  clsdf_require(ZLIB zlib1g-dev)
 
   # Not find_package(HDF5), which compiles with C or asks a wrapper of a compiler; Debian's name is for the serial library.
   find_path(CLSDF_HDF5_INCLUDE hdf5.h PATH_SUFFIXES hdf5/serial)

@@ -66,12 +66,16 @@ RawValues values_to_the_end(const InputFile& file, ElementType type, std::endian
 }
 
 std::size_t checked_count(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes) {
-    const std::uint64_t width = bytes_of(values.type);
     if (values.offset > file.size() || values.bytes > file.size() - values.offset)
         file.fail(
             fmt::format("{} bytes of values from byte {} on do not lie in the {} bytes of the file, which is "
                         "truncated, or its header is wrong",
                         values.bytes, values.offset, file.size()));
+    return checked_count_of(file, values, sizes);
+}
+
+std::size_t checked_count_of(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes) {
+    const std::uint64_t width = bytes_of(values.type);
     std::uint64_t count = 1;
     for (const std::int64_t size : sizes) {
         if (size < 1)

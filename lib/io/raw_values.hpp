@@ -50,6 +50,8 @@ RawValues values_to_the_end(const InputFile& file, ElementType type, std::endian
 /// The number of values of an array of these sizes. Throws if `values` has another number, or if they exceed the file.
 /// Allocates nothing.
 std::size_t checked_count(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes);
+/// The same of values that lie elsewhere.
+std::size_t checked_count_of(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes);
 
 /// Whether values of one type are read as values of another: doubles are rounded to float, everything else stays.
 bool reads_as(ElementType stored, ElementType wanted);

@@ -1,55 +1,24 @@
 #include "io/field_files.hpp"
 #include "io/raw_values.hpp"
+#include "io/vti_document.hpp"
 
-#include <clsdf/mesh.hpp>
-
-#include <expat.h>
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
-#include <memory>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
-
-// Expat 2.9 deprecates these functions; the replacements return 64 bits on every platform.
-#if XML_MAJOR_VERSION > 2 || (XML_MAJOR_VERSION == 2 && XML_MINOR_VERSION >= 9)
-#define XML_GetCurrentLineNumber XML_GetCurrentLineNumber64
-#define XML_GetCurrentByteIndex XML_GetCurrentByteIndex64
-#define XML_GetCurrentByteCount XML_GetCurrentByteCount64
-#endif
 
 namespace clsdf {
 namespace {
-
-/// An array of a .vti file; its values are in `text`, or follow the document.
-struct VtiArray {
-    std::string name;
-    std::string type;        ///< "Float32", "String", ...
-    std::string components;  ///< as written
-    std::string format;      ///< "appended", "binary" (base64) or "ascii"
-    std::uint64_t offset = 0;
-    std::string text;
-};
-
-/// The XML part of a .vti file (VTK's ImageData in one piece; the VTK file formats, "XML file formats").
-struct VtiDocument {
-    std::endian order = std::endian::little;
-    std::size_t header_width = 4;  ///< bytes of the number that stands before the values of an array
-    std::array<std::int64_t, 6> extent{};
-    Vec3 origin{};
-    Vec3 spacing{1, 1, 1};
-    std::string scalars;  ///< the name of the array that PointData calls so
-    std::vector<VtiArray> point_arrays;
-    std::vector<VtiArray> field_arrays;
-    std::string appended_encoding;  ///< "raw" or "base64"; empty if nothing follows
-    std::uint64_t appended_begin = 0;
-};
 
 // The six bits of a letter, or -1.
 int bits_of(char letter) {
@@ -87,203 +56,53 @@ std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
     return bytes;
 }
 
-constexpr std::size_t chunk = std::size_t{1} << 16;
-constexpr std::uint64_t farthest_marker = 4096;  // blanks between <AppendedData> and its underscore
-
-/// Fills a document from the callbacks of expat. No exception may pass through its C code, so the first error is kept
-/// and the parser is stopped.
-class VtiParser {
+/// The stored bytes of an array, one part after the other: those of the file, or encoded as base64 in the file or in a
+/// text.
+class StoredBytes {
 public:
-    VtiParser() : parser_(XML_ParserCreate(nullptr)) {
-        if (!parser_) throw std::bad_alloc();
-        XML_SetUserData(parser_.get(), this);
-        XML_SetElementHandler(parser_.get(), &VtiParser::on_start, &VtiParser::on_end);
-        XML_SetCharacterDataHandler(parser_.get(), &VtiParser::on_text);
-        XML_SetStartDoctypeDeclHandler(parser_.get(), &VtiParser::on_doctype);
+    StoredBytes(InputFile& file, std::uint64_t begin, bool is_base64)
+        : file_(&file), at_(begin), end_(file.size()), is_base64_(is_base64) {}
+    explicit StoredBytes(std::string letters) : letters_(std::move(letters)), is_base64_(true) {
+        std::erase_if(letters_, is_blank);
+        end_ = letters_.size();
     }
 
-    VtiDocument parse(InputFile& file) {
-        std::vector<char> buffer(chunk);
-        for (std::uint64_t begin = 0; begin < file.size() && !stopped_; begin += chunk) {
-            const auto part = std::span(buffer).first(std::min<std::uint64_t>(chunk, file.size() - begin));
-            file.read(begin, std::as_writable_bytes(part));
-            const bool is_last = begin + part.size() == file.size();
-            if (XML_Parse(parser_.get(), part.data(), static_cast<int>(part.size()), is_last) == XML_STATUS_ERROR &&
-                !stopped_)
-                complain(XML_ErrorString(XML_GetErrorCode(parser_.get())));
-        }
-        if (failure_) std::rethrow_exception(failure_);
-        if (!complaint_.empty()) file.fail(complaint_);
-        if (!ended_ && document_.appended_encoding.empty()) file.fail("the file is truncated in its XML");
-        if (pieces_ != 1) file.fail(fmt::format("{} pieces of an image; save the field as one", pieces_));
-        return std::move(document_);
+    /// The next bytes, which stay the next ones; null if there are not as many, or no base64.
+    std::optional<std::vector<std::byte>> peek(std::uint64_t count) {
+        if (count > end_ || length_of(count) > end_ - at_) return std::nullopt;
+        std::string stored(static_cast<std::size_t>(length_of(count)), '\0');
+        if (file_ != nullptr)
+            file_->read(at_, std::as_writable_bytes(std::span(stored)));
+        else
+            stored = letters_.substr(static_cast<std::size_t>(at_), stored.size());
+        std::optional<std::vector<std::byte>> bytes;
+        if (is_base64_)
+            bytes = decode_base64(stored);
+        else
+            bytes.emplace(std::as_bytes(std::span(stored)).begin(), std::as_bytes(std::span(stored)).end());
+        if (bytes && bytes->size() < count) return std::nullopt;
+        if (bytes) bytes->resize(static_cast<std::size_t>(count));
+        return bytes;
     }
+
+    /// In base64 the bytes that follow are encoded by themselves.
+    std::optional<std::vector<std::byte>> next(std::uint64_t count) {
+        std::optional<std::vector<std::byte>> bytes = peek(count);
+        if (bytes) at_ += length_of(count);
+        return bytes;
+    }
+
+    /// Whether nothing of a text is left.
+    bool is_read() const { return file_ != nullptr || at_ == end_; }
 
 private:
-    using Attributes = const XML_Char**;
+    std::uint64_t length_of(std::uint64_t count) const { return is_base64_ ? (count + 2) / 3 * 4 : count; }
 
-    static void on_start(void* self, const XML_Char* name, Attributes attributes) noexcept {
-        static_cast<VtiParser*>(self)->guarded([&](VtiParser& parser) { parser.start(name, attributes); });
-    }
-    static void on_end(void* self, const XML_Char*) noexcept {
-        static_cast<VtiParser*>(self)->guarded([](VtiParser& parser) { parser.end(); });
-    }
-    static void on_text(void* self, const XML_Char* text, int length) noexcept {
-        static_cast<VtiParser*>(self)->guarded([&](VtiParser& parser) {
-            // Not the text of elements within the array, such as an InformationKey.
-            if (parser.array_ != nullptr && parser.path_.size() == parser.array_depth_)
-                parser.array_->text.append(text, static_cast<std::size_t>(length));
-        });
-    }
-    static void on_doctype(void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) noexcept {
-        static_cast<VtiParser*>(self)->guarded(
-            [](VtiParser& parser) { parser.complain("a document type is declared, which VTK's files do not"); });
-    }
-
-    template <class Action>
-    void guarded(const Action& action) noexcept {
-        if (stopped_) return;
-        try {
-            action(*this);
-        } catch (...) {
-            failure_ = std::current_exception();
-            stop();
-        }
-    }
-
-    void complain(std::string what) {
-        complaint_ = fmt::format("line {}: {}", XML_GetCurrentLineNumber(parser_.get()), what);
-        stop();
-    }
-
-    void stop() {
-        stopped_ = true;
-        XML_StopParser(parser_.get(), XML_FALSE);
-    }
-
-    static std::optional<std::string_view> find(Attributes attributes, std::string_view name) {
-        for (; *attributes != nullptr; attributes += 2)
-            if (name == attributes[0]) return attributes[1];
-        return std::nullopt;
-    }
-
-    static std::string text(Attributes attributes, std::string_view name, std::string_view otherwise = {}) {
-        return std::string(find(attributes, name).value_or(otherwise));
-    }
-
-    template <class Number>
-    void numbers(Attributes attributes, const char* name, std::span<Number> values) {
-        const std::optional<std::string_view> value = find(attributes, name);
-        if (value && !parse_numbers(*value, values))
-            complain(fmt::format("{}=\"{}\": expected {} numbers", name, value->substr(0, 80), values.size()));
-    }
-
-    void start(std::string_view name, Attributes attributes) {
-        if (path_.size() > 16) return complain("elements are nested deeper than in any .vti file");
-        if (path_.empty() && name != "VTKFile") return complain("not a .vti file: it does not begin with <VTKFile>");
-        path_.emplace_back(name);
-        if (name == "VTKFile") start_file(attributes);
-        if (name == "ImageData") start_image(attributes);
-        if (name == "Piece") start_piece(attributes);
-        if (name == "PointData") document_.scalars = text(attributes, "Scalars");
-        if (name == "DataArray" || name == "Array") start_array(attributes);
-        if (name == "AppendedData") start_appended(attributes);
-    }
-
-    void start_file(Attributes attributes) {
-        const std::string type = text(attributes, "type");
-        if (type != "ImageData") return complain(fmt::format("type=\"{}\": a field is ImageData", type.substr(0, 80)));
-        if (find(attributes, "compressor"))
-            return complain("its values are compressed; save it with no compressor (ParaView: Compressor Type None)");
-        document_.order = text(attributes, "byte_order") == "BigEndian" ? std::endian::big : std::endian::little;
-        document_.header_width = text(attributes, "header_type") == "UInt64" ? 8 : 4;
-    }
-
-    void start_image(Attributes attributes) {
-        numbers(attributes, "WholeExtent", std::span<std::int64_t>(document_.extent));
-        numbers(attributes, "Origin", std::span<double>(document_.origin));
-        numbers(attributes, "Spacing", std::span<double>(document_.spacing));
-        std::array<double, 9> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};
-        const auto along_the_axes = direction;
-        numbers(attributes, "Direction", std::span<double>(direction));
-        if (!stopped_ && direction != along_the_axes) complain("Direction: the grid is not parallel to the axes");
-    }
-
-    void start_piece(Attributes attributes) {
-        ++pieces_;
-        std::array<std::int64_t, 6> extent = document_.extent;
-        numbers(attributes, "Extent", std::span<std::int64_t>(extent));
-        if (!stopped_ && extent != document_.extent)
-            complain("a piece is not the whole image; save the field as one piece");
-    }
-
-    void start_array(Attributes attributes) {
-        const std::string_view parent = path_.size() > 1 ? std::string_view(path_[path_.size() - 2]) : "";
-        std::vector<VtiArray>* const arrays = parent == "PointData"   ? &document_.point_arrays
-                                              : parent == "FieldData" ? &document_.field_arrays
-                                                                      : nullptr;
-        if (arrays == nullptr) return;
-        VtiArray array{text(attributes, "Name"),
-                       text(attributes, "type"),
-                       text(attributes, "NumberOfComponents", "1"),
-                       text(attributes, "format"),
-                       0,
-                       {}};
-        std::int64_t offset = 0;
-        numbers(attributes, "offset", std::span(&offset, 1));
-        if (offset < 0) return complain(fmt::format("offset=\"{}\" lies before the values", offset));
-        array.offset = static_cast<std::uint64_t>(offset);
-        arrays->push_back(std::move(array));
-        array_ = &arrays->back();
-        array_depth_ = path_.size();
-    }
-
-    void start_appended(Attributes attributes) {
-        document_.appended_encoding = text(attributes, "encoding");
-        document_.appended_begin = static_cast<std::uint64_t>(XML_GetCurrentByteIndex(parser_.get())) +
-                                   static_cast<std::uint64_t>(XML_GetCurrentByteCount(parser_.get()));
-        // The appended data need not be XML.
-        stop();
-    }
-
-    void end() {
-        path_.pop_back();
-        if (path_.size() < array_depth_) array_ = nullptr;
-        ended_ = path_.empty();
-    }
-
-    struct Free {
-        void operator()(XML_Parser parser) const { XML_ParserFree(parser); }
-    };
-
-    std::unique_ptr<XML_ParserStruct, Free> parser_;
-    VtiDocument document_;
-    std::vector<std::string> path_;
-    VtiArray* array_ = nullptr;  // whose text is being read
-    std::size_t array_depth_ = 0;
-    int pieces_ = 0;
-    bool ended_ = false;
-    bool stopped_ = false;
-    std::exception_ptr failure_;  // of memory
-    std::string complaint_;
+    InputFile* file_ = nullptr;
+    std::string letters_;
+    std::uint64_t at_ = 0, end_ = 0;
+    bool is_base64_;
 };
-
-// The values begin after an underscore.
-void find_marker(InputFile& file, VtiDocument& document) {
-    std::string text(std::min(farthest_marker, file.size() - std::min(file.size(), document.appended_begin)), '\0');
-    file.read(document.appended_begin, std::as_writable_bytes(std::span(text)));
-    const std::size_t marker = text.find_first_not_of(" \t\r\n");
-    if (marker == std::string::npos || text[marker] != '_')
-        file.fail("no '_' stands before the values in <AppendedData>; the file is truncated or damaged");
-    document.appended_begin += marker + 1;
-}
-
-/// Throws Error(unreadable_input).
-VtiDocument parse_vti(InputFile& file) {
-    VtiDocument document = VtiParser().parse(file);
-    if (!document.appended_encoding.empty()) find_marker(file, document);
-    return document;
-}
 
 constexpr std::uint64_t largest_description = std::uint64_t{1} << 20;
 
@@ -313,15 +132,17 @@ public:
                                     info.description, info.components));
         std::vector<std::int64_t> sizes(field.grid.size.begin(), field.grid.size.end());
         sizes.push_back(static_cast<std::int64_t>(info.components));
-        if (array.format == "binary") {
-            std::vector<std::byte> bytes = decoded(array);
-            const RawValues values{*type, document_.order, 0, bytes.size()};
-            checked_count(file_, values, sizes);  // base64 is longer than the values, and lies in the file
-            convert_values(bytes, values, info.type, allocate_output(info, field));
-        } else {
-            const RawValues values = appended(array, *type);
+        if (is_in_place(array)) {
+            const RawValues values = in_place(array, *type);
             checked_count(file_, values, sizes);
             read_output(file_, values, info, field);
+        } else {
+            RawValues values{*type, document_.order, 0, 0};
+            std::vector<std::byte> bytes = unpacked(array, [&](std::uint64_t count) {
+                values.bytes = count;
+                checked_count_of(file_, values, sizes);
+            });
+            convert_values(bytes, values, info.type, allocate_output(info, field));
         }
     }
 
@@ -330,43 +151,115 @@ public:
         std::string letters;
         if (array.format == "ascii") {
             letters = letters_of(array);
-        } else if (array.format == "binary") {
-            for (const std::byte letter : decoded(array)) letters += static_cast<char>(letter);
         } else {
-            const RawValues values = appended(array, ElementType::uint32);
-            if (values.bytes > largest_description) fail(array, "it is too long for the description of a field");
-            letters.resize(static_cast<std::size_t>(values.bytes));
-            file_.read(values.offset, std::as_writable_bytes(std::span(letters)));
+            const auto check = [&](std::uint64_t count) {
+                if (count > largest_description) fail(array, "it is too long for the description of a field");
+            };
+            for (const std::byte letter : unpacked(array, check)) letters += static_cast<char>(letter);
         }
         return letters.substr(0, letters.find('\0'));
     }
 
 private:
-    RawValues appended(const VtiArray& array, ElementType type) {
-        if (array.format != "appended")
-            fail(array,
-                 fmt::format("format=\"{}\" is not read; save it as raw appended data", array.format.substr(0, 80)));
-        if (document_.appended_encoding != "raw")
-            fail(array, fmt::format("appended data encoded as \"{}\" are not read; save them raw",
-                                    document_.appended_encoding.substr(0, 80)));
+    // Whether the values lie in the file as they are.
+    bool is_in_place(const VtiArray& array) const {
+        return array.format == "appended" && document_.appended_encoding == "raw" && !document_.is_compressed;
+    }
+
+    std::uint64_t begin_of(const VtiArray& array) const {
         const std::uint64_t room = file_.size() - document_.appended_begin;
         if (room < document_.header_width || array.offset > room - document_.header_width)
             fail(array, fmt::format("offset=\"{}\" lies behind the end of the file; it is truncated", array.offset));
-        const std::uint64_t begin = document_.appended_begin + array.offset;
+        return document_.appended_begin + array.offset;
+    }
+
+    RawValues in_place(const VtiArray& array, ElementType type) {
+        const std::uint64_t begin = begin_of(array);
         std::array<std::byte, 8> header{};
         const auto bytes = std::span(header).first(document_.header_width);
         file_.read(begin, bytes);
         return {type, document_.order, begin + document_.header_width, number(bytes)};
     }
 
-    // Without the header.
-    std::vector<std::byte> decoded(const VtiArray& array) {
-        std::optional<std::vector<std::byte>> bytes = decode_base64(array.text);
-        if (!bytes || bytes->size() < document_.header_width ||
-            number(*bytes) != bytes->size() - document_.header_width)
-            fail(array, "its values are not base64, or not as many as they begin with");
-        bytes->erase(bytes->begin(), bytes->begin() + static_cast<std::ptrdiff_t>(document_.header_width));
+    StoredBytes stored_of(const VtiArray& array) const {
+        if (array.format == "binary") return StoredBytes(array.text);
+        if (array.format != "appended")
+            fail(array, fmt::format("format=\"{}\" is not read; save it as binary or appended data",
+                                    array.format.substr(0, 80)));
+        const std::string& encoding = document_.appended_encoding;
+        if (encoding != "raw" && encoding != "base64")
+            fail(array, fmt::format("appended data encoded as \"{}\" are not read; save them raw or as base64",
+                                    encoding.substr(0, 80)));
+        return StoredBytes(file_, begin_of(array), encoding == "base64");
+    }
+
+    // The bytes of values that do not lie in the file as they are. `check` gets their number before they are allocated.
+    std::vector<std::byte> unpacked(const VtiArray& array, const std::function<void(std::uint64_t)>& check) {
+        StoredBytes stored = stored_of(array);
+        const std::size_t width = document_.header_width;
+        const auto start = stored.peek(width);
+        if (!start) fail(array, "its values are not base64, or they are truncated");
+        std::vector<std::byte> bytes =
+            document_.is_compressed ? inflated(array, stored, number(*start), check) : plain(array, stored, check);
+        if (!stored.is_read()) fail(array, "its values are more than they begin with");
+        return bytes;
+    }
+
+    // Their number stands before them.
+    std::vector<std::byte> plain(const VtiArray& array, StoredBytes& stored,
+                                 const std::function<void(std::uint64_t)>& check) {
+        const std::size_t width = document_.header_width;
+        const std::uint64_t count = number(*stored.peek(width));
+        check(count);
+        // VTK encodes both together, other programs each by itself.
+        StoredBytes apart = stored;
+        std::optional<std::vector<std::byte>> bytes = stored.next(width + count);
+        if (!bytes || !stored.is_read()) {
+            if (!apart.next(width) || !(bytes = apart.next(count)))
+                fail(array, "its values are not base64, or not as many as they begin with");
+            stored = apart;
+            return std::move(*bytes);
+        }
+        bytes->erase(bytes->begin(), bytes->begin() + static_cast<std::ptrdiff_t>(width));
         return std::move(*bytes);
+    }
+
+    // Before them: the number of blocks, the bytes of a block and of the last one (0: as of a block), and those of each
+    // when it is compressed.
+    std::vector<std::byte> inflated(const VtiArray& array, StoredBytes& stored, std::uint64_t blocks,
+                                    const std::function<void(std::uint64_t)>& check) {
+        const std::size_t width = document_.header_width;
+        std::optional<std::vector<std::byte>> header;
+        constexpr std::uint64_t most_blocks = std::uint64_t{1} << 30;
+        if (blocks < std::min(file_.size(), most_blocks)) header = stored.next(width * (3 + blocks));
+        if (!header) fail(array, "the sizes of its compressed blocks are truncated");
+        const auto size_at = [&](std::uint64_t n) {
+            return number(std::span(*header).subspan(static_cast<std::size_t>(n) * width, width));
+        };
+        const std::uint64_t of_block = size_at(1), of_last = size_at(2) == 0 ? of_block : size_at(2);
+        constexpr std::uint64_t largest_block = std::uint64_t{1} << 32;
+        std::uint64_t packed_bytes = 0;
+        for (std::uint64_t n = 0; n < blocks; ++n) packed_bytes += std::min(size_at(3 + n), file_.size());
+        const std::uint64_t count = blocks == 0 ? 0 : (blocks - 1) * std::min(of_block, largest_block) + of_last;
+        constexpr std::uint64_t best_ratio = 1032;  // of zlib
+        if (of_block > largest_block || of_last > of_block || count / best_ratio > packed_bytes)
+            fail(array, "the sizes of its compressed blocks are wrong");
+        check(count);
+        const std::optional<std::vector<std::byte>> packed = stored.next(packed_bytes);
+        if (!packed) fail(array, "its compressed values are truncated");
+        std::vector<std::byte> bytes(static_cast<std::size_t>(count));
+        std::size_t from = 0, to = 0;
+        for (std::uint64_t n = 0; n < blocks; ++n) {
+            const std::uint64_t size = n + 1 == blocks ? of_last : of_block;
+            uLongf got = size;
+            if (uncompress(reinterpret_cast<Bytef*>(bytes.data() + to), &got,
+                           reinterpret_cast<const Bytef*>(packed->data() + from), size_at(3 + n)) != Z_OK ||
+                got != size)
+                fail(array, fmt::format("its compressed block {} is damaged", n));
+            to += size;
+            from += size_at(3 + n);
+        }
+        return bytes;
     }
 
     std::string letters_of(const VtiArray& array) const {

@@ -283,7 +283,7 @@ elseif(WAY STREQUAL "pkg_config")
   endif()
   # Nor does it get a library of files, with files of meshes or without.
   flags_of(mesh_flags --cflags --libs --static clsdf-meshes)
-  if("${flags};${mesh_flags}" MATCHES "hdf5|expat|openvdb|cairo")
+  if("${flags};${mesh_flags}" MATCHES "hdf5|expat|-lz|openvdb|cairo")
     message(FATAL_ERROR "A program that links clsdf and clsdf::meshes gets ${CMAKE_MATCH_0}: ${flags};${mesh_flags}")
   endif()
 

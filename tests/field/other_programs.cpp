@@ -9,7 +9,12 @@
 #include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
 
+#include <cstdint>
 #include <fstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -31,6 +36,20 @@ std::string vti_file(const std::string& text = vti_text, std::uint32_t bytes = 4
     const std::vector<double> doubles(six_values.begin(), six_values.end());
     return text + "xyz" + bytes_of(std::vector<std::uint32_t>{bytes}, std::endian::big) +
            bytes_of(doubles, std::endian::big) + "\n</AppendedData></VTKFile>\n";
+}
+
+// RFC 4648.
+std::string base64_of(std::string bytes) {
+    static constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const std::size_t padding = (3 - bytes.size() % 3) % 3;
+    bytes.append(padding, '\0');
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t group = 0;
+        for (std::size_t k = 0; k < 3; ++k) group = group << 8 | static_cast<unsigned char>(bytes[i + k]);
+        for (int shift = 18; shift >= 0; shift -= 6) text += letters[group >> shift & 63U];
+    }
+    return text.replace(text.size() - padding, padding, padding, '=');
 }
 
 const std::string sdf_text = "3 2 1\n-1 0.5 2e1\n0.25\n0\n1\n-2\n3.5\n-0.25\n1e-30\n";
@@ -68,6 +87,63 @@ BOOST_AUTO_TEST_CASE(is_read_with_elements_within_its_arrays) {
     text = replaced(text, "<AppendedData encoding=\"raw\">\n _", "</VTKFile>\n");
     const Field field = read_field(folder.file("a.vti", text));
     BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
+}
+
+// As VTK compresses: the number of blocks, the bytes of one and of the last one, those of each by zlib; and the blocks.
+BOOST_AUTO_TEST_CASE(is_read_if_zlib_has_compressed_it_and_refused_if_it_is_damaged) {
+    const TemporaryFolder folder;
+    const std::string sizes = "AAAAAgAAACAAAAAQAAAAFQAAABI=";
+    const std::string blocks =
+        "eJxjYIAA+w8Q+gCU78ADoQEp7AI8eJzbf4EBDCy3ePiAaAAiEAMR";
+    const std::string compressed =
+        replaced(vti_text, "type=\"ImageData\"", "type=\"ImageData\" compressor=\"vtkZLibDataCompressor\"");
+    const auto in_place = [&](const std::string& stored) {
+        const std::string text = replaced(compressed, "format=\"appended\" offset=\"3\"/>",
+                                          "format=\"binary\">" + stored + "</DataArray>");
+        return replaced(text, "<AppendedData encoding=\"raw\">\n _", "</VTKFile>\n");
+    };
+    const auto appended = [&](const std::string& stored) {
+        return replaced(compressed, "encoding=\"raw\"", "encoding=\"base64\"") + "xyz" + stored +
+               "\n</AppendedData></VTKFile>\n";
+    };
+    const auto with_sizes = [&](const std::vector<std::uint32_t>& numbers) {
+        return in_place(base64_of(bytes_of(numbers, std::endian::big)) + blocks);
+    };
+    const auto refused = [&](const std::string& content, const std::string& fragment) {
+        const std::string path = folder.file("a.vti", content);
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { read_field(path); });
+    };
+    constexpr std::uint32_t first = 21, second = 18;
+    for (const std::string& content : {in_place(" " + sizes + "\n" + blocks + " "), appended(sizes + blocks),
+                                       with_sizes({2, 32, 16, first, second})}) {
+        const Field field = read_field(folder.file("a.vti", content));
+        BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
+    }
+    refused(with_sizes({2, 32, 0, first, second}), "unused");
+    refused(with_sizes({2, 32, 8, first, second}), "do not fit");
+    refused(with_sizes({2, 16, 32, first, second}), "sizes of its compressed blocks are wrong");
+    refused(with_sizes({2, 24, 24, first, second}), "block 0 is damaged");
+    refused(with_sizes({2, 32, 16, first - 1, second}), "block 0 is damaged");
+    refused(with_sizes({2, 32, 16, first, second - 1}), "block 1 is damaged");
+    refused(with_sizes({2, 32, 16, first, second + 3}), "compressed values are truncated");
+    refused(with_sizes({2, 4000000000, 16, first, second}), "sizes of its compressed blocks are wrong");
+    refused(with_sizes({4000000000, 32, 16, first, second}), "truncated");
+    refused(with_sizes({0, 0, 0}), "do not fit");
+    refused(in_place(sizes), "truncated");
+    refused(in_place(sizes + blocks + "AAAA"), "more than");
+    refused(appended(sizes + blocks.substr(0, 8)), "truncated");
+    refused(appended("!"), "base64");
+    std::string damaged = blocks;
+    for (char& letter : damaged) {
+        const char whole = std::exchange(letter, letter == 'A' ? 'B' : 'A');
+        const std::string path = folder.file("a.vti", appended(sizes + damaged));
+        try {
+            read_field(path);
+        } catch (const Error& error) {
+            BOOST_CHECK(error.code() == ErrorCode::unreadable_input);
+        }
+        letter = whole;
+    }
 }
 
 BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
@@ -167,6 +243,63 @@ BOOST_AUTO_TEST_CASE(of_many_pieces_is_refused_for_its_first_damage) {
     }
     refused(many.text + "behind", "more values");
     refused(many.text.substr(0, many.text.size() - 1), "truncated");
+}
+
+// As VTK compresses: the number of blocks, the bytes of one and of the last one, those of each by zlib; and the blocks.
+BOOST_AUTO_TEST_CASE(is_read_if_zlib_has_compressed_it_and_refused_if_it_is_damaged) {
+    const TemporaryFolder folder;
+    const std::string sizes = "AAAAAgAAACAAAAAQAAAAFQAAABI=";
+    const std::string blocks =
+        "eJxjYIAA+w8Q+gCU78ADoQEp7AI8eJzbf4EBDCy3ePiAaAAiEAMR";
+    const std::string compressed =
+        replaced(vti_text, "type=\"ImageData\"", "type=\"ImageData\" compressor=\"vtkZLibDataCompressor\"");
+    const auto in_place = [&](const std::string& stored) {
+        const std::string text = replaced(compressed, "format=\"appended\" offset=\"3\"/>",
+                                          "format=\"binary\">" + stored + "</DataArray>");
+        return replaced(text, "<AppendedData encoding=\"raw\">\n _", "</VTKFile>\n");
+    };
+    const auto appended = [&](const std::string& stored) {
+        return replaced(compressed, "encoding=\"raw\"", "encoding=\"base64\"") + "xyz" + stored +
+               "\n</AppendedData></VTKFile>\n";
+    };
+    const auto with_sizes = [&](const std::vector<std::uint32_t>& numbers) {
+        return in_place(base64_of(bytes_of(numbers, std::endian::big)) + blocks);
+    };
+    const auto refused = [&](const std::string& content, const std::string& fragment) {
+        const std::string path = folder.file("a.vti", content);
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { read_field(path); });
+    };
+    constexpr std::uint32_t first = 21, second = 18;
+    for (const std::string& content : {in_place(" " + sizes + "\n" + blocks + " "), appended(sizes + blocks),
+                                       with_sizes({2, 32, 16, first, second})}) {
+        const Field field = read_field(folder.file("a.vti", content));
+        BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
+    }
+    refused(with_sizes({2, 32, 0, first, second}), "unused");
+    refused(with_sizes({2, 32, 8, first, second}), "do not fit");
+    refused(with_sizes({2, 16, 32, first, second}), "sizes of its compressed blocks are wrong");
+    refused(with_sizes({2, 24, 24, first, second}), "block 0 is damaged");
+    refused(with_sizes({2, 32, 16, first - 1, second}), "block 0 is damaged");
+    refused(with_sizes({2, 32, 16, first, second - 1}), "block 1 is damaged");
+    refused(with_sizes({2, 32, 16, first, second + 3}), "compressed values are truncated");
+    refused(with_sizes({2, 4000000000, 16, first, second}), "sizes of its compressed blocks are wrong");
+    refused(with_sizes({4000000000, 32, 16, first, second}), "truncated");
+    refused(with_sizes({0, 0, 0}), "do not fit");
+    refused(in_place(sizes), "truncated");
+    refused(in_place(sizes + blocks + "AAAA"), "more than");
+    refused(appended(sizes + blocks.substr(0, 8)), "truncated");
+    refused(appended("!"), "base64");
+    std::string damaged = blocks;
+    for (char& letter : damaged) {
+        const char whole = std::exchange(letter, letter == 'A' ? 'B' : 'A');
+        const std::string path = folder.file("a.vti", appended(sizes + damaged));
+        try {
+            read_field(path);
+        } catch (const Error& error) {
+            BOOST_CHECK(error.code() == ErrorCode::unreadable_input);
+        }
+        letter = whole;
+    }
 }
 
 BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {

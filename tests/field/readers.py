@@ -69,14 +69,19 @@ def vti_rewritten(path, expected, distance, triangle):
                           ("base64", lambda w: w.SetDataModeToBinary()),
                           ("ascii", lambda w: w.SetDataModeToAscii()),
                           ("encoded", lambda w: w.SetDataModeToAppended()),
-                          ("compressed", None)):
+                          ("compressed", None),  # as VTK writes by default: zlib, appended base64
+                          ("compressed_raw", lambda w: w.EncodeAppendedDataOff()),
+                          ("compressed_base64", lambda w: w.SetDataModeToBinary()),
+                          ("lz4", lambda w: w.SetCompressorTypeToLZ4())):
         for header in (32, 64):
             writer = vtkXMLImageDataWriter()
             writer.SetFileName(f"{path[:-4]}_{name}_{header}.vti")
             writer.SetInputData(image)
             writer.SetHeaderType(header)
-            if prepare:
+            writer.SetBlockSize(1024)  # so that there are several
+            if name in ("appended", "base64", "ascii", "encoded"):
                 writer.SetCompressorTypeToNone()
+            if prepare:
                 prepare(writer)
             check(writer.Write() == 1, "VTK does not write " + name)
 

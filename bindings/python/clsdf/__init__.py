@@ -12,22 +12,26 @@ order x, y, z. Lengths are in the mesh's units.
 
 from __future__ import annotations
 
-import inspect as _inspect
+import importlib as _importlib
+import typing as _typing
 
 from . import _core
 from ._core import Band, Defects, Device, DeviceInfo, Grid, Topology, devices, make_shape, shape_names
 from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemory, OutputFailure, UnreadableInput
 from ._values import Blocks, Points
-from .field import Field
-from .files import FieldWriter, read_field, write_field
-from .pictures import Picture, slice_picture
-from .plan import Plan
-from .transform import BoxPlace, Region, Request, Transform
+from ._field import Field
+from ._files import FieldWriter, read_field, write_field
+from ._pictures import Picture, slice_picture
+from ._plan import Plan
+from ._transform import BoxPlace, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
 
 from ._meshes import find_defects, mesh_hash, read_mesh, weld  # noqa: E402
 from . import trimesh  # noqa: E402
+
+if _typing.TYPE_CHECKING:
+    from . import jax, torch
 
 #: The triangle and the site of a sample beyond the band.
 no_triangle = 0xFFFFFFFF
@@ -73,13 +77,32 @@ __all__ = [
     "write_field",
 ]
 
-# The extension's classes have no signature for notebooks by themselves.
-for _kind, _like in ((Grid, lambda origin, spacing, size, first=(0, 0, 0): 0), (Band, lambda inside, outside=None: 0)):
-    setattr(_kind, "__signature__", _inspect.signature(_like))
+
+
+class _Signature:
+    """The signature of a class of the extension, for notebooks. They alone import inspect, which takes long."""
+
+    def __init__(self, like: _typing.Callable[..., object]) -> None:
+        self._like = like
+
+    def __get__(self, instance: object, owner: type) -> object:
+        import inspect
+
+        return inspect.signature(self._like)
+
+
+setattr(Grid, "__signature__", _Signature(lambda origin, spacing, size, first=(0, 0, 0): 0))
+setattr(Band, "__signature__", _Signature(lambda inside, outside=None: 0))
 # Classes are those of the package, and its files are not beside them.
 for _name in __all__:
     if isinstance(globals()[_name], type):
         globals()[_name].__module__ = "clsdf"
-for _name in ("annotations", "field", "files", "pictures", "plan", "transform"):
-    globals().pop(_name, None)
-del _name, _kind, _like
+globals().pop("annotations")
+del _name
+
+
+def __getattr__(name: str) -> _typing.Any:
+    """clsdf.torch and clsdf.jax, which import PyTorch and JAX, when they are first used."""
+    if name in ("jax", "torch"):
+        return _importlib.import_module(f"clsdf.{name}")
+    raise AttributeError(f"module 'clsdf' has no attribute '{name}'")

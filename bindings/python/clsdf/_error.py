@@ -62,4 +62,4 @@ _kinds: dict[str, type[Error]] = {
 
 class MeshWarning(UserWarning):
     """A property of the mesh that changes what is computed, for instance that it is open and the field has no sign; what
-    was skipped in its file; points that are not finite."""
+    was skipped in its file; points that are not finite; a band narrower than a voxel; what a file does not record."""

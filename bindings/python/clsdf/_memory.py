@@ -7,9 +7,6 @@ from pathlib import Path
 
 from ._error import Error
 
-#: Smaller arrays are made without a question.
-_least = 1 << 30
-
 
 def _number(path: Path) -> int | None:
     try:
@@ -66,8 +63,6 @@ def available(proc: Path = Path("/proc"), root: Path = Path("/sys/fs/cgroup")) -
 
 def check(size: int, what: str) -> None:
     """Raises clsdf.Error (out_of_memory) if new arrays of `size` bytes exceed what is available."""
-    if size <= _least:
-        return
     room = available()
     if room is not None and size > room:
         raise Error(

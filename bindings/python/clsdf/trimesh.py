@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._error import Error
-from .transform import Transform
+from ._transform import Transform
 
 # By id(mesh): the mesh, its hash at that time, and its transform. A mesh that ends takes its row with it.
 _prepared: dict[int, tuple[weakref.ref[Any], int, dict[str, Transform]]] = {}

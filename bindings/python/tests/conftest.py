@@ -9,6 +9,11 @@ from brute_force import BruteForce
 import clsdf
 
 
+def pytest_configure(config):
+    # Small fields have thin bands.
+    config.addinivalue_line("filterwarnings", "ignore:the band is .* voxels wide")
+
+
 @pytest.fixture(scope="session")
 def solid():
     """A closed mesh without symmetry, of different extents along x, y and z: vertices and faces."""

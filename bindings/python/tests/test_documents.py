@@ -1,7 +1,8 @@
-"""The programs of docs/python.md run as they stand, and its lists name what there is."""
+"""The programs of docs/python.md and docs/learning.md run as they stand, and their lists name what there is."""
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import shutil
@@ -14,16 +15,29 @@ import pytest
 
 import clsdf
 
-PAGE = Path(__file__).parents[3] / "docs" / "python.md"
-PROGRAMS = re.findall(r"^## (.*?)$|^```python\n(.*?)^```$", "## the first\n" + PAGE.read_text(), re.M | re.S)
+DOCS = Path(__file__).parents[3] / "docs"
+PAGE = DOCS / "python.md"
+
+
+def programs_of(page):
+    """The title and the text of each program of a page."""
+    title = "the first"
+    for heading, program in re.findall(r"^## (.*?)$|^```python\n(.*?)^```$", page.read_text(), re.M | re.S):
+        title = heading or title
+        if program:
+            yield title, program
+
+
+def packages_of(program):
+    names = re.findall(r"^import (\w+)", program, re.M)
+    return [name for name in dict.fromkeys(names) if name not in ("clsdf", "numpy")]
 
 
 def programs():
-    title = ""
-    for heading, program in PROGRAMS:
-        title = heading or title
-        if program:
-            yield pytest.param(program, id=title.replace(" ", "-").lower())
+    for page in (PAGE, DOCS / "learning.md"):
+        for title, program in programs_of(page):
+            name = "-".join([page.stem, *packages_of(program), *title.lower().replace(",", "").split()])
+            yield pytest.param(program, id=name)
 
 
 @pytest.fixture(scope="module")
@@ -39,19 +53,45 @@ def bunny(tmp_path_factory):
     return folder
 
 
+def run(program, folder):
+    (folder / "program.py").write_text(program)
+    return subprocess.run([sys.executable, "program.py"], capture_output=True, text=True, cwd=folder, timeout=200)
+
+
 @pytest.mark.parametrize("program", list(programs()))
 def test_a_program_of_the_page_runs(program, bunny):
-    for package in re.findall(r"^import (\w+)", program, re.M):
+    for package in packages_of(program):
         pytest.importorskip(package)
-    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=bunny, timeout=200)
+    result = run(program, bunny)
     assert result.returncode == 0, result.stderr
+
+
+def test_the_cells_of_the_notebook_show_pictures(bunny, monkeypatch):
+    monkeypatch.chdir(bunny)
+    names, shown = {}, []
+    program = next(text for title, text in programs_of(PAGE) if title == "In a notebook")
+    for cell in program.split("# %%\n")[1:]:
+        *statements, last = ast.parse(cell).body
+        exec(compile(ast.Module(statements, []), "cell", "exec"), names)
+        shown.append(eval(compile(ast.Expression(last.value), "cell", "eval"), names))
+    body, *pictures = shown
+    assert repr(body).startswith("<clsdf.Transform: bunny.off")
+    assert len(pictures) == 2 and all(picture._repr_png_().startswith(b"\x89PNG") for picture in pictures)
+    assert Path("slice.png").read_bytes() == pictures[1].png()
+
+
+def test_a_forked_worker_of_torch_is_told_the_remedy(bunny):
+    pytest.importorskip("torch")
+    program = next(text for title, text in programs_of(DOCS / "learning.md") if title == "Samples for training")
+    result = run(program.replace('="spawn"', '="fork"'), bunny)
+    assert result.returncode != 0 and "this process was forked" in result.stderr and '"spawn"' in result.stderr
 
 
 def test_any_number_of_ranks_computes_the_same(bunny):
     pytest.importorskip("mpi4py")
     if shutil.which("mpirun") is None:
         pytest.skip("there is no mpirun")
-    program = next(text for _, text in PROGRAMS if "mpi4py" in text)
+    program = next(text for _, text in programs_of(PAGE) if "mpi4py" in text)
     # As root, and with more ranks than cores, for Open MPI 4 and 5.
     settings = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                 "OMPI_MCA_rmaps_base_oversubscribe": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}

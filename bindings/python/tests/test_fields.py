@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from brute_force import BruteForce, positions
@@ -477,3 +479,36 @@ def test_shares_of_a_machine(solid, points):
     with pytest.raises(clsdf.Error) as refused:
         clsdf.Device.of_rank(3, 3)
     assert refused.value.code == "invalid_argument"
+
+
+def test_a_band_below_one_voxel_is_told_once(body, solid):
+    grid = clsdf.Grid((-1, -1, -1), 0.1, (24, 20, 16))
+    calls = {
+        "field": lambda band: body.field(grid, band=band),
+        "fields": lambda band: body.fields([grid, clsdf.Grid((-1, -1, -1), 0.01, (4, 4, 4))], band=band),
+        "slabs": lambda band: list(body.slabs(grid, band=band)),
+    }
+    for name, call in calls.items():
+        for band, width in ((0.05, "0.5"), ((0.2, 0.07), "0.7"), ((0.08, 0), "0.8")):
+            with pytest.warns(clsdf.MeshWarning, match=f"{width} voxels wide") as warned:
+                call(band)
+            assert len(warned) == 1 and warned[0].filename == __file__, name
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            for band in (0.1, "2v", 0, (0.2, 0), "full"):
+                call(band)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        clsdf.Transform(solid, sign="none").field(grid, band=(0.05, 0.2))
+
+
+def test_fields_and_slabs_may_be_positive_inside(body):
+    grids = [body.grid(16), body.grid(20)]
+    options = {"band": "3v", "outputs": "gradient", "positive_inside": True}
+    for field, grid in zip(body.fields(grids, **options), grids):
+        expected = body.field(grid, **options)
+        assert field.positive_inside
+        for name in expected.outputs:
+            assert field[name].tobytes() == expected[name].tobytes()
+    with pytest.raises(clsdf.Error, match="signs alone"):
+        body.fields(grids, band=0, positive_inside=True)

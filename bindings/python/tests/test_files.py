@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -74,3 +76,20 @@ def test_files_that_cannot_be(body, tmp_path):
     with pytest.raises(clsdf.Error) as error:
         clsdf.read_field(tmp_path / "none.nrrd")
     assert error.value.code == "unreadable_input"
+
+
+def test_what_sdf_does_not_record_is_told(body, tmp_path):
+    path = tmp_path / "field.sdf"
+    grid = body.grid(12)
+    for options, match in (({"positive_inside": True}, "positive inside"), ({}, "does not state its band")):
+        field = body.field(grid, band="3v", **options)
+        with pytest.warns(clsdf.MeshWarning, match=match) as warned:
+            clsdf.write_field(field, path)
+        assert len(warned) == 1 and warned[0].filename == __file__ and path.exists()
+    with pytest.warns(clsdf.MeshWarning, match="does not state its band") as warned:
+        clsdf.FieldWriter(path, grid, "3v", body.sign)
+    assert warned[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        clsdf.write_field(body.field(grid, band="full"), path)
+        clsdf.write_field(field, tmp_path / "field.nrrd")

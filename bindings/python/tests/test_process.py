@@ -359,7 +359,7 @@ def test_the_end_of_a_process_is_silent():
         """
         import clsdf
         body = clsdf.Transform(clsdf.make_shape("sphere1"))
-        field = body.field(resolution=8)
+        field = body.field(resolution=8, band="full")
         cycle = [body, field]
         cycle.append(cycle)
         """
@@ -413,3 +413,16 @@ with warnings.catch_warnings(record=True) as caught:
     assert result.stdout.splitlines() == [files, "0", "1 RuntimeWarning", "1 True"], result.stdout + result.stderr
     named = run(program, environment={**environment, "CLSDF_DEVICE": "0"})
     assert named.stdout.splitlines() == [files, "0", "0", "0 "], named.stdout + named.stderr
+
+
+def test_import_is_light():
+    """Neither the packages that are used if they are there, nor modules that take long, are imported with clsdf."""
+    program = """
+import sys
+import numpy.typing
+heavy = {"torch", "jax", "pyopencl", "tqdm", "pyvista", "trimesh", "inspect", "pathlib"} - set(sys.modules)
+import clsdf
+print(sorted(heavy & set(sys.modules)), hasattr(clsdf, "what"))
+"""
+    result = run(program)
+    assert result.stdout.split() == ["[]", "False"], result.stdout + result.stderr

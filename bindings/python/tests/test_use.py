@@ -229,38 +229,6 @@ def test_a_spawned_process_gets_a_transform_and_returns_results(tmp_path):
     assert result.stdout.strip() == "[True, True] True", result.stderr
 
 
-LOADED = """
-    import sys
-    import numpy as np
-    import torch.utils.data
-    import clsdf
-    class Samples(torch.utils.data.Dataset):
-        def __init__(self, body):
-            self.body = body
-        def __len__(self):
-            return 8
-        def __getitem__(self, index):
-            point = np.array((0.0, 0.0, index))
-            return point, float(self.body.query(point).distance)
-    if __name__ == "__main__":
-        samples = Samples(clsdf.Transform(clsdf.make_shape("sphere1")))
-        samples[0]
-        loader = torch.utils.data.DataLoader(samples, 4, num_workers=1, multiprocessing_context=sys.argv[1])
-        print([float(d) for _, batch in loader for d in batch] == [samples[n][1] for n in range(8)])
-"""
-
-
-@pytest.mark.parametrize("context", ["spawn", "fork"])
-def test_the_workers_of_a_data_loader(tmp_path, context):
-    pytest.importorskip("torch.utils.data")
-    (tmp_path / "loaded.py").write_text(textwrap.dedent(LOADED))
-    result = subprocess.run([sys.executable, "loaded.py", context], capture_output=True, text=True, timeout=200, cwd=tmp_path)
-    if context == "spawn":
-        assert result.stdout.strip() == "True", result.stderr
-    else:
-        assert "spawn" in result.stderr and "forked" in result.stderr
-
-
 def test_results_by_name(body, points):
     found = body.query(points, "triangle")
     assert found["triangle"] is found.triangle
@@ -270,8 +238,13 @@ def test_results_by_name(body, points):
         iter(found)
 
 
-def test_looks(body):
+def test_looks(body, tmp_path):
     field = body.field(resolution=12)
+    writer = clsdf.FieldWriter(tmp_path / "x.nrrd", field.grid, field.band, field.sign)
+    shown = [body, field, field.grid, field.band, body.device, body.device.info(), body.topology, body.query((0, 0, 0)),
+             body.blocks(field.grid, [], (2, 2, 2)), body.plan(field.grid), writer, clsdf.Region((0, 0, 0), (1, 1, 1), 1)]
+    assert not [thing for thing in map(repr, shown) if " object at " in thing]
+    assert repr(writer) == f"<clsdf.FieldWriter: {tmp_path / 'x.nrrd'}>"
     assert field.shape == field.distance.shape and field._repr_png_() == clsdf.slice_picture(field).png()
     assert repr(clsdf.slice_picture(field)).startswith("<clsdf.Picture: ")
     assert repr(clsdf.trimesh.ProximityQuery("mesh")) == "<clsdf.trimesh.ProximityQuery: 'mesh'>"
@@ -281,7 +254,7 @@ def test_looks(body):
 
 def test_completion_shows_what_is_public():
     shown = {name for name in dir(clsdf) if not name.startswith("_")}
-    assert shown == set(clsdf.__all__)
+    assert shown - {"jax", "torch"} == set(clsdf.__all__)  # these two from their import on
     for name in clsdf.__all__:
         if isinstance(getattr(clsdf, name), type):
             assert getattr(clsdf, name).__module__ == "clsdf", name

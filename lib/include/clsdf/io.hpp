@@ -1,7 +1,7 @@
 #pragma once
 
 /// Files of fields, in a separate target, clsdf::io, which has the files of meshes and points, too. It links HDF5,
-/// expat and, if it is built in, OpenVDB, which the core library and clsdf::meshes do not need.
+/// expat, zlib and, if it is built in, OpenVDB, which the core library and clsdf::meshes do not need.
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/mesh_files.hpp>

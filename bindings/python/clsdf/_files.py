@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+import warnings
 from types import TracebackType
 from typing import Any
 
@@ -10,10 +12,10 @@ import numpy as np
 
 from . import _core
 from ._core import Band, Grid
-from ._error import Error
+from ._error import Error, MeshWarning
 from ._lengths import BandLike, band_without_mesh
 from ._values import Outputs, type_of, wanted
-from .field import Field
+from ._field import Field
 
 
 def read_field(path: str | os.PathLike[str]) -> Field:
@@ -24,13 +26,14 @@ def read_field(path: str | os.PathLike[str]) -> Field:
 
 
 def write_field(field: Field, path: str | os.PathLike[str]) -> None:
-    """Writes a field by the file's ending; complete or not at all. Raises clsdf.Error: output_failure; unsupported for
-    an unknown ending, or outputs that the format cannot store."""
+    """Writes a field by the file's ending; complete or not at all. A MeshWarning says what .sdf does not record: the
+    band, and that the inside is positive. Raises clsdf.Error: output_failure; unsupported for an unknown ending, or
+    outputs that the format cannot store."""
     if not isinstance(field, Field):
         raise Error(f"field: {_short(field)} is no clsdf.Field; body.field() and read_field() make them")
-    with FieldWriter(
-        path, field.grid, field.band, field.sign, field.mesh_name, field.outputs, field.positive_inside
-    ) as writer:
+    writer = FieldWriter.__new__(FieldWriter)
+    writer._open(path, field.grid, field.band, field.sign, field.mesh_name, field.outputs, field.positive_inside)
+    with writer:
         writer.append(field)
 
 
@@ -57,10 +60,33 @@ class FieldWriter:
             raise Error(f"grid: {_short(grid)} is no clsdf.Grid")
         if not isinstance(band, Band):
             band = band_without_mesh(band, grid)
-        self._outputs = wanted(outputs)
-        self._writer: _core.Writer | None = _core.writer(
-            os.fspath(path), grid, band, sign, mesh_name, self._outputs, positive_inside
-        )
+        self._open(path, grid, band, sign, mesh_name, wanted(outputs), positive_inside)
+
+    def _open(
+        self,
+        path: str | os.PathLike[str],
+        grid: Grid,
+        band: Band,
+        sign: str,
+        mesh_name: str,
+        outputs: tuple[str, ...],
+        positive_inside: bool,
+    ) -> None:
+        name = os.fspath(path)
+        self._path = name
+        self._writer: _core.Writer | None = _core.writer(name, grid, band, sign, mesh_name, outputs, positive_inside)
+        if name.lower().endswith(".sdf") and (positive_inside or not math.isinf(max(band.inside, band.outside))):
+            warnings.warn(
+                f"{name} does not state that it is positive inside: tell it to those who read it, or use another format"
+                if positive_inside
+                else f"{name} does not state its band: programs that read it take the band's limit for the distance of "
+                "samples beyond it; use band='full', or another format",
+                MeshWarning,
+                stacklevel=3,
+            )
+
+    def __repr__(self) -> str:
+        return f"<clsdf.FieldWriter: {self._path}{'' if self._writer else ', finished'}>"
 
     def append(self, slab: Field) -> None:
         """The next whole slices, in ascending z, with the announced outputs."""

@@ -7,6 +7,7 @@ import math
 import operator
 import os
 import threading
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -16,12 +17,12 @@ import numpy.typing as npt
 from . import _core, _meshes
 from ._core import Band, Device, Grid, Topology
 from ._devices import device_named, device_of
-from ._error import Error
+from ._error import Error, MeshWarning
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
-from .field import Field
-from .plan import Plan
+from ._field import Field
+from ._plan import Plan
 
 
 class Request(NamedTuple):
@@ -476,31 +477,63 @@ class Transform:
         if out is not None and dtype is not None:
             raise Error("dtype= and out= exclude each other: arrays that are given have a type")
         arrays = new_samples(wanted(outputs or ()), grid.shape, dtype) if out is None else given(out, outputs)
+        self._warn_of_narrow(grid, own_band)
+        field = self._computed(grid, own_band, arrays, positive_inside, progress, wait_for)
+        if not isinstance(out, Field):
+            return field
+        out.grid, out.band, out.sign, out.mesh_name = grid, own_band, field.sign, field.mesh_name
+        out.positive_inside = positive_inside
+        return out
+
+    def _computed(
+        self,
+        grid: Grid,
+        band: Band,
+        arrays: dict[str, Any],
+        positive_inside: bool,
+        progress: Progress = None,
+        wait_for: Any = None,
+    ) -> Field:
         if positive_inside:
-            if own_band.inside == own_band.outside == 0:
-                raise Error("positive_inside: a field of signs alone has those of zeros, and these are negative inside")
-            self._check_negatable(arrays)
+            self._check_negatable(arrays, band)
         with shown(progress) as show:
-            self._body.compute(grid, own_band, arrays, show, wait_for)
+            self._body.compute(grid, band, arrays, show, wait_for)
         if positive_inside:
             _core.negate(arrays)
-        if isinstance(out, Field):
-            out.grid, out.band, out.sign, out.mesh_name = grid, own_band, self.sign, self.mesh_name
-            out.positive_inside = positive_inside
-            return out
-        return Field(grid, own_band, self.sign, self.mesh_name, arrays, positive_inside)
+        return Field(grid, band, self.sign, self.mesh_name, arrays, positive_inside)
 
-    def _check_negatable(self, arrays: dict[str, Any]) -> None:
+    def _warn_of_narrow(self, grid: Grid, band: Band) -> None:
+        """The command has this warning, too."""
+        # 0: that side is not wanted.
+        widths = [width for width in (band.outside, self.sign != "none" and band.inside) if width > 0]
+        narrow = min(widths, default=math.inf) / grid.voxel
+        if narrow < 1:
+            warnings.warn(
+                f"the band is {narrow:.3g} voxels wide on a side: a surface that is made from the field may be off by a "
+                "good part of a voxel, because samples beside it have the band's limit; choose band='2v' or more",
+                MeshWarning,
+                stacklevel=3,
+            )
+
+    def _check_negatable(self, arrays: dict[str, Any], band: Band | None = None) -> None:
+        if band is not None and band.inside == band.outside == 0:
+            raise Error("positive_inside: a field of signs alone has those of zeros, and these are negative inside")
         if self.sign == "none":
             raise Error("positive_inside: the distances have no sign, so nothing is inside")
         if any(hasattr(array, "base_data") or hasattr(array, "int_ptr") for array in arrays.values()):
             raise Error("positive_inside: arrays of the device stay as they are computed; negate them there", "unsupported")
 
     def fields(
-        self, grids: Iterable[Grid], *, band: BandLike = "10%", outputs: Outputs = "distance", progress: Progress = None
+        self,
+        grids: Iterable[Grid],
+        *,
+        band: BandLike = "10%",
+        outputs: Outputs = "distance",
+        positive_inside: bool = False,
+        progress: Progress = None,
     ) -> list[Field]:
         """The fields of many grids of any lattices, in one call, which is cheaper than one call each; each has the
-        bytes of a call of its own. band and outputs: as of field()."""
+        bytes of a call of its own. Options: as of field()."""
         if isinstance(grids, Grid):
             raise Error("grids: one clsdf.Grid is given; pass a list of grids, or use field() for one")
         fields = []
@@ -508,8 +541,15 @@ class Transform:
         for grid in grids:
             grid, own_band = self._grid_and_band(grid, band)
             arrays = new_samples(outputs, grid.shape)
-            fields.append(Field(grid, own_band, self.sign, self.mesh_name, arrays))
+            fields.append(Field(grid, own_band, self.sign, self.mesh_name, arrays, positive_inside))
+            if positive_inside:
+                self._check_negatable(arrays, own_band)
+        if fields:
+            coarsest = max(fields, key=lambda field: field.grid.voxel)
+            self._warn_of_narrow(coarsest.grid, coarsest.band)
         self.compute([Request(field.grid, field.band, field.arrays) for field in fields], progress=progress)
+        for field in fields if positive_inside else ():
+            _core.negate(field.arrays)
         return fields
 
     def compute(self, requests: Iterable[Request], *, progress: Progress = None, wait_for: Any = None) -> None:
@@ -569,8 +609,9 @@ class Transform:
         those of the whole."""
         whole, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
         outputs = wanted(outputs)
+        self._warn_of_narrow(whole, own_band)
         return (
-            self.field(part, band=own_band, outputs=outputs, positive_inside=positive_inside)
+            self._computed(part, own_band, new_samples(outputs, part.shape), positive_inside)
             for part in _core.slabs_of(whole)
         )
 

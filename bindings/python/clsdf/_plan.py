@@ -10,7 +10,7 @@ from ._core import Grid
 from ._progress import Progress, shown
 
 if TYPE_CHECKING:
-    from .transform import Request, Transform
+    from ._transform import Request, Transform
 
 
 class Plan:
@@ -18,6 +18,9 @@ class Plan:
 
     def __init__(self, plan: _core.PlanOfBoxes) -> None:
         self._plan = plan
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Plan: {self.device_bytes} bytes of the device, sign {self.sign}>"
 
     @property
     def device_bytes(self) -> int:

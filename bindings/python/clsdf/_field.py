@@ -45,7 +45,7 @@ class Field(Values):
 
     def _repr_png_(self) -> bytes | None:
         """A notebook shows the slice in the middle."""
-        from .pictures import slice_picture
+        from ._pictures import slice_picture
 
         return slice_picture(self).png() if isinstance(self.arrays["distance"], np.ndarray) else None
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ._error import Error
-from .field import Field
+from ._field import Field
 
 _inside, _outside = np.array([40, 90, 170.0]), np.array([200, 110, 50.0])
 _white, _line = np.array([255, 255, 255.0]), np.array([20, 20, 20.0])
