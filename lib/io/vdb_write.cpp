@@ -1,5 +1,6 @@
 #include "core/parallel.hpp"
 #include "io/field_files.hpp"
+#include "io/level_set.hpp"
 #include "io/vdb.hpp"
 
 #include <clsdf/error.hpp>
@@ -34,19 +35,6 @@ namespace clsdf::vdb {
 namespace {
 
 inline constexpr std::int64_t leaf_side = openvdb::FloatTree::LeafNodeType::DIM;
-
-/// The value of samples beyond the band, compared bit by bit: -0.0 is not 0.0. No sample is beyond a band without end.
-struct Fill {
-    float outside;
-    float inside;
-
-    static bool is_same(float one, float other) {
-        return std::isfinite(one) && std::bit_cast<std::uint32_t>(one) == std::bit_cast<std::uint32_t>(other);
-    }
-    bool is_outside(float value) const { return is_same(outside, value); }
-    bool is_inside(float value) const { return is_same(inside, value); }
-    bool is_beyond(float value) const { return is_outside(value) || is_inside(value); }
-};
 
 /// A layer of up to eight slices of one output, and its blocks: a leaf each, cut off at the grid's end.
 struct Layer {
@@ -323,7 +311,7 @@ public:
                                     "another format",
                                     path));
         file_.temporary();  // throws if it has none
-        const Fill fill{static_cast<float>(field.band.outside), -static_cast<float>(field.band.inside)};
+        const Fill fill(field.band);
         for (const OutputInfo& info : infos_) trees_.push_back(tree_for(info, fill, path));
         pending_.resize(infos_.size());
     }
@@ -366,7 +354,7 @@ public:
             grid->setTransform(transform_);
             grid->setCreator("clsdf " + version());
             if (i == 0) {
-                grid->setGridClass(is_level_set() ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
+                grid->setGridClass(is_level_set(field_) ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
                 grid->insertMeta(description_key, openvdb::StringMetadata(description_text(field_)));
             }
             grids.push_back(grid);
@@ -405,13 +393,6 @@ private:
             }
             trees_[i]->add(layer, distance, in_grid);
         }
-    }
-
-    // OpenVDB's definition of a level set: cubic voxels, a sign, and the half width as background.
-    bool is_level_set() const {
-        const Vec3& h = field_.grid.spacing;
-        return h[0] == h[1] && h[0] == h[2] && std::isfinite(field_.band.outside) && field_.band.outside > 0 &&
-               field_.sign != SignRule::none;
     }
 
     // OpenVDB leaves out inactive values if a leaf has at most two of them, and compares them as numbers. So this is
