@@ -27,6 +27,12 @@ struct BrickRun {
     Index3 first{};
     std::int64_t count = 0;
 
+    /// Whether the brick with this first sample is one of them.
+    bool holds(const Index3& brick) const {
+        return brick[1] == first[1] && brick[2] == first[2] && brick[0] >= first[0] &&
+               brick[0] - first[0] < count * brick_side;
+    }
+
     friend bool operator==(const BrickRun&, const BrickRun&) = default;
 };
 
