@@ -64,7 +64,7 @@ struct CLSDF_EXPORT SparseField : FieldDescription {
     std::span<std::byte> bytes(Output output) { return arrays_[detail::index_of(output)]; }
     std::span<const std::byte> bytes(Output output) const { return arrays_[detail::index_of(output)]; }
 
-    /// The outputs that it has.
+    /// The outputs that it has; none without bricks.
     OutputSet outputs() const { return values().outputs(); }
     /// Makes room for the values of so many bricks; the first ones stay, new ones are not initialised. Throws
     /// std::bad_alloc.
