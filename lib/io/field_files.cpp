@@ -30,7 +30,7 @@ constexpr std::array formats{
     Format{".npy", npy_writer, read_npy, true, check_npy, files_of_npy},
     Format{".vti", vti_writer, read_vti},
     Format{".h5", h5_writer, read_h5, true, check_h5},
-    Format{".vdb", vdb_writer, read_vdb, true, check_vdb},
+    Format{".vdb", vdb_writer, read_vdb, true, check_vdb, nullptr, sparse_vdb_writer},
     Format{".nvdb", nvdb_writer, read_nvdb, false, check_nvdb, nullptr, sparse_nvdb_writer},
     Format{".sdf", sdf_writer, read_sdf, false},
 };
@@ -273,7 +273,7 @@ SparseFieldWriter::SparseFieldWriter(const std::string& path, const FieldDescrip
     if (format.sparse_writer == nullptr)
         throw Error(
             ErrorCode::unsupported,
-            fmt::format("{}: {} stores no sparse fields; choose .nvdb, or write a dense field", path, format.ending));
+            fmt::format("{}: {} stores no sparse fields; choose .nvdb or .vdb, or write a dense field", path, format.ending));
     field.grid.validate();
     field.band.validate();
     if (!std::isfinite(field.band.widest()) || field.band.has_signs_only)
@@ -302,6 +302,18 @@ void SparseFieldWriter::finish() {
     if (const std::int64_t end = bricks_end(field_.grid, 2); next_ != end)
         throw sparse_misuse(fmt::format("layers {} to {} are missing", next_, end - 1));
     format->finish();
+}
+
+bool stores_sparse_fields(const std::string& path) {
+    return format_of(path, ErrorCode::unsupported).sparse_writer != nullptr;
+}
+
+void write_field(const SparseField& field, const std::string& path) {
+    OutputSet extras = field.outputs();
+    extras.erase(Output::distance);
+    SparseFieldWriter writer(path, field, extras);
+    writer.append(field.slab());
+    writer.finish();
 }
 
 void abandon_unfinished_files() noexcept {

@@ -89,6 +89,8 @@ void check_h5(const std::string& path, OutputSet outputs);
 
 /// Defined in vdb_write.cpp and vdb_read.cpp; in a build without OpenVDB in vdb_absent.cpp.
 std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
+std::unique_ptr<SparseFormatWriter> sparse_vdb_writer(const std::string& path, const FieldDescription& field,
+                                                      OutputSet outputs);
 Field read_vdb(const std::string& path, OutputSet wanted);
 void check_vdb(const std::string& path, OutputSet outputs);
 

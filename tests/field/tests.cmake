@@ -11,6 +11,12 @@ if(CLSDF_SANITIZE)
                        "ASAN_OPTIONS=string_append::fast_unwind_on_malloc=0:malloc_context_size=12")
 endif()
 
+if(NOT CLSDF_TEST_PARTS)
+  clsdf_test(sparse_files ${CMAKE_CURRENT_LIST_DIR}/sparse_files.cpp)
+  target_link_libraries(test_sparse_files PRIVATE clsdf::reference)
+  target_compile_definitions(test_sparse_files PRIVATE CLSDF_WITH_OPENVDB=$<BOOL:${CLSDF_WITH_OPENVDB}>)
+endif()
+
 # Fields opened by VTK, h5py, teem, numpy and OpenVDB. Not called test_*: it stays where these are, and is not bundled.
 # Debian's modules are in the system's Python alone.
 find_program(CLSDF_TEST_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)

@@ -71,12 +71,20 @@ private:
 };
 
 class SparseFormatWriter;
+struct SparseField;
 struct SparseSlab;
 
+/// Whether the file's format, by its ending, stores sparse fields: .nvdb and .vdb. Throws Error(unsupported) for an
+/// unknown ending.
+CLSDF_EXPORT bool stores_sparse_fields(const std::string& path);
+
+/// Writes a sparse field: see SparseFieldWriter.
+CLSDF_EXPORT void write_field(const SparseField& field, const std::string& path);
+
 /// Writes a sparse field, layers of bricks at a time: the sink of a sparse computation can append its argument. The
-/// format follows from the file's ending; so far it is .nvdb. The bytes are those of the dense field's file, and do not
-/// depend on how the layers are divided. Few bytes of a brick stay in memory; until finish(), its values are in an
-/// unfinished file in the folder of the final one. Without finish() no file stays. One thread at a time.
+/// format follows from the file's ending, .nvdb or .vdb. The bytes are those of the dense field's file, and do not
+/// depend on how the layers are divided. A .vdb keeps the bricks in memory until finish(), a .nvdb in an unfinished
+/// file in the folder of the final one. Without finish() no file stays. One thread at a time.
 class CLSDF_EXPORT SparseFieldWriter {
 public:
     /// Throws as FieldWriter, and Error(unsupported) for a format that stores no sparse fields, or
