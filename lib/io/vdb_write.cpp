@@ -493,7 +493,7 @@ private:
             const std::int64_t begin = std::max(z, grid.first[2]);
             const std::int64_t end = std::min(z + brick_side, grid.first[2] + grid.size[2]);
             const Grid slices = grid.part({0, 0, begin - grid.first[2]}, {grid.size[0], grid.size[1], end - begin});
-            Field dense({slices, field_.band, field_.sign, {}}, outputs_);
+            Field dense({slices, field_.band, field_.sign, {}}, outputs_ | Output::distance);
             std::ranges::fill(dense.distance(), static_cast<float>(field_.band.outside));
             for (std::size_t i = 1; i < infos_.size(); ++i)
                 std::ranges::fill(dense.bytes(infos_[i].output), std::byte{0xFF});
