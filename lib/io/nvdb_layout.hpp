@@ -4,7 +4,10 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
+#include <string>
+#include <string_view>
 
 /// The file format of NanoVDB, version 32, for one grid of floats: FileHeader, FileMetaData, the grid's name, then the
 /// grid as it lies in memory. That is GridData, TreeData, RootData, the root's tiles, and the nodes, breadth first:
@@ -209,7 +212,7 @@ static_assert(sizeof(BlindMetaData) == 288 && offsetof(BlindMetaData, name) == 3
 
 inline constexpr std::size_t alignment = 32;
 
-/// The name of the blind data that has the field's description, with a zero at its end.
+/// The name of the blind data that hold the field's description: a text, a zero, and the checksum of both.
 inline constexpr const char* description_name = "clsdf";
 
 /// The CRC-32 of ISO 3309, as zlib's.
@@ -220,6 +223,28 @@ inline std::uint32_t checksum_of(std::span<const std::byte> bytes) {
         for (int bit = 0; bit < 8; ++bit) sum = sum >> 1 ^ ((sum & 1U) != 0 ? 0xEDB88320U : 0U);
     }
     return ~sum;
+}
+
+inline std::uint32_t checksum_of(std::string_view text) {
+    return checksum_of(std::as_bytes(std::span(text)));
+}
+
+/// Appends a zero and the checksum to a text.
+inline void append_checksum(std::string& text) {
+    text.push_back('\0');
+    const std::uint32_t sum = checksum_of(text);
+    text.append(reinterpret_cast<const char*>(&sum), sizeof(sum));
+}
+
+/// Whether the text ends with a zero and the checksum; removes them.
+inline bool remove_checksum(std::string& text) {
+    std::uint32_t sum = 0;
+    if (text.size() <= sizeof(sum)) return false;
+    std::memcpy(&sum, text.data() + text.size() - sizeof(sum), sizeof(sum));
+    text.resize(text.size() - sizeof(sum));
+    if (text.back() != '\0' || checksum_of(text) != sum) return false;
+    text.pop_back();
+    return true;
 }
 
 /// A tile of the root is found by the 20 upper bits of its indices, each in 21 bits.

@@ -129,7 +129,9 @@ public:
                 file_.fail("blind data 'clsdf' are too long for the description of a field");
             std::string text(static_cast<std::size_t>(blind.value_count), '\0');
             read(begin + static_cast<std::uint64_t>(blind.data_offset), std::as_writable_bytes(std::span(text)));
-            return std::string(name_in(text));
+            if (!remove_checksum(text))
+                file_.fail("the checksum of its blind data 'clsdf' is wrong: the file is damaged");
+            return text;
         }
         return std::nullopt;
     }

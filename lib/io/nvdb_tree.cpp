@@ -259,7 +259,8 @@ TreeWriter::TreeWriter(AtomicFile& file, const std::string& path, const FieldDes
       leaves_(std::move(leaves)),
       tiles_(tiles),
       description_(description_text(field)) {
-    description_length_ = description_.size() + 1;
+    append_checksum(description_);
+    description_length_ = description_.size();
     description_.resize((description_length_ + alignment - 1) / alignment * alignment);
     plan();
     file_.seek(leaves_begin_ + sizeof(FileHeader) + sizeof(FileMetaData) + name_with_zero.size());
