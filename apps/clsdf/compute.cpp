@@ -145,7 +145,7 @@ void add_method_options(Parser& parser, ComputeOptions& options) {
 
 void add_options(Parser& parser, ComputeOptions& options) {
     add_mesh_argument(parser, options.mesh);
-    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf").takes("FIELD");
+    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf").takes("FIELD");
     add_grid_options(parser, options);
     add_field_options(parser, options);
     add_method_options(parser, options);
@@ -371,7 +371,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         clsdf::check_field_path(options.output, request.outputs);
     else if (!options.dry_run)
         throw Error(ErrorCode::invalid_argument,
-                    "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");
+                    "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf");
     const std::optional<clsdf::Device> device = named_device(options);
     std::optional<SecondCompiler> second_compiler;
     if (!options.dry_run && request.scan == clsdf::Scan::bricks && is_first_use())
