@@ -276,7 +276,8 @@ SparseFieldWriter::SparseFieldWriter(const std::string& path, const FieldDescrip
             fmt::format("{}: {} stores no sparse fields; choose .nvdb or .vdb, or write a dense field", path, format.ending));
     field.grid.validate();
     field.band.validate();
-    if (!std::isfinite(field.band.widest()) || field.band.has_signs_only)
+    const double widest = field.sign == SignRule::none ? field.band.outside : field.band.widest();
+    if (!std::isfinite(widest) || field.band.has_signs_only)
         throw sparse_misuse("a sparse field has a band of finite half widths");
     check_place_for(outputs, path, format);
     format_ = format.sparse_writer(path, field, outputs);
