@@ -23,6 +23,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <variant>
 
 using clsdf::Band;
 using clsdf::Box;
@@ -144,7 +145,7 @@ void add_method_options(Parser& parser, ComputeOptions& options) {
 
 void add_options(Parser& parser, ComputeOptions& options) {
     add_mesh_argument(parser, options.mesh);
-    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf").takes("FIELD");
+    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf").takes("FIELD");
     add_grid_options(parser, options);
     add_field_options(parser, options);
     add_method_options(parser, options);
@@ -257,9 +258,20 @@ std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
     return open_device(options.device);
 }
 
+/// The file of the field: written from bricks if the format and the field allow it, else from slices.
+using Writer = std::variant<clsdf::FieldWriter, clsdf::SparseFieldWriter>;
+
+Writer make_writer(const ComputeLayout& layout, const std::string& path) {
+    const bool is_sparse = clsdf::stores_sparse_fields(path) && layout.scan == clsdf::Scan::bricks &&
+                           std::isfinite(layout.band.widest()) && !layout.band.has_signs_only &&
+                           !layout.positive_inside;
+    if (is_sparse) return clsdf::SparseFieldWriter(path, describe_field(layout), layout.outputs);
+    return clsdf::FieldWriter(path, describe_field(layout), layout.outputs);
+}
+
 Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
                     const std::optional<clsdf::Device>& named, std::optional<SecondCompiler>& second_compiler,
-                    clsdf::FieldWriter& writer, Report& report, const std::stop_token& stop) {
+                    Writer& writer, Report& report, const std::stop_token& stop) {
     Computation result;
     ProgressBar progress(!report.quiet);
 
@@ -305,16 +317,26 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
         slab.set(clsdf::Output::gradient, negate(slab.gradient(), gradient));
         return slab;
     };
-    result.statistics = transform.compute(
-        layout.grid, layout.band, layout.outputs,
-        [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
-            result.compute_seconds = compute.seconds();
-            const Stopwatch write;
-            result.band_samples += count_band_samples(field, slab);
-            writer.append(field.positive_inside ? negated(slab) : slab);
-            result.write_seconds += write.seconds();
-        },
-        {.sink_has_own_thread = true}, call);
+    const auto store = [&](const auto& slab, const auto& append) {
+        result.compute_seconds = compute.seconds();
+        const Stopwatch write;
+        result.band_samples += count_band_samples(field, slab);
+        append();
+        result.write_seconds += write.seconds();
+    };
+    if (auto* const bricks = std::get_if<clsdf::SparseFieldWriter>(&writer))
+        result.statistics = transform.compute_sparse(
+            layout.grid, layout.band, layout.outputs,
+            [&](const clsdf::SparseSlab& slab) { store(slab, [&] { bricks->append(slab); }); }, call);
+    else
+        result.statistics = transform.compute(
+            layout.grid, layout.band, layout.outputs,
+            [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
+                store(slab, [&] {
+                    std::get<clsdf::FieldWriter>(writer).append(field.positive_inside ? negated(slab) : slab);
+                });
+            },
+            {.sink_has_own_thread = true}, call);
     result.statistics.compile_seconds += compiled.compile_seconds;
     result.statistics.first_use |= compiled.first_use;
     result.setup_seconds = std::max(0.0, setup_seconds - result.statistics.compile_seconds);
@@ -325,7 +347,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
 // The device ends in order. Its compiler may react to the same signals and fail; the reason is still the user's wish.
 Computation compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
                                        const std::optional<clsdf::Device>& named,
-                                       std::optional<SecondCompiler>& second_compiler, clsdf::FieldWriter& writer,
+                                       std::optional<SecondCompiler>& second_compiler, Writer& writer,
                                        Report& report) {
     const Interruption interruption;
     try {
@@ -349,7 +371,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         clsdf::check_field_path(options.output, request.outputs);
     else if (!options.dry_run)
         throw Error(ErrorCode::invalid_argument,
-                    "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");
+                    "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf");
     const std::optional<clsdf::Device> device = named_device(options);
     std::optional<SecondCompiler> second_compiler;
     if (!options.dry_run && request.scan == clsdf::Scan::bricks && is_first_use())
@@ -397,7 +419,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         // The format may refuse the field. A pipe or a device is left alone.
         std::error_code ignored;
         if (!options.output.empty() && !std::filesystem::is_other(options.output, ignored))
-            clsdf::FieldWriter(options.output, describe_field(layout), layout.outputs);
+            make_writer(layout, options.output);
         if (!report.quiet) print_memory(layout);
         if (device) report.print("device  {} ({})\n", device->name(), device->platform());
         warn(report, warning_of_memory(layout));
@@ -406,10 +428,10 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     }
 
     // Opening and finishing may wait for the reader of a pipe or for a disk, so Ctrl-C ends the program at once there.
-    clsdf::FieldWriter writer(options.output, describe_field(layout), layout.outputs);
+    Writer writer = make_writer(layout, options.output);
     Computation computation = compute_unless_interrupted(request, layout, device, second_compiler, writer, report);
     const Stopwatch finish;
-    writer.finish();
+    std::visit([](auto& of_field) { of_field.finish(); }, writer);
     output_is_written();
     computation.write_seconds += finish.seconds();
     computation.field_seconds += finish.seconds();

@@ -93,6 +93,8 @@ struct Computation {
 
 /// Samples strictly within the band's limits: their values differ from those beyond.
 std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf::FieldSlab& slab);
+/// The same of the grid's samples among those of bricks.
+std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf::SparseSlab& slab);
 
 /// A warning for the user; empty if there is none.
 std::string warning_of_polyhedra(const ComputeLayout& layout);

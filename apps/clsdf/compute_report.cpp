@@ -155,6 +155,35 @@ std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf
     return count;
 }
 
+std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf::SparseSlab& slab) {
+    std::size_t count = count_band_samples(field, slab.values);
+    const clsdf::Grid& grid = field.grid;
+    for (std::size_t b = 0; b < slab.bricks.size(); ++b) {
+        clsdf::Index3 begin{}, end{};  // of the grid's samples
+        bool is_whole = true;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int64_t first = grid.first[axis] - slab.bricks[b][axis];
+            begin[axis] = std::max<std::int64_t>(first, 0);
+            end[axis] = std::min(first + grid.size[axis], clsdf::brick_side);
+            is_whole = is_whole && begin[axis] == 0 && end[axis] == clsdf::brick_side;
+        }
+        if (is_whole) continue;
+        clsdf::FieldSlab row;
+        const std::span<const float> values =
+            slab.values.distance().subspan(b * clsdf::brick_samples, clsdf::brick_samples);
+        row.set(clsdf::Output::distance, values);
+        count -= count_band_samples(field, row);
+        for (std::int64_t z = begin[2]; z < end[2]; ++z)
+            for (std::int64_t y = begin[1]; y < end[1]; ++y) {
+                row.set(clsdf::Output::distance,
+                        values.subspan(static_cast<std::size_t>((z * clsdf::brick_side + y) * clsdf::brick_side + begin[0]),
+                                       static_cast<std::size_t>(end[0] - begin[0])));
+                count += count_band_samples(field, row);
+            }
+    }
+    return count;
+}
+
 std::string warning_of_polyhedra(const ComputeLayout& layout) {
     if (layout.polyhedra != clsdf::Polyhedra::peikert_sigg) return {};
     return fmt::format("the {} polyhedra are not exact: some samples of the band get too large a distance, or none",

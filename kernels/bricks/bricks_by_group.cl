@@ -327,9 +327,51 @@ static inline void keep_minima(__private const ItemMinimum* minimum, __local Bri
 }
 #endif
 
-// Writes the work-item's samples. relative_brick: the brick's position in the part.
-static inline void write_samples(Layout layout, Brick brick, int3 relative_brick, __global const uint* sign_bits,
-                                 __private const ItemMinimum* minimum, __global float* distance,
+// The place of a brick in the list of a sparse field, or CLSDF_NOT_LISTED if no sample of it is in the band or there
+// is no more room. number: the brick's in the part. All work-items get the same.
+#define CLSDF_NOT_LISTED 0xFFFFFFFFu
+static inline uint list_brick(Layout layout, int3 relative_brick, size_t number, __global const uint* sign_bits,
+                              __private const ItemMinimum* minimum, __global uchar* computed, __global uint* listed,
+                              __local uint* shared) {
+    const uint item = get_local_id(0);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item == 0) *shared = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    bool has_band = false;
+    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
+        const uint sample = s * GROUP + item;
+        const int3 in_bricks =
+            relative_brick * CLSDF_BRICK + sample_of(sample / SMALL_SUBBLOCK_SAMPLES, sample % SMALL_SUBBLOCK_SAMPLES);
+        const bool negative = is_inside(sign_row(layout, sign_bits, in_bricks.y, in_bricks.z), in_bricks.x);
+        bool in_band;
+        signed_distance(layout, negative, minimum->squared[s], &in_band);
+        has_band = has_band || in_band;
+    }
+    if (has_band) atomic_or(shared, 1u);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const bool is_listed = *shared != 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item == 0) {
+        uint at = CLSDF_NOT_LISTED;
+        if (is_listed) {
+            computed[number] = 1;
+            at = atomic_inc(listed + CLSDF_LISTED_COUNT);
+            if (at < listed[CLSDF_LISTED_ROOM])
+                listed[CLSDF_LISTED + at] = (uint)number;
+            else
+                at = CLSDF_NOT_LISTED;
+        }
+        *shared = at;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return *shared;
+}
+
+// Writes the work-item's samples. relative_brick: the brick's position in the part. at: its place in the list of a
+// sparse field, or CLSDF_NOT_LISTED in a dense one.
+static inline void write_samples(Layout layout, Brick brick, int3 relative_brick, uint at,
+                                 __global const uint* sign_bits, __private const ItemMinimum* minimum,
+                                 __global float* distance,
 #ifdef NEAREST
                                  __local const BrickMinima* minima, __private const Finishing* finishing,
 #endif
@@ -339,10 +381,13 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
         const uint sample = s * GROUP + get_local_id(0);
         const int3 in_brick = sample_of(sample / SMALL_SUBBLOCK_SAMPLES, sample % SMALL_SUBBLOCK_SAMPLES);
         const int3 to = brick.first + in_brick - part_first;
-        if (any(to < 0) || any(to >= size)) continue;
+        const bool is_sparse = at != CLSDF_NOT_LISTED;
+        if (!is_sparse && (any(to < 0) || any(to >= size))) continue;
         const int3 in_bricks = relative_brick * CLSDF_BRICK + in_brick;
         const bool negative = is_inside(sign_row(layout, sign_bits, in_bricks.y, in_bricks.z), in_bricks.x);
-        const size_t offset = sample_offset(layout, to.x, to.y, to.z);
+        const size_t offset = is_sparse ? (size_t)at * CLSDF_BRICK_SAMPLES +
+                                              (in_brick.z * CLSDF_BRICK + in_brick.y) * CLSDF_BRICK + in_brick.x
+                                        : sample_offset(layout, to.x, to.y, to.z);
 #ifdef NEAREST
         const float squared = minima->squared[sample];
 #else
@@ -372,7 +417,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
     __global const uint* restrict entries, __global const float* restrict brick_bounds,
     __global const ulong* restrict masks, __global const Polyhedron* restrict polyhedra,
-    __global const uint* restrict sign_bits, __global uchar* restrict computed, __global float* restrict distance
+    __global const uint* restrict sign_bits, __global uchar* restrict computed, __global uint* restrict listed,
+    __global float* restrict distance
 #ifdef NEAREST
     ,
     FINISHING_PARAMETERS
@@ -425,12 +471,20 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     SET_FINISHING(finishing)
     keep_minima(&minimum, &work.room.minima);
 #endif
-    write_samples(layout, brick, relative_brick, sign_bits, &minimum, distance,
+    const size_t number_in_part =
+        ((size_t)relative_brick.z * bricks.y + relative_brick.y) * bricks.x + relative_brick.x;
+    uint at_in_list = CLSDF_NOT_LISTED;
+    if (listed != 0)
+        at_in_list = list_brick(layout, relative_brick, number_in_part, sign_bits, &minimum, computed, listed,
+                                work.words);
+    else if (item == 0)
+        computed[number_in_part] = 1;
+    if (listed == 0 || at_in_list != CLSDF_NOT_LISTED)
+        write_samples(layout, brick, relative_brick, at_in_list, sign_bits, &minimum, distance,
 #ifdef NEAREST
-                  &work.room.minima, &finishing,
+                      &work.room.minima, &finishing,
 #endif
-                  counters);
-    if (item == 0) computed[((size_t)relative_brick.z * bricks.y + relative_brick.y) * bricks.x + relative_brick.x] = 1;
+                      counters);
 #ifdef COUNT
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) atomic_add(group_counters + c, counters[c]);
     barrier(CLK_LOCAL_MEM_FENCE);

@@ -270,7 +270,7 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end,
                                __global const uint* entries, __global const float* coarse_bounds,
                                __global const Polyhedron* polyhedra, __global const uint* sign_bits,
                                __global uchar* computed, __global Scratch* all_scratch, __global Minimum* all_minima,
-                               __global float* distance
+                               __global uint* listed, __global float* distance
 #ifdef NEAREST
                                ,
                                FINISHING_PARAMETERS
@@ -297,6 +297,7 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end,
     output.rows = (__global uint*)scratch;
     output.computed = computed;
     output.sign_bits = sign_bits;
+    output.listed = listed;
     for (;;) {
         const uint slot = begin + atomic_inc(next_slot + launch);
         if (slot >= end) break;

@@ -137,3 +137,76 @@ __kernel void leave_empty_bricks(Layout layout, __global const uchar* computed, 
         leave_bricks(layout, first_brick, end_brick, get_global_id(1), z, computed, output, sample_bytes);
     if (get_local_id(2) + 1 == get_local_size(2)) finish_lines();
 }
+
+// Sparse fields: the bricks that are not listed yet.
+
+// Lists brick `number` of the part, which has samples of both signs and none in the band, and writes its distances.
+// bits: of its first row.
+INLINE void list_mixed_brick(Layout layout, uint number, __global const uint* bits, uint shift, __global uint* listed,
+                             __global float* distance) {
+    const uint at = atomic_inc(listed + CLSDF_LISTED_COUNT);
+    if (at >= listed[CLSDF_LISTED_ROOM]) return;
+    listed[CLSDF_LISTED + at] = number;
+    __global float* to = distance + (size_t)at * CLSDF_BRICK_SAMPLES;
+    for (int z = 0; z < CLSDF_BRICK; ++z)
+        for (int y = 0; y < CLSDF_BRICK; ++y) {
+            const uint row = sign_row(layout, bits, y, z)[0] >> shift;
+            for (int x = 0; x < CLSDF_BRICK; ++x)
+                *to++ = row >> x & 1u ? layout.inside_fill : layout.outside_fill;
+        }
+}
+
+// The four bricks of a word of sign bits. all, any: of the bricks' rows, joined by AND and by OR.
+INLINE void mark_word(Layout layout, int3 first_brick, uint all, uint any, __global const uint* bits,
+                      __global uchar* computed, __global uint* listed, __global float* distance) {
+    const size_t first =
+        ((size_t)first_brick.z * layout.bricks[1] + first_brick.y) * layout.bricks[0] + first_brick.x;
+    const int count = min(layout.bricks[0] - first_brick.x, 4);
+    for (int n = 0; n < count; ++n, all >>= CLSDF_BRICK, any >>= CLSDF_BRICK) {
+        if (computed[first + n] != 0 || (any & 0xFFu) == 0) continue;
+        const bool is_mixed = (all & 0xFFu) != 0xFFu;
+        computed[first + n] = is_mixed ? 1 : CLSDF_INSIDE_BRICK;
+        if (is_mixed)
+            list_mixed_brick(layout, (uint)(first + n), bits, (uint)(n * CLSDF_BRICK), listed, distance);
+    }
+}
+
+#define WORDS_AT_ONCE 16
+
+// Marks the bricks that have no sample in the band: inside and outside ones, and lists those with both signs. One
+// work-item a piece of a row of bricks.
+// Global size: (pieces of a row of bricks, rows of bricks, layers of bricks from `first_layer` on).
+__kernel void mark_other_bricks(Layout layout, __global uchar* computed, __global const uint* sign_bits,
+                                __global uint* listed, __global float* distance, int first_layer) {
+    const int piece = get_global_id(0), pieces = get_global_size(0), y = get_global_id(1),
+              z = first_layer + get_global_id(2);
+    const int begin = (int)((long)layout.sign_words * piece / pieces);
+    const int end = (int)((long)layout.sign_words * (piece + 1) / pieces);
+    __global const uint* bits = sign_row(layout, sign_bits, y * CLSDF_BRICK, z * CLSDF_BRICK);
+    int word = begin;
+    for (; word + WORDS_AT_ONCE <= end; word += WORDS_AT_ONCE) {
+        uint16 all = 0xFFFFFFFFu, any = 0;
+        for (int row = 0; row < CLSDF_BRICK * CLSDF_BRICK; ++row) {
+            const uint16 words = vload16(0, sign_row(layout, bits, row % CLSDF_BRICK, row / CLSDF_BRICK) + word);
+            all &= words;
+            any |= words;
+        }
+        uint each_all[WORDS_AT_ONCE], each_any[WORDS_AT_ONCE];
+        vstore16(all, 0, each_all);
+        vstore16(any, 0, each_any);
+        for (int n = 0; n < WORDS_AT_ONCE; ++n)
+            if (each_any[n] != 0)
+                mark_word(layout, (int3)(4 * (word + n), y, z), each_all[n], each_any[n], bits + word + n, computed,
+                          listed, distance);
+    }
+    for (; word < end; ++word) {
+        uint all = 0xFFFFFFFFu, any = 0;
+        for (int row = 0; row < CLSDF_BRICK * CLSDF_BRICK; ++row) {
+            const uint words = sign_row(layout, bits, row % CLSDF_BRICK, row / CLSDF_BRICK)[word];
+            all &= words;
+            any |= words;
+        }
+        if (any != 0)
+            mark_word(layout, (int3)(4 * word, y, z), all, any, bits + word, computed, listed, distance);
+    }
+}

@@ -22,6 +22,7 @@ typedef struct Output {
     __global uint* rows;       // room for the distances of a slice, before they are stored
     __global uchar* computed;  // of each brick, whether it was written
     __global const uint* sign_bits;
+    __global uint* listed;  // of a sparse field; else null
 } Output;
 
 // Finishing stores the distances, in double.
@@ -33,10 +34,15 @@ INLINE bool is_finished(Output output) {
 #endif
 }
 
+// The number of a brick in the part.
+INLINE size_t number_of_brick(Layout layout, int3 brick) {
+    const int3 at = brick - vload3(0, layout.brick_first);
+    return ((size_t)at.z * layout.bricks[1] + at.y) * layout.bricks[0] + at.x;
+}
+
 // The mark of a brick that is computed.
 INLINE __global uchar* mark_of(Layout layout, int3 brick, Output output) {
-    const int3 at = brick - vload3(0, layout.brick_first);
-    return output.computed + ((size_t)at.z * layout.bricks[1] + at.y) * layout.bricks[0] + at.x;
+    return output.computed + number_of_brick(layout, brick);
 }
 
 // The first word of the sign bits of a brick's slice z, whose rows are layout.sign_words apart; and the first bit
@@ -62,16 +68,22 @@ static inline uint lanes_in_part(Layout layout, int3 brick, int y) {
 }
 #endif
 
-// A vector's samples of slice z of a brick, from row y on: returns their distances. If more is asked for, their nearest
-// polyhedra are kept, for the n-th brick of the slice's rows.
-INLINE uintL finished_rows(Layout layout, int3 brick, __global const Minimum* minimum, uint n, int y, int z,
-                           Output output, __private ulong* counters) {
+// A bit for each sample of a vector, of slice z of a brick from row y on: it is inside.
+INLINE uint inside_of_rows(Layout layout, int3 brick, int y, int z, Output output) {
     __global const uint* sign_bits = sign_bits_of(layout, brick, z, output);
     const uint shift = sign_shift_of(layout, brick);
     uint inside = 0;
 #pragma unroll
     for (int r = 0; r < ROWS_PER_VECTOR; ++r)
         inside |= (sign_bits[(y + r) * layout.sign_words] >> shift & 0xFFu) << (r * CLSDF_BRICK);
+    return inside;
+}
+
+// A vector's samples of slice z of a brick, from row y on: returns their distances. If more is asked for, their nearest
+// polyhedra are kept, for the n-th brick of the slice's rows.
+INLINE uintL finished_rows(Layout layout, int3 brick, __global const Minimum* minimum, uint n, int y, int z,
+                           Output output, __private ulong* counters) {
+    const uint inside = inside_of_rows(layout, brick, y, z, output);
     intL in_band;
     const floatL squared = as_floatL(ROWS_FROM(squares_of_row, minimum, y, z));
     const uintL distances = as_uintL(signed_distances(layout, bits_to_lanes(inside), squared, &in_band));
@@ -176,18 +188,69 @@ INLINE ulong line_beginnings(Layout layout, int3 coarse, Output output) {
     return bricks;
 }
 
+// Whether a brick has a sample in the band.
+static inline bool has_band(Layout layout, int3 brick, __global const Minimum* minimum, Output output) {
+    for (int z = 0; z < CLSDF_BRICK; ++z)
+        for (int y = 0; y < CLSDF_BRICK; y += ROWS_PER_VECTOR) {
+            const intL inside = bits_to_lanes(inside_of_rows(layout, brick, y, z, output));
+            intL in_band;
+            signed_distances(layout, inside, as_floatL(ROWS_FROM(squares_of_row, minimum, y, z)), &in_band);
+            if (lanes_to_bits(in_band) != 0) return true;
+        }
+    return false;
+}
+
+// Writes all samples of a brick to place `at` of the list.
+static inline void write_listed(Layout layout, int3 brick, uint at, __global const Minimum* minimum, Output output,
+                                __private ulong* counters) {
+    for (int z = 0; z < CLSDF_BRICK; ++z) {
+        const size_t slice = (size_t)at * CLSDF_BRICK_SAMPLES + z * CLSDF_BRICK * CLSDF_BRICK;
+        for (int y = 0; y < CLSDF_BRICK; y += ROWS_PER_VECTOR) {
+            const uintL rows = finished_rows(layout, brick, minimum, 0, y, z, output, counters);
+            if (!is_finished(output)) store_lanes(rows, 0, (__global uint*)output.distance + slice + y * CLSDF_BRICK);
+        }
+#ifdef NEAREST
+        finish_slice(output.finishing, output.slice, 1, (int3)(0, 0, z), (int3)(CLSDF_BRICK, CLSDF_BRICK, z + 1), slice,
+                     CLSDF_BRICK);
+#endif
+    }
+}
+
+// Lists and writes those bricks of a coarse brick that have a sample in the band, and clears all. A brick without one
+// stays as it is if no polyhedron overlaps it.
+static inline void list_used(Layout layout, int3 coarse, ulong bricks, __global Minimum* minima, Output output,
+                             __private ulong* counters) {
+    for (; bricks; bricks &= bricks - 1) {
+        const uint b = lowest_bit_of_long(bricks);
+        const int3 brick = brick_of_coarse(coarse, b);
+        if (has_band(layout, brick, minima + b, output)) {
+            *mark_of(layout, brick, output) = 1;
+            const uint at = atomic_inc(output.listed + CLSDF_LISTED_COUNT);
+            if (at < output.listed[CLSDF_LISTED_ROOM]) {
+                output.listed[CLSDF_LISTED + at] = (uint)number_of_brick(layout, brick);
+                write_listed(layout, brick, at, minima + b, output, counters);
+            }
+        }
+        clear_minimum(minima + b);
+    }
+}
+
 // Writes and clears the used bricks of a coarse brick, as far as they are in the part. Returns which it wrote. If
 // two bricks' rows share a line of the cache, it writes both. Otherwise this store and the fill would write half a line
 // each, and each would read the line first.
 static inline ulong write_used(Layout layout, int3 coarse, ulong used, ulong in_part, __global Minimum* minima,
                                Output output, __private ulong* counters) {
-    const ulong lines = (used | used >> 1) & in_part & line_beginnings(layout, coarse, output);
+    const bool is_sparse = output.listed != 0;
+    const ulong lines = is_sparse ? 0ul : (used | used >> 1) & in_part & line_beginnings(layout, coarse, output);
     const ulong in_lines = lines | lines << 1, others = used & in_part & ~in_lines;
     for (ulong rest = lines; rest; rest &= rest - 1) {
         const uint b = lowest_bit_of_long(rest);
         write_lines(layout, brick_of_coarse(coarse, b), minima + b, output, counters);
     }
-    write_runs(layout, coarse, others, minima, output, counters);
+    if (is_sparse)
+        list_used(layout, coarse, others, minima, output, counters);
+    else
+        write_runs(layout, coarse, others, minima, output, counters);
 #ifdef NEAREST
     store_slice(output.finishing, output.slice);
 #endif

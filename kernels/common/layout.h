@@ -29,6 +29,16 @@
 
 // A brick's mark is 0 until it is computed. Bricks with this one need not be computed and are not filled.
 #define CLSDF_UNWANTED_BRICK 2
+// A sparse field: the mark of a brick without values that is inside. One that is outside keeps the mark 0.
+#define CLSDF_INSIDE_BRICK 3
+
+// The list of the bricks of a sparse field that have values. The values of brick listed[CLSDF_LISTED + n] of the part
+// are at n in the arrays of outputs, 512 samples with x running fastest. Dense fields have no list.
+#define CLSDF_LISTED_COUNT 0    // how many there are; those beyond the room are only counted
+#define CLSDF_LISTED_ROOM 1     // how many there is room for
+#define CLSDF_LISTED_IN_BAND 2  // the first ones, which have samples of the band; the others have both signs only
+#define CLSDF_LISTED 4
+#define CLSDF_BRICK_SAMPLES 512
 
 // The counters of the counting variant of the kernels, a set for each work-item.
 #define CLSDF_COUNT_BRICK_PAIRS 0

@@ -143,6 +143,32 @@ TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& ban
     });
 }
 
+TransformStatistics DistanceTransform::compute_sparse(const Grid& grid, const Band& band, OutputSet outputs,
+                                                      const SparseSink& sink, const CallOptions& call) const {
+    return with_host_memory("for the sparse field; compute a part of the grid", [&] {
+        State& state = this->state();
+        const engine::Job job = state.check_sparse(grid, band, targets::extras_of(outputs), call.count_work);
+        if (!sink)
+            throw Error(ErrorCode::invalid_argument, "a sparse field in layers needs a sink, and it is empty");
+        targets::wait_for(state.context(), call.wait_list);
+        return state.compute_sparse(job, sink, call).published();
+    });
+}
+
+SparseField DistanceTransform::compute_sparse(const Grid& grid, const Band& band, OutputSet outputs,
+                                              const CallOptions& call, TransformStatistics* statistics) const {
+    return with_host_memory("for the sparse field; hand it to a sink, or compute a part of the grid", [&] {
+        State& state = this->state();
+        const engine::Job job = state.check_sparse(grid, band, targets::extras_of(outputs), call.count_work);
+        targets::wait_for(state.context(), call.wait_list);
+        SparseField field;
+        static_cast<FieldDescription&>(field) = {grid, band, state.sign, state.kept_mesh->mesh().name()};
+        const CallStatistics made = state.compute_sparse(job, field, call);
+        if (statistics != nullptr) *statistics = made.published();
+        return field;
+    });
+}
+
 std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
     grid.validate();
     device::Context::Capabilities unlimited;

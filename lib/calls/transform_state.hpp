@@ -117,6 +117,14 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     CallStatistics compute_slabs(const engine::Job& job, const SlabSink& sink, const SlabOptions& options,
                                  const CallOptions& call);
 
+    // sparse_run.cpp
+    class SparseRun;
+    /// The job of a sparse field: of whole bricks. Throws if it is refused.
+    engine::Job check_sparse(const Grid& grid, const Band& band, OutputSet extras, bool counts) const;
+    CallStatistics compute_sparse(const engine::Job& job, const SparseSink& sink, const CallOptions& call);
+    /// Sets the bricks, the runs and the values of the field, whose description is set.
+    CallStatistics compute_sparse(const engine::Job& job, SparseField& field, const CallOptions& call);
+
     // block_sets.cpp
     CallStatistics compute(const BlockSet& blocks, const CallOptions& call);
     /// Throws if one of the blocks is refused, or if their arrays overlap.

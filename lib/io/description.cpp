@@ -174,8 +174,11 @@ Description read_description(const std::string& path) {
     InputFile file(path);
     if (file.size() > largest_description)
         file.fail(fmt::format("{} bytes are too many for the description of a field", file.size()));
-    const std::string text = file.beginning(largest_description);
-    const DescriptionReader reader(path, text);
+    return parse_description(path, file.beginning(largest_description));
+}
+
+Description parse_description(const std::string& source, const std::string& text) {
+    const DescriptionReader reader(source, text);
     return describe(reader, stated_grid(reader));
 }
 

@@ -9,10 +9,13 @@
 #include <clsdf/io.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <new>
 #include <utility>
@@ -27,7 +30,8 @@ constexpr std::array formats{
     Format{".npy", npy_writer, read_npy, true, check_npy, files_of_npy},
     Format{".vti", vti_writer, read_vti},
     Format{".h5", h5_writer, read_h5, true, check_h5},
-    Format{".vdb", vdb_writer, read_vdb, true, check_vdb},
+    Format{".vdb", vdb_writer, read_vdb, true, check_vdb, nullptr, sparse_vdb_writer},
+    Format{".nvdb", nvdb_writer, read_nvdb, false, check_nvdb, nullptr, sparse_nvdb_writer},
     Format{".sdf", sdf_writer, read_sdf, false},
 };
 
@@ -200,6 +204,117 @@ void FieldWriter::finish() {
     if (slices_ != field_.grid.size[2])
         throw misuse(fmt::format("{} of {} slices were appended", slices_, field_.grid.size[2]));
     format->finish();
+}
+
+namespace {
+
+Error sparse_misuse(const std::string& what) {
+    return {ErrorCode::invalid_argument, "sparse field writer: " + what};
+}
+
+/// The samples of all bricks that have a sample of the grid, along one axis.
+std::int64_t bricks_begin(const Grid& grid, std::size_t axis) {
+    return grid.first[axis] & ~(brick_side - 1);
+}
+std::int64_t bricks_end(const Grid& grid, std::size_t axis) {
+    return (grid.first[axis] + grid.size[axis] + brick_side - 1) & ~(brick_side - 1);
+}
+
+/// Bricks, or runs of `count` bricks, are in the order z, y, x, and lie in the block.
+class BrickOrder {
+public:
+    explicit BrickOrder(const Grid& part) : part_(part) {}
+
+    void check(const Index3& first, std::int64_t count, const char* what) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int64_t length = (axis == 0 ? count : 1) * brick_side;
+            if (count < 1 || first[axis] % brick_side != 0 || first[axis] < part_.first[axis] ||
+                first[axis] + length > part_.first[axis] + part_.size[axis])
+                throw sparse_misuse(
+                    fmt::format("{} at ({}) is not in the bricks of its part", what, fmt::join(first, ", ")));
+        }
+        const std::array order{first[2], first[1], first[0]};
+        if (is_begun_ && order < end_)
+            throw sparse_misuse(fmt::format("{} at ({}) is not in the order z, y, x", what, fmt::join(first, ", ")));
+        is_begun_ = true;
+        end_ = {first[2], first[1], first[0] + count * brick_side};
+    }
+
+private:
+    const Grid& part_;
+    bool is_begun_ = false;
+    Index3 end_{};
+};
+
+void check_layers(const SparseSlab& slab, const Grid& grid, OutputSet outputs, std::int64_t next) {
+    for (std::size_t axis = 0; axis < 2; ++axis)
+        if (slab.part.first[axis] != bricks_begin(grid, axis) ||
+            slab.part.size[axis] != bricks_end(grid, axis) - bricks_begin(grid, axis))
+            throw sparse_misuse("a part has not the grid's whole layers of bricks");
+    if (slab.part.first[2] != next || slab.part.size[2] < 1 || slab.part.size[2] % brick_side != 0 ||
+        slab.part.size[2] > bricks_end(grid, 2) - next)
+        throw sparse_misuse(fmt::format("layers {} to {} do not follow the layers before, which end at {}",
+                                        slab.part.first[2], slab.part.first[2] + slab.part.size[2] - 1, next));
+    for (const OutputInfo& info : infos_of(outputs))
+        if (const std::size_t bytes = slab.values.bytes(info.output).size();
+            bytes != slab.bricks.size() * brick_samples * info.sample_bytes())
+            throw sparse_misuse(
+                fmt::format("{} has {} bytes in a part of {} bricks", info.name, bytes, slab.bricks.size()));
+    BrickOrder bricks(slab.part), runs(slab.part);
+    for (const Index3& brick : slab.bricks) bricks.check(brick, 1, "a brick");
+    for (const BrickRun& run : slab.inside) runs.check(run.first, run.count, "a run of bricks inside");
+}
+
+}  // namespace
+
+SparseFieldWriter::SparseFieldWriter(const std::string& path, const FieldDescription& field, OutputSet outputs)
+    : field_(field), outputs_(outputs), next_(bricks_begin(field.grid, 2)) {
+    const Format& format = format_of(path, ErrorCode::unsupported);
+    if (format.sparse_writer == nullptr)
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("{}: {} stores no sparse fields; choose .nvdb or .vdb, or write a dense field", path, format.ending));
+    field.grid.validate();
+    field.band.validate();
+    const double widest = field.sign == SignRule::none ? field.band.outside : field.band.widest();
+    if (!std::isfinite(widest) || field.band.has_signs_only)
+        throw sparse_misuse("a sparse field has a band of finite half widths");
+    check_place_for(outputs, path, format);
+    format_ = format.sparse_writer(path, field, outputs);
+}
+
+SparseFieldWriter::SparseFieldWriter(SparseFieldWriter&&) noexcept = default;
+SparseFieldWriter& SparseFieldWriter::operator=(SparseFieldWriter&&) noexcept = default;
+SparseFieldWriter::~SparseFieldWriter() = default;
+
+void SparseFieldWriter::append(const SparseSlab& slab) {
+    // Taken out first, as by FieldWriter.
+    std::unique_ptr<SparseFormatWriter> format = std::exchange(format_, nullptr);
+    if (!format) throw sparse_misuse("nothing can be appended after a failure or after finish()");
+    check_layers(slab, field_.grid, outputs_, next_);
+    format->append(slab);
+    next_ += slab.part.size[2];
+    format_ = std::move(format);
+}
+
+void SparseFieldWriter::finish() {
+    const std::unique_ptr<SparseFormatWriter> format = std::exchange(format_, nullptr);
+    if (!format) throw sparse_misuse("nothing is left to finish after a failure or after finish()");
+    if (const std::int64_t end = bricks_end(field_.grid, 2); next_ != end)
+        throw sparse_misuse(fmt::format("layers {} to {} are missing", next_, end - 1));
+    format->finish();
+}
+
+bool stores_sparse_fields(const std::string& path) {
+    return format_of(path, ErrorCode::unsupported).sparse_writer != nullptr;
+}
+
+void write_field(const SparseField& field, const std::string& path) {
+    OutputSet extras = field.outputs();
+    extras.erase(Output::distance);
+    SparseFieldWriter writer(path, field, extras);
+    writer.append(field.slab());
+    writer.finish();
 }
 
 void abandon_unfinished_files() noexcept {

@@ -6,6 +6,7 @@
 #include <clsdf/error.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/sparse.hpp>
 
 #include <cstdint>
 #include <map>
@@ -31,6 +32,19 @@ public:
     virtual void finish() = 0;
 };
 
+/// The same for a sparse field. finish() comes after the last layers.
+class SparseFormatWriter {
+public:
+    SparseFormatWriter() = default;
+    SparseFormatWriter(const SparseFormatWriter&) = delete;
+    SparseFormatWriter& operator=(const SparseFormatWriter&) = delete;
+    virtual ~SparseFormatWriter() = default;
+
+    /// The next layers of bricks, in the order of z.
+    virtual void append(const SparseSlab& slab) = 0;
+    virtual void finish() = 0;
+};
+
 struct Format {
     const char* ending = nullptr;  ///< with its dot, in lower case
     /// Throws Error(unsupported) for a field that the format cannot store. The grid and the band are valid.
@@ -45,6 +59,9 @@ struct Format {
     void (*check)(const std::string& path, OutputSet outputs) = nullptr;
     /// The names of the files of other outputs, by the names of the outputs, if the format has such files.
     std::map<std::string, std::string> (*files)(const std::string& path) = nullptr;
+    /// Writes sparse fields. The grid is valid, and the band has ends. Throws as writer().
+    std::unique_ptr<SparseFormatWriter> (*sparse_writer)(const std::string& path, const FieldDescription& field,
+                                                         OutputSet outputs) = nullptr;
 };
 
 /// By the file's ending, in upper or lower case. Throws Error(code) that lists the endings.
@@ -72,8 +89,17 @@ void check_h5(const std::string& path, OutputSet outputs);
 
 /// Defined in vdb_write.cpp and vdb_read.cpp; in a build without OpenVDB in vdb_absent.cpp.
 std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
+std::unique_ptr<SparseFormatWriter> sparse_vdb_writer(const std::string& path, const FieldDescription& field,
+                                                      OutputSet outputs);
 Field read_vdb(const std::string& path, OutputSet wanted);
 void check_vdb(const std::string& path, OutputSet outputs);
+
+/// The same tree, so the same bytes, from slabs and from bricks.
+std::unique_ptr<FormatWriter> nvdb_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
+std::unique_ptr<SparseFormatWriter> sparse_nvdb_writer(const std::string& path, const FieldDescription& field,
+                                                       OutputSet outputs);
+Field read_nvdb(const std::string& path, OutputSet wanted);
+void check_nvdb(const std::string& path, OutputSet outputs);
 
 std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
 Field read_sdf(const std::string& path, OutputSet wanted);
@@ -121,6 +147,9 @@ Description read_description(const std::string& path);
 /// The text in a file whose header states its grid: the members origin, spacing and size are ignored. `source` names
 /// the file and the part of it that holds the text.
 Description parse_description(const std::string& source, const std::string& text, const Grid& stated);
+
+/// The same with the grid that the text states.
+Description parse_description(const std::string& source, const std::string& text);
 
 /// The band of these half widths. If both are 0, the field has signs alone.
 Band band_of(double inside, double outside);

@@ -12,6 +12,9 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_old_format.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nrrd.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/nvdb_read.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/nvdb_tree.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/nvdb_write.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sdf.cpp
           ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_WITH_OPENVDB}>,vdb_write,vdb_absent>.cpp
           $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp>

@@ -24,6 +24,10 @@ std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDes
     refuse(path);
 }
 
+std::unique_ptr<SparseFormatWriter> sparse_vdb_writer(const std::string& path, const FieldDescription&, OutputSet) {
+    refuse(path);
+}
+
 Field read_vdb(const std::string& path, OutputSet) {
     refuse(path);
 }

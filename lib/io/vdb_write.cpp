@@ -1,5 +1,6 @@
 #include "core/parallel.hpp"
 #include "io/field_files.hpp"
+#include "io/level_set.hpp"
 #include "io/vdb.hpp"
 
 #include <clsdf/error.hpp>
@@ -19,6 +20,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -35,38 +37,96 @@ namespace {
 
 inline constexpr std::int64_t leaf_side = openvdb::FloatTree::LeafNodeType::DIM;
 
-/// The value of samples beyond the band, compared bit by bit: -0.0 is not 0.0. No sample is beyond a band without end.
-struct Fill {
-    float outside;
-    float inside;
+constexpr Index3 whole_leaf{leaf_side, leaf_side, leaf_side};
 
-    static bool is_same(float one, float other) {
-        return std::isfinite(one) && std::bit_cast<std::uint32_t>(one) == std::bit_cast<std::uint32_t>(other);
+/// The samples of a leaf that lie in the grid, in rows along x.
+struct Block {
+    Index3 first{};            ///< of the grid's samples
+    Index3 size{};             ///< cut off at the grid's end
+    std::size_t begin = 0;     ///< its first sample in the array of values
+    std::int64_t row = 0;      ///< samples from a row to the next one along y
+    std::int64_t slice = 0;    ///< and along z
+
+    bool is_whole() const { return size == whole_leaf; }
+
+    /// Whether a predicate holds for all rows; its arguments are j, k and the row's first sample in the array.
+    template <class Predicate>
+    bool all_rows(const Predicate& predicate) const {
+        for (std::int64_t k = 0; k < size[2]; ++k)
+            for (std::int64_t j = 0; j < size[1]; ++j)
+                if (!predicate(j, k, begin + static_cast<std::size_t>(j * row + k * slice))) return false;
+        return true;
     }
-    bool is_outside(float value) const { return is_same(outside, value); }
-    bool is_inside(float value) const { return is_same(inside, value); }
-    bool is_beyond(float value) const { return is_outside(value) || is_inside(value); }
 };
 
-/// A layer of up to eight slices of one output, and its blocks: a leaf each, cut off at the grid's end.
-struct Layer {
-    Index3 grid_size{};
-    std::int64_t first_slice = 0;
-    std::int64_t slices = 0;
+/// The block of this first sample, without its place in an array.
+Block block_at(const Index3& first, const Index3& grid_size) {
+    Block block{first};
+    for (std::size_t axis = 0; axis < 3; ++axis) block.size[axis] = std::min(leaf_side, grid_size[axis] - first[axis]);
+    return block;
+}
 
-    std::size_t block_count() const {
-        return static_cast<std::size_t>(leaves(grid_size[0])) * static_cast<std::size_t>(leaves(grid_size[1]));
+/// Blocks whose values are in one array.
+class Blocks {
+public:
+    Blocks() = default;
+    Blocks(const Blocks&) = delete;
+    Blocks& operator=(const Blocks&) = delete;
+    virtual ~Blocks() = default;
+
+    virtual std::size_t count() const = 0;
+    virtual Block operator[](std::size_t number) const = 0;
+};
+
+/// Up to eight slices of a dense field.
+class LayerBlocks final : public Blocks {
+public:
+    LayerBlocks(const Index3& grid_size, std::int64_t first_slice, std::int64_t slices)
+        : grid_size_(grid_size), first_slice_(first_slice), slices_(slices) {}
+
+    std::size_t count() const override {
+        return static_cast<std::size_t>(leaves(grid_size_[0])) * static_cast<std::size_t>(leaves(grid_size_[1]));
     }
-    Index3 first_of(std::size_t block) const {
+    Block operator[](std::size_t block) const override {
         const auto number = static_cast<std::int64_t>(block);
-        return {number % leaves(grid_size[0]) * leaf_side, number / leaves(grid_size[0]) * leaf_side, first_slice};
-    }
-    Index3 size_of(const Index3& first) const {
-        return {std::min(leaf_side, grid_size[0] - first[0]), std::min(leaf_side, grid_size[1] - first[1]), slices};
+        Block result = block_at({number % leaves(grid_size_[0]) * leaf_side,
+                                 number / leaves(grid_size_[0]) * leaf_side, first_slice_},
+                                grid_size_);
+        result.size[2] = slices_;
+        result.row = grid_size_[0];
+        result.slice = grid_size_[0] * grid_size_[1];
+        result.begin = static_cast<std::size_t>(result.first[0] + grid_size_[0] * result.first[1]);
+        return result;
     }
 
 private:
     static std::int64_t leaves(std::int64_t samples) { return (samples + leaf_side - 1) / leaf_side; }
+
+    Index3 grid_size_;
+    std::int64_t first_slice_;
+    std::int64_t slices_;
+};
+
+/// Bricks of a sparse field whose grid begins with a brick on each axis.
+class BrickBlocks final : public Blocks {
+public:
+    BrickBlocks(const Grid& grid, std::span<const Index3> bricks) : grid_(grid), bricks_(bricks) {}
+
+    std::size_t count() const override { return bricks_.size(); }
+    Block operator[](std::size_t number) const override {
+        Block block = block_at(in_grid(bricks_[number]), grid_.size);
+        block.row = leaf_side;
+        block.slice = leaf_side * leaf_side;
+        block.begin = number * brick_samples;
+        return block;
+    }
+    Index3 in_grid(const Index3& brick) const {
+        return {brick[0] - grid_.first[0], brick[1] - grid_.first[1], brick[2] - grid_.first[2]};
+    }
+
+private:
+    const Grid& grid_;
+    std::span<const Index3> bricks_;
 };
 
 /// One output on its way into a tree.
@@ -77,38 +137,11 @@ public:
     OutputTree& operator=(const OutputTree&) = delete;
     virtual ~OutputTree() = default;
 
-    /// `distance` and `values` are those of the layer; a sample is active if its distance is in the band.
-    virtual void add(const Layer& layer, std::span<const float> distance, std::span<const std::byte> values) = 0;
+    /// `distance` and `values` are those of the blocks; a sample is active if its distance is in the band.
+    virtual void add(const Blocks& blocks, std::span<const float> distance, std::span<const std::byte> values) = 0;
+    /// A block that is inside, beyond the band.
+    virtual void add_inside(const Block& block) = 0;
     virtual openvdb::GridBase::Ptr finish() = 0;
-};
-
-constexpr Index3 whole_leaf{leaf_side, leaf_side, leaf_side};
-
-/// The samples of a block, in rows along x.
-struct Block {
-    Index3 first{};
-    Index3 size{};
-    Index3 grid_size{};
-
-    Block(const Layer& layer, std::size_t number)
-        : first(layer.first_of(number)), size(layer.size_of(first)), grid_size(layer.grid_size) {}
-
-    bool is_whole() const { return size == whole_leaf; }
-    std::size_t first_sample() const { return sample(0, 0); }
-
-    /// Whether a predicate holds for all rows; its arguments are j, k and the row's first sample in the layer.
-    template <class Predicate>
-    bool all_rows(const Predicate& predicate) const {
-        for (std::int64_t k = 0; k < size[2]; ++k)
-            for (std::int64_t j = 0; j < size[1]; ++j)
-                if (!predicate(j, k, sample(j, k))) return false;
-        return true;
-    }
-
-private:
-    std::size_t sample(std::int64_t j, std::int64_t k) const {
-        return static_cast<std::size_t>(first[0] + grid_size[0] * (first[1] + j + grid_size[1] * k));
-    }
 };
 
 /// All cores make leaves, which are added to the tree in order.
@@ -121,19 +154,22 @@ public:
     TreeOf(const Fill& fill, const Value& background)
         : fill_(fill), background_(background), grid_(GridType::create(background)) {}
 
-    void add(const Layer& layer, std::span<const float> distance, std::span<const std::byte> values) override {
-        std::vector<Part> parts(layer.block_count());
+    void add(const Blocks& blocks, std::span<const float> distance, std::span<const std::byte> values) override {
+        std::vector<Part> parts(blocks.count());
+        constexpr std::size_t grain = 16;
         for_each_index(
             parts.size(),
-            [&](std::size_t block) { parts[block] = part_of(Block(layer, block), distance.data(), values.data()); }, 1);
+            [&](std::size_t block) { parts[block] = part_of(blocks[block], distance.data(), values.data()); }, grain);
         for (std::size_t block = 0; block < parts.size(); ++block) {
             if (parts[block].leaf) {
                 grid_->tree().addLeaf(parts[block].leaf.get());
                 static_cast<void>(parts[block].leaf.release());  // the tree's from now on
             } else if (parts[block].tile)
-                grid_->tree().addTile(1, coordinates(layer.first_of(block)), *parts[block].tile, false);
+                add_tile(blocks[block].first, *parts[block].tile);
         }
     }
+
+    void add_inside(const Block&) override {}  // the background says it
 
     openvdb::GridBase::Ptr finish() override { return grid_; }
 
@@ -144,7 +180,11 @@ protected:
         std::optional<Value> tile;
     };
 
-    /// Both arrays are those of the block's layer. Called by many threads.
+    void add_tile(const Index3& first, const Value& value) {
+        grid_->tree().addTile(1, coordinates(first), value, false);
+    }
+
+    /// Both arrays are those of the blocks. Called by many threads.
     virtual Part part_of(const Block& block, const float* distance, const std::byte* values) const = 0;
 
     Part leaf_of(const Block& block, const float* distance, const std::byte* values) const {
@@ -181,9 +221,24 @@ class DistanceTree : public TreeOf<openvdb::FloatGrid> {
 public:
     explicit DistanceTree(const Fill& fill) : TreeOf(fill, fill.outside) {}
 
-    void add(const Layer& layer, std::span<const float> distance, std::span<const std::byte> values) override {
+    void add(const Blocks& blocks, std::span<const float> distance, std::span<const std::byte> values) override {
         if (!std::isfinite(fill().outside)) farthest_ = std::max(farthest_, farthest_of(distance));
-        TreeOf::add(layer, distance, values);
+        TreeOf::add(blocks, distance, values);
+    }
+
+    /// A tile would reach beyond the grid's end.
+    void add_inside(const Block& block) override {
+        if (block.is_whole()) {
+            add_tile(block.first, fill().inside);
+            return;
+        }
+        auto leaf = std::make_unique<Leaf>(coordinates(block.first), background(), false);
+        block.all_rows([&](std::int64_t j, std::int64_t k, std::size_t) {
+            for (std::int64_t i = 0; i < block.size[0]; ++i)
+                leaf->buffer().data()[(i * leaf_side + j) * leaf_side + k] = fill().inside;
+            return true;
+        });
+        grid().tree().addLeaf(leaf.release());
     }
 
     openvdb::GridBase::Ptr finish() override {
@@ -197,7 +252,7 @@ public:
 
 private:
     Part part_of(const Block& block, const float* distance, const std::byte* values) const override {
-        const float one = distance[block.first_sample()];
+        const float one = distance[block.begin];
         if (fill().is_beyond(one) && is_all(block, distance, one)) {
             if (fill().is_outside(one)) return {};
             if (block.is_whole()) return {nullptr, one};
@@ -309,11 +364,14 @@ public:
     }
 };
 
-class VdbWriter : public FormatWriter {
+/// A leaf has the samples of a brick if the grid begins with one. The samples of the other grids' bricks are put into
+/// slices first.
+class VdbWriter : public FormatWriter, public SparseFormatWriter {
 public:
     VdbWriter(const std::string& path, const FieldDescription& field, OutputSet outputs)
         : path_(path),
           field_(field),
+          outputs_(outputs),
           infos_(infos_of(outputs)),
           transform_(transform_of(field.grid, path)),
           file_(path) {
@@ -323,7 +381,7 @@ public:
                                     "another format",
                                     path));
         file_.temporary();  // throws if it has none
-        const Fill fill{static_cast<float>(field.band.outside), -static_cast<float>(field.band.inside)};
+        const Fill fill(field.band);
         for (const OutputInfo& info : infos_) trees_.push_back(tree_for(info, fill, path));
         pending_.resize(infos_.size());
     }
@@ -353,8 +411,27 @@ public:
             }
             k += count;
             if (z + count < layer_end) continue;
-            add_layer({size, layer_begin, layer_end - layer_begin}, parts);
+            add(LayerBlocks(size, layer_begin, layer_end - layer_begin), parts);
             for (std::vector<std::byte>& values : pending_) values.clear();
+        }
+    }
+
+    void append(const SparseSlab& slab) override {
+        const Grid& grid = field_.grid;
+        if (std::ranges::any_of(grid.first, [](std::int64_t first) { return first % brick_side != 0; })) {
+            append_slices(slab);
+            return;
+        }
+        const BrickBlocks blocks(grid, slab.bricks);
+        std::vector<std::span<const std::byte>> values;
+        for (const OutputInfo& info : infos_) values.push_back(slab.values.bytes(info.output));
+        add(blocks, values);
+        for (const BrickRun& run : slab.inside) {
+            Block block = block_at(blocks.in_grid(run.first), grid.size);
+            for (std::int64_t n = 0; n < run.count; ++n) {
+                trees_[0]->add_inside(block);
+                block = block_at({block.first[0] + brick_side, block.first[1], block.first[2]}, grid.size);
+            }
         }
     }
 
@@ -366,7 +443,7 @@ public:
             grid->setTransform(transform_);
             grid->setCreator("clsdf " + version());
             if (i == 0) {
-                grid->setGridClass(is_level_set() ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
+                grid->setGridClass(is_level_set(field_) ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
                 grid->insertMeta(description_key, openvdb::StringMetadata(description_text(field_)));
             }
             grids.push_back(grid);
@@ -392,7 +469,7 @@ public:
     }
 
 private:
-    void add_layer(const Layer& layer, std::span<const std::span<const std::byte>> values) {
+    void add(const Blocks& blocks, std::span<const std::span<const std::byte>> values) {
         const std::span distance(reinterpret_cast<const float*>(values[0].data()), values[0].size() / sizeof(float));
         std::vector<std::byte> wide;
         for (std::size_t i = 0; i < infos_.size(); ++i) {
@@ -403,15 +480,60 @@ private:
                 widen(infos_[i], values[i], wide);
                 in_grid = wide;
             }
-            trees_[i]->add(layer, distance, in_grid);
+            trees_[i]->add(blocks, distance, in_grid);
         }
     }
 
-    // OpenVDB's definition of a level set: cubic voxels, a sign, and the half width as background.
-    bool is_level_set() const {
-        const Vec3& h = field_.grid.spacing;
-        return h[0] == h[1] && h[0] == h[2] && std::isfinite(field_.band.outside) && field_.band.outside > 0 &&
-               field_.sign != SignRule::none;
+    /// Layer by layer of bricks.
+    void append_slices(const SparseSlab& slab) {
+        const Grid& grid = field_.grid;
+        auto brick = slab.bricks.begin();
+        auto run = slab.inside.begin();
+        for (std::int64_t z = slab.part.first[2]; z < slab.part.first[2] + slab.part.size[2]; z += brick_side) {
+            const std::int64_t begin = std::max(z, grid.first[2]);
+            const std::int64_t end = std::min(z + brick_side, grid.first[2] + grid.size[2]);
+            const Grid slices = grid.part({0, 0, begin - grid.first[2]}, {grid.size[0], grid.size[1], end - begin});
+            Field dense({slices, field_.band, field_.sign, {}}, outputs_ | Output::distance);
+            std::ranges::fill(dense.distance(), static_cast<float>(field_.band.outside));
+            for (std::size_t i = 1; i < infos_.size(); ++i)
+                std::ranges::fill(dense.bytes(infos_[i].output), std::byte{0xFF});
+            for (; run != slab.inside.end() && run->first[2] == z; ++run)
+                for (std::int64_t n = 0; n < run->count; ++n)
+                    put({run->first[0] + n * brick_side, run->first[1], z}, nullptr, dense);
+            for (; brick != slab.bricks.end() && (*brick)[2] == z; ++brick) {
+                const auto number = static_cast<std::size_t>(brick - slab.bricks.begin());
+                const FieldSlab values = slab.values;
+                put(*brick, [&](Output output) {
+                    const std::size_t bytes = info_of(output).sample_bytes() * brick_samples;
+                    return values.bytes(output).data() + number * bytes;
+                }, dense);
+            }
+            append(dense.slab(), begin - grid.first[2]);
+        }
+    }
+
+    /// The samples of a brick that lie in the slices. values_of: of an output; empty: the brick is inside.
+    void put(const Index3& brick, const std::function<const std::byte*(Output)>& values_of, Field& slices) const {
+        const Grid& grid = slices.grid;
+        const float inside = -static_cast<float>(field_.band.inside);
+        for (std::size_t n = 0; n < brick_samples; ++n) {
+            const auto at = static_cast<std::int64_t>(n);
+            const Index3 sample{brick[0] + at % 8 - grid.first[0], brick[1] + at / 8 % 8 - grid.first[1],
+                                brick[2] + at / 64 - grid.first[2]};
+            bool is_in_grid = true;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                is_in_grid = is_in_grid && sample[axis] >= 0 && sample[axis] < grid.size[axis];
+            if (!is_in_grid) continue;
+            const std::size_t to = grid.offset(sample[0], sample[1], sample[2]);
+            if (!values_of) {
+                slices.distance()[to] = inside;
+                continue;
+            }
+            for (const OutputInfo& info : infos_) {
+                const std::size_t bytes = info.sample_bytes();
+                std::memcpy(slices.bytes(info.output).data() + to * bytes, values_of(info.output) + n * bytes, bytes);
+            }
+        }
     }
 
     // OpenVDB leaves out inactive values if a leaf has at most two of them, and compares them as numbers. So this is
@@ -424,6 +546,7 @@ private:
 
     std::string path_;
     FieldDescription field_;
+    OutputSet outputs_;
     std::vector<OutputInfo> infos_;
     openvdb::math::Transform::Ptr transform_;
     std::vector<std::unique_ptr<OutputTree>> trees_;
@@ -433,7 +556,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field, OutputSet outputs) {
+static std::unique_ptr<VdbWriter> make_writer(const std::string& path, const FieldDescription& field,
+                                              OutputSet outputs) {
     initialise();
     for (const std::int64_t size : field.grid.size)
         if (size > std::numeric_limits<std::int32_t>::max() - leaf_side)
@@ -442,6 +566,15 @@ std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDes
                                     ".nrrd, .npy or .h5",
                                     path, size));
     return std::make_unique<VdbWriter>(path, field, outputs);
+}
+
+std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field, OutputSet outputs) {
+    return make_writer(path, field, outputs);
+}
+
+std::unique_ptr<SparseFormatWriter> sparse_vdb_writer(const std::string& path, const FieldDescription& field,
+                                                      OutputSet outputs) {
+    return make_writer(path, field, outputs);
 }
 
 void check_vdb(const std::string&, OutputSet) {}

@@ -57,7 +57,8 @@ BOOST_AUTO_TEST_CASE(is_refused_wherever_it_is_cut_off) {
                      const std::string& whole) {
         // Nobody misses the last brackets and line ends of a text.
         const std::size_t enough = damaged.ends_with(".json") ? 2 : damaged.ends_with(".vti") ? 31 : 0;
-        for (std::size_t length = 0; length + enough < whole.size(); ++length) {
+        const std::size_t step = whole.size() < 10000 ? 1 : 997;
+        for (std::size_t length = 0; length + enough < whole.size(); length += step) {
             BOOST_TEST_CONTEXT(damaged << " cut to " << length << " bytes") {
                 replace(folder, damaged, whole.substr(0, length));
                 BOOST_TEST(!can_be_read(path));

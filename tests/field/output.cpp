@@ -95,7 +95,8 @@ BOOST_AUTO_TEST_CASE(to_a_device_that_is_full_says_so) {
     for_each_format([](const TemporaryFolder& folder, const Format& format) {
         const std::string name = "full" + format.ending;
         std::filesystem::create_symlink("/dev/full", folder.file(name));
-        const std::string reason = format.ending == ".vdb" ? "regular file" : "No space left";
+        const bool needs_seeks = format.ending == ".vdb" || format.ending == ".nvdb";
+        const std::string reason = needs_seeks ? "regular file" : "No space left";
         check_throws(ErrorCode::output_failure, {name, reason},
                      [&] { write_field(example_field(format), folder.file(name)); });
     });

@@ -11,6 +11,23 @@ if(CLSDF_SANITIZE)
                        "ASAN_OPTIONS=string_append::fast_unwind_on_malloc=0:malloc_context_size=12")
 endif()
 
+if(NOT CLSDF_TEST_PARTS)
+  clsdf_test(sparse_files ${CMAKE_CURRENT_LIST_DIR}/sparse_files.cpp)
+  target_link_libraries(test_sparse_files PRIVATE clsdf::reference)
+  target_compile_definitions(test_sparse_files PRIVATE CLSDF_WITH_OPENVDB=$<BOOL:${CLSDF_WITH_OPENVDB}>)
+endif()
+
+# .nvdb files opened by NanoVDB, whose headers no other program includes.
+find_path(CLSDF_NANOVDB_INCLUDE nanovdb/util/GridValidator.h)
+mark_as_advanced(CLSDF_NANOVDB_INCLUDE)
+clsdf_test(nvdb ${CMAKE_CURRENT_LIST_DIR}/nvdb.cpp)
+target_compile_definitions(test_nvdb PRIVATE CLSDF_WITH_NANOVDB=$<BOOL:${CLSDF_NANOVDB_INCLUDE}>
+                                             CLSDF_WITH_OPENVDB=$<BOOL:${CLSDF_WITH_OPENVDB}>)
+if(CLSDF_NANOVDB_INCLUDE)
+  target_include_directories(test_nvdb SYSTEM PRIVATE ${CLSDF_NANOVDB_INCLUDE})
+endif()
+set_tests_properties(nvdb PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: NanoVDB is not installed")
+
 # Fields opened by VTK, h5py, teem, numpy and OpenVDB. Not called test_*: it stays where these are, and is not bundled.
 # Debian's modules are in the system's Python alone.
 find_program(CLSDF_TEST_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)

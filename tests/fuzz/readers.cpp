@@ -98,7 +98,7 @@ Reader field_reader(const std::string& format, const std::string& ending, const 
     const bool is_plain = ending == ".sdf" || ending == ".vdb";
     // Several fields, so that a damaged file has more than one way to be sound.
     for (const bool has_extras : {true, false}) {
-        if (has_extras && ending == ".sdf") continue;
+        if (has_extras && (ending == ".sdf" || ending == ".nvdb")) continue;
         const fs::path sound = folder / "sound";
         fs::create_directory(sound);
         write_field(example_field(!is_plain, has_extras), (sound / ("field" + ending)).string());
@@ -110,7 +110,7 @@ Reader field_reader(const std::string& format, const std::string& ending, const 
         fs::remove_all(sound);
     }
     // Values that are compressed, or stated once for many samples, may take few bytes.
-    if (ending == ".h5" || ending == ".vdb") reader.expansion = 4096;
+    if (ending == ".h5" || ending == ".vdb" || ending == ".nvdb") reader.expansion = 4096;
     return reader;
 }
 
@@ -152,7 +152,8 @@ struct FieldFormat {
 constexpr std::array field_formats {
     FieldFormat{"nrrd", ".nrrd", ".nrrd"}, FieldFormat{"nrrd_triangle", ".nrrd", "_triangle.nrrd"},
         FieldFormat{"npy", ".npy", ".npy"}, FieldFormat{"npy_json", ".npy", ".npy.json"},
-        FieldFormat{"vti", ".vti", ".vti"}, FieldFormat{"h5", ".h5", ".h5"}, FieldFormat{"sdf", ".sdf", ".sdf"},
+        FieldFormat{"vti", ".vti", ".vti"}, FieldFormat{"h5", ".h5", ".h5"}, FieldFormat{"nvdb", ".nvdb", ".nvdb"},
+        FieldFormat{"sdf", ".sdf", ".sdf"},
 #if CLSDF_WITH_OPENVDB
         FieldFormat{"vdb", ".vdb", ".vdb"},
 #endif

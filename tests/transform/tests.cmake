@@ -7,10 +7,10 @@ endfunction()
 foreach(name counterexamples shapes bands grids accuracy double_distances topology sign_surface open_meshes ties extremes determinism plans calls
              outputs bodies slabs streams launches hostile_callers kernel_frusta plain_opencl
              slender_polyhedra self_test stages requests same_bytes points classify restricted
-             callers_memory shared_memory promises runs overlap blocks arrays)
+             callers_memory shared_memory promises runs overlap blocks arrays sparse sparse_files)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
 endforeach()
-foreach(name double_distances extremes outputs self_test promises)
+foreach(name double_distances extremes outputs self_test promises sparse)
   target_link_libraries(test_transform_${name} PRIVATE clsdf::papers)
 endforeach()
 target_link_libraries(test_transform_self_test PRIVATE clsdf_papers_internals)

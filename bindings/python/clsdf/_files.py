@@ -1,4 +1,4 @@
-"""Files of fields: .nrrd, .npy, .vti, .h5, .sdf; docs/formats.md describes them."""
+"""Files of fields: .nrrd, .npy, .vti, .h5, .nvdb, .sdf; docs/formats.md describes them."""
 
 from __future__ import annotations
 

@@ -93,9 +93,11 @@ BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
           is_by_group(inputs) ? in_whole_groups(static_cast<std::size_t>(layout_.bricks[0]), fill_group_pieces_) : 1),
       fill_kernel_(inputs.tools.programs.fill, "fill_empty_bricks"),
       leave_kernel_(inputs.tools.programs.fill, "leave_empty_bricks"),
+      mark_kernel_(inputs.tools.programs.fill, "mark_other_bricks"),
       finishing_(inputs.finishing),
       fill_outputs_(set_arguments(fill_kernel_, 0, layout_, *computed_, inputs.sign_bits)),
-      leave_outputs_(set_arguments(leave_kernel_, 0, layout_, *computed_)) {
+      leave_outputs_(set_arguments(leave_kernel_, 0, layout_, *computed_)),
+      mark_outputs_(set_arguments(mark_kernel_, 0, layout_, *computed_, inputs.sign_bits)) {
     const DeviceTools& tools = inputs.tools;
     if (!lists_.order.empty())
         order_ = device::copied(tools.context, tools.pool, lists_.order, "order of the coarse bricks");
@@ -127,7 +129,7 @@ void BrickScan::make_counters(const ScanInputs& inputs, std::size_t sets) {
 }
 
 void BrickScan::set_outputs(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
-    cl_uint next = set_arguments(kernel, first, outputs[Output::distance]);
+    cl_uint next = set_arguments(kernel, first, outputs.listed, outputs[Output::distance]);
     if (finishing_ != nullptr) next = finishing_->set_arguments(kernel, next, outputs);
     if (counter_sets_ > 0) kernel.setArg(next, *counters_);
 }
@@ -145,6 +147,11 @@ void BrickScan::enqueue_begin(CommandChain& chain, const OutputBuffers& outputs)
 }
 
 void BrickScan::enqueue_end(CommandChain& chain) {
+    if (outputs_.listed() != nullptr) {
+        enqueue_other_bricks(chain);
+        outputs_ = {};
+        return;
+    }
     const bool in_double = (outputs_.in_double & OutputSet(Output::distance).bits()) != 0;
     const cl_int words = in_double ? 2 : 1;
     const auto [inside, outside] =
@@ -182,6 +189,24 @@ void BrickScan::read_counters(const cl::CommandQueue& queue, CallStatistics& sta
     statistics.lanes_evaluated = sums[CLSDF_COUNT_LANES];
     statistics.samples_covered = sums[CLSDF_COUNT_COVERED];
     statistics.band_samples = sums[CLSDF_COUNT_BAND];
+}
+
+/// The end of a sparse field.
+void BrickScan::enqueue_other_bricks(CommandChain& chain) {
+    chain.then([&](auto& queue, auto* wait, auto* event) {
+        queue.enqueueCopyBuffer(outputs_.listed, outputs_.listed, CLSDF_LISTED_COUNT * sizeof(cl_uint),
+                                CLSDF_LISTED_IN_BAND * sizeof(cl_uint), sizeof(cl_uint), wait, event);
+    });
+    const cl_uint last = set_arguments(mark_kernel_, mark_outputs_, outputs_.listed, outputs_[Output::distance]);
+    const cl::NDRange group(fill_group_pieces_, 1, 1);
+    divided({fill_pieces_, static_cast<std::size_t>(layout_.bricks[1]), static_cast<std::size_t>(layout_.bricks[2])},
+            {most_groups, std::clamp<std::size_t>(slices_per_fill_ / CLSDF_BRICK, 1, most_groups)},
+            [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
+                mark_kernel_.setArg(last, static_cast<cl_int>(z));
+                chain.then([&](auto& target, auto* wait, auto* event) {
+                    target.enqueueNDRangeKernel(mark_kernel_, cl::NDRange(0, y, 0), items, group, wait, event);
+                });
+            });
 }
 
 /// Enqueues all slices of the empty bricks, in whole groups, at most `most` slices a launch. The kernel's argument

@@ -32,6 +32,7 @@ public:
     double fraction_before(std::size_t launch) const final { return launches_[launch].fraction_before; }
     void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) final;
     void enqueue_end(CommandChain& chain) final;
+    cl::Buffer marks() const final { return *computed_; }
     void describe(CallStatistics& statistics) const override;
     void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const final;
 
@@ -56,6 +57,7 @@ protected:
 private:
     void specialise_fill(const ScanInputs& inputs);
     void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most) const;
+    void enqueue_other_bricks(CommandChain& chain);
     std::size_t in_groups(std::size_t slices) const;
 
     Layout layout_;
@@ -67,9 +69,11 @@ private:
     device::BufferPool::Lease first_marks_;  ///< of the bricks; empty: all 0
     cl::Kernel fill_kernel_;
     cl::Kernel leave_kernel_;
+    cl::Kernel mark_kernel_;
     const Finishing* finishing_;  ///< null if only floats are written
     cl_uint fill_outputs_;        ///< the kernels' first arguments that change from call to call
     cl_uint leave_outputs_;
+    cl_uint mark_outputs_;
     OutputBuffers outputs_;  ///< of the computation that is being enqueued
     device::BufferPool::Lease counters_;
     std::size_t counter_sets_ = 0;

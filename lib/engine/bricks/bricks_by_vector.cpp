@@ -82,7 +82,7 @@ void specialise_bricks_by_vector(device::Context& context, const Programs& progr
     const cl_uint none = 0;
     cl_uint next = set_arguments(kernel, 0, Layout{}, none, none, none, array, array, array, none);
     const std::size_t arguments = kernel.getInfo<CL_KERNEL_NUM_ARGS>();
-    const cl_uint finish = next + 8;  // after the lists, the mesh, the signs, the marks, the scratch and the distance
+    const cl_uint finish = next + 9;  // after the lists, the mesh, the signs, marks, the scratch, bricks, the distance
     for (; next < arguments; ++next)
         if (variant.nearest && next == finish)
             kernel.setArg(next, Finish{});

@@ -47,6 +47,9 @@ public:
     /// Enqueues the commands after the last launch.
     virtual void enqueue_end(CommandChain& chain) = 0;
 
+    /// A mark of each brick, for a sparse field: CLSDF_INSIDE_BRICK, or 1 if it has values. Null: not known.
+    virtual cl::Buffer marks() const { return {}; }
+
     /// Adds the counts of the set-up, and the device memory that it holds.
     virtual void describe(CallStatistics& statistics) const = 0;
     /// Adds the counters of the last computation, if they were asked for; blocks.

@@ -34,6 +34,9 @@ struct GridPlan {
     Job job;
     CallStatistics statistics;
 
+    /// The marks of the bricks of a sparse field, when it has been computed: see FieldScan.
+    cl::Buffer marks() const { return scan_->marks(); }
+
     /// Device memory of this plan alone, without the records, which are shared.
     std::size_t own_bytes() const { return statistics.device_bytes - inputs.records->device_bytes(); }
 

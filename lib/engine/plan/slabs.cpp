@@ -58,8 +58,9 @@ void check_grid(const Grid& grid) {
     layout_of(grid, Band::signs_only(), SignRule::none);
 }
 
-std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest) {
-    const std::int64_t most = most_slices(grid, limits, widest);
+namespace {
+
+std::vector<Grid> slabs_of(const Grid& grid, std::int64_t most) {
     if (most >= grid.size[2]) return {grid};
     std::vector<Grid> slabs;
     for (std::int64_t begin = 0; begin < grid.size[2];) {
@@ -75,6 +76,19 @@ std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size
         begin = end;
     }
     return slabs;
+}
+
+}  // namespace
+
+std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest) {
+    return slabs_of(grid, most_slices(grid, limits, widest));
+}
+
+std::vector<Grid> sparse_slabs_of(const Grid& grid) {
+    constexpr std::size_t preferred = 32 * mebibyte, tolerated = 384 * mebibyte;
+    const std::size_t slice = sign_bytes_of_slice(grid), coarse = CLSDF_COARSE * slice;
+    const std::size_t wished = coarse <= tolerated ? std::max(preferred, coarse) : tolerated;
+    return slabs_of(grid, static_cast<std::int64_t>(std::max<std::size_t>(wished / slice, CLSDF_BRICK)));
 }
 
 bool is_divisible(const Grid& slab) {

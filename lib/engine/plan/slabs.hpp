@@ -32,6 +32,9 @@ void check_grid(const Grid& grid);
 /// in the largest of the outputs.
 std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest = sizeof(float));
 
+/// The same of a sparse field: its sign bits take most of the memory.
+std::vector<Grid> sparse_slabs_of(const Grid& grid);
+
 /// Whether a slab has brick boundaries within.
 bool is_divisible(const Grid& slab);
 

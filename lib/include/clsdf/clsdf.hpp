@@ -14,5 +14,6 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
+#include <clsdf/sparse.hpp>
 #include <clsdf/topology.hpp>
 #include <clsdf/version.hpp>

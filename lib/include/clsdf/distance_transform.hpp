@@ -7,6 +7,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
+#include <clsdf/sparse.hpp>
 #include <clsdf/topology.hpp>
 
 #include <array>
@@ -138,6 +139,22 @@ public:
     /// Error(invalid_argument) for an empty sink.
     TransformStatistics compute(const Grid& grid, const Band& band, OutputSet outputs, const SlabSink& sink,
                                 const SlabOptions& options = {}, const CallOptions& call = {}) const;
+
+    /// The bricks near the surface, and the sign of the rest: see SparseSlab. Every value has the bytes of the dense
+    /// field's, and neither time nor memory grows with the samples far from the surface. The distance is always among
+    /// the outputs. The half widths must be finite, of a field without a sign the one outside. A restricted transform
+    /// needs regions that hold whole bricks: in_whole_bricks(grid).
+    ///
+    /// Throws what compute() throws; Error(invalid_argument) for a band without an end or of signs alone;
+    /// Error(unsupported) for a transform of clsdf::papers.
+    SparseField compute_sparse(const Grid& grid, const Band& band, OutputSet outputs = Output::distance,
+                               const CallOptions& call = {}, TransformStatistics* statistics = nullptr) const;
+
+    /// A sparse field of any size, which is handed to the sink in layers of bricks; a few of them are in memory. The
+    /// sink is called on the calling thread and may use the transform. After an error it is not called again. Also
+    /// throws what the sink throws, Error(invalid_argument) for an empty sink.
+    TransformStatistics compute_sparse(const Grid& grid, const Band& band, OutputSet outputs, const SparseSink& sink,
+                                       const CallOptions& call = {}) const;
 
     /// The slabs of a field on a device that sets no closer limit.
     static std::vector<Grid> slabs_of(const Grid& grid);

@@ -28,11 +28,11 @@ CLSDF_EXPORT Field read_field(const std::string& path, OutputSet wanted);
 /// read_field() leaves these outputs empty. Throws as read_field().
 CLSDF_EXPORT std::vector<std::string> missing_field_files(const std::string& path);
 
-/// Writes a field by the file's ending: .nrrd, .npy, .vti, .h5, .sdf or, if OpenVDB is built in, .vdb; docs/formats.md
-/// describes their contents. With .nrrd and .npy each other output has a separate file, FILE_triangle.nrrd or
-/// FILE_closest.npy. No file gets its final name before all are written; the distances appear last. Throws
-/// Error(output_failure), Error(unsupported) for an unknown ending, or Error(invalid_argument) if the arrays do not fit
-/// the grid.
+/// Writes a field by the file's ending: .nrrd, .npy, .vti, .h5, .nvdb, .sdf or, if OpenVDB is built in, .vdb;
+/// docs/formats.md describes their contents. With .nrrd and .npy each other output has a separate file,
+/// FILE_triangle.nrrd or FILE_closest.npy. No file gets its final name before all are written; the distances appear
+/// last. Throws Error(output_failure), Error(unsupported) for an unknown ending, or Error(invalid_argument) if the
+/// arrays do not fit the grid.
 CLSDF_EXPORT void write_field(const Field& field, const std::string& path);
 
 /// Throws the error that write_field() would throw for the ending, for outputs that the format cannot store, or for a
@@ -43,8 +43,8 @@ class FormatWriter;
 
 /// Writes a field slab by slab, so it need never be whole in memory. The format follows from the file's ending, as with
 /// write_field(), and the bytes do not depend on the slabs. No file gets its final name before finish(); without it, no
-/// file stays. A .vdb keeps the samples of the band in memory until finish(); the other formats write each slab in
-/// append(). One thread at a time.
+/// file stays. A .vdb keeps the samples of the band in memory until finish(), a .nvdb in an unfinished file; the other
+/// formats write each slab in append(). One thread at a time.
 class CLSDF_EXPORT FieldWriter {
 public:
     /// Throws Error(unsupported) for an unknown ending, or for a grid, outputs or a sign of the inside that the format
@@ -68,6 +68,45 @@ private:
     OutputSet outputs_;
     std::int64_t slices_ = 0;
     std::unique_ptr<FormatWriter> format_;  // null after the end or a failure
+};
+
+class SparseFormatWriter;
+struct SparseField;
+struct SparseSlab;
+
+/// Whether the file's format, by its ending, stores sparse fields: .nvdb and .vdb. Throws Error(unsupported) for an
+/// unknown ending.
+CLSDF_EXPORT bool stores_sparse_fields(const std::string& path);
+
+/// Writes a sparse field: see SparseFieldWriter.
+CLSDF_EXPORT void write_field(const SparseField& field, const std::string& path);
+
+/// Writes a sparse field, layers of bricks at a time: the sink of a sparse computation can append its argument. The
+/// format follows from the file's ending, .nvdb or .vdb. The bytes are those of the dense field's file, and do not
+/// depend on how the layers are divided. A .vdb keeps the bricks in memory until finish(), a .nvdb in an unfinished
+/// file in the folder of the final one. Without finish() no file stays. One thread at a time.
+class CLSDF_EXPORT SparseFieldWriter {
+public:
+    /// Throws as FieldWriter, and Error(unsupported) for a format that stores no sparse fields, or
+    /// Error(invalid_argument) for a band without end or of signs alone.
+    SparseFieldWriter(const std::string& path, const FieldDescription& field, OutputSet outputs = {});
+    SparseFieldWriter(SparseFieldWriter&&) noexcept;
+    SparseFieldWriter& operator=(SparseFieldWriter&&) noexcept;
+    ~SparseFieldWriter();
+
+    /// The next layers, in ascending z. Throws Error(output_failure), or Error(invalid_argument) if they do not follow
+    /// the layers before, or if a brick or a run is out of order or not in them, or if the values are not those of
+    /// exactly the announced outputs. After an error nothing can be appended.
+    void append(const SparseSlab& slab);
+
+    /// Gives the file its name. Throws Error(output_failure), or Error(invalid_argument) if layers are missing.
+    void finish();
+
+private:
+    FieldDescription field_;
+    OutputSet outputs_;
+    std::int64_t next_ = 0;                       // the lattice's z of the next layers
+    std::unique_ptr<SparseFormatWriter> format_;  // null after the end or a failure
 };
 
 /// For a program that is about to end during its work, for instance on Ctrl-C: removes the unfinished files of all
