@@ -347,8 +347,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
 // The device ends in order. Its compiler may react to the same signals and fail; the reason is still the user's wish.
 Computation compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
                                        const std::optional<clsdf::Device>& named,
-                                       std::optional<SecondCompiler>& second_compiler, Writer& writer,
-                                       Report& report) {
+                                       std::optional<SecondCompiler>& second_compiler, Writer& writer, Report& report) {
     const Interruption interruption;
     try {
         Computation computation =

@@ -175,9 +175,10 @@ std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf
         count -= count_band_samples(field, row);
         for (std::int64_t z = begin[2]; z < end[2]; ++z)
             for (std::int64_t y = begin[1]; y < end[1]; ++y) {
-                row.set(clsdf::Output::distance,
-                        values.subspan(static_cast<std::size_t>((z * clsdf::brick_side + y) * clsdf::brick_side + begin[0]),
-                                       static_cast<std::size_t>(end[0] - begin[0])));
+                row.set(
+                    clsdf::Output::distance,
+                    values.subspan(static_cast<std::size_t>((z * clsdf::brick_side + y) * clsdf::brick_side + begin[0]),
+                                   static_cast<std::size_t>(end[0] - begin[0])));
                 count += count_band_samples(field, row);
             }
     }

@@ -151,23 +151,20 @@ INLINE void list_mixed_brick(Layout layout, uint number, __global const uint* bi
     for (int z = 0; z < CLSDF_BRICK; ++z)
         for (int y = 0; y < CLSDF_BRICK; ++y) {
             const uint row = sign_row(layout, bits, y, z)[0] >> shift;
-            for (int x = 0; x < CLSDF_BRICK; ++x)
-                *to++ = row >> x & 1u ? layout.inside_fill : layout.outside_fill;
+            for (int x = 0; x < CLSDF_BRICK; ++x) *to++ = row >> x & 1u ? layout.inside_fill : layout.outside_fill;
         }
 }
 
 // The four bricks of a word of sign bits. all, any: of the bricks' rows, joined by AND and by OR.
 INLINE void mark_word(Layout layout, int3 first_brick, uint all, uint any, __global const uint* bits,
                       __global uchar* computed, __global uint* listed, __global float* distance) {
-    const size_t first =
-        ((size_t)first_brick.z * layout.bricks[1] + first_brick.y) * layout.bricks[0] + first_brick.x;
+    const size_t first = ((size_t)first_brick.z * layout.bricks[1] + first_brick.y) * layout.bricks[0] + first_brick.x;
     const int count = min(layout.bricks[0] - first_brick.x, 4);
     for (int n = 0; n < count; ++n, all >>= CLSDF_BRICK, any >>= CLSDF_BRICK) {
         if (computed[first + n] != 0 || (any & 0xFFu) == 0) continue;
         const bool is_mixed = (all & 0xFFu) != 0xFFu;
         computed[first + n] = is_mixed ? 1 : CLSDF_INSIDE_BRICK;
-        if (is_mixed)
-            list_mixed_brick(layout, (uint)(first + n), bits, (uint)(n * CLSDF_BRICK), listed, distance);
+        if (is_mixed) list_mixed_brick(layout, (uint)(first + n), bits, (uint)(n * CLSDF_BRICK), listed, distance);
     }
 }
 
@@ -206,7 +203,6 @@ __kernel void mark_other_bricks(Layout layout, __global uchar* computed, __globa
             all &= words;
             any |= words;
         }
-        if (any != 0)
-            mark_word(layout, (int3)(4 * word, y, z), all, any, bits + word, computed, listed, distance);
+        if (any != 0) mark_word(layout, (int3)(4 * word, y, z), all, any, bits + word, computed, listed, distance);
     }
 }

@@ -148,8 +148,7 @@ TransformStatistics DistanceTransform::compute_sparse(const Grid& grid, const Ba
     return with_host_memory("for the sparse field; compute a part of the grid", [&] {
         State& state = this->state();
         const engine::Job job = state.check_sparse(grid, band, targets::extras_of(outputs), call.count_work);
-        if (!sink)
-            throw Error(ErrorCode::invalid_argument, "a sparse field in layers needs a sink, and it is empty");
+        if (!sink) throw Error(ErrorCode::invalid_argument, "a sparse field in layers needs a sink, and it is empty");
         targets::wait_for(state.context(), call.wait_list);
         return state.compute_sparse(job, sink, call).published();
     });

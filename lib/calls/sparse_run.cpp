@@ -72,8 +72,7 @@ public:
         targets::HostArrays arrays = wanted_;
         for (const OutputInfo& row : output_table())
             if (arrays[row.output].is_wanted)
-                arrays[row.output].data =
-                    field_.bytes(row.output).data() + before * brick_samples * row.sample_bytes();
+                arrays[row.output].data = field_.bytes(row.output).data() + before * brick_samples * row.sample_bytes();
         return arrays;
     }
     void take(const SparseSlab& slab) override {
@@ -169,7 +168,8 @@ std::size_t expected_bricks(const Mesh& mesh, const Grid& grid, const Band& band
         for (std::size_t axis = 0; axis < 3; ++axis) u[axis] = q[axis] - p[axis], v[axis] = r[axis] - p[axis];
         area += 0.5 * std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
     }
-    const double side = static_cast<double>(brick_side) * std::cbrt(grid.spacing[0] * grid.spacing[1] * grid.spacing[2]);
+    const double side =
+        static_cast<double>(brick_side) * std::cbrt(grid.spacing[0] * grid.spacing[1] * grid.spacing[2]);
     const double width = band.outside + (sign == SignRule::none ? band.outside : band.inside);
     const double of_grid = static_cast<double>(grid.size[0]) * static_cast<double>(grid.size[1]) *
                            static_cast<double>(grid.size[2]) / static_cast<double>(brick_samples);
@@ -231,8 +231,8 @@ private:
         const Slab slab{&batch_, slabs_.back()};
         if (!plan_ && slab.is_whole()) plan_ = state_.take_plan(batch_.job);
         if (!plan_) plan_ = plans_.make(slab);
-        const double share = static_cast<double>(slab.grid.sample_count()) /
-                             static_cast<double>(batch_.job.grid.sample_count());
+        const double share =
+            static_cast<double>(slab.grid.sample_count()) / static_cast<double>(batch_.job.grid.sample_count());
         // The coarse bricks' lists say how many bricks there may be.
         const auto coarse = static_cast<double>(plan_->statistics.coarse_bricks);
         std::size_t room = static_cast<std::size_t>(std::ceil(bricks_of_coarse_ * coarse)) + 64;
@@ -295,8 +295,8 @@ private:
         const BrickNumbers first_of(part);
         context.run_or_drain([&] {
             const std::size_t bricks_of_part = part.sample_count() / brick_samples;
-            inside_ = runs_inside({ReadBuffer(context, plan_->marks(), bricks_of_part).values<cl_uchar>(), bricks_of_part},
-                                  first_of);
+            inside_ = runs_inside(
+                {ReadBuffer(context, plan_->marks(), bricks_of_part).values<cl_uchar>(), bricks_of_part}, first_of);
             const ReadBuffer list(context, *listed_, (CLSDF_LISTED + count()) * sizeof(cl_uint));
             const cl_uint* numbers = list.values<cl_uint>() + CLSDF_LISTED;
             std::vector<cl_uint> order(count());

@@ -271,9 +271,9 @@ SparseFieldWriter::SparseFieldWriter(const std::string& path, const FieldDescrip
     : field_(field), outputs_(outputs), next_(bricks_begin(field.grid, 2)) {
     const Format& format = format_of(path, ErrorCode::unsupported);
     if (format.sparse_writer == nullptr)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("{}: {} stores no sparse fields; choose .nvdb or .vdb, or write a dense field", path, format.ending));
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("{}: {} stores no sparse fields; choose .nvdb or .vdb, or write a dense field", path,
+                                format.ending));
     field.grid.validate();
     field.band.validate();
     const double widest = field.sign == SignRule::none ? field.band.outside : field.band.widest();

@@ -41,11 +41,11 @@ constexpr Index3 whole_leaf{leaf_side, leaf_side, leaf_side};
 
 /// The samples of a leaf that lie in the grid, in rows along x.
 struct Block {
-    Index3 first{};            ///< of the grid's samples
-    Index3 size{};             ///< cut off at the grid's end
-    std::size_t begin = 0;     ///< its first sample in the array of values
-    std::int64_t row = 0;      ///< samples from a row to the next one along y
-    std::int64_t slice = 0;    ///< and along z
+    Index3 first{};          ///< of the grid's samples
+    Index3 size{};           ///< cut off at the grid's end
+    std::size_t begin = 0;   ///< its first sample in the array of values
+    std::int64_t row = 0;    ///< samples from a row to the next one along y
+    std::int64_t slice = 0;  ///< and along z
 
     bool is_whole() const { return size == whole_leaf; }
 
@@ -89,9 +89,9 @@ public:
     }
     Block operator[](std::size_t block) const override {
         const auto number = static_cast<std::int64_t>(block);
-        Block result = block_at({number % leaves(grid_size_[0]) * leaf_side,
-                                 number / leaves(grid_size_[0]) * leaf_side, first_slice_},
-                                grid_size_);
+        Block result = block_at(
+            {number % leaves(grid_size_[0]) * leaf_side, number / leaves(grid_size_[0]) * leaf_side, first_slice_},
+            grid_size_);
         result.size[2] = slices_;
         result.row = grid_size_[0];
         result.slice = grid_size_[0] * grid_size_[1];
@@ -503,10 +503,13 @@ private:
             for (; brick != slab.bricks.end() && (*brick)[2] == z; ++brick) {
                 const auto number = static_cast<std::size_t>(brick - slab.bricks.begin());
                 const FieldSlab values = slab.values;
-                put(*brick, [&](Output output) {
-                    const std::size_t bytes = info_of(output).sample_bytes() * brick_samples;
-                    return values.bytes(output).data() + number * bytes;
-                }, dense);
+                put(
+                    *brick,
+                    [&](Output output) {
+                        const std::size_t bytes = info_of(output).sample_bytes() * brick_samples;
+                        return values.bytes(output).data() + number * bytes;
+                    },
+                    dense);
             }
             append(dense.slab(), begin - grid.first[2]);
         }

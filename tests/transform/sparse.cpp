@@ -237,11 +237,13 @@ BOOST_AUTO_TEST_CASE(the_bricks_of_a_part_are_bricks_of_the_whole) {
     const SparseField whole = transform.compute_sparse(grid, band, Output::triangle);
     std::map<Index3, std::size_t> numbers;
     for (std::size_t n = 0; n < whole.bricks.size(); ++n) numbers[whole.bricks[n]] = n;
-    for (const auto& [offset, size] :
-         {std::pair<Index3, Index3>({0, 0, 0}, {90, 3, 50}), {{11, 20, 17}, {33, 29, 31}}, {{40, 40, 40}, {1, 1, 1}},
-          {{5, 5, 5}, {11, 11, 11}}}) {
+    for (const auto& [offset, size] : {std::pair<Index3, Index3>({0, 0, 0}, {90, 3, 50}),
+                                       {{11, 20, 17}, {33, 29, 31}},
+                                       {{40, 40, 40}, {1, 1, 1}},
+                                       {{5, 5, 5}, {11, 11, 11}}}) {
         Index3 within = size;
-        for (std::size_t axis = 0; axis < 3; ++axis) within[axis] = std::min(size[axis], grid.size[axis] - offset[axis]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            within[axis] = std::min(size[axis], grid.size[axis] - offset[axis]);
         const Grid part = grid.part(offset, within);
         const SparseField sparse = transform.compute_sparse(part, band, Output::triangle);
         std::size_t of_whole = 0;
@@ -311,8 +313,7 @@ BOOST_AUTO_TEST_CASE(threads_and_later_calls_get_the_same_bytes) {
     const SparseField first = transform.compute_sparse(grid, band);
     std::vector<SparseField> fields(4);
     std::vector<std::thread> threads;
-    for (SparseField& field : fields)
-        threads.emplace_back([&] { field = transform.compute_sparse(grid, band); });
+    for (SparseField& field : fields) threads.emplace_back([&] { field = transform.compute_sparse(grid, band); });
     for (std::thread& thread : threads) thread.join();
     for (const SparseField& field : fields) {
         BOOST_TEST((field.bricks == first.bricks));
