@@ -131,9 +131,9 @@ private:
         const std::string_view compressor = find(attributes, "compressor").value_or("");
         document_.is_compressed = compressor == "vtkZLibDataCompressor";
         if (!compressor.empty() && !document_.is_compressed)
-            return complain(
-                fmt::format("compressor=\"{}\" is not read; save it with ZLib, or with none (ParaView: Compressor Type)",
-                            compressor.substr(0, 80)));
+            return complain(fmt::format(
+                "compressor=\"{}\" is not read; save it with ZLib, or with none (ParaView: Compressor Type)",
+                compressor.substr(0, 80)));
         document_.order = text(attributes, "byte_order") == "BigEndian" ? std::endian::big : std::endian::little;
         document_.header_width = text(attributes, "header_type") == "UInt64" ? 8 : 4;
     }

@@ -33,7 +33,7 @@ struct VtiDocument {
     std::string scalars;  ///< the name of the array that PointData calls so
     std::vector<VtiArray> point_arrays;
     std::vector<VtiArray> field_arrays;
-    bool is_compressed = false;  ///< by zlib, in blocks
+    bool is_compressed = false;     ///< by zlib, in blocks
     std::string appended_encoding;  ///< "raw" or "base64"; empty if nothing follows
     std::uint64_t appended_begin = 0;
 };

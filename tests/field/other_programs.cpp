@@ -93,13 +93,12 @@ BOOST_AUTO_TEST_CASE(is_read_with_elements_within_its_arrays) {
 BOOST_AUTO_TEST_CASE(is_read_if_zlib_has_compressed_it_and_refused_if_it_is_damaged) {
     const TemporaryFolder folder;
     const std::string sizes = "AAAAAgAAACAAAAAQAAAAFQAAABI=";
-    const std::string blocks =
-        "eJxjYIAA+w8Q+gCU78ADoQEp7AI8eJzbf4EBDCy3ePiAaAAiEAMR";
+    const std::string blocks = "eJxjYIAA+w8Q+gCU78ADoQEp7AI8eJzbf4EBDCy3ePiAaAAiEAMR";
     const std::string compressed =
         replaced(vti_text, "type=\"ImageData\"", "type=\"ImageData\" compressor=\"vtkZLibDataCompressor\"");
     const auto in_place = [&](const std::string& stored) {
-        const std::string text = replaced(compressed, "format=\"appended\" offset=\"3\"/>",
-                                          "format=\"binary\">" + stored + "</DataArray>");
+        const std::string text =
+            replaced(compressed, "format=\"appended\" offset=\"3\"/>", "format=\"binary\">" + stored + "</DataArray>");
         return replaced(text, "<AppendedData encoding=\"raw\">\n _", "</VTKFile>\n");
     };
     const auto appended = [&](const std::string& stored) {
@@ -243,63 +242,6 @@ BOOST_AUTO_TEST_CASE(of_many_pieces_is_refused_for_its_first_damage) {
     }
     refused(many.text + "behind", "more values");
     refused(many.text.substr(0, many.text.size() - 1), "truncated");
-}
-
-// As VTK compresses: the number of blocks, the bytes of one and of the last one, those of each by zlib; and the blocks.
-BOOST_AUTO_TEST_CASE(is_read_if_zlib_has_compressed_it_and_refused_if_it_is_damaged) {
-    const TemporaryFolder folder;
-    const std::string sizes = "AAAAAgAAACAAAAAQAAAAFQAAABI=";
-    const std::string blocks =
-        "eJxjYIAA+w8Q+gCU78ADoQEp7AI8eJzbf4EBDCy3ePiAaAAiEAMR";
-    const std::string compressed =
-        replaced(vti_text, "type=\"ImageData\"", "type=\"ImageData\" compressor=\"vtkZLibDataCompressor\"");
-    const auto in_place = [&](const std::string& stored) {
-        const std::string text = replaced(compressed, "format=\"appended\" offset=\"3\"/>",
-                                          "format=\"binary\">" + stored + "</DataArray>");
-        return replaced(text, "<AppendedData encoding=\"raw\">\n _", "</VTKFile>\n");
-    };
-    const auto appended = [&](const std::string& stored) {
-        return replaced(compressed, "encoding=\"raw\"", "encoding=\"base64\"") + "xyz" + stored +
-               "\n</AppendedData></VTKFile>\n";
-    };
-    const auto with_sizes = [&](const std::vector<std::uint32_t>& numbers) {
-        return in_place(base64_of(bytes_of(numbers, std::endian::big)) + blocks);
-    };
-    const auto refused = [&](const std::string& content, const std::string& fragment) {
-        const std::string path = folder.file("a.vti", content);
-        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { read_field(path); });
-    };
-    constexpr std::uint32_t first = 21, second = 18;
-    for (const std::string& content : {in_place(" " + sizes + "\n" + blocks + " "), appended(sizes + blocks),
-                                       with_sizes({2, 32, 16, first, second})}) {
-        const Field field = read_field(folder.file("a.vti", content));
-        BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
-    }
-    refused(with_sizes({2, 32, 0, first, second}), "unused");
-    refused(with_sizes({2, 32, 8, first, second}), "do not fit");
-    refused(with_sizes({2, 16, 32, first, second}), "sizes of its compressed blocks are wrong");
-    refused(with_sizes({2, 24, 24, first, second}), "block 0 is damaged");
-    refused(with_sizes({2, 32, 16, first - 1, second}), "block 0 is damaged");
-    refused(with_sizes({2, 32, 16, first, second - 1}), "block 1 is damaged");
-    refused(with_sizes({2, 32, 16, first, second + 3}), "compressed values are truncated");
-    refused(with_sizes({2, 4000000000, 16, first, second}), "sizes of its compressed blocks are wrong");
-    refused(with_sizes({4000000000, 32, 16, first, second}), "truncated");
-    refused(with_sizes({0, 0, 0}), "do not fit");
-    refused(in_place(sizes), "truncated");
-    refused(in_place(sizes + blocks + "AAAA"), "more than");
-    refused(appended(sizes + blocks.substr(0, 8)), "truncated");
-    refused(appended("!"), "base64");
-    std::string damaged = blocks;
-    for (char& letter : damaged) {
-        const char whole = std::exchange(letter, letter == 'A' ? 'B' : 'A');
-        const std::string path = folder.file("a.vti", appended(sizes + damaged));
-        try {
-            read_field(path);
-        } catch (const Error& error) {
-            BOOST_CHECK(error.code() == ErrorCode::unreadable_input);
-        }
-        letter = whole;
-    }
 }
 
 BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
