@@ -86,7 +86,7 @@ ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
 std::vector<ProgramSource> ProgramSources::every_source() const {
     std::vector<ProgramSource> sources{scan_source(),   coarse_lists_source(), sign_sweep_source(),  fill_source(),
                                        points_source(), store_source(),        mesh_records_source()};
-    if (body == KernelBody::by_vector) sources.push_back(point_scan_source());
+    sources.push_back(body == KernelBody::by_vector ? point_scan_source() : radix_sort_source());
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
     return sources;
 }
@@ -111,6 +111,7 @@ cl::Program LazyProgram::get(const device::BuildWatch& watch) const {
 Programs::Programs(device::Context& context, KernelBody asked)
     : ProgramSources(usable_sources(context, asked)),
       scan{&context, scan_source()},
+      radix_sort{&context, radix_sort_source()},
       coarse_lists{&context, around_faults(context, coarse_lists_source(), lanes)},
       sign_sweep{&context, sign_sweep_source()},
       fill{&context, fill_source()},

@@ -39,6 +39,10 @@ struct ProgramSources {
     ProgramSource scan_source() const {
         return {body == KernelBody::by_group ? "scan_by_group.cl" : "scan.cl", common_options(lanes)};
     }
+    /// For the body by_group alone.
+    ProgramSource radix_sort_source() const {
+        return {"radix_sort.cl", common_options(lanes) + " -DGROUP=" + std::to_string(group_size)};
+    }
     ProgramSource coarse_lists_source() const {
         return {body == KernelBody::by_group ? "coarse_lists_by_group.cl" : "coarse_lists.cl", common_options(lanes)};
     }
@@ -83,6 +87,7 @@ struct LazyProgram {
 /// are not shared between threads.
 struct Programs : ProgramSources {
     LazyProgram scan;
+    LazyProgram radix_sort;  ///< of the body by_group
     LazyProgram coarse_lists;
     LazyProgram sign_sweep;
     LazyProgram fill;
