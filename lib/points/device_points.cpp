@@ -58,6 +58,34 @@ device::BufferPool::Lease measure_points(const engine::DeviceTools& tools, const
     });
 }
 
+std::array<UnusablePoints, 2> unusable_points(const engine::DeviceTools& tools, const DevicePoints& points,
+                                              const cl::Buffer& cells) {
+    return device::guarded([&] {
+        PointCells found{};
+        tools.queue().enqueueReadBuffer(cells, CL_TRUE, 0, sizeof found, &found);
+        std::array<UnusablePoints, 2> result;
+        for (const int why : {CLSDF_POINT_NOT_FINITE, CLSDF_POINT_TOO_FAR}) {
+            UnusablePoints& unusable = result[why == CLSDF_POINT_TOO_FAR];
+            unusable = {why == CLSDF_POINT_TOO_FAR, found.unusable[why], found.first[why], {}};
+            if (unusable.count == 0) continue;
+            const auto first = points.source.first + static_cast<clsdf_int64>(unusable.first) * points.source.stride;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto at =
+                    static_cast<std::size_t>(first + static_cast<clsdf_int64>(axis) * points.source.component);
+                float single = 0;
+                if (points.source.is_double != 0) {
+                    tools.queue().enqueueReadBuffer(points.memory, CL_TRUE, at, sizeof(double),
+                                                    &unusable.position[axis]);
+                } else {
+                    tools.queue().enqueueReadBuffer(points.memory, CL_TRUE, at, sizeof single, &single);
+                    unusable.position[axis] = static_cast<double>(single);
+                }
+            }
+        }
+        return result;
+    });
+}
+
 OrderedPoints order_points(const engine::DeviceTools& tools, const DevicePoints& points, const PointLimits& usable,
                            const cl::Buffer& cells, const engine::LatticeView& lattice, std::size_t first_place) {
     return device::guarded([&] {

@@ -7,7 +7,9 @@
 #include "frusta/frames.hpp"
 #include "launch/device_tools.hpp"
 #include "point_order.h"
+#include "points/usable_points.hpp"
 
+#include <array>
 #include <cstddef>
 
 /// The caller's points in memory of the device, for the body by_group.
@@ -34,6 +36,10 @@ PointLimits limits_of(const Box& box);
 /// wait. The lease has a PointCells.
 device::BufferPool::Lease measure_points(const engine::DeviceTools& tools, const DevicePoints& points,
                                          const PointLimits& usable, const Box& most);
+
+/// The points that measure_points() has found not to be usable: those that are not finite, and those too far. Waits.
+std::array<UnusablePoints, 2> unusable_points(const engine::DeviceTools& tools, const DevicePoints& points,
+                                              const cl::Buffer& cells);
 
 /// Points as a search reads them.
 struct OrderedPoints {

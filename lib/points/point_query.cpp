@@ -136,17 +136,6 @@ private:
     PointBuffer<double> squared_;
 };
 
-/// The box in which a curve orders points: neighbours outside of it stay neighbours.
-Box box_of_curve(const engine::PointMesh& mesh) {
-    Box box = mesh.box;
-    const double margin = box.longest_side() / 8;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.lower[axis] -= margin;
-        box.upper[axis] += margin;
-    }
-    return box;
-}
-
 // By the host: the order of the points and, where the sides of faces do not tell them, their signs.
 // --------------------
 
@@ -280,6 +269,16 @@ PointTimes query_uploaded(const engine::DeviceTools& tools, const PointInputs& i
 }
 
 }  // namespace
+
+Box box_of_curve(const engine::PointMesh& mesh) {
+    Box box = mesh.box;  // enlarged: neighbours outside stay neighbours
+    const double margin = box.longest_side() / 8;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] -= margin;
+        box.upper[axis] += margin;
+    }
+    return box;
+}
 
 double search_limit(const engine::PointMesh& mesh, double half_width) {
     const double units = half_width / mesh.lattice.unit * (1 + 1e-9) + 1e-6;

@@ -48,6 +48,9 @@ PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inp
                         double half_width, const targets::HostArrays& arrays,
                         const std::function<void(double)>& between);
 
+/// The box in which points are ordered along a curve: that of the mesh and its surroundings.
+Box box_of_curve(const engine::PointMesh& mesh);
+
 /// Points in memory of the device that are computed at once.
 struct DeviceBatch {
     DevicePoints points;  ///< at most most_points
