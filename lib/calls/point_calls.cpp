@@ -5,6 +5,7 @@
 #include "core/stopwatch.hpp"
 #include "device/in_flight.hpp"
 #include "points/box_places.hpp"
+#include "points/device_points.hpp"
 #include "points/face_sides.hpp"
 #include "points/few_points.hpp"
 #include "points/point_query.hpp"
@@ -19,6 +20,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -187,6 +189,89 @@ CallStatistics DistanceTransform::State::query_many(points::UsablePoints& asked,
     return running.finish();  // which calls the caller's function
 }
 
+bool DistanceTransform::State::stay_on_device(const InputArray& points, const OutputTargets& targets) const {
+    if (programs.body != KernelBody::by_group || context().capabilities().is_processor || points.device == nullptr ||
+        points.count <= points::most_few_points || points.count >= std::numeric_limits<cl_uint>::max() ||
+        kept_mesh->restriction() != nullptr)
+        return false;
+    const auto is_allowed = [](cl_mem memory, cl_mem_flags forbidding) {
+        return (cl::Buffer(memory, true).getInfo<CL_MEM_FLAGS>() & forbidding) == 0;
+    };
+    return device::guarded([&] {
+        // The outputs of some points may lie on others.
+        const cl_mem from = targets::place_of(points.device, 0).memory();
+        return is_allowed(points.device, CL_MEM_WRITE_ONLY) &&
+               std::ranges::all_of(targets.all(), [&](const OutputTarget& target) {
+                   return target.array.device != nullptr && target.array.host == nullptr &&
+                          is_allowed(target.array.device, CL_MEM_READ_ONLY) &&
+                          targets::place_of(target.array.device, 0).memory() != from;
+               });
+    });
+}
+
+CallStatistics DistanceTransform::State::query_on_device(const InputArray& points, double half_width, OutputSet outputs,
+                                                         const targets::DeviceTargets& targets, const CallOptions& call,
+                                                         std::string& warning) {
+    const KeepsBudget keeps_budget(*this);
+    calls::RunningCall running{call};
+    CallStatistics& statistics = running.statistics;
+    statistics.triangles = kept_mesh->mesh().triangles().size();
+    const points::DevicePoints asked = points::points_in(points);
+    const points::UsableRange range = points::usable_range(kept_mesh->mesh().box());
+    const PointLimits usable = points::limits_of(range.limits);
+    {
+        const std::scoped_lock lock(mutex);
+        context().begin_call();
+        running.throw_if_stopped();
+        test(checks::point_subject(device, programs, false), running);
+        pool->restart_peak();
+        const Stopwatch watch;
+        points_asked += asked.count;
+        const auto inputs = [&] { return point_inputs(outputs, asked.count, false); };
+        inputs();  // what it makes is kept
+        statistics.polyhedra_seconds = watch.seconds();
+        std::size_t most = points::most_points;
+        const auto fewer_than = [&most](std::size_t least) {
+            return calls::Remedy{[&most, least] {
+                                     if (most <= least) return false;
+                                     most /= 2;
+                                     return true;
+                                 },
+                                 true};
+        };
+        const std::vector<calls::Remedy> remedies{forgetting(), fewer_than(std::size_t{1} << 15), without_tables(),
+                                                  fewer_than(256)};
+        const device::BufferPool::Lease cells = calls::with_remedies(&running, remedies, [&] {
+            return points::measure_points(tools(), asked, usable, points::box_of_curve(*inputs().mesh));
+        });
+        const std::array<points::UnusablePoints, 2> unusable = points::unusable_points(tools(), asked, *cells);
+        for (const points::UnusablePoints& of_kind : unusable) {
+            const points::UnusablePoints& other = unusable[of_kind.are_finite ? 0 : 1];
+            if (call.refuse_unusable_points && of_kind.count > 0 && (other.count == 0 || of_kind.first < other.first))
+                points::refuse(of_kind, range);
+            statistics.unusable_points += of_kind.count;
+        }
+        warning = points::warning_of(unusable, asked.count, range, half_width);
+        const auto share = [&](std::size_t number) {
+            return static_cast<double>(number) / static_cast<double>(asked.count);
+        };
+        for (std::size_t begin = 0, count = 0; begin < asked.count; begin += count) {
+            const auto times = calls::with_remedies(&running, remedies, [&] {
+                count = most = std::min(most, asked.count - begin);
+                return points::query_points(
+                    tools(), inputs(),
+                    {asked.part(begin, count), usable, *cells, statistics.unusable_points > 0, begin}, half_width,
+                    *targets.in_place, running.between(share(begin), share(begin + count)));
+            });
+            statistics.sign_seconds += times.sign;
+            statistics.field_seconds += times.nearest;
+        }
+        pool->trim();
+        statistics.device_bytes = pool->peak();
+    }
+    return running.finish();  // which calls the caller's function
+}
+
 TransformStatistics DistanceTransform::query(const InputArray& points, double half_width, const OutputTargets& targets,
                                              const CallOptions& call) const {
     return with_host_memory("for the points; give fewer at once", [&] {
@@ -215,6 +300,22 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
         targets::MappedMemory memory(device::context_of(state.device));
         memory.add(points, "points");
         targets::add_targets(targets, points.count, memory);
+        if (state.stay_on_device(points, targets)) {
+            const targets::DeviceTargets on_device = device::guarded([&] {
+                return targets::DeviceTargets(targets, targets::row_of(points.count), device::context_of(state.device));
+            });
+            if (on_device.can_be_in_place()) {
+                std::vector<targets::WrittenArray> written;
+                device::guarded([&] { on_device.add_written(0, written); });
+                targets::refuse_overlap(written);
+                targets::wait_for(device::context_of(state.device), call.wait_list);
+                std::string warning;
+                const CallStatistics statistics = state.query_on_device(
+                    points, std::abs(half_width), targets::outputs_of(targets), on_device, call, warning);
+                if (call.log && !warning.empty()) call.log(warning);
+                return statistics.published();
+            }
+        }
         memory.map(call.wait_list);
         const PositionArray positions(memory.on_host(points));
         const targets::HostTargets on_host(targets::on_host(targets, points.count, memory),

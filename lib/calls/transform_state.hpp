@@ -21,6 +21,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace clsdf {
@@ -151,6 +152,13 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// By the device.
     CallStatistics query_many(points::UsablePoints& asked, double half_width, OutputSet outputs,
                               const targets::HostTargets& targets, const CallOptions& call);
+
+    /// Whether points and results in memory of the device stay there. The checks of the call have been made.
+    bool stay_on_device(const InputArray& points, const OutputTargets& targets) const;
+    /// By the device, of which the host sees a short list. warning: about points that are not usable.
+    CallStatistics query_on_device(const InputArray& points, double half_width, OutputSet outputs,
+                                   const targets::DeviceTargets& targets, const CallOptions& call,
+                                   std::string& warning);
 
     struct WindingInputs {
         std::shared_ptr<const engine::PointMesh> tree;

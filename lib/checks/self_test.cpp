@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <mutex>
@@ -122,11 +123,16 @@ std::optional<std::string> field_difference(const engine::Workshop& workshop, en
     return difference;
 }
 
+// Points: more than a work-group sorts.
+constexpr std::size_t looked_up_together = 2500;
+
 /// Looks up the samples of known fields as points: those of the first lattice without a limit, with signs by crossings;
 /// those of the second within a limit, with signs by the sides of faces, and from records that are made from kept
 /// frusta.
+/// If the device orders them, not all at once: it may have little memory.
 std::optional<std::string> point_difference(const Device& device, const engine::Programs& programs, bool are_scanned) {
     constexpr double limit = 2.5;
+    const bool are_ordered = programs.body == KernelBody::by_group;  // on the device
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     for (const bool from_kept_frusta : {false, true}) {
         const KnownField known = from_kept_frusta ? KnownField({.on_surface = true}).within(limit)
@@ -145,7 +151,11 @@ std::optional<std::string> point_difference(const Device& device, const engine::
         own.begin();
         const targets::HostArrays arrays =
             own->for_samples(arrays_of(every_output(), !from_kept_frusta, true), positions.size());
-        points::query_points(kept_mesh.tools(), inputs, positions, known.band().outside, arrays, {});
+        for (std::size_t begin = 0, count = 0; begin < positions.size(); begin += count) {
+            count = std::min(are_ordered ? looked_up_together : positions.size(), positions.size() - begin);
+            points::query_points(kept_mesh.tools(), inputs, std::span(positions).subspan(begin, count),
+                                 known.band().outside, targets::arrays_from(begin, arrays), {});
+        }
         own.end();
         if (auto difference = known.difference(arrays)) return difference;
     }
@@ -205,9 +215,13 @@ TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& j
 TestSubject point_subject(const Device& device, const engine::Programs& programs, bool are_scanned) {
     TestSubject subject;
     subject.name = fmt::format("{} {}points", device::name_of(programs.body), are_scanned ? "many " : "");
-    subject.steps = are_scanned ? 3 : 1;
-    subject.build = [&programs, are_scanned](const device::BuildWatch& watch) {
+    const bool are_ordered = programs.body == KernelBody::by_group;  // on the device
+    subject.steps = are_scanned ? 3 : are_ordered ? 4 : 1;
+    subject.build = [&programs, are_scanned, are_ordered](const device::BuildWatch& watch) {
         std::vector<cl::Program> built{programs.points.get(watch)};
+        if (are_ordered)
+            for (const engine::LazyProgram& program : {programs.scan, programs.radix_sort, programs.point_order})
+                built.push_back(program.get(watch));
         if (!are_scanned) return built;
         built.push_back(programs.mesh_records.get(watch));
         built.push_back(programs.point_scan.get(watch));

@@ -2,8 +2,8 @@
 
 #include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
-#include "frusta/face_order.hpp"
 #include "frusta/frames.hpp"
+#include "hilbert_curve.h"
 
 #include <Eigen/Geometry>
 
@@ -16,33 +16,8 @@ namespace clsdf::points {
 
 namespace {
 
-constexpr std::uint32_t cell_bits = 10;                 // per axis
+constexpr unsigned cell_bits = CLSDF_CURVE_BITS;
 constexpr std::size_t together = std::size_t{1} << 14;  // points that one thread measures
-
-/// All bits if the bit is set.
-std::uint32_t mask_of(std::uint32_t x, std::uint32_t bit) {
-    return 0U - (x >> bit & 1U);
-}
-
-/// The place of a cell on the curve (J. Skilling, Programming the Hilbert curve, 2004), without branches: compilers
-/// take several cells at a time.
-std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-    for (std::uint32_t bit = cell_bits - 1; bit > 0; --bit) {
-        const std::uint32_t below = (1U << bit) - 1;
-        x ^= mask_of(x, bit) & below;
-        const std::uint32_t of_y = mask_of(y, bit), with_y = (x ^ y) & below & ~of_y;
-        x ^= (below & of_y) | with_y;
-        y ^= with_y;
-        const std::uint32_t of_z = mask_of(z, bit), with_z = (x ^ z) & below & ~of_z;
-        x ^= (below & of_z) | with_z;
-        z ^= with_z;
-    }
-    y ^= x;
-    z ^= y;
-    std::uint32_t flips = 0;
-    for (std::uint32_t bit = cell_bits - 1; bit > 0; --bit) flips ^= mask_of(z, bit) & ((1U << bit) - 1);
-    return engine::spread_bits(x ^ flips) << 2 | engine::spread_bits(y ^ flips) << 1 | engine::spread_bits(z ^ flips);
-}
 
 /// The box of the points, cut off at another one.
 Box box_within(std::span<const Vec3> points, const Box& most) {
@@ -85,7 +60,7 @@ UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, con
                     cells_of[axis][i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(
                         std::clamp((points[first + i][axis] - box.lower[axis]) * scale, 0.0, cells - 1)));
             for (std::size_t i = 0; i < at_once; ++i)
-                keys[i] = hilbert_key(cells_of[0][i], cells_of[1][i], cells_of[2][i]);
+                keys[i] = place_on_curve(cells_of[0][i], cells_of[1][i], cells_of[2][i]);
             for (std::size_t i = 0; i < count; ++i) coded[first + i] = {keys[i], static_cast<std::uint32_t>(first + i)};
         }
     });

@@ -6,6 +6,7 @@
 #include "finish/finishing.hpp"
 #include "launch/device_tools.hpp"
 #include "launch/programs.hpp"
+#include "points/device_points.hpp"
 #include "points/face_sides.hpp"
 #include "points/point_scan.hpp"
 #include "targets/host_arrays.hpp"
@@ -45,6 +46,24 @@ double search_limit(const engine::PointMesh& mesh, double half_width);
 /// throw, is called between launches with the fraction done. Throws Error(device_failure or out_of_memory).
 PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inputs, std::span<const Vec3> points,
                         double half_width, const targets::HostArrays& arrays,
+                        const std::function<void(double)>& between);
+
+/// The box in which points are ordered along a curve: that of the mesh and its surroundings.
+Box box_of_curve(const engine::PointMesh& mesh);
+
+/// Points in memory of the device that are computed at once.
+struct DeviceBatch {
+    DevicePoints points;  ///< at most most_points
+    PointLimits usable;
+    const cl::Buffer& cells;      ///< of measure_points()
+    bool has_unusable;            ///< some points may not be usable
+    std::size_t first_place = 0;  ///< of the first point's results; that of the last one is below 2^32
+};
+
+/// The same into packed arrays of the device, which hold the outputs when it returns. The host sees no points but those
+/// whose sign neither their nearest faces nor the mesh's box tell. For the body by_group.
+PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inputs, const DeviceBatch& batch,
+                        double half_width, const engine::OutputBuffers& outputs,
                         const std::function<void(double)>& between);
 
 }  // namespace clsdf::points

@@ -17,8 +17,6 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// A point nearer, in units, may lie on the surface.
-constexpr double nearly_zero = 1e-9;
 // Above all roundings of points in units, relative to their coordinates, and of distances; and above what joining moves
 // the surface that decides the sign, of a mesh that is 512 units long.
 constexpr double rounding = 1e-9;
@@ -228,7 +226,7 @@ void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoint
             if (!mesh.boundary && !engine::contains(mesh.box, p)) continue;
             const double distance = std::sqrt(points.squared[i]);
             const Vec3 in_units = mesh.in_units(p);
-            if (distance < nearly_zero && is_on_surface(mesh, p, in_units)) {
+            if (distance < nearly_on_surface && is_on_surface(mesh, p, in_units)) {
                 signs[i] = CLSDF_POINT_ON_SURFACE;
                 continue;
             }

@@ -12,6 +12,9 @@
 
 namespace clsdf::points {
 
+/// A point nearer to the surface, in units, may lie on it.
+inline constexpr double nearly_on_surface = 1e-9;
+
 /// The surface's crossings on a way from outside the mesh to a point.
 struct Crossings {
     int winding = 0;  ///< the winding number of a surface that is balanced

@@ -28,24 +28,65 @@ void store_number(const targets::HostArray& array, std::size_t index, double num
 
 }  // namespace
 
-void UsablePoints::find(const Box& box) {
+namespace {
+
+std::string reason_of(bool is_finite, const UsableRange& range) {
+    if (!is_finite) return "is not finite";
+    return range.is_limit_of_floats ? "lies so far from the mesh that its distance may be beyond the floats"
+                                    : "lies more than 1e14 voxels from the mesh, a voxel being 1/256 of the mesh";
+}
+
+}  // namespace
+
+UsableRange usable_range(const Box& box) {
     const double longest = box.longest_side();
     const double far_voxels = engine::farthest * (longest > 0 ? longest / 256 : 1);
     constexpr double most = std::numeric_limits<float>::max() / 4;  // distances of a point and a mesh in it are floats
     const double far = std::min(far_voxels, most);
-    is_limit_of_floats_ = far_voxels >= most;
+    UsableRange range{box, far_voxels >= most};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        range.limits.lower[axis] = box.lower[axis] - far;
+        range.limits.upper[axis] = box.upper[axis] + far;
+    }
+    return range;
+}
+
+void refuse(const UnusablePoints& unusable, const UsableRange& range) {
+    const Vec3& p = unusable.position;
+    throw Error(ErrorCode::invalid_argument, fmt::format("point {} at ({}, {}, {}) {}; leave it out", unusable.first,
+                                                         p[0], p[1], p[2], reason_of(unusable.are_finite, range)));
+}
+
+std::string warning_of(const std::array<UnusablePoints, 2>& unusable, std::size_t all, const UsableRange& range,
+                       double half_width) {
+    std::string text;
+    for (const UnusablePoints& points : unusable) {
+        if (points.count == 0) continue;
+        const Vec3& p = points.position;
+        const std::string distance =
+            points.are_finite && std::isfinite(half_width) ? fmt::format("the half width, {}", half_width) : "NaN";
+        text += fmt::format(
+            "{}{} of {} points {} no triangle and the distance {}; the first, point {} at ({}, {}, {}), "
+            "{}",
+            text.empty() ? "" : "; ", points.count, all, points.count == 1 ? "has" : "have", distance, points.first,
+            p[0], p[1], p[2], reason_of(points.are_finite, range));
+    }
+    return text;
+}
+
+void UsablePoints::find(const Box& box) {
+    range_ = usable_range(box);
+    const Box& limits = range_.limits;
     unusable_.clear();
     first_usable_ = 0;
     for (std::size_t i = 0; i < given_.size(); ++i) {
         const Vec3& p = given_[i];
         bool is_usable = true;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            is_usable = is_usable && p[axis] >= box.lower[axis] - far && p[axis] <= box.upper[axis] + far;
+            is_usable = is_usable && p[axis] >= limits.lower[axis] && p[axis] <= limits.upper[axis];
         if (is_usable) continue;
         unusable_.push_back({i, is_finite(p)});
-        if (are_refused_)
-            throw Error(ErrorCode::invalid_argument, fmt::format("point {} at ({}, {}, {}) {}; leave it out", i, p[0],
-                                                                 p[1], p[2], reason_of(unusable_.back())));
+        if (are_refused_) refuse({is_finite(p), 1, i, p}, range_);
     }
     if (unusable_.empty()) return;
     // A point before or behind, which costs least.
@@ -54,12 +95,6 @@ void UsablePoints::find(const Box& box) {
     const Vec3 first = first_usable_ < given_.size() ? given_[first_usable_] : box.lower;
     for (const Unusable& unusable : unusable_)
         replaced_[unusable.index] = unusable.index == 0 ? first : replaced_[unusable.index - 1];
-}
-
-std::string UsablePoints::reason_of(const Unusable& unusable) const {
-    if (!unusable.is_finite) return "is not finite";
-    return is_limit_of_floats_ ? "lies so far from the mesh that its distance may be beyond the floats"
-                               : "lies more than 1e14 voxels from the mesh, a voxel being 1/256 of the mesh";
 }
 
 void UsablePoints::store(std::size_t begin, std::size_t count, double half_width,
@@ -84,21 +119,14 @@ void UsablePoints::store(std::size_t begin, std::size_t count, double half_width
 }
 
 std::string UsablePoints::warning(double half_width) const {
-    std::string text;
-    for (const bool is_finite : {false, true}) {
-        const auto count = static_cast<std::size_t>(std::ranges::count(unusable_, is_finite, &Unusable::is_finite));
-        if (count == 0) continue;
-        const Unusable& first = *std::ranges::find(unusable_, is_finite, &Unusable::is_finite);
-        const Vec3& p = given_[first.index];
-        const std::string distance =
-            is_finite && std::isfinite(half_width) ? fmt::format("the half width, {}", half_width) : "NaN";
-        text += fmt::format(
-            "{}{} of {} points {} no triangle and the distance {}; the first, point {} at ({}, {}, {}), "
-            "{}",
-            text.empty() ? "" : "; ", count, given_.size(), count == 1 ? "has" : "have", distance, first.index, p[0],
-            p[1], p[2], reason_of(first));
+    std::array<UnusablePoints, 2> found{UnusablePoints{false}, UnusablePoints{true}};
+    for (UnusablePoints& points : found) {
+        points.count = static_cast<std::size_t>(std::ranges::count(unusable_, points.are_finite, &Unusable::is_finite));
+        if (points.count == 0) continue;
+        points.first = std::ranges::find(unusable_, points.are_finite, &Unusable::is_finite)->index;
+        points.position = given_[points.first];
     }
-    return text;
+    return warning_of(found, given_.size(), range_, half_width);
 }
 
 }  // namespace clsdf::points

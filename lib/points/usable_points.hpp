@@ -4,6 +4,7 @@
 
 #include "targets/host_arrays.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,6 +13,28 @@
 #include <vector>
 
 namespace clsdf::points {
+
+/// Where points have a distance that can be given.
+struct UsableRange {
+    Box limits;
+    bool is_limit_of_floats = false;  ///< too far for a float, not for voxels
+};
+/// box: of the mesh.
+UsableRange usable_range(const Box& box);
+
+/// The points that are not usable for one reason.
+struct UnusablePoints {
+    bool are_finite = false;  ///< but too far
+    std::size_t count = 0;
+    std::size_t first = 0;
+    Vec3 position{};  ///< of the first
+};
+/// Throws Error(invalid_argument) that names the first of them.
+[[noreturn]] void refuse(const UnusablePoints& unusable, const UsableRange& range);
+/// How many of all points are not usable, the first of them, and what they get; empty if there is none. unusable: those
+/// that are not finite, and those too far.
+std::string warning_of(const std::array<UnusablePoints, 2>& unusable, std::size_t all, const UsableRange& range,
+                       double half_width);
 
 /// The points of a query, of which some may be marks of what is not there: not finite, or too far from the mesh for a
 /// distance. They have no nearest triangle.
@@ -44,11 +67,9 @@ private:
         bool is_finite = false;  ///< but too far
     };
 
-    std::string reason_of(const Unusable& unusable) const;
-
     std::span<const Vec3> given_;
     bool are_refused_;
-    bool is_limit_of_floats_ = false;  ///< too far for a float, not for voxels
+    UsableRange range_;
     std::size_t first_usable_ = 0;
     std::vector<Unusable> unusable_;  // in ascending order
     std::vector<Vec3> replaced_;      // empty if all are usable

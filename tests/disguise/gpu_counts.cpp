@@ -1,19 +1,26 @@
 // Counts the calls and bytes of W1 on a GPU: the first call of a transform, one of a kept transform, the first call of
-// a second transform on the same Device, and many patches in one call (scripts/gpu-counts).
+// a second transform on the same Device, many patches in one call, and points and results in memory of the device
+// (scripts/gpu-counts).
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/tuning.hpp>
 
 #include "disguise/disguise.hpp"
 
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <limits>
+#include <memory>
+#include <random>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -26,6 +33,8 @@ constexpr double band_of_longest_side = 0.1;
 constexpr unsigned compute_units = 132;  // as an H100 has
 constexpr std::size_t patch_count = 512;
 constexpr std::int64_t patch_side = 20;
+constexpr std::size_t point_count = 100'000;
+constexpr double points_within = 0.012;  // of the longest side, on each axis
 constexpr double megabyte = 1e6;
 
 /// The numbers of a call, in the order in which they are shown.
@@ -56,10 +65,14 @@ struct Result {
     disguise::Counts kept;
     disguise::Counts second;
     disguise::Counts patches;
+    disguise::Counts points;
 
-    std::array<std::pair<const char*, const disguise::Counts*>, 4> calls() const {
-        return {
-            {{"first_call", &first}, {"kept_transform", &kept}, {"second_transform", &second}, {"patches", &patches}}};
+    std::array<std::pair<const char*, const disguise::Counts*>, 5> calls() const {
+        return {{{"first_call", &first},
+                 {"kept_transform", &kept},
+                 {"second_transform", &second},
+                 {"patches", &patches},
+                 {"points", &points}}};
     }
     std::size_t patch_bytes = 0;
     TransformStatistics statistics;
@@ -83,6 +96,38 @@ std::vector<Grid> patches_of(const Mesh& mesh, const Grid& grid) {
         patches.push_back(grid.part(first, size));
     }
     return patches;
+}
+
+/// Beside vertices that are spread over the mesh.
+std::vector<Vec3> points_near(const Mesh& mesh) {
+    std::mt19937 random(7);
+    std::vector<Vec3> points(point_count);
+    const double most = points_within * mesh.box().longest_side();
+    for (std::size_t n = 0; n < point_count; ++n) {
+        points[n] = mesh.vertices()[random() % mesh.vertices().size()];
+        for (double& x : points[n]) x += most * (2 * (static_cast<double>(random()) / random.max()) - 1);
+    }
+    return points;
+}
+
+/// The second call of two, from buffers to buffers.
+disguise::Counts query_on_device(const Device& device, const DistanceTransform& transform,
+                                 const std::vector<Vec3>& points) {
+    const auto buffer = [&](cl_mem_flags flags, std::size_t bytes, const void* values) {
+        const auto release = [](cl_mem memory) { clReleaseMemObject(memory); };
+        return std::unique_ptr<std::remove_pointer_t<cl_mem>, decltype(release)>(
+            clCreateBuffer(device.context(), CL_MEM_READ_WRITE | flags, bytes, const_cast<void*>(values), nullptr));
+    };
+    const auto from = buffer(CL_MEM_COPY_HOST_PTR, points.size() * sizeof(Vec3), points.data());
+    const auto distance = buffer(0, points.size() * sizeof(float), nullptr);
+    const auto gradient = buffer(0, points.size() * 3 * sizeof(float), nullptr);
+    const InputArray positions(from.get(), ElementType::float64, points.size());
+    const OutputTargets targets{{Output::distance, OutputArray(distance.get())},
+                                {Output::gradient, OutputArray(gradient.get())}};
+    transform.query(positions, std::numeric_limits<double>::infinity(), targets);
+    disguise::restart();
+    transform.query(positions, std::numeric_limits<double>::infinity(), targets);
+    return disguise::counts();
 }
 
 Result measure(const std::string& path) {
@@ -121,6 +166,7 @@ Result measure(const std::string& path) {
     transform.compute(requests);
     result.patches = disguise::counts();
     result.patch_bytes = samples.size() * sizeof(float);
+    result.points = query_on_device(device, transform, points_near(mesh));
 
     result.statistics = transform.compute(result.grid, result.band, distance, {.count_work = true});
     return result;
@@ -134,6 +180,7 @@ void print_json(const Result& result) {
     json["half_width"] = result.band.outside;
     json["compute_units"] = compute_units;
     json["patch_bytes"] = result.patch_bytes;
+    json["point_count"] = point_count;
     for (const auto& [name, counts] : result.calls()) {
         for (const auto& [number, value] : numbers_of(*counts)) json[name][number] = value;
         for (const auto& [kernel, of_kernel] : counts->kernels)

@@ -12,9 +12,11 @@
 #include "device/buffer_pool.hpp"
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
+#include "point_order.h"
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 #include <span>
 
@@ -349,6 +351,40 @@ BOOST_AUTO_TEST_CASE(the_lattice_that_was_used_last_is_kept) {
     for (const int resolution : {60, 70, 80}) BOOST_TEST(!finds(resolution));  // there is room for two at most
     BOOST_TEST(finds(80));
     BOOST_TEST(!finds(60));
+}
+
+// The host sees the points whose sign their nearest face and the mesh's box do not tell.
+BOOST_AUTO_TEST_CASE(points_and_results_in_memory_of_the_device_stay_there) {
+    constexpr std::size_t count = 20000;
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> part(-0.1, 1.1);
+    std::vector<Vec3> points(count);
+    const Box box = mesh().box();
+    for (Vec3& p : points)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            p[axis] = box.lower[axis] + part(random) * (box.upper[axis] - box.lower[axis]);
+    const device::Context& context = device::context_of(test_device());
+    const cl::Buffer from(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, count * sizeof(Vec3),
+                          points.data());
+    const DeviceMemory to(test_device().context(), count);
+    const DistanceTransform transform(test_device(), mesh());
+    const InputArray positions(from(), ElementType::float64, count);
+    for (int call = 0; call < 2; ++call) {
+        disguise::restart();
+        transform.query(positions, 1.0, {{Output::distance, to.handle()}});
+    }
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    // 32 bytes of each point whose crossings are counted come down, and its sign goes up. Near the spine of a thin body
+    // they are many.
+    BOOST_TEST(counts.bytes_down <= count * sizeof(OpenPoint) / 5);
+    BOOST_TEST(counts.bytes_up <= count / 5);
+    BOOST_TEST(counts.launches <= 40U);
+    BOOST_TEST(counts.blocking_waits <= 8U);
+    BOOST_TEST(counts.allocations == 0U);
+    std::vector<float> distance(count);
+    transform.query(points, 1.0, distance);
+    BOOST_TEST((to.read(context.queue()) == bits_of(distance)));
 }
 
 namespace {

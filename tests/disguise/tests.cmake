@@ -25,7 +25,7 @@ clsdf_between(disguise_drivers)
 
 # The program behind scripts/gpu-counts.
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
-target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io ${CLSDF_FMT} nlohmann_json::nlohmann_json)
+target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io OpenCL::OpenCL ${CLSDF_FMT} nlohmann_json::nlohmann_json)
 
 if(TARGET clsdf_command)
   add_test(NAME gpu_counts
@@ -85,6 +85,7 @@ function(clsdf_disguised name program)
   set_tests_properties(disguise_${name} PROPERTIES LABELS disguise)
 endfunction()
 
+clsdf_disguised(radix_sort test_radix_sort)
 clsdf_disguised(shapes test_transform_shapes)
 clsdf_disguised(streams test_transform_streams)
 clsdf_disguised(plans test_transform_plans)
@@ -100,7 +101,7 @@ function(clsdf_as_gpu name program)
   set_tests_properties(as_gpu_${name} PROPERTIES LABELS as_gpu TIMEOUT 3600)
 endfunction()
 get_property(names GLOBAL PROPERTY CLSDF_TESTS)
-list(FILTER names INCLUDE REGEX "^(device|transform_.*|slices_.*|brute_force|prepare|picture|benchmarks|command)$")
+list(FILTER names INCLUDE REGEX "^(device|radix_sort|transform_.*|slices_.*|brute_force|prepare|picture|benchmarks|command)$")
 foreach(name IN LISTS names)
   clsdf_as_gpu(${name} test_${name} --color_output=no)
 endforeach()

@@ -14,3 +14,9 @@ add_test(NAME without_inlining
          COMMAND ${CMAKE_COMMAND} -DCLANG=${CLSDF_CLANG} -DWRITE_PROGRAMS=$<TARGET_FILE:write_programs>
                  -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/programs -P ${CMAKE_CURRENT_LIST_DIR}/without_inlining.cmake)
 set_tests_properties(without_inlining PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: clang is not installed")
+
+# CLSDF_SORT_BITS: with -C nightly 2^24 keys.
+clsdf_test(radix_sort ${CMAKE_CURRENT_LIST_DIR}/radix_sort.cpp)
+target_link_libraries(test_radix_sort PRIVATE clsdf::reference OpenCL::OpenCL)
+add_test(NAME radix_sort_long COMMAND test_radix_sort --color_output=no --run_test=many_keys_are_sorted CONFIGURATIONS nightly)
+set_tests_properties(radix_sort_long PROPERTIES ENVIRONMENT CLSDF_SORT_BITS=24 LABELS nightly TIMEOUT 3600)

@@ -4,13 +4,19 @@
 #include "support/hostile_meshes.hpp"
 
 #include "checks/self_test.hpp"
+#include "device/buffer_pool.hpp"
 #include "device/context.hpp"
+#include "launch/programs.hpp"
+#include "launch/radix_sort.hpp"
 
 #include <clsdf/papers.hpp>
 #include <clsdf/tuning.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <memory>
+#include <utility>
 #include <vector>
 
 using namespace clsdf;
@@ -112,6 +118,20 @@ BOOST_AUTO_TEST_CASE(many_points) {
     const engine::Programs programs(device::context_of(test_device()), KernelBody::by_vector);
     BOOST_TEST(checks::ensure_tested(test_device(), checks::point_subject(test_device(), programs, true)));
     setenv("CLSDF_SELF_TEST", "0", 1);
+}
+
+BOOST_AUTO_TEST_CASE(keys_in_several_tiles_are_sorted) {
+    device::Context& context = device::context_of(test_device());
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
+    const engine::Programs programs(context, KernelBody::by_group);
+    std::vector<std::uint32_t> keys(5000), order(keys.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = static_cast<std::uint32_t>(i * 40503 % 4096);
+    const device::BufferPool::Lease on_device = pool->lease(keys.size() * sizeof(cl_uint), "test");
+    const device::BufferPool::Lease sorted = pool->lease(keys.size() * sizeof(cl_uint), "test");
+    context.queue().enqueueWriteBuffer(*on_device, CL_TRUE, 0, keys.size() * sizeof(cl_uint), keys.data());
+    engine::sort_by_keys({context, pool, programs}, *on_device, keys.size(), 12, *sorted);
+    context.queue().enqueueReadBuffer(*sorted, CL_TRUE, 0, keys.size() * sizeof(cl_uint), order.data());
+    BOOST_TEST(std::ranges::is_sorted(order, {}, [&](std::uint32_t i) { return std::pair(keys[i], i); }));
 }
 
 BOOST_AUTO_TEST_CASE(methods_of_the_papers) {

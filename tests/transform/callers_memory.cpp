@@ -18,6 +18,7 @@
 #include <limits>
 #include <random>
 #include <span>
+#include <string>
 #include <thread>
 #include <type_traits>
 #include <vector>
@@ -256,6 +257,85 @@ BOOST_AUTO_TEST_CASE(points_and_results_may_be_memory_of_the_device) {
     }
     const cl::Buffer empty(context(), CL_MEM_READ_WRITE, 16);
     transform.query(InputArray(empty(), ElementType::float64, 0), 1, {{Output::distance, OutputArray(empty())}});
+}
+
+// The device orders the points and writes the results; the host sees only a part of them.
+BOOST_AUTO_TEST_CASE(all_points_and_results_in_buffers_have_the_bytes_of_the_host) {
+    const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+    struct Place {
+        float weight = 7;
+        std::array<float, 3> x{};
+    };
+    for (const Mesh& mesh : {tilted(make_shape("knot")), without_triangle(make_shape("knot"), 7), reversed(cube(1))}) {
+        const DistanceTransform transform(
+            test_device(), mesh,
+            {.sign = mesh.triangles().size() % 2 == 1 ? SignRule::solid_angle : SignRule::automatic});
+        for (const std::size_t count : {std::size_t{97}, std::size_t{3000}, std::size_t{20000}})
+            for (const double half_width : {0.2, infinity})
+                for (const bool are_marked : {false, true}) {
+                    std::vector<Vec3> points = points_around(mesh, count);
+                    points[5] = mesh.vertices()[1];
+                    for (std::size_t i = 0; are_marked && i < count; i += 7)
+                        points[i] = i % 2 == 0 ? Vec3{nan, 0, 0} : Vec3{0, 1e30, 0};
+                    std::vector<Place> places(count);
+                    for (std::size_t i = 0; i < count; ++i)
+                        for (std::size_t axis = 0; axis < 3; ++axis) {
+                            places[i].x[axis] = static_cast<float>(points[i][axis]);
+                            points[i][axis] = static_cast<double>(places[i].x[axis]);
+                        }
+                    std::vector<std::string> expected_log, log;
+                    std::vector<double> distance(count, 7);
+                    std::vector<std::uint32_t> triangle(count, 7);
+                    std::vector<std::uint8_t> site(count, 7);
+                    std::vector<Vec3> closest(count);
+                    std::vector<float> gradient(3 * count);
+                    const auto into = [](std::vector<std::string>& lines) {
+                        return [&lines](const std::string& line) { lines.push_back(line); };
+                    };
+                    transform.query(points, half_width,
+                                    {{Output::distance, distance},
+                                     {Output::triangle, triangle},
+                                     {Output::site, site},
+                                     {Output::closest, closest},
+                                     {Output::gradient, gradient}},
+                                    {.log = into(expected_log)});
+                    const cl::Buffer doubles = buffer_of(points), floats = buffer_of(places);
+                    InputArray packed(doubles(), ElementType::float64, count);
+                    InputArray spread(floats(), ElementType::float32, count);
+                    spread.offset = offsetof(Place, x);
+                    spread.strides[0] = sizeof(Place);
+                    for (const InputArray& from : {packed, spread}) {
+                        const cl::Buffer d = buffer_of(std::vector<double>(count, 3)), t = buffer_of(triangle),
+                                         s = buffer_of(std::vector<std::uint8_t>(count, 3)),
+                                         c = buffer_of(std::vector<Vec3>(count)),
+                                         g = buffer_of(std::vector<float>(3 * count));
+                        log.clear();
+                        const TransformStatistics statistics =
+                            transform.query(from, half_width,
+                                            {{Output::distance, OutputArray(d(), ElementType::float64)},
+                                             {Output::triangle, OutputArray(t())},
+                                             {Output::site, OutputArray(s())},
+                                             {Output::closest, OutputArray(c())},
+                                             {Output::gradient, OutputArray(g())}},
+                                            {.log = into(log)});
+                        const auto same = [](const auto& values, const cl::Buffer& buffer) {
+                            using Value = typename std::remove_cvref_t<decltype(values)>::value_type;
+                            return std::memcmp(values.data(), contents_of<Value>(buffer).data(),
+                                               values.size() * sizeof(Value)) == 0;
+                        };
+                        BOOST_TEST_CONTEXT(mesh.name() << ", " << count << " points, half width " << half_width
+                                                       << ", marked: " << are_marked) {
+                            BOOST_TEST(same(distance, d));
+                            BOOST_TEST(same(triangle, t));
+                            BOOST_TEST(same(site, s));
+                            BOOST_TEST(same(closest, c));
+                            BOOST_TEST(same(gradient, g));
+                            BOOST_TEST((log == expected_log));
+                            BOOST_TEST(statistics.unusable_points == (are_marked ? (count + 6) / 7 : 0U));
+                        }
+                    }
+                }
+    }
 }
 
 BOOST_AUTO_TEST_CASE(points_and_results_on_the_device_that_cannot_be_used_are_refused) {

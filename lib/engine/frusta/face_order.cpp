@@ -4,6 +4,7 @@
 #include "core/parallel.hpp"
 #include "frusta/frames.hpp"
 #include "mesh/one_rings.hpp"
+#include "spread_bits.h"
 
 #include <span>
 #include <vector>

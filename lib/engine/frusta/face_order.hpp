@@ -16,14 +16,6 @@ namespace clsdf::engine {
 /// device's caches are used well.
 UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh);
 
-/// The ten bits of `x`, each followed by two zeros: three of them make a code of a cell's place on a curve.
-inline std::uint32_t spread_bits(std::uint32_t x) {
-    x = (x | x << 16) & 0x030000ffU;
-    x = (x | x << 8) & 0x0300f00fU;
-    x = (x | x << 4) & 0x030c30c3U;
-    return (x | x << 2) & 0x09249249U;
-}
-
 /// The faces of a mesh in another order. Its vertices are numbered as those faces first name them, without unused ones,
 /// so neighbours in one list are near each other in the others.
 struct OrderedFaces {

@@ -86,7 +86,10 @@ ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
 std::vector<ProgramSource> ProgramSources::every_source() const {
     std::vector<ProgramSource> sources{scan_source(),   coarse_lists_source(), sign_sweep_source(),  fill_source(),
                                        points_source(), store_source(),        mesh_records_source()};
-    if (body == KernelBody::by_vector) sources.push_back(point_scan_source());
+    if (body == KernelBody::by_vector)
+        sources.push_back(point_scan_source());
+    else
+        sources.insert(sources.end(), {radix_sort_source(), point_order_source()});
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
     return sources;
 }
@@ -111,12 +114,14 @@ cl::Program LazyProgram::get(const device::BuildWatch& watch) const {
 Programs::Programs(device::Context& context, KernelBody asked)
     : ProgramSources(usable_sources(context, asked)),
       scan{&context, scan_source()},
+      radix_sort{&context, radix_sort_source()},
       coarse_lists{&context, around_faults(context, coarse_lists_source(), lanes)},
       sign_sweep{&context, sign_sweep_source()},
       fill{&context, fill_source()},
       mesh_records{&context, around_faults(context, mesh_records_source(), mesh_lanes())},
       store{&context, store_source()},
       points{&context, points_source()},
+      point_order{&context, point_order_source()},
       point_scan{&context, point_scan_source()} {}
 
 std::vector<cl::Program> Programs::of_fields(const device::BuildWatch& watch) const {

@@ -39,6 +39,10 @@ struct ProgramSources {
     ProgramSource scan_source() const {
         return {body == KernelBody::by_group ? "scan_by_group.cl" : "scan.cl", common_options(lanes)};
     }
+    /// For the body by_group alone.
+    ProgramSource radix_sort_source() const {
+        return {"radix_sort.cl", common_options(lanes) + " -DGROUP=" + std::to_string(group_size)};
+    }
     ProgramSource coarse_lists_source() const {
         return {body == KernelBody::by_group ? "coarse_lists_by_group.cl" : "coarse_lists.cl", common_options(lanes)};
     }
@@ -48,6 +52,8 @@ struct ProgramSources {
     /// Lanes of its vectors of doubles.
     std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
     ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
+    /// The order of points on the device. For the body by_group alone, as radix_sort.
+    ProgramSource point_order_source() const { return {"point_order.cl", common_options(lanes)}; }
     /// The scan of many points, by vectors.
     ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }
     /// Copies boxes to targets with strides.
@@ -83,13 +89,15 @@ struct LazyProgram {
 /// are not shared between threads.
 struct Programs : ProgramSources {
     LazyProgram scan;
+    LazyProgram radix_sort;  ///< of the body by_group
     LazyProgram coarse_lists;
     LazyProgram sign_sweep;
     LazyProgram fill;
     LazyProgram mesh_records;
-    LazyProgram store;       ///< copies boxes to targets with strides
-    LazyProgram points;      ///< looks up points anywhere
-    LazyProgram point_scan;  ///< the scan of many points, by vectors
+    LazyProgram store;        ///< copies boxes to targets with strides
+    LazyProgram points;       ///< looks up points anywhere
+    LazyProgram point_order;  ///< of the body by_group: the order of points
+    LazyProgram point_scan;   ///< the scan of many points, by vectors
 
     /// Programs that every field needs.
     static constexpr std::size_t field_programs = 5;
