@@ -132,12 +132,7 @@ ExitStatus run(const Options& options, Report& report) {
             fmt::format("{}: it names '{}', which cannot be found; copy all files of the field, or compute it again",
                         options.field(), fmt::join(missing, "', '")));
     // Its values are shown as clsdf computes them.
-    const bool is_negated = field.positive_inside || options.positive_inside;
-    if (options.positive_inside && field.sign == clsdf::SignRule::none)
-        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
-                           fmt::format("--positive-inside: {} has no sign; leave the option out", options.field()));
-    if (is_negated) field.negate();
-    field.positive_inside = false;
+    const bool is_negated = make_negative_inside(field, options.positive_inside, options.field());
     if (field.sign == clsdf::SignRule::automatic)
         field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
 
@@ -175,8 +170,7 @@ Command add_check(Parser& program) {
              "samples to check, half of them near the band's limits, edges and vertices")
         .takes_whole_number("N", 1, 1'000'000'000'000'000);
     add_placement_options(parser, options->placement);
-    parser.add("--positive-inside", options->positive_inside,
-               "the field's distances are positive inside, if the file does not say so");
+    add_field_convention_option(parser, options->positive_inside);
     parser.add("--complete", options->complete, "check every sample").excludes("--samples");
     parser.add("--seed", options->check.seed, "of the random choice of samples")
         .takes_whole_number("N", 0, std::numeric_limits<std::uint64_t>::max());

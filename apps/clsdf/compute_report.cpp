@@ -223,8 +223,10 @@ std::string warning_of_empty_band(const ComputeLayout& layout, const Computation
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output) {
     if (ending_of(output) != ".sdf") return {};
     if (layout.positive_inside)
-        return fmt::format("{} does not state that it is positive inside: \"clsdf check\" needs --positive-inside",
-                           output);
+        return fmt::format(
+            "{} does not state that it is positive inside: \"clsdf check\", \"slice\" and \"render\" need "
+            "--positive-inside",
+            output);
     if (std::isinf(layout.band.widest())) return {};
     return fmt::format(
         "{} does not state its band: programs that read it take the band's limit for the distance of samples beyond "

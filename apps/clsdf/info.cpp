@@ -7,6 +7,8 @@
 #include <clsdf/papers.hpp>
 #include <clsdf/reference.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -51,6 +53,7 @@ Json describe(const Info& info) {
                  {"balanced", info.topology.balanced},
                  {"inside_out", info.topology.inside_out},
                  {"components", info.defects.components},
+                 {"open_edges", info.topology.open_edges},
                  {"boundary_edges", edges(EdgeKind::boundary)},
                  {"non_manifold_edges", edges(EdgeKind::non_manifold)},
                  {"unoriented_edges", edges(EdgeKind::unoriented)},
@@ -62,6 +65,7 @@ Json describe(const Info& info) {
                  {"zero_area_faces", info.defects.zero_area_faces},
                  {"duplicate_faces", info.defects.duplicate_faces},
                  {"joined_vertices", info.topology.joined_vertices},
+                 {"uncounted_faces", info.topology.uncounted_faces},
                  {"reoriented_faces", info.topology.reoriented_faces},
                  {"inner_wall_faces", info.topology.inner_wall_faces},
                  {"inward_parts", info.topology.inward_parts},
@@ -86,8 +90,21 @@ Json describe(const Info& info) {
             {"defects", defects}};
 }
 
+/// "1 face", "3 faces".
+std::string counted(std::size_t count, const char* thing) {
+    return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
 std::string closedness(const clsdf::Topology& topology) {
-    if (!topology.closed) return topology.inside_out ? "open, inside out" : "open";
+    const char* const turned = topology.inside_out ? ", inside out" : "";
+    const std::size_t boundary = topology.boundary_edges, others = topology.open_edges - boundary;
+    if (!topology.closed && others == 0)
+        return fmt::format("open{}: {} with one face", turned, counted(boundary, "edge"));
+    if (!topology.closed && boundary == 0)
+        return fmt::format("not closed{}: {} with three faces or another odd number", turned, counted(others, "edge"));
+    if (!topology.closed)
+        return fmt::format("open{}: {} with one face, {} with three or another odd number", turned,
+                           counted(boundary, "edge"), others);
     if (!topology.balanced) return "closed, faces not oriented alike";
     return topology.inside_out ? "closed, inside out" : "closed";
 }
@@ -116,18 +133,24 @@ void print_human(const Info& info) {
                info.topology.coincident_vertices);
     const clsdf::Topology& topology = info.topology;
     if (topology.joined_vertices + topology.uncounted_faces + topology.reoriented_faces > 0)
-        print_text("sign      {} vertices joined, {} doubled faces not counted, {} faces turned around\n",
-                   topology.joined_vertices, topology.uncounted_faces, topology.reoriented_faces);
+        print_text("sign      {} joined, {} not counted, {} turned around\n",
+                   topology.joined_vertices == 1 ? "1 vertex" : fmt::format("{} vertices", topology.joined_vertices),
+                   counted(topology.uncounted_faces, "doubled face"), counted(topology.reoriented_faces, "face"));
     if (topology.tested_points > 0)
         print_text("sign      {} of {} points of the box have a winding number in doubt, {} are inside: {}\n",
                    topology.doubtful_points, topology.tested_points, topology.inside_points,
                    name_of(resolve_sign_rule(clsdf::SignRule::automatic, topology).rule));
-    if (info.self_intersections) print_text("          {} pairs of triangles intersect\n", *info.self_intersections);
+    if (info.self_intersections)
+        print_text("          {}\n", *info.self_intersections == 1
+                                         ? "1 pair of triangles intersects"
+                                         : fmt::format("{} pairs of triangles intersect", *info.self_intersections));
 }
 
 ExitStatus run(const InfoOptions& options, Report& report) {
     const Info info(options, welded(read_body(options.mesh, report), options.weld));
     if (!report.quiet) print_human(info);
+    const std::string warning = resolve_sign_rule(clsdf::SignRule::automatic, info.topology).warning;
+    if (!warning.empty()) report.warn(warning);
     report.result["mesh"] = paths_of(options.mesh);
     report.result.update(describe(info));
     return ExitStatus::done;

@@ -87,7 +87,7 @@ clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, cons
 
 void add_placement_options(Parser& parser, Placement& placement) {
     parser.add("--scale", placement.scale, "factor of the mesh's coordinates, such as 0.001 from millimetres to metres")
-        .takes_number_of_0_or_more("FACTOR");
+        .takes_number_above_0("FACTOR");
     parser.add("--translate", placement.translate, "added to them after that").takes_text("X,Y,Z");
 }
 
@@ -127,6 +127,21 @@ void add_positive_inside_option(Parser& parser, bool& positive_inside) {
                "distances and gradients are negated when they are written, also zeros and limits");
 }
 
+void add_field_convention_option(Parser& parser, bool& positive_inside) {
+    parser.add("--positive-inside", positive_inside,
+               "the field's distances are positive inside, if the file does not say so");
+}
+
+bool make_negative_inside(clsdf::Field& field, bool positive_inside, const std::string& path) {
+    if (positive_inside && field.sign == clsdf::SignRule::none)
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           fmt::format("--positive-inside: {} has no sign; leave the option out", path));
+    const bool is_negated = field.positive_inside || positive_inside;
+    if (is_negated) field.negate();
+    field.positive_inside = false;
+    return is_negated;
+}
+
 void add_weld_option(Parser& parser, std::string& length) {
     parser.add("--weld", length, "join vertices that are so near to each other, in the mesh's units or in percent")
         .takes_text("LENGTH");
@@ -140,7 +155,11 @@ clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length) {
                            "--weld: '" + length +
                                "' is no length of the mesh; give one in its units, as 1e-6, or in percent of its "
                                "longest side, as 0.0001%");
-    return weld(mesh, within.resolve(0, mesh.box().longest_side()));
+    try {
+        return weld(mesh, within.resolve(0, mesh.box().longest_side()));
+    } catch (const clsdf::Error& error) {
+        throw clsdf::Error(error.code(), fmt::format("--weld: '{}': {}", length, error.what()));
+    }
 }
 
 clsdf::SignRule parse_sign(const std::string& rule) {

@@ -6,6 +6,7 @@
 #include "core/real_numbers.hpp"
 
 #include <clsdf/error.hpp>
+#include <clsdf/field.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/mesh_files.hpp>
@@ -113,6 +114,11 @@ std::span<const clsdf::OutputInfo> extra_outputs();
 void add_outputs_option(Parser& parser, std::vector<std::string>& names);
 void add_sign_option(Parser& parser, std::string& rule);
 void add_positive_inside_option(Parser& parser, bool& positive_inside);
+/// Adds --positive-inside for a field that is read.
+void add_field_convention_option(Parser& parser, bool& positive_inside);
+/// Negates the field if it is positive inside, as its file or the option says, and returns whether. Throws
+/// Error(invalid_argument) if the option is given for a field without a sign.
+bool make_negative_inside(clsdf::Field& field, bool positive_inside, const std::string& path);
 clsdf::SignRule parse_sign(const std::string& rule);
 
 /// Adds --weld.

@@ -50,6 +50,12 @@ std::string check_number_of_0_or_more(const std::string& text) {
     return fmt::format("a finite number, 0 or more, not '{}'", text);
 }
 
+std::string check_number_above_0(const std::string& text) {
+    const auto number = parse_number<double>(text);
+    if (number && std::isfinite(*number) && *number > 0) return {};
+    return fmt::format("a finite number above 0, not '{}'", text);
+}
+
 auto check_word(const std::vector<std::string>& words) {
     return [=](const std::string& text) {
         if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
@@ -91,6 +97,11 @@ Option& Option::takes_whole_number(const std::string& placeholder, std::uint64_t
 
 Option& Option::takes_number_of_0_or_more(const std::string& placeholder) {
     option_->check(check_number_of_0_or_more);
+    return takes(placeholder);
+}
+
+Option& Option::takes_number_above_0(const std::string& placeholder) {
+    option_->check(check_number_above_0);
     return takes(placeholder);
 }
 

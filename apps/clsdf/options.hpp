@@ -34,6 +34,7 @@ public:
     Option& takes_whole_number(const std::string& placeholder, std::uint64_t least, std::uint64_t most);
     /// A finite number.
     Option& takes_number_of_0_or_more(const std::string& placeholder);
+    Option& takes_number_above_0(const std::string& placeholder);
     /// The value must be one of the words, which become the placeholder. The error for another one names the nearest.
     Option& takes_one_of(const std::vector<std::string>& words);
     /// The same for several words, separated by commas.

@@ -25,7 +25,7 @@ using clsdf::Mesh;
 using clsdf::SolidPart;
 
 struct PolyhedraOptions {
-    std::string mesh;
+    std::vector<std::string> mesh;
     std::string output;
     std::optional<std::uint32_t> around;
     std::vector<std::uint32_t> triangles;
@@ -144,15 +144,15 @@ ColouredMesh join(const std::vector<BoundingSolid>& solids, const std::vector<st
 }
 
 ExitStatus run(const PolyhedraOptions& options, Report& report) {
-    keep_input(options.mesh, options.output, "mesh");
-    const Mesh mesh = read_body({options.mesh}, report);
+    keep_mesh(options.mesh, options.output);
+    const Mesh mesh = read_body(options.mesh, report);
     std::optional<std::uint32_t> vertex = options.around;
     if (!vertex && options.triangles.empty()) vertex = interesting_vertex(mesh);
     const std::vector<std::uint32_t> triangles = vertex ? triangles_at(mesh, *vertex) : options.triangles;
     const std::vector<BoundingSolid> solids = make_solids(options, mesh, triangles);
     if (solids.empty())
         throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: the triangles asked for have no polyhedra with volume", options.mesh));
+                    fmt::format("{}: the triangles asked for have no polyhedra with volume", paths_of(options.mesh)));
     const ColouredMesh joined = join(solids, triangles);
     write_mesh(joined.mesh, options.output, joined.colours);
     output_is_written();
@@ -166,7 +166,7 @@ ExitStatus run(const PolyhedraOptions& options, Report& report) {
                         {"part", name_of(solid.part)},
                         {"faces", solid.mesh.triangles().size()},
                         {"volume", volume(solid.mesh)}});
-    report.result = {{"mesh", options.mesh}, {"output", options.output}};
+    report.result = {{"mesh", paths_of(options.mesh)}, {"output", options.output}};
     if (vertex) report.result["vertex"] = *vertex;
     report.result["half_width"] = half_width_of(options.half_width, mesh);
     report.result["polyhedra"] = list;
@@ -178,7 +178,7 @@ ExitStatus run(const PolyhedraOptions& options, Report& report) {
 Command add_polyhedra(Parser& program) {
     const auto options = std::make_shared<PolyhedraOptions>();
     Parser parser = program.add_subcommand("polyhedra", "Write the bounding polyhedra of some triangles as a mesh");
-    parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply").required();
+    add_mesh_argument(parser, options->mesh);
     parser.add("-o,--output", options->output, "the polyhedra: .ply, which has colours, .off, .obj or .stl")
         .takes("FILE")
         .required();

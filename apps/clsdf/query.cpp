@@ -113,7 +113,8 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     const clsdf::Device device = open_device(options.device, report);
     const Stopwatch read;
     const clsdf::Mesh mesh = welded(read_body(meshes, report, options.placement), options.weld);
-    const std::vector<Vec3> points = clsdf::read_points(options.points());
+    const std::vector<Vec3> points =
+        clsdf::read_points(options.points(), [&](const std::string& message) { report.warn(message); });
     const double read_seconds = read.seconds();
     const double half_width = limit_of(options, mesh);
 

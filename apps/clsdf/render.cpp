@@ -35,6 +35,7 @@ struct RenderOptions {
     std::vector<std::string> cuts;
     std::string offset;
     std::string device;
+    bool positive_inside = false;
     SurfaceOptions picture;
 };
 
@@ -107,7 +108,7 @@ ExitStatus run(RenderOptions options, Report& report) {
     SurfacePictures::check_path(options.output);
     keep_input(options.field, options.output, "field");
     clsdf::Field field = clsdf::read_field(options.field, {});
-    if (field.positive_inside) field.negate();
+    make_negative_inside(field, options.positive_inside, options.field);
     const Interruption interruption;
     ProgressBar progress(!report.quiet);
     options.picture.should_stop = [&interruption] { return interruption.token().stop_requested(); };
@@ -165,6 +166,7 @@ Command add_render(Parser& program) {
         .add("--offset", options->offset,
              "draw the surface at this distance, < 0: inside [0; without a sign, one voxel]")
         .takes("D");
+    add_field_convention_option(parser, options->positive_inside);
     parser.add("--size", options->size, "pixels: WxH, or N for the longer side").takes("SIZE");
     parser.add("--colour", options->colour, "of the surface: six hexadecimal digits").takes("RRGGBB");
     parser.add("--rays", options->picture.rays, "in each direction of a pixel, 1 to 8").takes_whole_number("N", 1, 8);

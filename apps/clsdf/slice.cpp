@@ -28,6 +28,7 @@ struct SliceOptions {
     std::optional<std::int64_t> index;
     bool all = false;
     bool mosaic = false;
+    bool positive_inside = false;
     clsdf::picture::Options picture;
 };
 
@@ -61,7 +62,7 @@ ExitStatus run(const SliceOptions& options, Report& report) {
     SlicePictures::check_path(options.output);
     keep_input(options.field, options.output, "field");
     clsdf::Field field = clsdf::read_field(options.field, {});
-    if (field.positive_inside) field.negate();
+    make_negative_inside(field, options.positive_inside, options.field);
     const SlicePictures pictures(field, options.picture);
 
     std::vector<std::string> files{options.output};
@@ -99,6 +100,7 @@ Command add_slice(Parser& program) {
         .excludes("--axis")
         .excludes("--index")
         .excludes("--all");
+    add_field_convention_option(parser, options->positive_inside);
     parser.add("--pixels", options->picture.pixels, "of the longer side, without axes and colour bar: 100 to 10000")
         .takes_whole_number("N", 100, 10000);
     parser.set_footer(

@@ -2,6 +2,7 @@
 
 #include "core/files.hpp"
 #include "core/unfinished_files.hpp"
+#include "io/mesh_files.hpp"
 #include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
@@ -126,6 +127,8 @@ Field read_field(const std::string& path, OutputSet wanted) {
     try {
         return format.read(path, wanted);
     } catch (const Error& error) {
+        if (error.code() == ErrorCode::unreadable_input && fs::is_regular_file(path))
+            refuse_other_content(FileContent(path, telling_bytes));
         // An invalid grid, band or sign rule of the file is an error of the file, not of the caller.
         if (error.code() != ErrorCode::invalid_argument) throw;
         throw Error(ErrorCode::unreadable_input, fmt::format("{}: {}", path, error.what()));

@@ -220,7 +220,7 @@ namespace {
 
 }  // namespace
 
-FileContent::FileContent(std::string path) : path_(std::move(path)) {
+FileContent::FileContent(std::string path, std::size_t most_bytes) : path_(std::move(path)) {
     // Not blocking: opening a pipe would wait for its writer.
     const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (file.number() < 0) fail(path_, errno);
@@ -231,7 +231,7 @@ FileContent::FileContent(std::string path) : path_(std::move(path)) {
 
     // The file is read, not mapped: a mapped file that another process truncates ends the program with a signal. All
     // cores read, into memory on huge pages, because fresh memory and copying take most of the time.
-    bytes_.resize(static_cast<std::size_t>(status.st_size));
+    bytes_.resize(std::min(static_cast<std::size_t>(status.st_size), most_bytes));
     const ReadResult result =
         read_in_parallel(file, 0, std::as_writable_bytes(std::span(bytes_.data(), bytes_.size())));
     if (result.error != 0) fail(path_, result.error);

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -88,8 +89,9 @@ bool equals_ignoring_case(std::string_view word, std::string_view lower);
 /// The content of a regular file, in memory.
 class FileContent {
 public:
-    /// Throws Error(unreadable_input) if the file cannot be read or is a folder, a pipe or a device.
-    explicit FileContent(std::string path);
+    /// most_bytes: of the begin of the file. Throws Error(unreadable_input) if the file cannot be read or is a folder,
+    /// a pipe or a device.
+    explicit FileContent(std::string path, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
 
     const std::string& path() const { return path_; }
     std::size_t size() const { return bytes_.size(); }
@@ -152,8 +154,9 @@ struct ReadingNotes {
 /// pointer of Git LFS, a web page, text in UTF-16, a compressed file, or a mesh of another format.
 void refuse_other_content(const FileContent& file, MeshFormat format);
 
-/// The same for files that hold no mesh, without other meshes.
+/// The same for files that hold no mesh, without other meshes. The first bytes are enough.
 void refuse_other_content(const FileContent& file);
+inline constexpr std::size_t telling_bytes = 4096;
 
 /// The first line of a text for a message, in quotes. Empty if the file does not begin with text.
 std::string quoted_begin(const FileContent& file);
@@ -173,7 +176,7 @@ MeshArrays read_obj(const FileContent& file, ReadingNotes& notes);
 MeshArrays read_ply(const FileContent& file, ReadingNotes& notes);
 
 /// The vertices alone; the file need not have faces.
-std::vector<Vec3> read_ply_points(const FileContent& file);
+std::vector<Vec3> read_ply_points(const FileContent& file, ReadingNotes& notes);
 
 /// Adds a triangle with three vertices of its own.
 MeshArrays read_stl(const FileContent& file);

@@ -19,10 +19,9 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-constexpr std::size_t head_bytes = 4096;
 
 std::string_view head_of(const FileContent& file) {
-    std::string_view head = file.text().substr(0, head_bytes);
+    std::string_view head = file.text().substr(0, telling_bytes);
     if (head.starts_with(byte_order_mark)) head.remove_prefix(byte_order_mark.size());
     return head;
 }
@@ -98,7 +97,8 @@ std::string size_in_pointer(std::string_view head) {
     if (at == std::string_view::npos) return {};
     const std::string_view rest = head.substr(at + key.size());
     const std::string_view digits = rest.substr(0, rest.find_first_not_of("0123456789"));
-    return digits.empty() ? std::string() : fmt::format(", which has {} bytes", digits.substr(0, 20));
+    if (digits.empty()) return {};
+    return fmt::format(", which has {} byte{}", digits.substr(0, 20), digits == "1" ? "" : "s");
 }
 
 [[noreturn]] void refuse(const FileContent& file, const std::string& reason) {

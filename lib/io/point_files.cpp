@@ -37,6 +37,7 @@ PointFormat format_of_points(const std::string& path) {
 
 std::vector<Vec3> read_npy_points(const std::string& path) {
     InputFile file(path);
+    refuse_other_content(FileContent(path, telling_bytes));
     const NpyHeader header = read_npy_header(file);
     if (is_whole(header.values.type))
         file.fail(fmt::format("header field 'descr': '{}' is not a coordinate; save the points as float64 ('<f8')",
@@ -352,7 +353,7 @@ void write_csv_points(std::span<const Vec3> points, const Columns& columns, Atom
 
 }  // namespace
 
-std::vector<Vec3> read_points(const std::string& path) try {
+std::vector<Vec3> read_points(const std::string& path, const std::function<void(const std::string&)>& log) try {
     switch (format_of_points(path)) {
         case PointFormat::npy:
             return read_npy_points(path);
@@ -361,7 +362,11 @@ std::vector<Vec3> read_points(const std::string& path) try {
         case PointFormat::ply:
             break;
     }
-    return read_ply_points(text_of_points(path));
+    ReadingNotes notes;
+    std::vector<Vec3> points = read_ply_points(text_of_points(path), notes);
+    if (log)
+        for (const std::string& text : notes.texts()) log(fmt::format("{}: {}", path, text));
+    return points;
 } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
 }

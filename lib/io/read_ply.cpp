@@ -546,8 +546,7 @@ MeshArrays read_ply(const FileContent& file, ReadingNotes& notes) {
     });
 }
 
-std::vector<Vec3> read_ply_points(const FileContent& file) {
-    ReadingNotes notes;
+std::vector<Vec3> read_ply_points(const FileContent& file, ReadingNotes& notes) {
     const PlyHeader header = read_ply_header(file, notes);
     const Layout layout = find_vertices(file, header);
     if (header.format == PlyFormat::ascii) return read_points(TextRows(file, header), header, layout, notes);

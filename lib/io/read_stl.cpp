@@ -231,17 +231,18 @@ MeshArrays read_stl(const FileContent& file) {
     if (const std::string begin = quoted_begin(file); !begin.empty())
         throw Error(ErrorCode::unreadable_input,
                     fmt::format("{}: the file begins with {}; an STL file of text begins with 'solid', and the size of "
-                                "this one, {} bytes, is not that of a binary STL file",
-                                file.path(), begin, file.size()));
+                                "this one, {} byte{}, is not that of a binary STL file",
+                                file.path(), begin, file.size(), file.size() == 1 ? "" : "s"));
     if (!count)
         throw Error(
             ErrorCode::unreadable_input,
             fmt::format("{}: neither text that begins with 'solid' nor a binary STL file, whose header alone has "
                         "{} bytes; this file has {}",
                         file.path(), header_bytes, file.size()));
-    throw Error(ErrorCode::unreadable_input,
-                fmt::format("{}: the header claims {} triangles, so the file should have {} bytes, but it has {}",
-                            file.path(), *count, header_bytes + *count * triangle_bytes, file.size()));
+    throw Error(
+        ErrorCode::unreadable_input,
+        fmt::format("{}: the header claims {} triangle{}, so the file should have {} bytes, but it has {}", file.path(),
+                    *count, *count == 1 ? "" : "s", header_bytes + *count * triangle_bytes, file.size()));
 }
 
 }  // namespace clsdf

@@ -182,6 +182,8 @@ BOOST_AUTO_TEST_CASE(says_what_decides_the_sign_and_joins_what_is_to_be_welded) 
     BOOST_TEST(dry_run(coarse, {"--weld", "0.0001%"})["sign"] == "nonzero");
     check_refused(run_command({"compute", coarse, "--dry-run", "--weld", "3v"}, no_devices), 2, {"--weld", "3v"});
     check_refused(run_command({"compute", coarse, "--dry-run", "--weld", "-1"}, no_devices), 2, {"-1"});
+    check_refused(run_command({"compute", coarse, "--dry-run", "--weld", "200%"}, no_devices), 2,
+                  {"--weld: '200%'", "no face", "give a length below that of the edges"});
 }
 
 BOOST_AUTO_TEST_CASE(says_how_much_of_the_field_is_in_memory_at_once) {
@@ -513,7 +515,8 @@ BOOST_AUTO_TEST_CASE(put_the_mesh_into_another_unit_and_place) {
     const std::string points = folder.file("points.csv", "x,y,z\n1,-2,2.999\n"), found = folder.file("found.csv");
     run_well(with({"query", mesh, points, "-o", found}));
     BOOST_TEST(content_of(found).find("0.001") != std::string::npos);
-    check_refused(run_command({"compute", mesh, "-o", field, "--scale", "0"}), 2, {"scale: 0", "above 0"});
+    check_refused(run_command({"compute", mesh, "-o", field, "--scale", "0"}), 2, {"--scale: ", "above 0, not '0'"});
+    check_refused(run_command({"compute", mesh, "-o", field, "--scale", "-1"}), 2, {"--scale: ", "above 0, not '-1'"});
     check_refused(run_command({"compute", mesh, "-o", field, "--translate", "1,2"}), 2, {"--translate", "three"});
 }
 
@@ -585,6 +588,17 @@ BOOST_AUTO_TEST_CASE(make_the_inside_positive_and_files_say_so) {
         run_command({"compute", shape, "-o", plain, "--resolution", "9", "--band", "full", "--positive-inside"});
     BOOST_TEST(warned.error.find("does not state that it is positive inside") != std::string::npos);
     run_well({"check", shape, plain, "--positive-inside", "--tolerance-voxels", "1e-4"});
+    const std::string negative = folder.file("negative.sdf"), picture = folder.file("plain.png");
+    run_well({"compute", shape, "-o", negative, "--resolution", "9", "--band", "full"});
+    for (const std::vector<std::string>& drawing :
+         {std::vector<std::string>{"slice", "--pixels", "200"}, {"render", "--size", "100"}}) {
+        std::vector<std::string> of_plain{drawing[0],         plain, "-o", picture, drawing[1], drawing[2],
+                                          "--positive-inside"};
+        run_well(of_plain);
+        const std::string drawn = content_of(picture);
+        run_well({drawing[0], negative, "-o", picture, drawing[1], drawing[2]});
+        BOOST_TEST((content_of(picture) == drawn), drawing[0]);
+    }
     check_refused(run_command({"compute", shape, "-o", folder.file("a.nrrd"), "--band", "0", "--margin", "1",
                                "--positive-inside"}),
                   2, {"--band 0", "zeros"});

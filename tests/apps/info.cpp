@@ -1,5 +1,6 @@
 #include "apps/process.hpp"
 
+#include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
 
@@ -41,6 +42,36 @@ BOOST_AUTO_TEST_CASE(tells_defects_in_words) {
     const Outcome intersections = run_command({"info", open, "--self-intersections"}, no_devices);
     BOOST_TEST(intersections.status == 0);
     BOOST_TEST(intersections.error.find("2 pairs of triangles intersect") != std::string::npos);
+}
+
+BOOST_AUTO_TEST_CASE(says_what_decides_the_sign) {
+    const TemporaryFolder folder;
+    const auto info = [&](const std::vector<std::string>& triangles) {
+        std::string text = fmt::format("OFF\n5 {} 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n", triangles.size());
+        for (const std::string& triangle : triangles) text += "3 " + triangle + "\n";
+        const std::string path = folder.file("a.off", text);
+        const Outcome shown = run_command({"info", path}, no_devices);
+        return std::pair(nlohmann::json::parse(run_command({"info", path, "--json"}, no_devices).out), shown.error);
+    };
+    const auto has = [](const std::string& text, const std::string& part) {
+        BOOST_TEST(text.find(part) != std::string::npos, "no '" << part << "' in " << text);
+    };
+    const std::vector<std::string> closed{"0 2 1", "0 1 3", "1 2 3", "0 3 2"};
+    auto [doubled, text] = info({closed[0], closed[1], closed[2], closed[3], closed[2]});
+    BOOST_TEST(doubled["defects"]["uncounted_faces"] == 1);
+    BOOST_TEST(doubled["warnings"].size() == 1U);
+    has(text, "1 doubled face not counted");
+    has(text, "warning: for the sign, 1 face is there twice");
+    has(info({closed[0], "0 3 1", closed[2], closed[3]}).second, "1 face turned around");
+    const auto [open, of_open] = info({closed[0], closed[1], closed[2]});
+    BOOST_TEST(open["defects"]["open_edges"] == 3);
+    has(of_open, "open: 3 edges with one face\n");
+    has(of_open, "warning: the mesh is not closed");
+    // A wall of one face between two tetrahedra.
+    const auto [walled, of_walled] = info({closed[0], closed[1], closed[2], closed[3], "1 2 4", "2 3 4", "3 1 4"});
+    BOOST_TEST(walled["defects"]["boundary_edges"] == 0);
+    BOOST_TEST(walled["defects"]["inner_wall_faces"] == 1);
+    has(of_walled, "not closed: 3 edges with three faces or another odd number\n");
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -104,6 +104,12 @@ BOOST_AUTO_TEST_CASE(that_cannot_be_had_are_refused_with_the_remedy) {
     check_refused(run_command({"polyhedra", mesh, "-o", folder.file("a.xyz")}, no_devices), 2, {"a.xyz"});
     check_refused(run_command({"polyhedra", mesh, "-o", mesh}, no_devices), 2, {mesh, "the mesh that is read"});
     check_refused(run_command({"polyhedra", folder.file("none.off"), "-o", output}, no_devices), 3, {"none.off"});
+    // Several files are one body.
+    check_refused(run_command({"polyhedra", folder.file("none.off"), mesh, "-o", mesh}, no_devices), 2,
+                  {mesh, "the mesh that is read"});
+    const Outcome both = run_command({"polyhedra", mesh, mesh, "-o", output, "--triangles", "5", "--json"}, no_devices);
+    BOOST_TEST(both.status == 0, both.error);
+    BOOST_TEST(nlohmann::json::parse(both.out)["mesh"] == mesh + " + " + mesh);
 }
 
 BOOST_AUTO_TEST_CASE(need_a_value_after_the_sign_of_equality) {

@@ -34,7 +34,7 @@ BOOST_AUTO_TEST_CASE(a_pointer_of_git_lfs_is_named) {
     check_is_refused_as_any(with_line_ends(pointer, "\r\n"), {"Git LFS", "'git lfs pull'"});
     check_is_refused_as_any(pointer.substr(0, 50), {"Git LFS", "'git lfs pull'"});
     const TemporaryFolder folder;
-    for (const char* name : {"points.csv", "points.ply"})
+    for (const char* name : {"points.csv", "points.ply", "points.npy"})
         check_throws(unreadable, {name, "Git LFS", "'git lfs pull'"}, [&] { read_points(folder.file(name, pointer)); });
 }
 

@@ -114,6 +114,11 @@ BOOST_AUTO_TEST_CASE(bytes_after_the_last_row_of_a_binary_ply_are_skipped) {
         const std::string content = small_ply(order);
         check_is_square_with("a.ply", content + std::string(3, '\0'), {"3 bytes after the last row are skipped"});
         check_is_square_with("a.ply", content + "x", {"1 byte after the last row is skipped"});
+        const TemporaryFolder folder;
+        std::string warning;
+        const auto log = [&](const std::string& message) { warning += message; };
+        BOOST_TEST(read_points(folder.file("points.ply", content + "x"), log).size() == 4U);
+        BOOST_TEST(warning.find("1 byte after the last row is skipped") != std::string::npos, warning);
         check_is_square_with("a.ply", content + " \r\n", {});
     }
 }

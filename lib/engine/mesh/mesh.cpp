@@ -186,7 +186,18 @@ Mesh weld(const Mesh& mesh, double tolerance) {
     std::iota(least.begin(), least.end(), std::uint32_t{0});
     for (const auto& [vertex, other] : join_vertices(mesh.vertices(), std::move(candidates), tolerance))
         least[vertex] = other;
+    const auto has_face = [&] {
+        return std::ranges::any_of(mesh.triangles(), [&](const Triangle& t) {
+            return first[t[0]] != first[t[1]] && first[t[1]] != first[t[2]] && first[t[2]] != first[t[0]];
+        });
+    };
+    const bool had_face = has_face();
     for (std::uint32_t& index : first) index = least[index];
+    if (had_face && !has_face())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("vertices are to be joined within {}, but then no face of the mesh, whose longest side "
+                                "is {}, keeps three vertices; give a length below that of the edges",
+                                tolerance, mesh.box().longest_side()));
     return merged(mesh, first);
 }
 

@@ -131,9 +131,8 @@ std::string share_in_doubt(const Topology& topology) {
 std::string count_holes(const Topology& topology) {
     const std::size_t count = topology.unbalanced_edges;
     const char* const edges = count == 1 ? "edge" : "edges";
-    return topology.open_edges == count
-               ? fmt::format("it has {} open {}", count, edges)
-               : fmt::format("it has {} unbalanced {}, {} of them open", count, edges, topology.open_edges);
+    if (topology.boundary_edges == count) return fmt::format("it has {} open {}", count, edges);
+    return fmt::format("it has {} unbalanced {}, {} of them with one face", count, edges, topology.boundary_edges);
 }
 
 /// Of the rule solid_angle for a mesh that is not balanced.

@@ -97,7 +97,7 @@ CLSDF_EXPORT Mesh weld(const Mesh& mesh);
 /// The mesh in which vertices are one vertex, too, if they differ by at most `tolerance` on every axis, in the mesh's
 /// units, or are connected by others that do. Their position is the least in (x, y, z). Clusters longer than four
 /// tolerances on an axis are left apart. Faces that lose a vertex stay, so triangles keep their order and number. The
-/// distance is that of the new mesh. Throws Error(invalid_argument) if the tolerance is negative or not finite.
+/// distance is that of the new mesh. Throws Error(invalid_argument) for one < 0 or not finite, and if no face is left.
 CLSDF_EXPORT Mesh weld(const Mesh& mesh, double tolerance);
 
 /// The names that make_shape() accepts, each with a description of one line. Both functions are in clsdf::meshes.

@@ -62,8 +62,10 @@ CLSDF_EXPORT Defects find_defects(const Mesh& mesh);
 
 /// Reads points from .npy (shape (n, 3), float32 or float64, in C or Fortran order), .csv (a header row with the
 /// columns x, y and z; other columns are skipped) or .ply (its vertices, with or without faces). Throws
-/// Error(unreadable_input) that names the file, the row and the value; Error(unsupported) for an unknown ending.
-CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path);
+/// Error(unreadable_input) that names the file, the row and the value; Error(unsupported) for an unknown ending. log:
+/// called with warnings about a .ply file, as ReadOptions::log.
+CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path,
+                                           const std::function<void(const std::string& message)>& log = {});
 
 /// Writes what DistanceTransform::query() found, a row for each point, by the file's ending: .npy (a structured array
 /// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. The columns are
