@@ -61,7 +61,8 @@ BOOST_AUTO_TEST_CASE(says_that_it_is_positive_inside_or_is_refused) {
         written.sign = SignRule::nonzero;
         written.positive_inside = true;
         if (format.ending == ".vdb" || format.ending == ".nvdb") {
-            check_throws(ErrorCode::unsupported, {format.ending == ".vdb" ? "OpenVDB" : "NanoVDB", "another format"}, [&] { write_field(written, path); });
+            check_throws(ErrorCode::unsupported, {format.ending == ".vdb" ? "OpenVDB" : "NanoVDB", "another format"},
+                         [&] { write_field(written, path); });
             BOOST_TEST(folder.file_count() == 0U);
         } else {
             write_field(written, path);

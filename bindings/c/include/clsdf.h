@@ -552,10 +552,10 @@ typedef struct clsdf_topology {
     }
 #define CLSDF_FIVE_EDGES_INIT \
     { CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT }
-#define CLSDF_TOPOLOGY_INIT                                                                                          \
-    {                                                                                                                \
-        CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT, CLSDF_FIVE_EDGES_INIT, 0, \
-            0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                                                                 \
+#define CLSDF_TOPOLOGY_INIT                                                                           \
+    {                                                                                                 \
+        CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT, \
+            CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                        \
     }
 
 /* Defects beside those of edges. The distance is exact in spite of them. */
