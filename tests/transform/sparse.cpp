@@ -65,7 +65,7 @@ Expected expected_of(const Field& dense) {
         for (std::size_t n = 0; n < brick_samples; ++n) {
             const std::size_t at = offset_in(dense.grid, in_brick(brick, n));
             is_in_band = is_in_band || dense.triangle()[at] != no_triangle;
-            negative += std::signbit(dense.distance()[at]) ? 1 : 0;
+            negative += std::signbit(dense.distance()[at]) ? 1U : 0U;
         }
         if (is_in_band || (negative > 0 && negative < brick_samples)) {
             expected.bricks.push_back(brick);
@@ -105,8 +105,8 @@ void check_same(const SparseField& sparse, const Field& dense) {
                                      dense.bytes(info.output).data() +
                                          offset_in(dense.grid, in_brick(sparse.bricks[b], n)) * bytes,
                                      bytes) == 0
-                             ? 0
-                             : 1;
+                             ? 0U
+                             : 1U;
         BOOST_TEST(wrong == 0U, wrong << " samples of bricks differ in " << info.name);
     }
     wrong = 0;
@@ -116,15 +116,15 @@ void check_same(const SparseField& sparse, const Field& dense) {
             const std::size_t at = offset_in(dense.grid, sample);
             wrong += std::bit_cast<std::uint32_t>(sparse.distance_at(sample)) ==
                              std::bit_cast<std::uint32_t>(dense.distance()[at])
-                         ? 0
-                         : 1;
+                         ? 0U
+                         : 1U;
             if (sparse.find(sample)) continue;
             for (const OutputInfo& info : output_table())
                 if (info.output != Output::distance)
                     wrong +=
                         is_all_ones(dense.bytes(info.output).subspan(at * info.sample_bytes(), info.sample_bytes()))
-                            ? 0
-                            : 1;
+                            ? 0U
+                            : 1U;
         }
     BOOST_TEST(wrong == 0U, wrong << " samples differ from the dense field");
 }
@@ -247,7 +247,7 @@ BOOST_AUTO_TEST_CASE(the_bricks_of_a_part_are_bricks_of_the_whole) {
         const Grid part = grid.part(offset, within);
         const SparseField sparse = transform.compute_sparse(part, band, Output::triangle);
         std::size_t of_whole = 0;
-        for (const Index3& brick : whole.bricks) of_whole += holds(in_whole_bricks(part), brick) ? 1 : 0;
+        for (const Index3& brick : whole.bricks) of_whole += holds(in_whole_bricks(part), brick) ? 1U : 0U;
         BOOST_TEST(sparse.bricks.size() == of_whole);
         for (std::size_t n = 0; n < sparse.bricks.size(); ++n) {
             BOOST_REQUIRE(numbers.contains(sparse.bricks[n]));
