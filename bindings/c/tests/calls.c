@@ -237,9 +237,10 @@ static void check_meshes(void) {
     CHECK(other_hash == hash);
     clsdf_mesh_release(other);
     FAILS(CLSDF_INVALID_ARGUMENT, "0 or more", clsdf_mesh_weld_within(own, -1, &other));
-    OK(clsdf_mesh_weld_within(own, 2, &other)); /* one point */
+    FAILS(CLSDF_INVALID_ARGUMENT, "no face", clsdf_mesh_weld_within(own, 2, &other)); /* one point */
+    OK(clsdf_mesh_weld_within(own, 1e-3, &other));
     OK(clsdf_mesh_vertices(other, &again, &count));
-    CHECK(count == 1);
+    CHECK(count == 4);
     clsdf_mesh_release(other);
 
     memcpy(moved, positions, sizeof moved);

@@ -196,9 +196,11 @@ contains
     end block
     call own%weld(welded)
     call check(welded%index_base() == 1, 'a welded mesh')
-    call own%weld(welded, 4d0)
+    call own%weld(welded, 4d0, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'no face')
+    call own%weld(welded, 1d-3)
     call welded%vertices(vertices)
-    call check(size(vertices, 2) == 1, 'a mesh welded to a point')
+    call check(size(vertices, 2) == size(x, 2), 'a mesh welded within a length')
     call own%set_index_base(0)
     call own%weld(welded)
     call check(welded%index_base() == 0, 'a welded mesh has the index base of the mesh')
