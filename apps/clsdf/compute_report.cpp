@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <limits>
 #include <span>
+#include <system_error>
 
 namespace {
 
@@ -283,7 +284,11 @@ void print_outcome(const ComputeLayout& layout, const Computation& computation) 
     print_text("memory  {} of buffers on the device, {} on the host for {}\n",
                human_bytes(static_cast<double>(statistics.device_bytes)),
                human_bytes(static_cast<double>(statistics.host_bytes)), human_slabs(statistics.slabs));
-    print_text("wrote   {} ({})\n", computation.output, human_bytes(static_cast<double>(field_bytes(layout))));
+    // A sparse or compressed file is smaller than its values. A pipe has no size.
+    std::error_code none;
+    const bool is_file = fs::is_regular_file(computation.output, none);
+    const std::uint64_t written = is_file ? fs::file_size(computation.output, none) : field_bytes(layout);
+    print_text("wrote   {} ({})\n", computation.output, human_bytes(static_cast<double>(written)));
 }
 
 Json describe_dry_run(const ComputeLayout& layout) {

@@ -5,6 +5,7 @@
 // Local memory: 17 bytes a key of a tile, at most 17 KiB. Atomics: those of 32 bits in local memory, whose sums do not
 // depend on an order.
 
+#include "group_sum.h"
 #include "radix_sort.h"
 
 // GROUP: work-items of a group, 64 or 128. A work-item has EACH keys of the tile, which follow one another.
@@ -26,20 +27,7 @@ static inline uint digit_of(uint key, uint shift) {
     return key >> shift & (DIGITS - 1u);
 }
 
-// The sum of the values of the work-items before this one. sums: GROUP of them, of which the last becomes the total.
-static inline uint radix_sum_before(uint value, __local uint* sums) {
-    const uint item = get_local_id(0);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    sums[item] = value;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint step = 1; step < GROUP; step *= 2) {
-        const uint before = item >= step ? sums[item - step] : 0;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        sums[item] += before;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    return sums[item] - value;
-}
+DEFINE_SUM_BEFORE(sum_before, uint, GROUP)
 
 // counts: of each digit in each tile, by digits. A group a tile.
 __kernel GROUP_OF_KERNEL void radix_count(uint count, uint shift, __global const uint* keys, __global uint* counts) {
@@ -61,7 +49,7 @@ __kernel GROUP_OF_KERNEL void radix_sums(uint tiles, __global uint* counts, __gl
     uint before = 0;
     for (uint begin = 0; begin < tiles; begin += GROUP) {
         const uint tile = begin + item;
-        const uint sum = before + radix_sum_before(tile < tiles ? of_digit[tile] : 0, sums);
+        const uint sum = before + sum_before(tile < tiles ? of_digit[tile] : 0, sums);
         if (tile < tiles) of_digit[tile] = sum;
         before += sums[GROUP - 1];
     }
@@ -85,7 +73,7 @@ static inline void sort_tile(__local uint* words, __local ushort* counters, __lo
         // A work-item sums ROUND_DIGITS counters that follow one another.
         uint sum = 0;
         for (uint i = 0; i < ROUND_DIGITS; ++i) sum += counters[COUNTER(0, item * ROUND_DIGITS + i)];
-        sum = radix_sum_before(sum, sums);
+        sum = sum_before(sum, sums);
         for (uint i = 0; i < ROUND_DIGITS; ++i) {
             const uint value = counters[COUNTER(0, item * ROUND_DIGITS + i)];
             counters[COUNTER(0, item * ROUND_DIGITS + i)] = (ushort)sum;
@@ -120,7 +108,7 @@ __kernel GROUP_OF_KERNEL void radix_place(uint count, uint shift, uint is_first,
     sort_tile(words, counters, sums);
     uint before = 0;
     for (uint i = 0; i < DIGITS_EACH; ++i) before += totals[item * DIGITS_EACH + i];
-    before = radix_sum_before(before, sums);
+    before = sum_before(before, sums);
     for (uint i = 0; i < DIGITS_EACH; ++i) {
         const uint digit = item * DIGITS_EACH + i;
         places[digit] = before + counts[digit * tiles + tile];

@@ -1,6 +1,7 @@
 // Exclusive prefix sums of 32-bit counts on a GPU, in three launches: each work-group sums a part of the counts, one
 // group sums the sums, and each group writes its part. A work-item takes a range of its group's part.
 
+#include "group_sum.h"
 #include "shares.h"
 
 #define ITEMS 64  // of a group
@@ -17,19 +18,7 @@ static inline Range range_of_item(uint count, uint part, uint parts) {
     return range;
 }
 
-// The sum of the values of the work-items before this one. sums: ITEMS of them, of which the last becomes the total.
-static inline ulong sum_before(ulong value, __local ulong* sums) {
-    const uint item = get_local_id(0);
-    sums[item] = value;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint step = 1; step < ITEMS; step *= 2) {
-        const ulong before = item >= step ? sums[item - step] : 0;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        sums[item] += before;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    return sums[item] - value;
-}
+DEFINE_SUM_BEFORE(sum_before, ulong, ITEMS)
 
 __kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void scan_sums(uint count, __global const uint* values,
                                                                            __global ulong* sums) {

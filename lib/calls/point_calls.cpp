@@ -150,14 +150,6 @@ CallStatistics DistanceTransform::State::query_many(points::UsablePoints& asked,
     device::InFlight<targets::OwnArrays> own(context());
     own.begin();
     std::size_t most = points::most_points;
-    const auto fewer_than = [&most](std::size_t least) {
-        return calls::Remedy{[&most, least] {
-                                 if (most <= least) return false;
-                                 most /= 2;
-                                 return true;
-                             },
-                             true};
-    };
     const auto share = [&](std::size_t points) {
         return static_cast<double>(points) / static_cast<double>(all.size());
     };
@@ -172,8 +164,7 @@ CallStatistics DistanceTransform::State::query_many(points::UsablePoints& asked,
         };
         {
             const std::scoped_lock lock(mutex);
-            const auto times = calls::with_remedies(
-                &running, {forgetting(), fewer_than(std::size_t{1} << 15), without_tables(), fewer_than(256)}, answer);
+            const auto times = calls::with_remedies(&running, remedies_for_points(most), answer);
             statistics.sign_seconds += times.sign;
             statistics.field_seconds += times.nearest;
         }
@@ -187,6 +178,18 @@ CallStatistics DistanceTransform::State::query_many(points::UsablePoints& asked,
         statistics.device_bytes = pool->peak();
     }
     return running.finish();  // which calls the caller's function
+}
+
+std::vector<calls::Remedy> DistanceTransform::State::remedies_for_points(std::size_t& most) {
+    const auto fewer_than = [&most](std::size_t least) {
+        return calls::Remedy{[&most, least] {
+                                 if (most <= least) return false;
+                                 most /= 2;
+                                 return true;
+                             },
+                             true};
+    };
+    return {forgetting(), fewer_than(std::size_t{1} << 15), without_tables(), fewer_than(256)};
 }
 
 bool DistanceTransform::State::stay_on_device(const InputArray& points, const OutputTargets& targets) const {
@@ -231,16 +234,7 @@ CallStatistics DistanceTransform::State::query_on_device(const InputArray& point
         inputs();  // what it makes is kept
         statistics.polyhedra_seconds = watch.seconds();
         std::size_t most = points::most_points;
-        const auto fewer_than = [&most](std::size_t least) {
-            return calls::Remedy{[&most, least] {
-                                     if (most <= least) return false;
-                                     most /= 2;
-                                     return true;
-                                 },
-                                 true};
-        };
-        const std::vector<calls::Remedy> remedies{forgetting(), fewer_than(std::size_t{1} << 15), without_tables(),
-                                                  fewer_than(256)};
+        const std::vector<calls::Remedy> remedies = remedies_for_points(most);
         const device::BufferPool::Lease cells = calls::with_remedies(&running, remedies, [&] {
             return points::measure_points(tools(), asked, usable, points::box_of_curve(*inputs().mesh));
         });

@@ -95,6 +95,8 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     calls::Remedy forgetting() {
         return {[this] { return forget(); }};
     }
+    /// For a query of `most` points at once: forgets, halves `most`, gives up the tables.
+    std::vector<calls::Remedy> remedies_for_points(std::size_t& most);
     /// Gives up the tables for many points.
     calls::Remedy without_tables() {
         return {[this] { return !std::exchange(points_are_short_of_memory, true); }};

@@ -77,8 +77,8 @@ struct CLSDF_EXPORT SparseField : FieldDescription {
     /// The number of the brick that has this sample's values, by binary search. Empty: it has none, or is not in the
     /// grid's bricks.
     std::optional<std::size_t> find(const Index3& sample) const;
-    /// The distance of a sample of the grid's bricks; its index counts on the lattice. Of the field's samples it is
-    /// that of a dense field, bit for bit.
+    /// The distance of a sample of the grid's bricks; its index counts on the lattice. A sample of the field has
+    /// the distance that a dense field has, bit for bit.
     float distance_at(const Index3& sample) const;
 
     // The values of each output: distance(), triangle(), site(), closest(), gradient(), barycentric(), offset().
