@@ -175,7 +175,7 @@ void find_places(const engine::PointMesh& mesh, SignRule rule, std::span<const B
     });
     if (!has_sign) return;
 
-    if (mesh.boundary) {
+    if (mesh.film) {
         for_each_index(
             boxes.size(),
             [&](std::size_t i) {

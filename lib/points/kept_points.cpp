@@ -10,7 +10,8 @@ std::shared_ptr<const engine::PointMesh> KeptPoints::tree() {
             engine::PointMesh made = engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(),
                                                              kept_mesh_.sign_surface(), kept_mesh_.shared_topology());
             const engine::Restriction* restriction = kept_mesh_.restriction();
-            made.boundary = kept_mesh_.boundary();
+            if (auto boundary = kept_mesh_.boundary())
+                made.film = std::make_shared<const FilmTree>(std::move(boundary), made.lattice.unit);
             made.is_part = restriction != nullptr;
             made.has_several_regions = made.is_part && restriction->regions.size() > 1;
             return made;

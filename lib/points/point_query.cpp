@@ -188,7 +188,7 @@ PointBuffer<cl_uint> find_open(const engine::DeviceTools& tools, const PointInpu
     PointBuffer<cl_uint> open(*tools.pool, batch.points.count, "points without a sign");
     cl::Kernel kernel(tools.programs.point_order, "find_open_points");
     // If open edges count, a point anywhere may be inside.
-    const PointLimits limits = inputs.mesh->boundary ? batch.usable : limits_of(inputs.mesh->box);
+    const PointLimits limits = inputs.mesh->film ? batch.usable : limits_of(inputs.mesh->box);
     engine::launch(tools.queue(), kernel, {batch.points.count}, batch.points.source,
                    static_cast<cl_uint>(batch.points.count), limits, cl_uint{inputs.sign == SignRule::none},
                    cl_double{nearly_on_surface}, static_cast<cl_uint>(batch.first_place),

@@ -1,7 +1,6 @@
 #include "points/point_signs.hpp"
 
 #include "core/parallel.hpp"
-#include "mesh/film_bounds.hpp"
 #include "mesh/predicates.hpp"
 #include "mesh/ray_side.hpp"
 
@@ -173,6 +172,11 @@ private:
     std::size_t count_ = 0, next_ = 0;
 };
 
+/// Nearer to an open edge, the rounding of its turns may decide, and no other point has them. In units.
+constexpr double least_free = 1e-5;
+/// Of a ball without surface, whose open edges may lie on its border: so much of its radius is looked at.
+constexpr double share_without_edges = 0.75;
+
 /// A way longer than that, in units, meets more faces than a ray.
 constexpr double longest_way = 16;
 
@@ -188,22 +192,26 @@ Crossings crossings_of(const engine::PointMesh& mesh, const Vec3& p, const Vec3&
     return crossings_of_ray(mesh, p, in_units);
 }
 
-}  // namespace
-
-int rounded_winding_number(const engine::PointMesh& mesh, const Vec3& point) {
-    const int crossings = winding_of_ray(mesh, point);
-    return mesh.boundary ? crossings + angle_of(*mesh.boundary, point, mesh.lattice.unit).rounded : crossings;
+/// The winding number of a point, rounded to an integer, a half up. radius: of a ball without surface around it.
+int winding_number_with_film(const engine::PointMesh& mesh, const Vec3& p, const Vec3& in_units, double radius,
+                             KnownBalls& balls) {
+    if (const KnownBalls::Found known = balls.find(in_units, 0); known.is_free) return known.ball->crossings.winding;
+    const FilmTree::View view = mesh.film->look(p);
+    const Crossings crossings{winding_of_ray(mesh, p) + view.rounded, 0};
+    // The change in a ball grows with its radius, at least as fast: so the film is as far away as this says.
+    const double most = share_without_edges * radius, change = mesh.film->change_within(p, most);
+    const double free = change > view.to_half ? most * (view.to_half / change) : most;
+    if (free > least_free) balls.add({in_units, p, free, crossings});
+    return crossings.winding;
 }
 
+}  // namespace
+
 std::optional<int> rounded_winding_number(const engine::PointMesh& mesh, const Vec3& centre, double radius) {
-    const int crossings = winding_of_ray(mesh, centre);
-    if (!mesh.boundary) return crossings;
-    const SolidAngle angle = angle_of(*mesh.boundary, centre, mesh.lattice.unit);
-    // Above the rounding of the winding number and of its bound.
-    constexpr double slack = 1e-6;
-    if (!(change_within(*mesh.boundary, centre, radius, mesh.lattice.unit) < distance_to_half(angle.turns) - slack))
-        return std::nullopt;
-    return crossings + angle.rounded;
+    const double change = mesh.film->change_within(centre, radius);
+    const FilmTree::View view = mesh.film->look(centre, change);
+    if (!(change < view.to_half)) return std::nullopt;
+    return winding_of_ray(mesh, centre) + view.rounded;
 }
 
 double winding_number(const engine::PointMesh& mesh, const OpenBoundary& boundary, const Vec3& point) {
@@ -223,19 +231,18 @@ void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoint
             if (signs[i] != CLSDF_POINT_UNDECIDED) continue;
             signs[i] = CLSDF_POINT_OUTSIDE;
             const Vec3& p = points.callers[points.order[i]];
-            if (!mesh.boundary && !engine::contains(mesh.box, p)) continue;
-            const double distance = std::sqrt(points.squared[i]);
+            if (!mesh.film && !engine::contains(mesh.box, p)) continue;
+            const double distance = std::sqrt(points.squared[i]), radius = distance * (1 - rounding) - rounding;
             const Vec3 in_units = mesh.in_units(p);
             if (distance < nearly_on_surface && is_on_surface(mesh, p, in_units)) {
                 signs[i] = CLSDF_POINT_ON_SURFACE;
                 continue;
             }
             if (rule == SignRule::none) continue;
-            if (mesh.boundary) {  // neighbours may lie on the other side of the film
-                if (rounded_winding_number(mesh, p) != 0) signs[i] = CLSDF_POINT_INSIDE;
+            if (mesh.film) {
+                if (winding_number_with_film(mesh, p, in_units, radius, balls) != 0) signs[i] = CLSDF_POINT_INSIDE;
                 continue;
             }
-            const double radius = distance * (1 - rounding) - rounding;
             const KnownBalls::Found known = balls.find(in_units, radius);
             const Crossings crossings = crossings_of(mesh, p, in_units, known);
             if (crossings.are_inside(rule)) signs[i] = CLSDF_POINT_INSIDE;

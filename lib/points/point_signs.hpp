@@ -29,9 +29,8 @@ Crossings count_crossings(const engine::PointMesh& mesh, const Vec3& point, cons
 
 /// The generalised winding number of a point, given in the caller's coordinates. boundary: the open edges, or empty.
 double winding_number(const engine::PointMesh& mesh, const OpenBoundary& boundary, const Vec3& point);
-/// That of a point that is not on the surface, with the open edges that count, rounded to an integer, a half up.
-int rounded_winding_number(const engine::PointMesh& mesh, const Vec3& point);
-/// The same for all points of a ball without surface, whose radius is in units; nothing if it may not be the same.
+/// That of all points of a ball without surface, rounded to an integer, a half up; nothing if it may not be the same.
+/// The open edges count: PointMesh::film is not null. radius: in units.
 std::optional<int> rounded_winding_number(const engine::PointMesh& mesh, const Vec3& centre, double radius);
 
 /// Points whose nearest faces are known, in an order in which neighbours are near each other.
@@ -46,7 +45,7 @@ struct LocatedPoints {
 ///
 /// Two points have the same sign if a ball around one of them holds the other and does not reach the surface. For every
 /// other point, crossings with the surface are counted: on the way from a point nearby, or on a ray along x. If open
-/// edges count, each point has a ray of its own.
+/// edges count, the ball does not reach the film that closes the holes either, and the ray is one towards -x.
 void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoints& points,
                 std::span<std::uint8_t> signs);
 

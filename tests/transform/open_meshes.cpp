@@ -177,6 +177,35 @@ BOOST_AUTO_TEST_CASE(points_on_a_line_through_the_film_have_the_same_sign_togeth
     BOOST_TEST(changes == 1U);  // the film; the surface lies farther up
 }
 
+BOOST_AUTO_TEST_CASE(points_near_each_other_have_the_sign_of_the_solid_angles_and_few_the_bytes_of_many) {
+    constexpr std::uint64_t seed = 12;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    const Mesh sphere = round_mesh(20, 5, {6.5, 6.5, 6.5}, false, "sphere");
+    for (const double share : {0.02, 0.33}) {
+        const Mesh mesh =
+            with_chosen_faces(sphere, "sphere with holes", [&](std::size_t) { return random.uniform(0, 1) > share; });
+        std::vector<Vec3> points;
+        for (int cloud = 0; cloud < 40; ++cloud) {
+            const Vec3 middle = random.point(0, 13);
+            for (int i = 0; i < 50; ++i)
+                points.push_back(along(middle, std::pow(10, random.uniform(-3, 0.5)), random.direction()));
+        }
+        const DistanceTransform transform(test_device(), mesh, by_solid_angle);
+        const Field many = query(transform, points);
+        Signs signs;
+        std::size_t different = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            signs.add(mesh, points[i], static_cast<double>(many.distance()[i]), 1e-6 * 8 / 256);
+            const Field alone = query(transform, std::span(points).subspan(i, 1));
+            different += std::signbit(alone.distance()[0]) != std::signbit(many.distance()[i]) ? 1U : 0U;
+        }
+        BOOST_TEST(signs.wrong == 0U);
+        BOOST_TEST(signs.inside > 100U);
+        BOOST_TEST(different == 0U);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(parts_slabs_and_restricted_transforms_have_the_bytes_of_the_whole) {
     std::vector<Mesh> meshes = open_meshes(4);
     for (const Mesh& mesh : meshes) BOOST_TEST_CONTEXT(mesh.name()) {

@@ -32,6 +32,11 @@ struct WindingChange {
     double bound(double radius) const { return std::min(most, length(gradient) * radius + beside); }
 };
 
+/// The change in a ball of such radius by a film of such area, whose convex hull is so far away from the ball.
+inline double film_change(double area, double away, double radius) {
+    return radius * (area * (0.5 * std::numbers::inv_pi)) / (away * away * away);
+}
+
 /// The change by a loop.
 class LoopChange {
 public:
@@ -40,9 +45,8 @@ public:
     LoopChange(double distance, double loop_radius, double area, double radius) : radius_(radius) {
         const double away = distance - loop_radius - radius;
         if (!(away > 0)) return;
-        const double rate = 2 * area * per_sphere / (away * away * away);
-        most_ = radius * rate;
-        beside_ = 1.5 * radius * radius * rate / away;
+        most_ = film_change(area, away, radius);
+        beside_ = 1.5 * radius / away * most_;
         is_far_ = most_ < 1e-3;
     }
 

@@ -1,9 +1,8 @@
 #include "mesh/open_edges.hpp"
 
 #include "core/parallel.hpp"
-#include "mesh/film_bounds.hpp"
+#include "mesh/loop_turns.hpp"
 #include "mesh/ray_side.hpp"
-#include "solid_angle.h"
 
 #include <algorithm>
 #include <array>
@@ -92,53 +91,13 @@ OpenBoundary::OpenBoundary(const OpenLoops& loops, std::span<const Vec3> positio
     for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = positions[loops.vertices[i]];
 }
 
-double change_within(const OpenBoundary& boundary, const Vec3& centre, double radius, double unit) {
-    const double scale = 1 / unit;
-    const auto offset = [&](std::size_t i) {
-        Vec3 result{};
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            result[axis] = boundary.corners[i][axis] * scale - centre[axis] * scale;
-        return result;
-    };
-    WindingChange change;
-    for (std::size_t loop = 0; loop + 1 < boundary.begins.size(); ++loop) {
-        const std::size_t begin = boundary.begins[loop], end = boundary.begins[loop + 1];
-        const auto next = [&](std::size_t i) { return i + 1 < end ? i + 1 : begin; };
-        // A ball around the loop's first corner: the way to any other is half the loop at most.
-        double perimeter = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3 a = offset(i), b = offset(next(i));
-            perimeter += length({b[0] - a[0], b[1] - a[1], b[2] - a[2]});
-        }
-        LoopChange of_loop(length(offset(begin)), perimeter / 2 * (1 + 1e-9), film_area(perimeter), radius);
-        for (std::size_t i = begin; i < end; ++i) of_loop.add_edge(offset(i), offset(next(i)));
-        change.add(of_loop.change());
-    }
-    return change.bound(radius);
-}
-
 SolidAngle angle_of(const OpenBoundary& boundary, const Vec3& point, double unit) {
-    const double scale = 1 / unit;
-    const auto seen = [&](const Vec3& corner) {
-        // A product with a power of two is exact, and cannot overflow where the difference of the given ones does.
-        const double x = corner[0] * scale - point[0] * scale, y = corner[1] * scale - point[1] * scale,
-                     z = corner[2] * scale - point[2] * scale;
-        return seen_vertex(x, y, z, y, z);
-    };
     Turns turns = no_turns();
     for (std::size_t loop = 0; loop + 1 < boundary.begins.size(); ++loop) {
-        const std::size_t begin = boundary.begins[loop], end = boundary.begins[loop + 1];
-        const SeenVertex first = seen(boundary.corners[begin]);
-        SeenVertex from = first;
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::size_t next = i + 1 < end ? i + 1 : begin;
-            const SeenVertex to = i + 1 < end ? seen(boundary.corners[next]) : first;
-            const double re = edge_re(from, to), im = edge_im(from, to);
-            const int side =
-                re < 0 ? (displaced_side(boundary.corners[i], boundary.corners[next], point) > 0 ? 1 : -1) : 0;
-            turns = turned(turns, re, im, side);
-            from = to;
-        }
+        const std::size_t begin = boundary.begins[loop];
+        turns = turned_by_loop(
+            turns, boundary.begins[loop + 1] - begin,
+            [&](std::size_t i) -> const Vec3& { return boundary.corners[begin + i]; }, point, unit);
     }
     return {rounded_turns(turns), turns_of(turns)};
 }

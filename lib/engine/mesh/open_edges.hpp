@@ -53,9 +53,6 @@ struct SolidAngle {
 /// For a point as given, with exact sides of edges. unit: a power of two; positions divided by it are of moderate size.
 SolidAngle angle_of(const OpenBoundary& boundary, const Vec3& point, double unit);
 
-/// How much they change the winding number within a ball around a point, at most. radius: in the unit.
-double change_within(const OpenBoundary& boundary, const Vec3& centre, double radius, double unit);
-
 /// Looks at the winding number of a surface with open edges, at fixed points of the mesh's box, and sets
 /// Topology::tested_points and what follows from them. triangles: of the surface.
 void test_winding_number(const Mesh& mesh, std::span<const Triangle> triangles, const OpenLoops& loops,

@@ -5,7 +5,7 @@
 #include "frusta/frames.hpp"
 #include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
-#include "mesh/open_edges.hpp"
+#include "mesh/film_tree.hpp"
 #include "mesh/sign_surface.hpp"
 
 #include "point_tree.h"
@@ -46,7 +46,7 @@ struct PointMesh {
     UninitializedVector<Vec3> positions;           ///< of the vertices, numbered as in MeshTopology::faces
     std::vector<Vec3> sign_positions;              ///< those that decide the sign; empty: the same
     std::vector<std::int8_t> sign_counts;          ///< how often each face counts for the sign; empty: once
-    std::shared_ptr<const OpenBoundary> boundary;  ///< the open edges; null if none count
+    std::shared_ptr<const FilmTree> film;          ///< of the open edges; null if none count
     std::vector<bool> is_joined;                   ///< of each vertex, whether it is with another one; empty: none
     PointTree tree{};
     std::vector<PointNode> nodes;  ///< by levels; the children of the first level are faces; the root is the last
@@ -86,7 +86,7 @@ struct PointMesh {
 
     std::size_t host_bytes() const {
         return (positions.size() + sign_positions.size()) * sizeof(Vec3) + sign_counts.size() + is_joined.size() / 8 +
-               nodes.size() * sizeof(PointNode);
+               nodes.size() * sizeof(PointNode) + (film ? film->host_bytes() : 0);
     }
     std::size_t device_bytes() const {
         return device_nodes.bytes() + leaves.bytes() + polyhedra.bytes() + faces.bytes();
