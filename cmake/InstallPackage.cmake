@@ -85,6 +85,20 @@ function(clsdf_install_binding target component description)
   clsdf_install_description(${target})
 endfunction()
 
+# clsdf_install_fortran_source(<target> <description> [<clsdf package>...]): its descriptions, if only its source is installed.
+function(clsdf_install_fortran_source target description)
+  set(PC_DESCRIPTION "${description}")
+  set(PC_LIBRARIES "")
+  set(PC_LIBRARIES_PRIVATE "")
+  list(TRANSFORM ARGN APPEND " = ${PROJECT_VERSION}")
+  list(JOIN ARGN " " PC_REQUIRES)
+  clsdf_install_description(${target})
+  set(CLSDF_FORTRAN_TARGET ${target})
+  string(REPLACE _fortran "" CLSDF_FORTRAN_SOURCE ${target})
+  configure_file(cmake/clsdfFortran.cmake.in ${PROJECT_BINARY_DIR}/${target}Targets.cmake @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${target}Targets.cmake DESTINATION ${package_directory} COMPONENT development)
+endfunction()
+
 set(CLSDF_CONFIG_DEPENDENCIES "")
 set(CLSDF_CONFIG_C meshes)
 set(CLSDF_CONFIG_C_IO io)
@@ -134,10 +148,11 @@ endif()
 if(CLSDF_NO_FORTRAN)
   install(CODE "message(STATUS \"${CLSDF_NO_FORTRAN}\")" COMPONENT development)
 endif()
+file(RELATIVE_PATH sources ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_FULL_DATADIR}/clsdf/fortran)
+set(PC_VARIABLES "sources=\${pcfiledir}/${sources}\n")
+set(CLSDF_CONFIG_FORTRAN_SOURCES "")
 if(CLSDF_BUILD_FORTRAN)
   # Modules of this compiler; and the sources, for every other one.
-  file(RELATIVE_PATH sources ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_FULL_DATADIR}/clsdf/fortran)
-  set(PC_VARIABLES "sources=\${pcfiledir}/${sources}\n")
   set(PC_INCLUDE_FOLDER /clsdf/fortran)
   list(APPEND CLSDF_COMPONENTS fortran)
   clsdf_install_binding(clsdf_fortran fortran "clsdf in Fortran: signed distance fields of triangle meshes" clsdf-c)
@@ -145,7 +160,6 @@ if(CLSDF_BUILD_FORTRAN)
     list(APPEND CLSDF_COMPONENTS fortran_io)
     clsdf_install_binding(clsdf_fortran_io fortran_io "Files of fields, for clsdf in Fortran" clsdf-fortran clsdf-c-io)
   endif()
-  set(PC_VARIABLES "")
   set(PC_INCLUDE_FOLDER "")
   get_target_property(modules clsdf_fortran Fortran_MODULE_DIRECTORY)
   install(
@@ -154,6 +168,19 @@ if(CLSDF_BUILD_FORTRAN)
     COMPONENT development
     FILES_MATCHING
     PATTERN "*.mod")
+elseif(CLSDF_BUILD_C)
+  # Without a compiler the sources alone: clsdf::fortran compiles them in the project that uses it.
+  file(RELATIVE_PATH CLSDF_CONFIG_FORTRAN_SOURCES ${CMAKE_INSTALL_FULL_LIBDIR}/cmake/clsdf
+       ${CMAKE_INSTALL_FULL_DATADIR}/clsdf/fortran)
+  list(APPEND CLSDF_COMPONENTS fortran)
+  clsdf_install_fortran_source(clsdf_fortran "clsdf in Fortran, as a source: signed distance fields of triangle meshes" clsdf-c)
+  if(CLSDF_BUILD_IO)
+    list(APPEND CLSDF_COMPONENTS fortran_io)
+    clsdf_install_fortran_source(clsdf_fortran_io "Files of fields, for clsdf in Fortran, as a source" clsdf-fortran clsdf-c-io)
+  endif()
+endif()
+set(PC_VARIABLES "")
+if(CLSDF_BUILD_C)
   install(
     FILES bindings/fortran/clsdf.f90 bindings/fortran/clsdf_io.f90
     DESTINATION ${CMAKE_INSTALL_DATADIR}/clsdf/fortran
@@ -185,7 +212,10 @@ install(
 foreach(component core meshes io papers picture reference c c_io fortran fortran_io command development)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})
 endforeach()
-# The documents, and all that they link to.
+# The documents, and all that they link to; another project that contains this one has documents of its own.
+if(NOT PROJECT_IS_TOP_LEVEL)
+  return()
+endif()
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
 install(
   DIRECTORY docs examples

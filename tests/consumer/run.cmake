@@ -1,5 +1,6 @@
 # WAY: one of those below; CLSDF: the sources; BUILD: their build tree; SCRATCH: a directory of this test's own; GENERATOR,
-# COMPILER and LAUNCHER: as the library was built.
+# COMPILER and LAUNCHER: as the library was built. For the way "wheel", which packaging/try_consumers.bash takes: PREFIX, what
+# `python -m clsdf.cmake` prints, instead of BUILD; FORTRAN, a compiler or empty; BESIDE, if oneTBB and GMP are installed.
 cmake_minimum_required(VERSION 3.25)
 
 set(prefix ${SCRATCH}/prefix)
@@ -53,6 +54,44 @@ function(write_c_program name)
     message(FATAL_ERROR "docs/c.md has no program ${name}.c")
   endif()
   file(WRITE ${build}/${name}.c "${CMAKE_MATCH_1}")
+endfunction()
+
+# first.f90 of docs/fortran.md, and a program that uses files of fields.
+function(write_fortran_programs)
+  file(READ ${CLSDF}/docs/fortran.md page)
+  if(NOT page MATCHES "```fortran\n(! first[.]f90: [^`]*)```")
+    message(FATAL_ERROR "docs/fortran.md has no program first.f90")
+  endif()
+  file(WRITE ${build}/first.f90 "${CMAKE_MATCH_1}")
+  file(WRITE ${build}/files.f90 "program files\n  use clsdf_io\n  call clsdf_field_check_path('a.nrrd')\nend program\n")
+endfunction()
+
+# The line of docs/c.md, as a reader would paste it; and the same with files of fields. The program finds the library by
+# itself.
+function(try_lines_of_c)
+  unset(ENV{LD_LIBRARY_PATH})
+  file(REMOVE ${build}/first ${build}/slabs)
+  file(STRINGS ${CLSDF}/docs/c.md line REGEX "^cc .*pkg-config" LIMIT_COUNT 1)
+  run(sh -c "eval \"${line}\"")
+  run(${build}/first)
+  string(REPLACE clsdf-c clsdf-c-io line "${line}")
+  string(REPLACE first slabs line "${line}")
+  run(sh -c "eval \"${line}\"")
+  run(${build}/slabs)
+endfunction()
+
+# try_lines_of_fortran(<compiler>...): the lines of docs/fortran.md that begin with these, likewise. "fc" is any compiler.
+function(try_lines_of_fortran)
+  unset(ENV{LD_LIBRARY_PATH})
+  file(STRINGS ${CLSDF}/docs/fortran.md rpath REGEX "^rpath=" LIMIT_COUNT 1)
+  list(JOIN ARGN "|" compilers)
+  file(STRINGS ${CLSDF}/docs/fortran.md lines REGEX "^(${compilers}) .*pkg-config" LIMIT_COUNT 2)
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE "^fc " "gfortran -J . " line "${line}")
+    file(REMOVE ${build}/first)
+    run(sh -c "${rpath} && eval \"${line}\"")
+    run(${build}/first)
+  endforeach()
 endfunction()
 
 function(check_readme_program)
@@ -315,28 +354,12 @@ elseif(WAY STREQUAL "c")
   if(NOT EXISTS ${build}/knot.nrrd)
     message(FATAL_ERROR "slabs.c wrote no field")
   endif()
-
-  # The line of the page, as a reader would paste it; and the same with files of fields. The program finds the library by
-  # itself.
-  unset(ENV{LD_LIBRARY_PATH})
-  file(REMOVE ${build}/first ${build}/slabs)
-  file(STRINGS ${CLSDF}/docs/c.md line REGEX "^cc .*pkg-config" LIMIT_COUNT 1)
-  run(sh -c "eval \"${line}\"")
-  run(${build}/first)
-  string(REPLACE clsdf-c clsdf-c-io line "${line}")
-  string(REPLACE first slabs line "${line}")
-  run(sh -c "eval \"${line}\"")
-  run(${build}/slabs)
+  try_lines_of_c()
 
 elseif(WAY STREQUAL "fortran")
   # A project in Fortran alone, with the modules that are installed; and with their sources, as another compiler needs.
   write_readme_program(${build}/readme.cpp)  # and its mesh
-  file(READ ${CLSDF}/docs/fortran.md page)
-  if(NOT page MATCHES "```fortran\n(! first[.]f90: [^`]*)```")
-    message(FATAL_ERROR "docs/fortran.md has no program first.f90")
-  endif()
-  file(WRITE ${build}/first.f90 "${CMAKE_MATCH_1}")
-  file(WRITE ${build}/files.f90 "program files\n  use clsdf_io\n  call clsdf_field_check_path('a.nrrd')\nend program\n")
+  write_fortran_programs()
   install_package(c fortran development)
   set(configure_fortran ${CMAKE_COMMAND} -S ${source}/fortran -B ${build} -G ${GENERATOR} -DPROGRAMS=${build}
                         -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON
@@ -348,18 +371,80 @@ elseif(WAY STREQUAL "fortran")
   run(${configure_fortran} -DCOMPONENTS=fortran_io)
   run(${CMAKE_COMMAND} --build ${build})
   run(${build}/files)
+  try_lines_of_fortran(gfortran fc)
 
-  # The lines of the page, as a reader would paste them. The program finds the library by itself.
-  unset(ENV{LD_LIBRARY_PATH})
-  file(REMOVE ${build}/first)
-  file(STRINGS ${CLSDF}/docs/fortran.md rpath REGEX "^rpath=" LIMIT_COUNT 1)
-  file(STRINGS ${CLSDF}/docs/fortran.md lines REGEX "^(gfortran|fc) .*pkg-config" LIMIT_COUNT 2)
-  foreach(line IN LISTS lines)
-    string(REGEX REPLACE "^fc " "gfortran -J . " line "${line}")
-    run(sh -c "${rpath} && eval \"${line}\"")
-    run(${build}/first)
-    file(REMOVE ${build}/first)
+elseif(WAY STREQUAL "wheel")
+  # The libraries in a wheel, from C++, C and Fortran. Of what they stand on, nothing is looked for.
+  set(prefix ${PREFIX})
+  set(ENV{PKG_CONFIG_PATH} ${PKG_CONFIG_PATH})
+  set(alone "")
+  foreach(package CGAL Eigen3 TBB OpenCL fmt)
+    list(APPEND alone -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
+  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=meshes,io,papers,c ${alone})
+  run(${CMAKE_COMMAND} --build ${build})
+  run(${build}/consumer)
+  run(${build}/consumer_host ${build}/libconsumer_plugin.so)
+  check_readme_program()
+  foreach(program meshes papers both)
+    run(${build}/consumer_${program})
+  endforeach()
+  run(${build}/consumer_interrupted ${build}/cache)
+  find_program(readelf readelf REQUIRED)
+  foreach(program consumer consumer_files consumer_meshes consumer_papers consumer_both)
+    execute_process(
+      COMMAND ${readelf} -d ${build}/${program}
+      OUTPUT_VARIABLE dynamic
+      COMMAND_ERROR_IS_FATAL ANY)
+    string(REGEX MATCHALL "NEEDED[^[]*.[^]\n]+" libraries "${dynamic}")
+    list(TRANSFORM libraries REPLACE ".*[^a-zA-Z0-9_.+-]" "")
+    list(FILTER libraries EXCLUDE REGEX "^(libclsdf.*|libstdc[+][+]|libm|libgcc_s|libc|ld-linux-x86-64)[.]so")
+    if(libraries OR NOT dynamic MATCHES "libclsdf[.]so[.]")
+      message(SEND_ERROR "${program} links ${libraries}, which are not clsdf's: ${dynamic}")
+    endif()
+  endforeach()
+
+  write_c_program(first)
+  write_c_program(slabs)
+  set(configure_in ${CMAKE_COMMAND} -G ${GENERATOR} -DPROGRAMS=${build} -DCMAKE_PREFIX_PATH=${prefix} ${alone})
+  run(${configure_in} -S ${source}/c -B ${build}/c -DCOMPONENTS=c_io)
+  run(${CMAKE_COMMAND} --build ${build}/c)
+  run(${build}/c/first)
+  run(${build}/c/slabs)
+  if(FORTRAN)
+    write_fortran_programs()
+    run(${configure_in} -S ${source}/fortran -B ${build}/fortran -DCOMPONENTS=fortran_io -DCMAKE_Fortran_COMPILER=${FORTRAN})
+    run(${CMAKE_COMMAND} --build ${build}/fortran)
+    run(${build}/fortran/first)
+    run(${build}/fortran/files)
+  endif()
+  # A project that has no Fortran is told so.
+  execute_process(COMMAND ${configure_in} -S ${source}/c -B ${build}/c -DCOMPONENTS=fortran RESULT_VARIABLE status
+                  OUTPUT_VARIABLE log ERROR_VARIABLE log)
+  if(status EQUAL 0 OR NOT log MATCHES "enable_language.Fortran.")
+    message(SEND_ERROR "find_package(clsdf COMPONENTS fortran) in C does not say what to do: ${log}")
+  endif()
+
+  find_program(pkg_config pkg-config)
+  if(pkg_config)
+    try_lines_of_c()
+    if(FORTRAN)
+      try_lines_of_fortran(fc)
+    endif()
+    file(STRINGS ${CLSDF}/docs/install.md line REGEX "^c\\+\\+ .*pkg-config" LIMIT_COUNT 1)
+    string(REGEX REPLACE "^c\\+\\+" "'${COMPILER}'" line "${line}")
+    file(COPY_FILE ${source}/meshes.cpp ${build}/simulation.cpp)
+    run(sh -c "eval \"${line}\"")
+    run(${build}/simulation)
+  endif()
+
+  if(BESIDE)
+    run(${CMAKE_COMMAND} -S ${source}/beside -B ${build}/beside -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
+        -DCMAKE_PREFIX_PATH=${prefix})
+    run(${CMAKE_COMMAND} --build ${build}/beside)
+    run(${build}/beside/clsdf_first)
+    run(${build}/beside/clsdf_last)
+  endif()
 
 elseif(WAY STREQUAL "parallel_hdf5")
   find_program(mpirun mpirun)

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 std::atomic<cl_platform_id> opened = nullptr;
 
 #if defined(CLSDF_BUNDLED_DRIVER) && defined(__GLIBC__)
-/// clsdf/driver beside the folder of the program or shared library that contains this function; empty if that is
+/// The folder `driver` beside that of the program or shared library that contains this function; empty if that is
 /// unknown.
 fs::path folder_of_package() {
     Dl_info info{};
@@ -35,7 +35,7 @@ fs::path folder_of_package() {
     std::error_code error;
     // The program itself has no name there.
     const fs::path file = fs::canonical(name.empty() ? "/proc/self/exe" : name, error);
-    return error ? fs::path() : file.parent_path().parent_path() / "clsdf" / "driver";
+    return error ? fs::path() : file.parent_path().parent_path() / "driver";
 }
 #else
 /// Nothing: anybody could have put a driver beside a program in a folder for all, such as /tmp.

@@ -13,8 +13,8 @@ namespace clsdf::device {
 /// The driver for processors that a package brings with it: PoCL without a compiler, libclsdf_pocl.so, and clsdf's
 /// programs, compiled ahead for each level of processors, programs/<level>/*.program.
 ///
-/// Its folder is clsdf/driver beside the folder of the file that contains this library, a program or a shared library:
-/// PREFIX/clsdf/driver for PREFIX/clsdf/_core.abi3.so. Only builds with the option CLSDF_BUNDLED_DRIVER look there.
+/// Its folder is `driver` beside the folder of the file that contains this library, a program or a shared library:
+/// PREFIX/driver for PREFIX/lib/libclsdf.so. Only builds with the option CLSDF_BUNDLED_DRIVER look there.
 /// tuning_variable("CLSDF_DRIVER") names another folder.
 ///
 /// A process has one, so a shared core exports these functions (see cmake/Libraries.cmake).
