@@ -3,6 +3,8 @@
 !> there is mesh%read here. A program compiles this file with its own compiler, or uses the module of gfortran that is
 !> installed.
 !>
+!> For other kinds and ranks the script repeat.py copies procedures in this file: change the pattern, not the copies.
+!>
 !> STATUS. Every procedure that can fail has the optional arguments stat, which is 0 or one of the numbers below, and
 !> errmsg, which is defined only after an error. Without stat, an error writes its message and stops the program.
 !>
@@ -298,10 +300,10 @@ module clsdf
     type(c_ptr), private :: handle = c_null_ptr
   contains
     procedure :: set => limit_set
-    procedure :: release => limit_release
-    procedure, private :: limit_assign
-    generic :: assignment(=) => limit_assign
-    final :: limit_end
+    procedure :: release => thread_limit_release
+    procedure, private :: thread_limit_assign
+    generic :: assignment(=) => thread_limit_assign
+    final :: thread_limit_end
   end type
 
   ! ---- Meshes ----
@@ -635,6 +637,8 @@ module clsdf
       import
       type(c_ptr), value :: devices
     end subroutine
+    ! REPEATED FOR device=mesh | device=transform | device=plan | device=field | device=thread_limit
+
     subroutine c_device_retain(device) bind(C, name="clsdf_device_retain")
       import
       type(c_ptr), value :: device
@@ -643,6 +647,9 @@ module clsdf
       import
       type(c_ptr), value :: device
     end subroutine
+
+    ! REPEATED BY repeat.py
+
     subroutine c_mesh_retain(mesh) bind(C, name="clsdf_mesh_retain")
       import
       type(c_ptr), value :: mesh
@@ -651,6 +658,7 @@ module clsdf
       import
       type(c_ptr), value :: mesh
     end subroutine
+
     subroutine c_transform_retain(transform) bind(C, name="clsdf_transform_retain")
       import
       type(c_ptr), value :: transform
@@ -659,6 +667,7 @@ module clsdf
       import
       type(c_ptr), value :: transform
     end subroutine
+
     subroutine c_plan_retain(plan) bind(C, name="clsdf_plan_retain")
       import
       type(c_ptr), value :: plan
@@ -667,6 +676,7 @@ module clsdf
       import
       type(c_ptr), value :: plan
     end subroutine
+
     subroutine c_field_retain(field) bind(C, name="clsdf_field_retain")
       import
       type(c_ptr), value :: field
@@ -675,17 +685,20 @@ module clsdf
       import
       type(c_ptr), value :: field
     end subroutine
+
+    subroutine c_thread_limit_retain(thread_limit) bind(C, name="clsdf_thread_limit_retain")
+      import
+      type(c_ptr), value :: thread_limit
+    end subroutine
+    subroutine c_thread_limit_release(thread_limit) bind(C, name="clsdf_thread_limit_release")
+      import
+      type(c_ptr), value :: thread_limit
+    end subroutine
+
+    ! END
     subroutine c_points_release(points) bind(C, name="clsdf_points_release")
       import
       type(c_ptr), value :: points
-    end subroutine
-    subroutine c_thread_limit_retain(limit) bind(C, name="clsdf_thread_limit_retain")
-      import
-      type(c_ptr), value :: limit
-    end subroutine
-    subroutine c_thread_limit_release(limit) bind(C, name="clsdf_thread_limit_release")
-      import
-      type(c_ptr), value :: limit
     end subroutine
     function c_output_count() bind(C, name="clsdf_output_count") result(value)
       import
@@ -1804,6 +1817,10 @@ contains
 
   ! ---- Arrays: where they lie, without a copy ----
 
+  ! REPEATED FOR rank=2 | rank=3 | rank=4 | rank=5 |
+  !     r8 | r8 rank=2 | r8 rank=3 | r8 rank=4 | r8 rank=5 |
+  !     i4 | i4 rank=2 | i4 rank=3 | i4 rank=4 | i8 rank=2 | i1 | i1 rank=3 | i1 rank=4
+
   function array_r4_1(x) result(array)
     real(c_float), intent(in), target :: x(:)
     type(clsdf_array) :: array
@@ -1814,6 +1831,8 @@ contains
     call place(array, c_loc(x(1)), [c_loc(x(k(1)))])
   end function
 
+  ! REPEATED BY repeat.py
+
   function array_r4_2(x) result(array)
     real(c_float), intent(in), target :: x(:, :)
     type(clsdf_array) :: array
@@ -1821,7 +1840,8 @@ contains
     k = int(min(2_c_int64_t, shape(x, c_int64_t)))
     call describe(array, CLSDF_FLOAT32, shape(x, c_int64_t))
     if (any(k == 0)) return
-    call place(array, c_loc(x(1, 1)), [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
+    call place(array, c_loc(x(1, 1)), &
+        [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
   end function
 
   function array_r4_3(x) result(array)
@@ -1831,7 +1851,8 @@ contains
     k = int(min(2_c_int64_t, shape(x, c_int64_t)))
     call describe(array, CLSDF_FLOAT32, shape(x, c_int64_t))
     if (any(k == 0)) return
-    call place(array, c_loc(x(1, 1, 1)), [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
+    call place(array, c_loc(x(1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
   end function
 
   function array_r4_4(x) result(array)
@@ -1842,7 +1863,8 @@ contains
     call describe(array, CLSDF_FLOAT32, shape(x, c_int64_t))
     if (any(k == 0)) return
     call place(array, c_loc(x(1, 1, 1, 1)), &
-        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), c_loc(x(1, 1, 1, k(4)))])
+        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), &
+        c_loc(x(1, 1, 1, k(4)))])
   end function
 
   function array_r4_5(x) result(array)
@@ -1874,7 +1896,8 @@ contains
     k = int(min(2_c_int64_t, shape(x, c_int64_t)))
     call describe(array, CLSDF_FLOAT64, shape(x, c_int64_t))
     if (any(k == 0)) return
-    call place(array, c_loc(x(1, 1)), [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
+    call place(array, c_loc(x(1, 1)), &
+        [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
   end function
 
   function array_r8_3(x) result(array)
@@ -1884,7 +1907,8 @@ contains
     k = int(min(2_c_int64_t, shape(x, c_int64_t)))
     call describe(array, CLSDF_FLOAT64, shape(x, c_int64_t))
     if (any(k == 0)) return
-    call place(array, c_loc(x(1, 1, 1)), [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
+    call place(array, c_loc(x(1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
   end function
 
   function array_r8_4(x) result(array)
@@ -1895,7 +1919,8 @@ contains
     call describe(array, CLSDF_FLOAT64, shape(x, c_int64_t))
     if (any(k == 0)) return
     call place(array, c_loc(x(1, 1, 1, 1)), &
-        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), c_loc(x(1, 1, 1, k(4)))])
+        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), &
+        c_loc(x(1, 1, 1, k(4)))])
   end function
 
   function array_r8_5(x) result(array)
@@ -1927,7 +1952,8 @@ contains
     k = int(min(2_c_int64_t, shape(x, c_int64_t)))
     call describe(array, CLSDF_INT32, shape(x, c_int64_t))
     if (any(k == 0)) return
-    call place(array, c_loc(x(1, 1)), [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
+    call place(array, c_loc(x(1, 1)), &
+        [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
   end function
 
   function array_i4_3(x) result(array)
@@ -1937,7 +1963,8 @@ contains
     k = int(min(2_c_int64_t, shape(x, c_int64_t)))
     call describe(array, CLSDF_INT32, shape(x, c_int64_t))
     if (any(k == 0)) return
-    call place(array, c_loc(x(1, 1, 1)), [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
+    call place(array, c_loc(x(1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
   end function
 
   function array_i4_4(x) result(array)
@@ -1948,7 +1975,8 @@ contains
     call describe(array, CLSDF_INT32, shape(x, c_int64_t))
     if (any(k == 0)) return
     call place(array, c_loc(x(1, 1, 1, 1)), &
-        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), c_loc(x(1, 1, 1, k(4)))])
+        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), &
+        c_loc(x(1, 1, 1, k(4)))])
   end function
 
   function array_i8_2(x) result(array)
@@ -1958,7 +1986,8 @@ contains
     k = int(min(2_c_int64_t, shape(x, c_int64_t)))
     call describe(array, CLSDF_INT64, shape(x, c_int64_t))
     if (any(k == 0)) return
-    call place(array, c_loc(x(1, 1)), [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
+    call place(array, c_loc(x(1, 1)), &
+        [c_loc(x(k(1), 1)), c_loc(x(1, k(2)))])
   end function
 
   function array_i1_1(x) result(array)
@@ -1978,7 +2007,8 @@ contains
     k = int(min(2_c_int64_t, shape(x, c_int64_t)))
     call describe(array, CLSDF_UINT8, shape(x, c_int64_t))
     if (any(k == 0)) return
-    call place(array, c_loc(x(1, 1, 1)), [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
+    call place(array, c_loc(x(1, 1, 1)), &
+        [c_loc(x(k(1), 1, 1)), c_loc(x(1, k(2), 1)), c_loc(x(1, 1, k(3)))])
   end function
 
   function array_i1_4(x) result(array)
@@ -1989,8 +2019,11 @@ contains
     call describe(array, CLSDF_UINT8, shape(x, c_int64_t))
     if (any(k == 0)) return
     call place(array, c_loc(x(1, 1, 1, 1)), &
-        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), c_loc(x(1, 1, 1, k(4)))])
+        [c_loc(x(k(1), 1, 1, 1)), c_loc(x(1, k(2), 1, 1)), c_loc(x(1, 1, k(3), 1)), &
+        c_loc(x(1, 1, 1, k(4)))])
   end function
+
+  ! END
 
   !> Numbers in a buffer of the device. Bytes, as in C: of the first number, from a sample to the next along each axis,
   !> from a component to the next, from a block to the next. `count`: of items, which points need.
@@ -2144,12 +2177,18 @@ contains
     end do
   end subroutine
 
+  ! REPEATED FOR rank=2 | rank=3 | rank=4 | rank=5 |
+  !     r8 | r8 rank=2 | r8 rank=3 | r8 rank=4 | r8 rank=5 |
+  !     i4 | i4 rank=3 | i4 rank=4 | i1 | i1 rank=3 | i1 rank=4
+
   function target_r4_1(output, x) result(target)
     integer(c_int32_t), intent(in) :: output
     real(c_float), intent(in), target :: x(:)
     type(clsdf_target) :: target
     target = target_of_array(output, clsdf_array(x))
   end function
+
+  ! REPEATED BY repeat.py
 
   function target_r4_2(output, x) result(target)
     integer(c_int32_t), intent(in) :: output
@@ -2255,6 +2294,8 @@ contains
     type(clsdf_target) :: target
     target = target_of_array(output, clsdf_array(x))
   end function
+
+  ! END
 
   function target_of_array(output, array) result(target)
     integer(c_int32_t), intent(in) :: output
@@ -2639,6 +2680,8 @@ contains
     call for_c(array, what, 3_c_int64_t, [count], 1, c, status)
   end subroutine
 
+  ! REPEATED FOR i4=i8 c_int32_t=c_int64_t | r8 | r8 i4=i8 c_int32_t=c_int64_t
+
   subroutine mesh_create_r4_i4(self, vertices, triangles, name, stat, errmsg)
     class(clsdf_mesh), intent(inout) :: self
     real(c_float), intent(in), target :: vertices(:, :)
@@ -2648,6 +2691,8 @@ contains
     character(*), intent(inout), optional :: errmsg
     call self%create(clsdf_array(vertices), clsdf_array(triangles), name, stat, errmsg)
   end subroutine
+
+  ! REPEATED BY repeat.py
 
   subroutine mesh_create_r4_i8(self, vertices, triangles, name, stat, errmsg)
     class(clsdf_mesh), intent(inout) :: self
@@ -2679,6 +2724,10 @@ contains
     call self%create(clsdf_array(vertices), clsdf_array(triangles), name, stat, errmsg)
   end subroutine
 
+  ! END
+
+  ! REPEATED FOR r8
+
   subroutine mesh_set_positions_r4(self, positions, stat, errmsg)
     class(clsdf_mesh), intent(inout) :: self
     real(c_float), intent(in), target :: positions(:, :)
@@ -2687,6 +2736,8 @@ contains
     call self%set_positions(clsdf_array(positions), stat, errmsg)
   end subroutine
 
+  ! REPEATED BY repeat.py
+
   subroutine mesh_set_positions_r8(self, positions, stat, errmsg)
     class(clsdf_mesh), intent(inout) :: self
     real(c_double), intent(in), target :: positions(:, :)
@@ -2694,6 +2745,8 @@ contains
     character(*), intent(inout), optional :: errmsg
     call self%set_positions(clsdf_array(positions), stat, errmsg)
   end subroutine
+
+  ! END
 
   !> A mesh made by code: "sphere0" to "sphere9", "torus", "knot", ...
   subroutine mesh_shape(self, name, stat, errmsg)
@@ -3039,24 +3092,12 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  ! REPEATED FOR r8
+
   subroutine transform_create_r4(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     real(c_float), intent(in), target :: vertices(:, :)
-    integer(c_int32_t), intent(in), target :: triangles(:, :)
-    character(*), intent(in), optional :: name
-    integer(c_int32_t), intent(in), optional :: sign
-    integer(c_int64_t), intent(in), optional :: kept_bytes
-    class(clsdf_call_options), intent(inout), target, optional :: options
-    integer, intent(out), optional :: stat
-    character(*), intent(inout), optional :: errmsg
-    call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, errmsg)
-  end subroutine
-
-  subroutine transform_create_r8(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg)
-    class(clsdf_transform), intent(inout) :: self
-    type(clsdf_device), intent(in) :: device
-    real(c_double), intent(in), target :: vertices(:, :)
     integer(c_int32_t), intent(in), target :: triangles(:, :)
     character(*), intent(in), optional :: name
     integer(c_int32_t), intent(in), optional :: sign
@@ -3076,6 +3117,22 @@ contains
     call self%set_positions(clsdf_array(positions), options, stat, errmsg)
   end subroutine
 
+  ! REPEATED BY repeat.py
+
+  subroutine transform_create_r8(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg)
+    class(clsdf_transform), intent(inout) :: self
+    type(clsdf_device), intent(in) :: device
+    real(c_double), intent(in), target :: vertices(:, :)
+    integer(c_int32_t), intent(in), target :: triangles(:, :)
+    character(*), intent(in), optional :: name
+    integer(c_int32_t), intent(in), optional :: sign
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, errmsg)
+  end subroutine
+
   subroutine set_positions_r8(self, positions, options, stat, errmsg)
     class(clsdf_transform), intent(inout) :: self
     real(c_double), intent(in), target :: positions(:, :)
@@ -3084,6 +3141,8 @@ contains
     character(*), intent(inout), optional :: errmsg
     call self%set_positions(clsdf_array(positions), options, stat, errmsg)
   end subroutine
+
+  ! END
 
   !> A transform for a part of the domain, which keeps only what the regions need.
   subroutine transform_restrict(self, regions, restricted, stat, errmsg)
@@ -3147,6 +3206,8 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  ! REPEATED FOR r8 closest
+
   !> The same with arrays of one kind.
   subroutine compute_r4(self, grid, band, distance, triangle, site, offset, gradient, barycentric, &
       options, statistics, stat, errmsg)
@@ -3168,32 +3229,6 @@ contains
     if (present(offset)) targets(4) = clsdf_target(CLSDF_OFFSET, offset)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
-    call self%compute(grid, band, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
-  end subroutine
-
-  !> The same with arrays of one kind.
-  subroutine compute_r8(self, grid, band, distance, triangle, site, closest, gradient, barycentric, offset, &
-      options, statistics, stat, errmsg)
-    class(clsdf_transform), intent(in) :: self
-    type(clsdf_grid), intent(in) :: grid
-    type(clsdf_band), intent(in) :: band
-    real(c_double), intent(inout), target :: distance(:, :, :)
-    integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :)
-    integer(c_int8_t), intent(inout), target, optional :: site(:, :, :)
-    real(c_double), intent(inout), target, optional :: closest(:, :, :, :), gradient(:, :, :, :), barycentric(:, :, :, :)
-    real(c_double), intent(inout), target, optional :: offset(:, :, :, :)
-    class(clsdf_call_options), intent(inout), target, optional :: options
-    type(clsdf_statistics), intent(inout), target, optional :: statistics
-    integer, intent(out), optional :: stat
-    character(*), intent(inout), optional :: errmsg
-    type(clsdf_target) :: targets(7)
-    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
-    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
-    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
-    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
-    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
-    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
-    if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
     call self%compute(grid, band, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
   end subroutine
 
@@ -3231,6 +3266,34 @@ contains
     call self%compute_blocks(blocks, options, statistics, stat, errmsg)
   end subroutine
 
+  ! REPEATED BY repeat.py
+
+  !> The same with arrays of one kind.
+  subroutine compute_r8(self, grid, band, distance, triangle, site, closest, gradient, barycentric, offset, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    real(c_double), intent(inout), target :: distance(:, :, :)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:, :, :)
+    integer(c_int8_t), intent(inout), target, optional :: site(:, :, :)
+    real(c_double), intent(inout), target, optional :: closest(:, :, :, :), gradient(:, :, :, :), barycentric(:, :, :, :)
+    real(c_double), intent(inout), target, optional :: offset(:, :, :, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(7)
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
+    call self%compute(grid, band, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
+  end subroutine
+
   !> Equal blocks of the grid's lattice: distance(i, j, k, block), gradient(3, i, j, k, block). Block n starts with the
   !> sample first(:, n) of the lattice.
   subroutine compute_blocks_r8(self, lattice, band, first, distance, triangle, site, closest, gradient, barycentric, offset, &
@@ -3266,6 +3329,8 @@ contains
     blocks%targets = pack(targets, targets%output >= 0)
     call self%compute_blocks(blocks, options, statistics, stat, errmsg)
   end subroutine
+
+  ! END
 
   !> Many boxes in one call, of any lattices, bands and outputs.
   subroutine compute_requests(self, requests, options, statistics, stat, errmsg)
@@ -3416,6 +3481,8 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  ! REPEATED FOR r8 closest
+
   !> The same with arrays of one kind: points(3, n) or points(n, 3).
   subroutine query_r4(self, points, half_width, distance, triangle, site, offset, gradient, barycentric, &
       options, statistics, stat, errmsg)
@@ -3437,33 +3504,6 @@ contains
     if (present(offset)) targets(4) = clsdf_target(CLSDF_OFFSET, offset)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
-    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), &
-        options, statistics, stat, errmsg)
-  end subroutine
-
-  !> The same with arrays of one kind: points(3, n) or points(n, 3).
-  subroutine query_r8(self, points, half_width, distance, triangle, site, closest, gradient, barycentric, offset, &
-      options, statistics, stat, errmsg)
-    class(clsdf_transform), intent(in) :: self
-    real(c_double), intent(in), target :: points(:, :)
-    real(c_double), intent(in) :: half_width
-    real(c_double), intent(inout), target :: distance(:)
-    integer(c_int32_t), intent(inout), target, optional :: triangle(:)
-    integer(c_int8_t), intent(inout), target, optional :: site(:)
-    real(c_double), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
-    real(c_double), intent(inout), target, optional :: offset(:, :)
-    class(clsdf_call_options), intent(inout), target, optional :: options
-    type(clsdf_statistics), intent(inout), target, optional :: statistics
-    integer, intent(out), optional :: stat
-    character(*), intent(inout), optional :: errmsg
-    type(clsdf_target) :: targets(7)
-    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
-    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
-    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
-    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
-    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
-    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
-    if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
     call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), &
         options, statistics, stat, errmsg)
   end subroutine
@@ -3508,6 +3548,35 @@ contains
     call self%query(points, half_width, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
   end subroutine
 
+  ! REPEATED BY repeat.py
+
+  !> The same with arrays of one kind: points(3, n) or points(n, 3).
+  subroutine query_r8(self, points, half_width, distance, triangle, site, closest, gradient, barycentric, offset, &
+      options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_double), intent(in), target :: points(:, :)
+    real(c_double), intent(in) :: half_width
+    real(c_double), intent(inout), target :: distance(:)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:)
+    integer(c_int8_t), intent(inout), target, optional :: site(:)
+    real(c_double), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    real(c_double), intent(inout), target, optional :: offset(:, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(7)
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
+    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), &
+        options, statistics, stat, errmsg)
+  end subroutine
+
   !> The same with an array for each coordinate. If these are not equally far apart in memory, they are copied.
   subroutine query_xyz_r8(self, x, y, z, half_width, distance, triangle, site, closest, gradient, barycentric, offset, &
       options, statistics, stat, errmsg)
@@ -3550,6 +3619,8 @@ contains
     call self%query(points, half_width, pack(targets, targets%output >= 0), options, statistics, stat, errmsg)
   end subroutine
 
+  ! END
+
   !> Three arrays as the components of one, if they are equally far apart; else an array of rank 0.
   subroutine join(x, y, z, points, status)
     type(clsdf_array), intent(in) :: x, y, z
@@ -3590,6 +3661,8 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  ! REPEATED FOR r8
+
   !> The same with arrays of one kind: points(3, n) or points(n, 3).
   subroutine winding_r4(self, points, results, options, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
@@ -3601,6 +3674,8 @@ contains
     call self%winding(clsdf_array(points), clsdf_array(results), options, stat, errmsg)
   end subroutine
 
+  ! REPEATED BY repeat.py
+
   !> The same with arrays of one kind: points(3, n) or points(n, 3).
   subroutine winding_r8(self, points, results, options, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
@@ -3611,6 +3686,8 @@ contains
     character(*), intent(inout), optional :: errmsg
     call self%winding(clsdf_array(points), clsdf_array(results), options, stat, errmsg)
   end subroutine
+
+  ! END
 
   !> The places (CLSDF_WITHIN ...) of boxes.
   subroutine transform_classify(self, boxes, half_width, places, stat, errmsg)
@@ -4055,15 +4132,17 @@ contains
     if (status == CLSDF_OK) call check_memory(output, type, rank, array, components, status)
   end subroutine
 
-  subroutine find_in_slab(self, output, type, rank, array, components, status)
+  subroutine find_in_slab(self, output, type, rank, array, grid, components, status)
     class(clsdf_slab), intent(in) :: self
     integer(c_int32_t), intent(in) :: output, type
     integer, intent(in) :: rank
     type(clsdf_c_array), intent(out) :: array
+    type(clsdf_grid), intent(out) :: grid
     integer(c_int64_t), intent(out) :: components
     integer(c_int32_t), intent(out) :: status
     type(clsdf_c_target), pointer :: values(:)
     integer :: i
+    grid = self%part
     call c_f_pointer(self%values, values, [self%count])
     do i = 1, size(values)
       if (values(i)%output == output) array = values(i)%array
@@ -4093,6 +4172,10 @@ contains
     end if
   end subroutine
 
+  ! REPEATED FOR components | r8 | r8 components | i4 i4_3=i4 | i1 i1_3=i1 |
+  !     field=slab | field=slab components | field=slab r8 | field=slab r8 components |
+  !     field=slab i4 i4_3=i4 | field=slab i1 i1_3=i1
+
   subroutine field_r4_3(self, output, values, stat, errmsg)
     class(clsdf_field), intent(in) :: self
     integer(c_int32_t), intent(in) :: output
@@ -4112,6 +4195,8 @@ contains
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
+
+  ! REPEATED BY repeat.py
 
   subroutine field_r4_4(self, output, values, stat, errmsg)
     class(clsdf_field), intent(in) :: self
@@ -4221,13 +4306,14 @@ contains
     character(*), intent(inout), optional :: errmsg
     real(c_float), pointer :: memory(:, :, :)
     type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
     integer(c_int64_t) :: components
     integer(c_int32_t) :: status
     values => null()
-    call find_in_slab(self, output, CLSDF_FLOAT32, 3, array, components, status)
+    call find_in_slab(self, output, CLSDF_FLOAT32, 3, array, grid, components, status)
     if (status == CLSDF_OK) then
-      call c_f_pointer(array%host, memory, self%part%size)
-      values(self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+      call c_f_pointer(array%host, memory, grid%size)
+      values(grid%first(1):, grid%first(2):, grid%first(3):) => memory
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
@@ -4240,13 +4326,14 @@ contains
     character(*), intent(inout), optional :: errmsg
     real(c_float), pointer :: memory(:, :, :, :)
     type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
     integer(c_int64_t) :: components
     integer(c_int32_t) :: status
     values => null()
-    call find_in_slab(self, output, CLSDF_FLOAT32, 4, array, components, status)
+    call find_in_slab(self, output, CLSDF_FLOAT32, 4, array, grid, components, status)
     if (status == CLSDF_OK) then
-      call c_f_pointer(array%host, memory, [components, self%part%size])
-      values(1:, self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+      call c_f_pointer(array%host, memory, [components, grid%size])
+      values(1:, grid%first(1):, grid%first(2):, grid%first(3):) => memory
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
@@ -4259,13 +4346,14 @@ contains
     character(*), intent(inout), optional :: errmsg
     real(c_double), pointer :: memory(:, :, :)
     type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
     integer(c_int64_t) :: components
     integer(c_int32_t) :: status
     values => null()
-    call find_in_slab(self, output, CLSDF_FLOAT64, 3, array, components, status)
+    call find_in_slab(self, output, CLSDF_FLOAT64, 3, array, grid, components, status)
     if (status == CLSDF_OK) then
-      call c_f_pointer(array%host, memory, self%part%size)
-      values(self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+      call c_f_pointer(array%host, memory, grid%size)
+      values(grid%first(1):, grid%first(2):, grid%first(3):) => memory
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
@@ -4278,13 +4366,14 @@ contains
     character(*), intent(inout), optional :: errmsg
     real(c_double), pointer :: memory(:, :, :, :)
     type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
     integer(c_int64_t) :: components
     integer(c_int32_t) :: status
     values => null()
-    call find_in_slab(self, output, CLSDF_FLOAT64, 4, array, components, status)
+    call find_in_slab(self, output, CLSDF_FLOAT64, 4, array, grid, components, status)
     if (status == CLSDF_OK) then
-      call c_f_pointer(array%host, memory, [components, self%part%size])
-      values(1:, self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+      call c_f_pointer(array%host, memory, [components, grid%size])
+      values(1:, grid%first(1):, grid%first(2):, grid%first(3):) => memory
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
@@ -4297,13 +4386,14 @@ contains
     character(*), intent(inout), optional :: errmsg
     integer(c_int32_t), pointer :: memory(:, :, :)
     type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
     integer(c_int64_t) :: components
     integer(c_int32_t) :: status
     values => null()
-    call find_in_slab(self, output, CLSDF_INT32, 3, array, components, status)
+    call find_in_slab(self, output, CLSDF_INT32, 3, array, grid, components, status)
     if (status == CLSDF_OK) then
-      call c_f_pointer(array%host, memory, self%part%size)
-      values(self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+      call c_f_pointer(array%host, memory, grid%size)
+      values(grid%first(1):, grid%first(2):, grid%first(3):) => memory
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
@@ -4316,16 +4406,19 @@ contains
     character(*), intent(inout), optional :: errmsg
     integer(c_int8_t), pointer :: memory(:, :, :)
     type(clsdf_c_array) :: array
+    type(clsdf_grid) :: grid
     integer(c_int64_t) :: components
     integer(c_int32_t) :: status
     values => null()
-    call find_in_slab(self, output, CLSDF_UINT8, 3, array, components, status)
+    call find_in_slab(self, output, CLSDF_UINT8, 3, array, grid, components, status)
     if (status == CLSDF_OK) then
-      call c_f_pointer(array%host, memory, self%part%size)
-      values(self%part%first(1):, self%part%first(2):, self%part%first(3):) => memory
+      call c_f_pointer(array%host, memory, grid%size)
+      values(grid%first(1):, grid%first(2):, grid%first(3):) => memory
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
+
+  ! END
 
   ! ---- Points in files ----
 
@@ -4429,11 +4522,43 @@ contains
 
   ! ---- References ----
 
+  ! REPEATED FOR device=mesh | device=transform | device=plan | device=field
+
   elemental function device_is_set(self) result(is_set)
     class(clsdf_device), intent(in) :: self
     logical :: is_set
     is_set = c_associated(self%handle)
   end function
+
+  ! REPEATED BY repeat.py
+
+  elemental function mesh_is_set(self) result(is_set)
+    class(clsdf_mesh), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  elemental function transform_is_set(self) result(is_set)
+    class(clsdf_transform), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  elemental function plan_is_set(self) result(is_set)
+    class(clsdf_plan), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  elemental function field_is_set(self) result(is_set)
+    class(clsdf_field), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  ! END
+
+  ! REPEATED FOR device=mesh | device=transform | device=plan | device=field | device=thread_limit
 
   subroutine device_release(self)
     class(clsdf_device), intent(inout) :: self
@@ -4456,32 +4581,7 @@ contains
     call self%release()
   end subroutine
 
-  subroutine limit_release(self)
-    class(clsdf_thread_limit), intent(inout) :: self
-    call c_thread_limit_release(self%handle)
-    self%handle = c_null_ptr
-  end subroutine
-
-  impure elemental subroutine limit_assign(left, right)
-    class(clsdf_thread_limit), intent(inout) :: left
-    type(clsdf_thread_limit), intent(in) :: right
-    type(c_ptr) :: before
-    before = left%handle
-    call c_thread_limit_retain(right%handle)
-    left%handle = right%handle
-    call c_thread_limit_release(before)
-  end subroutine
-
-  impure elemental subroutine limit_end(self)
-    type(clsdf_thread_limit), intent(inout) :: self
-    call self%release()
-  end subroutine
-
-  elemental function mesh_is_set(self) result(is_set)
-    class(clsdf_mesh), intent(in) :: self
-    logical :: is_set
-    is_set = c_associated(self%handle)
-  end function
+  ! REPEATED BY repeat.py
 
   subroutine mesh_release(self)
     class(clsdf_mesh), intent(inout) :: self
@@ -4504,12 +4604,6 @@ contains
     call self%release()
   end subroutine
 
-  elemental function transform_is_set(self) result(is_set)
-    class(clsdf_transform), intent(in) :: self
-    logical :: is_set
-    is_set = c_associated(self%handle)
-  end function
-
   subroutine transform_release(self)
     class(clsdf_transform), intent(inout) :: self
     call c_transform_release(self%handle)
@@ -4530,12 +4624,6 @@ contains
     type(clsdf_transform), intent(inout) :: self
     call self%release()
   end subroutine
-
-  elemental function plan_is_set(self) result(is_set)
-    class(clsdf_plan), intent(in) :: self
-    logical :: is_set
-    is_set = c_associated(self%handle)
-  end function
 
   subroutine plan_release(self)
     class(clsdf_plan), intent(inout) :: self
@@ -4558,12 +4646,6 @@ contains
     call self%release()
   end subroutine
 
-  elemental function field_is_set(self) result(is_set)
-    class(clsdf_field), intent(in) :: self
-    logical :: is_set
-    is_set = c_associated(self%handle)
-  end function
-
   subroutine field_release(self)
     class(clsdf_field), intent(inout) :: self
     call c_field_release(self%handle)
@@ -4584,5 +4666,28 @@ contains
     type(clsdf_field), intent(inout) :: self
     call self%release()
   end subroutine
+
+  subroutine thread_limit_release(self)
+    class(clsdf_thread_limit), intent(inout) :: self
+    call c_thread_limit_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine thread_limit_assign(left, right)
+    class(clsdf_thread_limit), intent(inout) :: left
+    type(clsdf_thread_limit), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_thread_limit_retain(right%handle)
+    left%handle = right%handle
+    call c_thread_limit_release(before)
+  end subroutine
+
+  impure elemental subroutine thread_limit_end(self)
+    type(clsdf_thread_limit), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  ! END
 
 end module
