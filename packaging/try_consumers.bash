@@ -18,5 +18,5 @@ cmake -DWAY=wheel -DPREFIX="$prefix" -DPKG_CONFIG_PATH="$descriptions" -DCLSDF="
     echo "try_consumers: programs on the wheel's libraries do not build or run; all of it: $folder.log" >&2
     exit 1
 }
-grep '^headers of oneTBB' "$folder.log" | sort -u || true
-echo "C++, C${fortran:+, Fortran}${beside:+, beside the system's oneTBB and GMP}: $SECONDS s for all programs"
+grep -E '^(The first field by CMake|headers of oneTBB)' "$folder.log" | sort -u || true
+echo "C++, C${fortran:+, Fortran}${beside:+, oneTBB and GMP of the system}: $SECONDS s for all programs"

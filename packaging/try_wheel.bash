@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The part of scripts/try-wheel inside a tree, as root, in a mount namespace of its own: try_wheel.bash FILES bare|pocl.
-# FILES has the wheel and all that it needs. Users' programs run as a user without rights.
+# The part of scripts/try-wheel inside a tree, as root, in a mount namespace of its own: try_wheel.bash FILES
+# bare|compilers|pocl. FILES has the wheel and all that it needs. Users' programs run as a user without rights.
 set -euo pipefail
 sources=$(cd "$(dirname "$0")/.." && pwd -P)
 files=$(cd "$1" && pwd -P)
@@ -32,12 +32,16 @@ mount -t tmpfs -o ro none $homes/read-only
 mount -t tmpfs -o noexec,uid=$user,gid=$user none $homes/noexec
 if [ "$system" = bare ]; then
     if command -v cc gcc g++ c++ clang ld; then fail "the tree has a compiler"; fi
-    if ldconfig -p | grep OpenCL || [ -e /etc/OpenCL ]; then fail "the tree has OpenCL"; fi
 fi
+if [ "$system" != pocl ]; then
+    if ldconfig -p | grep OpenCL || [ -e /etc/OpenCL ] || [ -e /usr/include/CL ]; then fail "the tree has OpenCL"; fi
+fi
+start=$SECONDS
 python3 -m venv $env
 no_index install --no-index --find-links "$files" numpy nanobind-backend
 find $env | sort >$work.before
 no_index install --no-index --find-links "$files" "$files"/clsdf-*.whl
+say "installed in $((SECONDS - start)) s"
 as_user $homes/usual clsdf shape sphere4 -o bunny.off --quiet
 
 if [ "$system" = bare ]; then
@@ -74,7 +78,15 @@ if [ "$system" = bare ]; then
     mv "$driver" "$driver.away"
     try $homes/usual nothing
     mv "$driver.away" "$driver"
+elif [ "$system" = compilers ]; then
+    say "other projects, on the driver in the wheel"
+    as_user $homes/usual "$sources/packaging/try_consumers.bash" $env/bin/python $work/consumers
 else
+    say "other projects, beside Debian's PoCL, oneTBB and GMP"
+    as_user $homes/usual "$sources/packaging/try_consumers.bash" $env/bin/python $work/consumers
+    grep -q '^headers of oneTBB' $work/consumers.log || fail "no program linked the system's oneTBB"
+fi
+if [ "$system" = pocl ] && [ -e "$(echo $env/lib/python3*/site-packages/clsdf/driver)" ]; then
     say "beside Debian's PoCL"
     try $homes/usual beside
     # The levels below this processor's.

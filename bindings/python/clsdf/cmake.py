@@ -1,4 +1,4 @@
-"""`python -m clsdf.cmake` prints the prefix for CMake's find_package(clsdf): cmake -DCMAKE_PREFIX_PATH=... """
+"""`python -m clsdf.cmake` prints the prefix for CMake's find_package(clsdf): cmake -DCMAKE_PREFIX_PATH=..."""
 
 from __future__ import annotations
 

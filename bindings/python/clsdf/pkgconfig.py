@@ -1,4 +1,4 @@
-"""`python -m clsdf.pkgconfig` prints the folder of clsdf's descriptions for pkg-config: PKG_CONFIG_PATH=... """
+"""`python -m clsdf.pkgconfig` prints the folder of clsdf's descriptions for pkg-config: PKG_CONFIG_PATH=..."""
 
 from __future__ import annotations
 

@@ -26,6 +26,18 @@ def run(program, timeout=100, environment=None):
     )
 
 
+@pytest.mark.parametrize(
+    "module, file", [("cmake", "lib/cmake/clsdf/clsdfConfig.cmake"), ("pkgconfig", "clsdf.pc")]
+)
+def test_folders_for_compilers(module, file):
+    """A wheel has an installation for other languages; a package that is built from a clone says that it has none."""
+    printed = subprocess.run([sys.executable, "-m", f"clsdf.{module}"], capture_output=True, text=True, cwd=os.sep)
+    if (Path(clsdf.__file__).parent / "lib").exists():
+        assert printed.returncode == 0 and (Path(printed.stdout.rstrip("\n")) / file).is_file()
+    else:
+        assert printed.returncode == 1 and printed.stdout == "" and "scripts/wheel has them" in printed.stderr
+
+
 def test_threads_get_the_same_bytes(body, points):
     field = body.field(resolution=24)
     expected = body.query(points).distance
