@@ -102,7 +102,7 @@ public:
             }
             const std::size_t begin = i;
             for (; i < kinds.size() && kinds[i] == BrickKind::values; ++i)
-                leaves_.push_back({brick_at(slab.bricks[i]), leaves_.size()});
+                leaves_.push_back({brick_at(slab.bricks[i]), static_cast<std::uint32_t>(leaves_.size())});
             spill_.append(std::as_bytes(distance.subspan(begin * brick_samples, (i - begin) * brick_samples)));
         }
         for (const BrickRun& run : slab.inside) inside_.add(brick_at(run.first), run.count);
@@ -123,7 +123,7 @@ public:
             for_each_index(
                 count,
                 [&](std::size_t i) {
-                    spill_.read(leaves_[begin + i].number * sizeof(BrickValues),
+                    spill_.read(std::uint64_t{leaves_[begin + i].number} * sizeof(BrickValues),
                                 std::as_writable_bytes(std::span(values[i])));
                 },
                 64);
@@ -136,7 +136,7 @@ public:
 private:
     struct StoredLeaf {
         Brick brick;
-        std::size_t number;
+        std::uint32_t number;  ///< in the order of arrival; a tree has at most 2^32 leaves
     };
 
     std::string path_;
