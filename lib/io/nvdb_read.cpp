@@ -165,6 +165,7 @@ public:
             else
                 collect_node<Upper>(offset(root_begin_, tile.child), origin, bricks);
         }
+        block_ = nullptr;
     }
 
     /// The values of a leaf, x fastest.
