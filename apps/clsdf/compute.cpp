@@ -128,6 +128,8 @@ void add_field_options(Parser& parser, ComputeOptions& options) {
     add_positive_inside_option(parser, options.positive_inside);
     add_weld_option(parser, options.weld);
     add_outputs_option(parser, options.with);
+    parser.add("--sparse", options.sparse,
+               "only the bricks of 8 x 8 x 8 samples near the surface: .npy or .h5; .vdb and .nvdb are always sparse");
 }
 
 void add_method_options(Parser& parser, ComputeOptions& options) {
@@ -160,6 +162,7 @@ void add_options(Parser& parser, ComputeOptions& options) {
         "  clsdf compute bunny.off -o bunny.nrrd\n"
         "  clsdf compute bunny.off -o bunny.npy --resolution 512 --band 3v --with triangle\n"
         "  clsdf compute wing.stl -o wing.nrrd --spacing 0.01 --band-inside 0 --band-outside 0.2\n"
+        "  clsdf compute bunny.off -o bunny.h5 --resolution 2048 --band 3v --sparse\n"
         "  clsdf compute part.ply -o part.nrrd --size 128,128,64 --origin -1,-1,0 --spacing 0.02\n"
         "  clsdf compute part.ply -o part.nrrd --box -1,-1,0,1,1,1 --cells 128,128,64 --cell-centred\n"
         "  clsdf compute bunny.off --resolution 2048 --dry-run");
@@ -262,11 +265,33 @@ std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
 using Writer = std::variant<clsdf::FieldWriter, clsdf::SparseFieldWriter>;
 
 Writer make_writer(const ComputeLayout& layout, const std::string& path) {
-    const bool is_sparse = clsdf::stores_sparse_fields(path) && layout.scan == clsdf::Scan::bricks &&
-                           std::isfinite(layout.band.widest()) && !layout.band.has_signs_only &&
-                           !layout.positive_inside;
-    if (is_sparse) return clsdf::SparseFieldWriter(path, describe_field(layout), layout.outputs);
+    if (layout.is_sparse) return clsdf::SparseFieldWriter(path, describe_field(layout), layout.outputs);
     return clsdf::FieldWriter(path, describe_field(layout), layout.outputs);
+}
+
+/// Throws Error(unsupported) if --sparse is given for a format that stores no sparse fields.
+void check_sparse_format(const ComputeOptions& options) {
+    if (options.sparse && !options.output.empty() && !clsdf::stores_sparse_fields(options.output))
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("{}: this format stores no sparse fields; choose .npy, .h5, .vdb or .nvdb, or leave "
+                                "--sparse out",
+                                options.output));
+}
+
+/// Whether the field is computed and written as bricks. Throws Error(invalid_argument) if --sparse asks for it in vain.
+bool is_sparse(const ComputeOptions& options, const Band& band, clsdf::SignRule sign, clsdf::Scan scan) {
+    const double widest = sign == clsdf::SignRule::none ? band.outside : band.widest();
+    const char* const reason = scan != clsdf::Scan::bricks ? "--scan and --polyhedra ask for a published method; leave "
+                                                             "them out"
+                               : !std::isfinite(widest)    ? "the band has no end; give --band a width, as 3v"
+                               : band.has_signs_only       ? "--band 0 asks for the signs alone; give the band a width"
+                                                           : nullptr;
+    if (reason == nullptr)
+        return options.sparse || (!options.output.empty() && clsdf::stores_sparse_fields_only(options.output));
+    if (options.sparse)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("--sparse: {}, or compute a dense field without --sparse", reason));
+    return false;
 }
 
 Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
@@ -327,7 +352,14 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     if (auto* const bricks = std::get_if<clsdf::SparseFieldWriter>(&writer))
         result.statistics = transform.compute_sparse(
             layout.grid, layout.band, layout.outputs,
-            [&](const clsdf::SparseSlab& slab) { store(slab, [&] { bricks->append(slab); }); }, call);
+            [&](const clsdf::SparseSlab& slab) {
+                store(slab, [&] {
+                    clsdf::SparseSlab written = slab;
+                    if (field.positive_inside) written.values = negated(slab.values);
+                    bricks->append(written);
+                });
+            },
+            call);
     else
         result.statistics = transform.compute(
             layout.grid, layout.band, layout.outputs,
@@ -366,6 +398,7 @@ void warn(Report& report, const std::string& warning) {
 ExitStatus run(const ComputeOptions& options, Report& report) {
     const ComputeRequest request(options);
     keep_mesh(options.mesh, options.output);
+    check_sparse_format(options);
     if (!options.output.empty())
         clsdf::check_field_path(options.output, request.outputs);
     else if (!options.dry_run)
@@ -395,7 +428,8 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
                                request.outputs,
                                options.positive_inside,
                                request.polyhedra,
-                               request.scan};
+                               request.scan,
+                               is_sparse(options, band, sign.rule, request.scan)};
     if (band.has_signs_only && sign.rule == clsdf::SignRule::none)
         throw Error(ErrorCode::invalid_argument,
                     "--band 0 asks for the signs alone, and the field has no sign; give the band a width, or choose a "

@@ -37,6 +37,7 @@ struct ComputeOptions {
     std::string polyhedra = "leaned";
     std::string scan = "auto";
     std::string device;
+    bool sparse = false;
     bool dry_run = false;
 };
 
@@ -74,6 +75,7 @@ struct ComputeLayout {
     bool positive_inside;
     clsdf::Polyhedra polyhedra;
     clsdf::Scan scan;
+    bool is_sparse;  ///< only bricks near the surface are computed and written
 };
 
 /// The result of "clsdf compute".

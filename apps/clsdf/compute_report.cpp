@@ -124,6 +124,7 @@ Json describe_layout(const ComputeLayout& layout) {
             {"band", describe(layout.band)},
             {"sign", name_of(layout.sign)},
             {"positive_inside", layout.positive_inside},
+            {"sparse", layout.is_sparse},
             {"polyhedra", name_of(layout.polyhedra)},
             {"scan", name_of(layout.scan)}};
 }
@@ -262,9 +263,11 @@ void print_layout(const ComputeLayout& layout) {
 
 void print_memory(const ComputeLayout& layout) {
     const SlabMemory memory = slab_memory(layout);
-    print_text("memory  {} for {}, and about {} to compute\n", human_bytes(static_cast<double>(memory.bytes)),
-               human_slabs(memory.slabs), human_bytes(static_cast<double>(working_bytes(layout))));
-    print_text("file    {}\n", human_bytes(static_cast<double>(field_bytes(layout))));
+    print_text("memory  {}{} for {}, and about {} to compute\n", layout.is_sparse ? "at most " : "",
+               human_bytes(static_cast<double>(memory.bytes)), human_slabs(memory.slabs),
+               human_bytes(static_cast<double>(working_bytes(layout))));
+    print_text("file    {}{}\n", layout.is_sparse ? "sparse; at most about " : "",
+               human_bytes(static_cast<double>(field_bytes(layout))));
 }
 
 void print_outcome(const ComputeLayout& layout, const Computation& computation) {

@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "compute.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
 
@@ -8,6 +9,7 @@
 #include <clsdf/reference.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
@@ -146,7 +148,91 @@ void print_human(const Info& info) {
                                          : fmt::format("{} pairs of triangles intersect", *info.self_intersections));
 }
 
+/// Whether the ending is that of a field.
+bool is_field(const std::string& path) {
+    try {
+        static_cast<void>(clsdf::stores_sparse_fields(path));
+        return true;
+    } catch (const clsdf::Error&) {
+        return false;
+    }
+}
+
+std::vector<std::string> output_names(clsdf::OutputSet outputs) {
+    std::vector<std::string> names;
+    for (const clsdf::OutputInfo& info : clsdf::output_table())
+        if (outputs.contains(info.output) || info.output == clsdf::Output::distance) names.emplace_back(info.name);
+    return names;
+}
+
+struct BrickCounts {
+    std::size_t values = 0;
+    std::int64_t inside = 0;
+    std::int64_t all = 0;
+
+    explicit BrickCounts(const clsdf::SparseField& field) : values(field.bricks.size()), all(1) {
+        for (const clsdf::BrickRun& run : field.inside) inside += run.count;
+        for (const std::int64_t size : in_whole_bricks(field.grid).size) all *= size / clsdf::brick_side;
+    }
+};
+
+/// A field's file: how it was computed, what it has, and how much.
+ExitStatus describe_field(const std::string& path, Report& report) {
+    clsdf::OutputSet all;
+    for (const clsdf::OutputInfo& info : extra_outputs()) all.insert(info.output);
+    std::optional<BrickCounts> bricks;
+    clsdf::FieldDescription field;
+    clsdf::OutputSet outputs;
+    std::size_t band_samples = 0;
+    std::optional<clsdf::SparseField> sparse;
+    // A tree whose band has no end, from a dense field or another program, is described as a dense field.
+    try {
+        sparse = clsdf::read_sparse_field(path, all);
+    } catch (const clsdf::Error& error) {
+        if (!clsdf::stores_sparse_fields_only(path) || error.code() != clsdf::ErrorCode::unreadable_input) throw;
+    }
+    if (sparse) {
+        field = *sparse;
+        outputs = sparse->outputs();
+        bricks.emplace(*sparse);
+        band_samples = count_band_samples(field, sparse->slab());
+    } else {
+        const clsdf::Field dense = clsdf::read_field(path, all);
+        field = dense;
+        outputs = dense.outputs();
+        band_samples = count_band_samples(field, dense.slab());
+    }
+    report.result = {{"field", path},
+                     {"grid", ::describe(field.grid)},
+                     {"band", ::describe(field.band)},
+                     {"sign", name_of(field.sign)},
+                     {"positive_inside", field.positive_inside},
+                     {"name", field.mesh_name},
+                     {"outputs", output_names(outputs)},
+                     {"band_samples", band_samples},
+                     {"sparse", bricks.has_value()}};
+    if (bricks)
+        report.result["bricks"] = {{"values", bricks->values}, {"inside", bricks->inside}, {"all", bricks->all}};
+    if (report.quiet) return ExitStatus::done;
+    print_text("grid      {}\nband      {}\nsign      {}{}\n", human(field.grid), human(field.band, field.grid.voxel()),
+               name_of(field.sign), field.positive_inside ? "; positive inside" : "");
+    print_text("outputs   {}\n", fmt::format("{}", fmt::join(output_names(outputs), ", ")));
+    if (bricks)
+        print_text("bricks    {} of {} have values ({:.2f}%), {} are inside\n", bricks->values, bricks->all,
+                   100 * static_cast<double>(bricks->values) / static_cast<double>(bricks->all), bricks->inside);
+    print_text("samples   {} within the band's limits\n", band_samples);
+    return ExitStatus::done;
+}
+
 ExitStatus run(const InfoOptions& options, Report& report) {
+    if (options.mesh.size() == 1 && is_field(options.mesh.front())) {
+        if (options.self_intersections || !options.weld.empty())
+            throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                               fmt::format("{}: --weld and --self-intersections are about meshes, and this is a field; "
+                                           "leave them out",
+                                           options.mesh.front()));
+        return describe_field(options.mesh.front(), report);
+    }
     const Info info(options, welded(read_body(options.mesh, report), options.weld));
     if (!report.quiet) print_human(info);
     const std::string warning = resolve_sign_rule(clsdf::SignRule::automatic, info.topology).warning;
@@ -160,15 +246,22 @@ ExitStatus run(const InfoOptions& options, Report& report) {
 
 Command add_info(Parser& program) {
     const auto options = std::make_shared<InfoOptions>();
-    Parser parser = program.add_subcommand("info", "Count a mesh's saddle vertices, gaps and defects");
-    add_mesh_argument(parser, options->mesh);
+    Parser parser =
+        program.add_subcommand("info", "Count a mesh's saddle vertices, gaps and defects, or describe a field");
+    parser
+        .add("MESH", options->mesh,
+             "the mesh: .off, .obj, .stl or .ply; several files are one body; or a field: .nrrd, .npy, .vti, .h5, "
+             ".vdb, .nvdb or .sdf")
+        .required();
     add_weld_option(parser, options->weld);
     parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
     parser.set_footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"
-        "Both are decided exactly on the coordinates as given.\n\n"
+        "Both are decided exactly on the coordinates as given. Of a field the file is read whole, and its grid, band,\n"
+        "sign, outputs and, if it is sparse, its bricks are told.\n\n"
         "Examples:\n"
         "  clsdf info bunny.off\n"
+        "  clsdf info bunny.nvdb\n"
         "  clsdf info bunny.off --self-intersections --json > bunny.json");
     return {parser, [options](Report& report) { return run(*options, report); }};
 }

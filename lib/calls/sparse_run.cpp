@@ -41,7 +41,9 @@ public:
     SinkTarget(const targets::HostArrays& wanted, const SparseSink& sink) : wanted_(wanted), sink_(sink) {}
 
     targets::HostArrays room(std::size_t bricks) override {
-        return arrays_ = own_.for_samples(wanted_, bricks * brick_samples);
+        // An eighth more serves later slabs, too: memory that was written before costs the system nothing.
+        if (bricks > room_) room_ = bricks + bricks / 8;
+        return arrays_ = own_.for_samples(wanted_, room_ * brick_samples);
     }
     void take(const SparseSlab& slab) override {
         SparseSlab whole = slab;
@@ -54,6 +56,7 @@ private:
     const SparseSink& sink_;
     targets::OwnArrays own_;
     targets::HostArrays arrays_;
+    std::size_t room_ = 0;  ///< bricks that there is memory for
 };
 
 class FieldTarget final : public SparseTarget {

@@ -1,6 +1,7 @@
 #include "io/field_files.hpp"
 
 #include "io/raw_values.hpp"
+#include "io/sparse_files.hpp"
 #include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
@@ -113,9 +114,11 @@ Description describe(const DescriptionReader& reader, const Grid& stated) {
     field.mesh_name = reader.text(member("mesh"));
     field.sign = reader.has(member("sign")) ? sign_rule_of(reader.text(member("sign"))) : SignRule::automatic;
     field.positive_inside = is_positive_inside(reader.text(member("inside")));
-    for (const OutputInfo& info : extra_outputs()) {
-        const std::string file = reader.text(member(info.name));
-        if (!file.empty()) result.files.emplace(info.name, file);
+    std::vector<std::string> arrays{bricks_name, runs_name};
+    for (const OutputInfo& info : extra_outputs()) arrays.emplace_back(info.name);
+    for (const std::string& array : arrays) {
+        const std::string file = reader.text(member(array));
+        if (!file.empty()) result.files.emplace(array, file);
     }
     return result;
 }
@@ -186,10 +189,13 @@ Description parse_description(const std::string& source, const std::string& text
     return describe(DescriptionReader(source, text), stated);
 }
 
-std::optional<Index3> described_size(const std::string& source, const std::string& text) {
+std::optional<Grid> described_block(const std::string& source, const std::string& text) {
     const DescriptionReader reader(source, text);
     if (!reader.has(member("size"))) return std::nullopt;
-    return reader.triple<std::int64_t>(member("size"));
+    Grid block;
+    block.size = reader.triple<std::int64_t>(member("size"));
+    if (reader.has_object(member("lattice"))) block.first = reader.triple<std::int64_t>(member("lattice/first"));
+    return block;
 }
 
 }  // namespace clsdf

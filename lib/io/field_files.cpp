@@ -3,6 +3,7 @@
 #include "core/files.hpp"
 #include "core/unfinished_files.hpp"
 #include "io/mesh_files.hpp"
+#include "io/sparse_files.hpp"
 #include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
@@ -19,6 +20,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <new>
+#include <optional>
 #include <utility>
 
 namespace clsdf {
@@ -28,11 +30,11 @@ namespace fs = std::filesystem;
 
 constexpr std::array formats{
     Format{".nrrd", nrrd_writer, read_nrrd, true, nullptr, files_of_nrrd},
-    Format{".npy", npy_writer, read_npy, true, check_npy, files_of_npy},
+    Format{".npy", npy_writer, read_npy, true, check_npy, files_of_npy, sparse_npy_writer, read_sparse_npy},
     Format{".vti", vti_writer, read_vti},
-    Format{".h5", h5_writer, read_h5, true, check_h5},
-    Format{".vdb", vdb_writer, read_vdb, true, check_vdb, nullptr, sparse_vdb_writer},
-    Format{".nvdb", nvdb_writer, read_nvdb, false, check_nvdb, nullptr, sparse_nvdb_writer},
+    Format{".h5", h5_writer, read_h5, true, check_h5, nullptr, sparse_h5_writer, read_sparse_h5},
+    Format{".vdb", vdb_writer, read_vdb, true, check_vdb, nullptr, sparse_vdb_writer, read_sparse_vdb, true},
+    Format{".nvdb", nvdb_writer, read_nvdb, false, check_nvdb, nullptr, sparse_nvdb_writer, read_sparse_nvdb, true},
     Format{".sdf", sdf_writer, read_sdf, false},
 };
 
@@ -71,9 +73,9 @@ Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& 
     return part.position(0, 0, 0) == stated.position(0, 0, 0) ? part : stated;
 }
 
-std::string extra_path(const std::string& path, const OutputInfo& info) {
+std::string extra_path(const std::string& path, const std::string& array) {
     const fs::path file(path);
-    return (file.parent_path() / (file.stem().string() + "_" + info.name + file.extension().string())).string();
+    return (file.parent_path() / (file.stem().string() + "_" + array + file.extension().string())).string();
 }
 
 std::string file_name(const std::string& path) {
@@ -122,10 +124,13 @@ Field read_field(const std::string& path) {
     return read_field(path, all);
 }
 
-Field read_field(const std::string& path, OutputSet wanted) {
-    const Format& format = format_of(path, ErrorCode::unsupported);
+namespace {
+
+/// Calls read(), which reads this file.
+template <class Read>
+auto with_errors_of(const std::string& path, const Read& read) {
     try {
-        return format.read(path, wanted);
+        return read();
     } catch (const Error& error) {
         if (error.code() == ErrorCode::unreadable_input && fs::is_regular_file(path))
             refuse_other_content(FileContent(path, telling_bytes));
@@ -135,6 +140,19 @@ Field read_field(const std::string& path, OutputSet wanted) {
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory, fmt::format("{}: the field does not fit the memory", path));
     }
+}
+
+}  // namespace
+
+Field read_field(const std::string& path, OutputSet wanted) {
+    const Format& format = format_of(path, ErrorCode::unsupported);
+    return with_errors_of(path, [&] { return format.read(path, wanted); });
+}
+
+std::optional<SparseField> read_sparse_field(const std::string& path, OutputSet wanted) {
+    const Format& format = format_of(path, ErrorCode::unsupported);
+    if (format.read_sparse == nullptr) return std::nullopt;
+    return with_errors_of(path, [&] { return format.read_sparse(path, wanted); });
 }
 
 std::vector<std::string> missing_field_files(const std::string& path) {
@@ -223,32 +241,6 @@ std::int64_t bricks_end(const Grid& grid, std::size_t axis) {
     return (grid.first[axis] + grid.size[axis] + brick_side - 1) & ~(brick_side - 1);
 }
 
-/// Bricks, or runs of `count` bricks, are in the order z, y, x, and lie in the block.
-class BrickOrder {
-public:
-    explicit BrickOrder(const Grid& part) : part_(part) {}
-
-    void check(const Index3& first, std::int64_t count, const char* what) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::int64_t length = (axis == 0 ? count : 1) * brick_side;
-            if (count < 1 || first[axis] % brick_side != 0 || first[axis] < part_.first[axis] ||
-                first[axis] + length > part_.first[axis] + part_.size[axis])
-                throw sparse_misuse(
-                    fmt::format("{} at ({}) is not in the bricks of its part", what, fmt::join(first, ", ")));
-        }
-        const std::array order{first[2], first[1], first[0]};
-        if (is_begun_ && order < end_)
-            throw sparse_misuse(fmt::format("{} at ({}) is not in the order z, y, x", what, fmt::join(first, ", ")));
-        is_begun_ = true;
-        end_ = {first[2], first[1], first[0] + count * brick_side};
-    }
-
-private:
-    const Grid& part_;
-    bool is_begun_ = false;
-    Index3 end_{};
-};
-
 void check_layers(const SparseSlab& slab, const Grid& grid, OutputSet outputs, std::int64_t next) {
     for (std::size_t axis = 0; axis < 2; ++axis)
         if (slab.part.first[axis] != bricks_begin(grid, axis) ||
@@ -263,9 +255,7 @@ void check_layers(const SparseSlab& slab, const Grid& grid, OutputSet outputs, s
             bytes != slab.bricks.size() * brick_samples * info.sample_bytes())
             throw sparse_misuse(
                 fmt::format("{} has {} bytes in a part of {} bricks", info.name, bytes, slab.bricks.size()));
-    BrickOrder bricks(slab.part), runs(slab.part);
-    for (const Index3& brick : slab.bricks) bricks.check(brick, 1, "a brick");
-    for (const BrickRun& run : slab.inside) runs.check(run.first, run.count, "a run of bricks inside");
+    if (const std::string fault = fault_in(slab); !fault.empty()) throw sparse_misuse(fault);
 }
 
 }  // namespace
@@ -274,9 +264,10 @@ SparseFieldWriter::SparseFieldWriter(const std::string& path, const FieldDescrip
     : field_(field), outputs_(outputs), next_(bricks_begin(field.grid, 2)) {
     const Format& format = format_of(path, ErrorCode::unsupported);
     if (format.sparse_writer == nullptr)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{}: {} stores no sparse fields; choose .nvdb or .vdb, or write a dense field", path,
-                                format.ending));
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("{}: {} stores no sparse fields; choose .nvdb, .vdb, .npy or .h5, or write a dense field", path,
+                        format.ending));
     field.grid.validate();
     field.band.validate();
     const double widest = field.sign == SignRule::none ? field.band.outside : field.band.widest();
@@ -310,6 +301,10 @@ void SparseFieldWriter::finish() {
 
 bool stores_sparse_fields(const std::string& path) {
     return format_of(path, ErrorCode::unsupported).sparse_writer != nullptr;
+}
+
+bool stores_sparse_fields_only(const std::string& path) {
+    return format_of(path, ErrorCode::unsupported).is_always_sparse;
 }
 
 void write_field(const SparseField& field, const std::string& path) {

@@ -62,6 +62,10 @@ struct Format {
     /// Writes sparse fields. The grid is valid, and the band has ends. Throws as writer().
     std::unique_ptr<SparseFormatWriter> (*sparse_writer)(const std::string& path, const FieldDescription& field,
                                                          OutputSet outputs) = nullptr;
+    /// The sparse field of a file, with the outputs as read(); nothing if it has a dense one. Throws as read().
+    std::optional<SparseField> (*read_sparse)(const std::string& path, OutputSet wanted) = nullptr;
+    /// Dense fields are stored as sparse ones.
+    bool is_always_sparse = false;
 };
 
 /// By the file's ending, in upper or lower case. Throws Error(code) that lists the endings.
@@ -76,7 +80,10 @@ Field read_nrrd(const std::string& path, OutputSet wanted);
 std::map<std::string, std::string> files_of_nrrd(const std::string& path);
 
 std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
+std::unique_ptr<SparseFormatWriter> sparse_npy_writer(const std::string& path, const FieldDescription& field,
+                                                      OutputSet outputs);
 Field read_npy(const std::string& path, OutputSet wanted);
+std::optional<SparseField> read_sparse_npy(const std::string& path, OutputSet wanted);
 void check_npy(const std::string& path, OutputSet outputs);
 std::map<std::string, std::string> files_of_npy(const std::string& path);
 
@@ -84,7 +91,10 @@ std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDes
 Field read_vti(const std::string& path, OutputSet wanted);
 
 std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
+std::unique_ptr<SparseFormatWriter> sparse_h5_writer(const std::string& path, const FieldDescription& field,
+                                                     OutputSet outputs);
 Field read_h5(const std::string& path, OutputSet wanted);
+std::optional<SparseField> read_sparse_h5(const std::string& path, OutputSet wanted);
 void check_h5(const std::string& path, OutputSet outputs);
 
 /// Defined in vdb_write.cpp and vdb_read.cpp; in a build without OpenVDB in vdb_absent.cpp.
@@ -92,6 +102,7 @@ std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDes
 std::unique_ptr<SparseFormatWriter> sparse_vdb_writer(const std::string& path, const FieldDescription& field,
                                                       OutputSet outputs);
 Field read_vdb(const std::string& path, OutputSet wanted);
+std::optional<SparseField> read_sparse_vdb(const std::string& path, OutputSet wanted);
 void check_vdb(const std::string& path, OutputSet outputs);
 
 /// The same tree, so the same bytes, from slabs and from bricks.
@@ -99,6 +110,7 @@ std::unique_ptr<FormatWriter> nvdb_writer(const std::string& path, const FieldDe
 std::unique_ptr<SparseFormatWriter> sparse_nvdb_writer(const std::string& path, const FieldDescription& field,
                                                        OutputSet outputs);
 Field read_nvdb(const std::string& path, OutputSet wanted);
+std::optional<SparseField> read_sparse_nvdb(const std::string& path, OutputSet wanted);
 void check_nvdb(const std::string& path, OutputSet outputs);
 
 std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
@@ -109,8 +121,8 @@ Field read_sdf(const std::string& path, OutputSet wanted);
 /// sample.
 Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& lattice_first);
 
-/// The file of another output beside a field: "bunny.nrrd" has "bunny_triangle.nrrd".
-std::string extra_path(const std::string& path, const OutputInfo& info);
+/// The file of another array beside a field: "bunny.nrrd" has "bunny_triangle.nrrd".
+std::string extra_path(const std::string& path, const std::string& array);
 
 /// The last part of a path.
 std::string file_name(const std::string& path);
@@ -130,9 +142,10 @@ bool is_there(const std::string& path) noexcept;
 ///   "sign", "mesh", "program"
 ///   "inside": "positive"            if distances and gradients are negated
 ///   "triangle"                      the name of the file beside it, if the output is in one; so for each output
+///   "bricks", "inside_runs"         of a sparse field whose indices are in files beside it
 struct Description {
     Field field;                               ///< without its arrays
-    std::map<std::string, std::string> files;  ///< by the names of outputs
+    std::map<std::string, std::string> files;  ///< by the names of outputs and of indices
 };
 
 std::string description_text(const FieldDescription& field, const std::map<std::string, std::string>& files = {});
@@ -161,7 +174,7 @@ SignRule sign_rule_of(const std::string& text);
 /// Error(invalid_argument) for another word.
 bool is_positive_inside(const std::string& text);
 
-/// The same for a file that states no size; null if the text states none either.
-std::optional<Index3> described_size(const std::string& source, const std::string& text);
+/// The first sample and the size of the block of the lattice that the text states; null if it states no size.
+std::optional<Grid> described_block(const std::string& source, const std::string& text);
 
 }  // namespace clsdf

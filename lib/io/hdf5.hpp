@@ -56,6 +56,21 @@ private:
 /// The property list for opening files: without locks, which some file systems do not support.
 Handle access();
 
+/// An array that is looked for.
+struct WantedArray {
+    std::string name;
+    std::string description;  ///< of its values
+    ElementType type;
+    std::vector<std::string> axes;  ///< slowest first
+
+    explicit WantedArray(const OutputInfo& info, const std::vector<std::string>& axes_of_samples = {"z", "y", "x"})
+        : name(info.name), description(info.description), type(info.type), axes(axes_of_samples) {
+        if (info.components > 1) axes.emplace_back("component");
+    }
+    WantedArray(std::string name_in, std::string description_in, ElementType type_in, std::vector<std::string> axes_in)
+        : name(std::move(name_in)), description(std::move(description_in)), type(type_in), axes(std::move(axes_in)) {}
+};
+
 /// The type and the offsets of an array in an HDF5 file. A contiguous array has no chunks, and its values lie in a row.
 /// A chunked array has each chunk once.
 struct StoredArray {
@@ -64,7 +79,7 @@ struct StoredArray {
         std::uint64_t offset = 0;
     };
 
-    std::vector<std::int64_t> shape;  // z, y, x and, if there are several, the components
+    std::vector<std::int64_t> shape;  ///< as the axes that are wanted
     RawValues values;
     std::vector<Chunk> chunks;
     std::array<std::uint64_t, 4> chunk_shape{};  ///< of three dimensions the last is 1
@@ -78,11 +93,11 @@ public:
     Source& operator=(const Source&) = delete;
     virtual ~Source() = default;
 
-    virtual bool has(const OutputInfo& info) const = 0;
-    /// The array must have the output's number of dimensions and type of values.
-    virtual StoredArray array(const OutputInfo& info) const = 0;
+    virtual bool has(const std::string& array) const = 0;
+    /// The array must have the number of dimensions and the type of values that are wanted.
+    virtual StoredArray array(const WantedArray& wanted) const = 0;
     /// Three numbers along x, y, z: an attribute of an array.
-    virtual Vec3 triple(const OutputInfo& info, const std::string& name) const = 0;
+    virtual Vec3 triple(const std::string& array, const std::string& name) const = 0;
     /// A text of fixed length: an attribute of the file.
     virtual std::optional<std::string> text(const std::string& name) const = 0;
 };

@@ -2,6 +2,7 @@
 #include "io/raw_values.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
@@ -188,36 +189,38 @@ public:
         list_members();
     }
 
-    bool has(const OutputInfo& info) const override { return members_.contains(info.name); }
+    bool has(const std::string& array) const override { return members_.contains(array); }
 
-    StoredArray array(const OutputInfo& info) const override {
-        const std::vector<Message> messages = messages_of(info);
+    StoredArray array(const WantedArray& wanted) const override {
+        const std::vector<Message> messages = messages_of(wanted.name);
         StoredArray array;
-        array.shape = shape_of(messages, info);
-        set_type(array, messages, info);
-        if (find(messages, external_files) != nullptr) fail(info, "its values are in another file; save them in this");
-        if (find(messages, filters) != nullptr) fail(info, "its values are compressed; save them without filters");
-        Bytes message(file_, require(messages, layout, info).content, "layout");
+        array.shape = shape_of(messages, wanted);
+        set_type(array, messages, wanted);
+        if (find(messages, external_files) != nullptr)
+            fail(wanted.name, "its values are in another file; save them in this");
+        if (find(messages, filters) != nullptr)
+            fail(wanted.name, "its values are compressed; save them without filters");
+        Bytes message(file_, require(messages, layout, wanted.name).content, "layout");
         message.expect(3, 1, "version");
         const std::uint64_t layout_class = message.number(1);
         if (layout_class == 1) {
             array.values.offset = message.number(8);
             array.values.bytes = message.number(8);
-            if (array.values.offset == nowhere) fail(info, "it has no values");
+            if (array.values.offset == nowhere) fail(wanted.name, "it has no values");
         } else if (layout_class == 2) {
-            set_chunks(array, message, info);
+            set_chunks(array, message, wanted.name);
         } else {
-            fail(info, "its values are neither contiguous nor in chunks; save it contiguous");
+            fail(wanted.name, "its values are neither contiguous nor in chunks; save it contiguous");
         }
         return array;
     }
 
-    Vec3 triple(const OutputInfo& info, const std::string& name) const override {
-        const std::optional<Attribute> found = find_attribute(messages_of(info), name);
-        if (!found) fail(info, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
+    Vec3 triple(const std::string& array, const std::string& name) const override {
+        const std::optional<Attribute> found = find_attribute(messages_of(array), name);
+        if (!found) fail(array, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
         const auto type = number_type({file_, found->type, "type of an attribute"});
         if (!type || count_of(*found) != 3 || found->value.size() < 3 * type->width)
-            fail(info, fmt::format("attribute '{}' is not three numbers", name));
+            fail(array, fmt::format("attribute '{}' is not three numbers", name));
         Vec3 result{};
         for (std::size_t i = 0; i < 3; ++i)
             result[i] = number_of(std::string_view(found->value).substr(i * type->width, type->width), *type);
@@ -276,11 +279,11 @@ private:
         return messages;
     }
 
-    std::vector<Message> messages_of(const OutputInfo& info) const {
-        const auto member = members_.find(info.name);
-        if (member == members_.end()) file_.fail(fmt::format("there is no dataset '/{}'", info.name));
+    std::vector<Message> messages_of(const std::string& array) const {
+        const auto member = members_.find(array);
+        if (member == members_.end()) file_.fail(fmt::format("there is no dataset '/{}'", array));
         // A symbolic link has no object header.
-        if (member->second == nowhere) fail(info, "it is a link; store the array itself");
+        if (member->second == nowhere) fail(array, "it is a link; store the array itself");
         return messages_of(member->second);
     }
 
@@ -289,10 +292,10 @@ private:
         return found == messages.end() ? nullptr : &*found;
     }
 
-    const Message& require(const std::vector<Message>& messages, MessageType type, const OutputInfo& info) const {
+    const Message& require(const std::vector<Message>& messages, MessageType type, const std::string& array) const {
         const Message* message = find(messages, type);
-        if (message == nullptr) fail(info, "it is no array, or the file is damaged");
-        if (message->is_elsewhere) fail(info, "its type is a named one; save it with a type of its own");
+        if (message == nullptr) fail(array, "it is no array, or the file is damaged");
+        if (message->is_elsewhere) fail(array, "its type is a named one; save it with a type of its own");
         return *message;
     }
 
@@ -358,32 +361,36 @@ private:
         return children;
     }
 
-    std::vector<std::int64_t> shape_of(const std::vector<Message>& messages, const OutputInfo& info) const {
-        const std::size_t dimensions = info.components > 1 ? 4 : 3;
-        const auto shape = dataspace_shape({file_, require(messages, dataspace, info).content, "shape"});
-        if (shape.size() != dimensions)
-            fail(info,
-                 fmt::format("it has not {} dimensions: z, y, x{}", dimensions, dimensions > 3 ? ", component" : ""));
+    std::vector<std::int64_t> shape_of(const std::vector<Message>& messages, const WantedArray& wanted) const {
+        const auto shape = dataspace_shape({file_, require(messages, dataspace, wanted.name).content, "shape"});
+        if (shape.size() != wanted.axes.size())
+            fail(wanted.name,
+                 fmt::format("it has not {} dimensions: {}", wanted.axes.size(), fmt::join(wanted.axes, ", ")));
         return {shape.begin(), shape.end()};
     }
 
-    void set_type(StoredArray& array, const std::vector<Message>& messages, const OutputInfo& info) const {
-        const auto type = number_type({file_, require(messages, datatype, info).content, "type"});
+    void set_type(StoredArray& array, const std::vector<Message>& messages, const WantedArray& wanted) const {
+        const auto type = number_type({file_, require(messages, datatype, wanted.name).content, "type"});
         if (type && type->is_real)
             array.values.type = type->width == 8 ? ElementType::float64 : ElementType::float32;
         else if (type && !type->is_signed && type->width == 4)
             array.values.type = ElementType::uint32;
+        else if (type && type->is_signed && type->width == 8)
+            array.values.type = ElementType::int64;
         else if (type && !type->is_real && !type->is_signed && type->width == 1)
             array.values.type = ElementType::uint8;
         else
-            fail(info, "its values are neither floats nor doubles nor indices of 8 or 32 bits");
+            fail(wanted.name, "its values are neither floats nor doubles nor indices of 8, 32 or 64 bits");
         array.values.order = type->order;
-        if (!reads_as(array.values.type, info.type)) fail(info, fmt::format("{} is of another type", info.description));
+        if (!reads_as(array.values.type, wanted.type))
+            fail(wanted.name, fmt::format("{} is of another type", wanted.description));
     }
 
     /// A B-tree of version 1. Its keys are the chunks' sizes and first values.
-    void set_chunks(StoredArray& array, Bytes& message, const OutputInfo& info) const {
+    void set_chunks(StoredArray& array, Bytes& message, const std::string& name) const {
         const std::size_t dimensions = array.shape.size();
+        if (dimensions > array.chunk_shape.size())
+            fail(name, "its values are in chunks; save it contiguous (h5repack -l CONTI)");
         message.expect(dimensions + 1, 1, "number of dimensions");
         std::vector<std::uint64_t> nodes{message.number(8)};
         array.chunk_shape.fill(1);
@@ -395,12 +402,12 @@ private:
             // Later allocations are no larger than the file.
             if (edge == 0 || array.shape[i] < 1 || chunk_bytes > file_.size() / edge ||
                 expected > file_.size() / ((size - 1) / edge + 1))
-                fail(info, "its chunks do not fit the file, which is truncated or damaged");
+                fail(name, "its chunks do not fit the file, which is truncated or damaged");
             chunk_bytes *= edge;
             expected *= (size - 1) / edge + 1;
         }
         if (expected > file_.size() / chunk_bytes || nodes[0] == nowhere)
-            fail(info, "chunks are missing; write every value");
+            fail(name, "chunks are missing; write every value");
         message.expect(bytes_of(array.values.type), 4, "size of a value");
         for (std::size_t i = 0; i < nodes.size() && array.chunks.size() <= expected; ++i) {
             take_chunks(array, nodes[i], chunk_bytes, nodes);
@@ -409,7 +416,7 @@ private:
         std::ranges::sort(array.chunks, {}, &StoredArray::Chunk::first);
         const auto twice = std::ranges::adjacent_find(array.chunks, {}, &StoredArray::Chunk::first);
         if (array.chunks.size() != expected || twice != array.chunks.end())
-            fail(info, "chunks are missing, or are there twice; write every value");
+            fail(name, "chunks are missing, or are there twice; write every value");
     }
 
     void take_chunks(StoredArray& array, std::uint64_t address, std::uint64_t chunk_bytes,
@@ -474,8 +481,8 @@ private:
         return count;
     }
 
-    [[noreturn]] void fail(const OutputInfo& info, const std::string& what) const {
-        file_.fail(fmt::format("dataset '/{}': {}", info.name, what));
+    [[noreturn]] void fail(const std::string& array, const std::string& what) const {
+        file_.fail(fmt::format("dataset '/{}': {}", array, what));
     }
 
     InputFile& file_;

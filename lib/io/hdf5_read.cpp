@@ -1,5 +1,6 @@
 #include "io/field_files.hpp"
 #include "io/hdf5.hpp"
+#include "io/sparse_files.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -66,6 +67,7 @@ namespace {
 
 using hdf5::Handle;
 using hdf5::StoredArray;
+using hdf5::WantedArray;
 
 constexpr std::size_t largest_description = std::size_t{1} << 20;
 constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
@@ -75,34 +77,36 @@ class WithChecksums : public hdf5::Source {
 public:
     explicit WithChecksums(InputFile& file) : file_(file), root_(open(file)) {}
 
-    bool has(const OutputInfo& info) const override { return H5Lexists(root_.get(), info.name, H5P_DEFAULT) > 0; }
+    bool has(const std::string& array) const override { return H5Lexists(root_.get(), array.c_str(), H5P_DEFAULT) > 0; }
 
-    StoredArray array(const OutputInfo& info) const override {
-        if (!has(info)) file_.fail(fmt::format("there is no dataset '/{}'", info.name));
-        const Handle array = opened(info);
+    StoredArray array(const WantedArray& wanted) const override {
+        const std::string& name = wanted.name;
+        if (!has(name)) file_.fail(fmt::format("there is no dataset '/{}'", name));
+        const Handle array = opened(name);
         const Handle creation(H5Dget_create_plist(array.get()), H5Pclose);
-        if (H5Pget_external_count(creation.get()) != 0) fail(info, "its values are in another file; save them in this");
+        if (H5Pget_external_count(creation.get()) != 0) fail(name, "its values are in another file; save them in this");
         if (H5Pget_nfilters(creation.get()) != 0)
-            fail(info, "its values are compressed; save them without filters (h5repack -f NONE -l CONTI)");
+            fail(name, "its values are compressed; save them without filters (h5repack -f NONE -l CONTI)");
         if (H5Pget_layout(creation.get()) == H5D_CHUNKED)
-            fail(info, "its values are in chunks of HDF5's newer format; save it contiguous (h5repack -l CONTI)");
+            fail(name, "its values are in chunks of HDF5's newer format; save it contiguous (h5repack -l CONTI)");
         if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS)
-            fail(info, "its values are neither contiguous nor in chunks; save it contiguous (h5repack -l CONTI)");
+            fail(name, "its values are neither contiguous nor in chunks; save it contiguous (h5repack -l CONTI)");
         StoredArray stored;
-        stored.shape = shape_of(array, info);
-        stored.values = type_of(array, info);
+        stored.shape = shape_of(array, wanted);
+        stored.values = type_of(array, wanted);
+        if (std::ranges::find(stored.shape, 0) != stored.shape.end()) return stored;
         const haddr_t offset = H5Dget_offset(array.get());
-        if (offset == HADDR_UNDEF) fail(info, "it has no values");
+        if (offset == HADDR_UNDEF) fail(name, "it has no values");
         stored.values.offset = offset;
         stored.values.bytes = H5Dget_storage_size(array.get());
         return stored;
     }
 
-    Vec3 triple(const OutputInfo& info, const std::string& name) const override {
-        const Handle array = opened(info);
-        if (H5Aexists(array.get(), name.c_str()) <= 0)
-            fail(info, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
-        const Handle attribute(H5Aopen(array.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
+    Vec3 triple(const std::string& array, const std::string& name) const override {
+        const Handle opened_array = opened(array);
+        if (H5Aexists(opened_array.get(), name.c_str()) <= 0)
+            fail(array, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
+        const Handle attribute(H5Aopen(opened_array.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
         const Handle space(H5Aget_space(attribute.get()), H5Sclose);
         const Handle type(H5Aget_type(attribute.get()), H5Tclose);
         Vec3 result{};
@@ -110,7 +114,7 @@ public:
         if (H5Sget_simple_extent_npoints(space.get()) != 3 ||
             (kind_of_type != H5T_FLOAT && kind_of_type != H5T_INTEGER) ||
             H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, result.data()) < 0)
-            fail(info, fmt::format("attribute '{}' is not three numbers", name));
+            fail(array, fmt::format("attribute '{}' is not three numbers", name));
         return result;
     }
 
@@ -136,24 +140,22 @@ private:
         return root;
     }
 
-    Handle opened(const OutputInfo& info) const {
-        Handle array(H5Dopen2(root_.get(), info.name, H5P_DEFAULT), H5Dclose);
-        if (!array.is_valid()) fail(info, "HDF5: " + hdf5::Session::reason());
+    Handle opened(const std::string& name) const {
+        Handle array(H5Dopen2(root_.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
+        if (!array.is_valid()) fail(name, "HDF5: " + hdf5::Session::reason());
         return array;
     }
 
-    std::vector<std::int64_t> shape_of(const Handle& array, const OutputInfo& info) const {
+    std::vector<std::int64_t> shape_of(const Handle& array, const WantedArray& wanted) const {
         const Handle space(H5Dget_space(array.get()), H5Sclose);
-        const std::size_t dimensions = info.components > 1 ? 4 : 3;
-        std::vector<hsize_t> shape(dimensions);
-        if (H5Sget_simple_extent_ndims(space.get()) != static_cast<int>(dimensions) ||
+        std::vector<hsize_t> shape(wanted.axes.size());
+        if (H5Sget_simple_extent_ndims(space.get()) != static_cast<int>(shape.size()) ||
             H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr) < 0)
-            fail(info,
-                 fmt::format("it has not {} dimensions: z, y, x{}", dimensions, dimensions > 3 ? ", component" : ""));
+            fail(wanted.name, fmt::format("it has not {} dimensions: {}", shape.size(), fmt::join(wanted.axes, ", ")));
         return {shape.begin(), shape.end()};
     }
 
-    RawValues type_of(const Handle& array, const OutputInfo& info) const {
+    RawValues type_of(const Handle& array, const WantedArray& wanted) const {
         const Handle type(H5Dget_type(array.get()), H5Tclose);
         const auto is = [&](hid_t other) { return H5Tequal(type.get(), other) > 0; };
         RawValues values;
@@ -163,17 +165,20 @@ private:
             values.type = ElementType::float64;
         else if (is(H5T_STD_U32LE) || is(H5T_STD_U32BE))
             values.type = ElementType::uint32;
+        else if (is(H5T_STD_I64LE) || is(H5T_STD_I64BE))
+            values.type = ElementType::int64;
         else if (is(H5T_STD_U8LE) || is(H5T_STD_U8BE))
             values.type = ElementType::uint8;
         else
-            fail(info, "its values are neither floats nor doubles nor indices of 8 or 32 bits");
-        if (!reads_as(values.type, info.type)) fail(info, fmt::format("{} is of another type", info.description));
+            fail(wanted.name, "its values are neither floats nor doubles nor indices of 8, 32 or 64 bits");
+        if (!reads_as(values.type, wanted.type))
+            fail(wanted.name, fmt::format("{} is of another type", wanted.description));
         values.order = H5Tget_order(type.get()) == H5T_ORDER_BE ? std::endian::big : std::endian::little;
         return values;
     }
 
-    [[noreturn]] void fail(const OutputInfo& info, const std::string& what) const {
-        file_.fail(fmt::format("dataset '/{}': {}", info.name, what));
+    [[noreturn]] void fail(const std::string& array, const std::string& what) const {
+        file_.fail(fmt::format("dataset '/{}': {}", array, what));
     }
 
     InputFile& file_;
@@ -226,7 +231,7 @@ void read_chunks(InputFile& file, const StoredArray& array, ElementType wanted, 
 }
 
 void read_array(InputFile& file, const hdf5::Source& source, const OutputInfo& info, Field& field) {
-    const StoredArray array = source.array(info);
+    const StoredArray array = source.array(WantedArray(info));
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (array.shape[2 - axis] != field.grid.size[axis] ||
             (array.shape.size() > 3 && array.shape[3] != static_cast<std::int64_t>(info.components)))
@@ -240,30 +245,88 @@ void read_array(InputFile& file, const hdf5::Source& source, const OutputInfo& i
     }
 }
 
-Field read_source(InputFile& file, const hdf5::Source& source, OutputSet wanted) {
+Field read_dense(InputFile& file, const hdf5::Source& source, OutputSet wanted) {
+    const OutputInfo& distance = info_of(Output::distance);
     Field field;
     field.band = Band::full();
     field.sign = SignRule::automatic;
-    const std::vector<std::int64_t> shape = source.array(info_of(Output::distance)).shape;
+    const std::vector<std::int64_t> shape = source.array(WantedArray(distance)).shape;
     field.grid.size = {shape[2], shape[1], shape[0]};
-    field.grid.origin = source.triple(info_of(Output::distance), "origin");
-    field.grid.spacing = source.triple(info_of(Output::distance), "spacing");
+    field.grid.origin = source.triple(distance.name, "origin");
+    field.grid.spacing = source.triple(distance.name, "spacing");
     field.grid.validate();
     if (const std::optional<std::string> text = source.text("clsdf"))
         field = parse_description(file.path() + ": attribute 'clsdf'", *text, field.grid).field;
-    read_array(file, source, info_of(Output::distance), field);
+    read_array(file, source, distance, field);
     for (const OutputInfo& info : extra_outputs())
-        if (wanted.contains(info.output) && source.has(info)) read_array(file, source, info, field);
+        if (wanted.contains(info.output) && source.has(info.name)) read_array(file, source, info, field);
     return field;
+}
+
+/// The values of an array of a sparse field, whose first axis has any length.
+StoredArray sparse_array(InputFile& file, const hdf5::Source& source, const WantedArray& wanted,
+                         std::vector<std::int64_t> shape) {
+    StoredArray array = source.array(wanted);
+    if (!array.chunks.empty())
+        file.fail(fmt::format("dataset '/{}': its values are in chunks; save it contiguous (h5repack -l CONTI)",
+                              wanted.name));
+    if (shape[0] < 0) shape[0] = array.shape[0];
+    if (array.shape != shape)
+        file.fail(fmt::format("dataset '/{}': the shape ({}) is not ({})", wanted.name, fmt::join(array.shape, ", "),
+                              fmt::join(shape, ", ")));
+    if (shape[0] > 0) checked_count(file, array.values, shape);
+    return array;
+}
+
+SparseField read_sparse(InputFile& file, const hdf5::Source& source, OutputSet wanted) {
+    const std::optional<std::string> text = source.text("clsdf");
+    if (!text) file.fail("attribute 'clsdf' is missing, which states the grid and the band of a sparse field");
+    SparseField field;
+    static_cast<FieldDescription&>(field) = parse_description(file.path() + ": attribute 'clsdf'", *text).field;
+    const auto read = [&](const StoredArray& array, ElementType type, std::span<std::byte> room) {
+        if (!room.empty()) read_values(file, array.values, type, room);
+    };
+    const StoredArray bricks = sparse_array(
+        file, source, {bricks_name, "index of the first sample", ElementType::int64, {"brick", "axis"}}, {-1, 3});
+    field.bricks.resize(static_cast<std::size_t>(bricks.shape[0]));
+    read(bricks, ElementType::int64, std::as_writable_bytes(std::span(field.bricks)));
+    const StoredArray runs = sparse_array(
+        file, source, {runs_name, "index of the first sample, and bricks", ElementType::int64, {"run", "number"}},
+        {-1, 4});
+    field.inside.resize(static_cast<std::size_t>(runs.shape[0]));
+    read(runs, ElementType::int64, std::as_writable_bytes(std::span(field.inside)));
+    for (const OutputInfo& info : output_table()) {
+        if (info.output != Output::distance && (!wanted.contains(info.output) || !source.has(info.name))) continue;
+        const StoredArray array = sparse_array(file, source, WantedArray(info, {"brick", "z", "y", "x"}),
+                                               sparse_shape(field.bricks.size(), info));
+        read(array, info.type, field.resize(info.output, field.bricks.size()));
+    }
+    check_sparse(file, field);
+    return field;
+}
+
+/// Calls f(file, source).
+template <class Function>
+auto with_source(const std::string& path, const Function& f) {
+    InputFile file(path);
+    if (version_of(file) < 2) return f(file, *hdf5::open_without_checksums(file));
+    const hdf5::Session session;
+    return f(file, WithChecksums(file));
 }
 
 }  // namespace
 
 Field read_h5(const std::string& path, OutputSet wanted) {
-    InputFile file(path);
-    if (version_of(file) < 2) return read_source(file, *hdf5::open_without_checksums(file), wanted);
-    const hdf5::Session session;
-    return read_source(file, WithChecksums(file), wanted);
+    return with_source(path, [&](InputFile& file, const hdf5::Source& source) {
+        return source.has(bricks_name) ? to_dense(read_sparse(file, source, wanted)) : read_dense(file, source, wanted);
+    });
+}
+
+std::optional<SparseField> read_sparse_h5(const std::string& path, OutputSet wanted) {
+    return with_source(path, [&](InputFile& file, const hdf5::Source& source) -> std::optional<SparseField> {
+        if (!source.has(bricks_name)) return std::nullopt;
+        return read_sparse(file, source, wanted);
+    });
 }
 
 }  // namespace clsdf

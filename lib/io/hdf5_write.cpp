@@ -1,6 +1,7 @@
 #include "core/files.hpp"
 #include "io/field_files.hpp"
 #include "io/hdf5.hpp"
+#include "io/sparse_files.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -11,8 +12,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -187,6 +190,8 @@ hid_t type_of(ElementType type) {
             return H5T_IEEE_F64LE;
         case ElementType::uint32:
             return H5T_STD_U32LE;
+        case ElementType::int64:
+            return H5T_STD_I64LE;
         case ElementType::uint8:
             return H5T_STD_U8LE;
         default:
@@ -201,26 +206,34 @@ std::vector<hsize_t> shape_of(const Grid& grid, const OutputInfo& info) {
     return shape;
 }
 
+/// An array of the file. Its attributes are origin and spacing, if it has any.
+struct NewArray {
+    std::string name;
+    ElementType type;
+    std::vector<hsize_t> shape;
+    std::optional<std::pair<Vec3, Vec3>> origin_and_spacing;
+};
+
 /// HDF5 lays out the file and writes everything but the values: contiguous arrays, whose offsets it returns. The
 /// structure has checksums (file format 1.8) and no times, so the same field has the same bytes.
 class H5Layout {
 public:
     explicit H5Layout(std::string path) : path_(std::move(path)) {}
 
-    /// Writes all but the values and returns the offset of each output's values.
+    /// Writes all but the values and returns the offset of each array's values; 0 if it has none.
     std::vector<std::uint64_t> write(AtomicFile& target, const FieldDescription& field,
-                                     const std::vector<OutputInfo>& infos) const {
+                                     const std::vector<NewArray>& arrays) const {
         const hdf5::Session session;
         hdf5::Layout layout;
         if (!layout.is_valid()) fail();
-        std::vector<std::uint64_t> offsets = lay_out(layout, field, infos);
+        std::vector<std::uint64_t> offsets = lay_out(layout, field, arrays);
         layout.write_to(target);
         return offsets;
     }
 
 private:
     std::vector<std::uint64_t> lay_out(hdf5::Layout& layout, const FieldDescription& field,
-                                       const std::vector<OutputInfo>& infos) const {
+                                       const std::vector<NewArray>& arrays) const {
         const Handle access = checked(hdf5::access());
         layout.use(access);
         check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_LATEST));
@@ -229,26 +242,28 @@ private:
         Handle file = checked({H5Fcreate("layout", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose});
         write_text(file.get(), "clsdf", description_text(field));
         std::vector<std::uint64_t> offsets;
-        offsets.reserve(infos.size());
-        for (const OutputInfo& info : infos) offsets.push_back(write_array(file.get(), info, field.grid));
+        offsets.reserve(arrays.size());
+        for (const NewArray& array : arrays) offsets.push_back(write_array(file.get(), array));
         if (!file.close()) fail();
         return offsets;
     }
 
-    std::uint64_t write_array(hid_t file, const OutputInfo& info, const Grid& grid) const {
-        const std::vector<hsize_t> shape = shape_of(grid, info);
+    std::uint64_t write_array(hid_t file, const NewArray& made) const {
         const Handle space =
-            checked({H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose});
+            checked({H5Screate_simple(static_cast<int>(made.shape.size()), made.shape.data(), nullptr), H5Sclose});
         const Handle creation = checked({H5Pcreate(H5P_DATASET_CREATE), H5Pclose});
         check(H5Pset_layout(creation.get(), H5D_CONTIGUOUS));
         check(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY));
         check(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER));
         check(H5Pset_obj_track_times(creation.get(), false));
-        const Handle array = checked(
-            {H5Dcreate2(file, info.name, type_of(info.type), space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
-             H5Dclose});
-        write_triple(array.get(), "origin", grid.position(0, 0, 0));
-        write_triple(array.get(), "spacing", grid.spacing);
+        const Handle array = checked({H5Dcreate2(file, made.name.c_str(), type_of(made.type), space.get(), H5P_DEFAULT,
+                                                 creation.get(), H5P_DEFAULT),
+                                      H5Dclose});
+        if (made.origin_and_spacing) {
+            write_triple(array.get(), "origin", made.origin_and_spacing->first);
+            write_triple(array.get(), "spacing", made.origin_and_spacing->second);
+        }
+        if (std::ranges::find(made.shape, hsize_t{0}) != made.shape.end()) return 0;
         const haddr_t offset = H5Dget_offset(array.get());
         if (offset == HADDR_UNDEF) fail();
         return offset;
@@ -353,7 +368,11 @@ public:
           xdmf_(xdmf_path(path)),
           file_(path) {
         xdmf_.write(xdmf_text(path, field.grid, infos_));
-        offsets_ = H5Layout(path).write(file_, field, infos_);
+        std::vector<NewArray> arrays;
+        for (const OutputInfo& info : infos_)
+            arrays.push_back({info.name, info.type, shape_of(field.grid, info),
+                              std::pair(field.grid.position(0, 0, 0), field.grid.spacing)});
+        offsets_ = H5Layout(path).write(file_, field, arrays);
     }
 
     void append(const FieldSlab& slab, std::int64_t first_slice) override {
@@ -377,10 +396,68 @@ private:
     AtomicFile file_;
 };
 
+/// HDF5 must know the number of bricks before it lays out the file, so values wait in unfinished files.
+class SparseH5Writer : public SparseFormatWriter {
+public:
+    SparseH5Writer(const std::string& path, const FieldDescription& field, OutputSet outputs)
+        : path_(path), field_(field), infos_(infos_of(outputs)), file_(path) {
+        for (std::size_t i = 0; i < infos_.size(); ++i) spills_.emplace_back(path);
+    }
+
+    void append(const SparseSlab& slab) override {
+        for (std::size_t i = 0; i < infos_.size(); ++i) spills_[i].append(slab.values.bytes(infos_[i].output));
+        bricks_.insert(bricks_.end(), slab.bricks.begin(), slab.bricks.end());
+        runs_.insert(runs_.end(), slab.inside.begin(), slab.inside.end());
+    }
+
+    void finish() override {
+        const std::pair lattice(field_.grid.origin, field_.grid.spacing);
+        std::vector<NewArray> arrays{{bricks_name, ElementType::int64, {bricks_.size(), 3}, lattice},
+                                     {runs_name, ElementType::int64, {runs_.size(), 4}, {}}};
+        for (const OutputInfo& info : infos_) {
+            const std::vector<std::int64_t> shape = sparse_shape(bricks_.size(), info);
+            arrays.push_back({info.name, info.type, {shape.begin(), shape.end()}, {}});
+        }
+        const std::vector<std::uint64_t> offsets = H5Layout(path_).write(file_, field_, arrays);
+        write(offsets[0], std::as_bytes(std::span(bricks_)), sizeof(std::int64_t));
+        write(offsets[1], std::as_bytes(std::span(runs_)), sizeof(std::int64_t));
+        std::vector<std::byte> part;
+        for (std::size_t i = 0; i < infos_.size(); ++i) {
+            constexpr std::uint64_t most = std::uint64_t{1} << 22;
+            for (std::uint64_t begin = 0; begin < spills_[i].size(); begin += most) {
+                part.resize(static_cast<std::size_t>(std::min(most, spills_[i].size() - begin)));
+                spills_[i].read(begin, part);
+                write(offsets[2 + i] + begin, part, bytes_of(infos_[i].type));
+            }
+        }
+        file_.commit();
+    }
+
+private:
+    void write(std::uint64_t offset, std::span<const std::byte> values, std::size_t width) {
+        if (values.empty()) return;
+        file_.seek(offset);
+        write_little_endian(file_, values, width);
+    }
+
+    std::string path_;
+    FieldDescription field_;
+    std::vector<OutputInfo> infos_;
+    AtomicFile file_;
+    std::deque<SpillFile> spills_;  // of each output
+    std::vector<Index3> bricks_;
+    std::vector<BrickRun> runs_;
+};
+
 }  // namespace
 
 std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, OutputSet outputs) {
     return std::make_unique<H5Writer>(path, field, outputs);
+}
+
+std::unique_ptr<SparseFormatWriter> sparse_h5_writer(const std::string& path, const FieldDescription& field,
+                                                     OutputSet outputs) {
+    return std::make_unique<SparseH5Writer>(path, field, outputs);
 }
 
 void check_h5(const std::string& path, OutputSet) {

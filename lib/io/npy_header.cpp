@@ -116,6 +116,7 @@ void set_type(NpyHeader& header, const InputFile& file, const std::string& type)
     static const std::map<std::string, ElementType> types{{"f4", ElementType::float32},
                                                           {"f8", ElementType::float64},
                                                           {"u4", ElementType::uint32},
+                                                          {"i8", ElementType::int64},
                                                           {"u1", ElementType::uint8}};
     const auto found = type.empty() ? types.end() : types.find(type.substr(1));
     if (found == types.end() || (type[0] != '<' && type[0] != '>' && type[0] != '|'))
@@ -177,6 +178,8 @@ const char* npy_name_of(ElementType type) {
             return "<f8";
         case ElementType::uint32:
             return "<u4";
+        case ElementType::int64:
+            return "<i8";
         case ElementType::uint8:
             return "|u1";
         default:

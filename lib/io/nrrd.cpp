@@ -401,7 +401,7 @@ public:
         std::string header = basic_header(field.grid, infos_.front()) + pairs(field);
         files_.emplace_back(path);
         for (std::size_t i = 1; i < infos_.size(); ++i) {
-            const std::string beside = extra_path(path, infos_[i]);
+            const std::string beside = extra_path(path, infos_[i].name);
             header += fmt::format("clsdf_{}_file:={}\n", infos_[i].name, escaped(file_name(beside)));
             files_.emplace_back(beside);
             files_.back().write(basic_header(field.grid, infos_[i]) + '\n');

@@ -1,6 +1,8 @@
 #include "io/field_files.hpp"
 #include "io/nvdb_layout.hpp"
 #include "io/raw_values.hpp"
+#include "io/sparse_files.hpp"
+#include "io/tree_bricks.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -151,7 +153,31 @@ public:
         }
     }
 
+    /// Leaves by their offsets, and tiles, in the field's bricks.
+    void collect(const FieldDescription& field, TreeBricks<std::uint64_t>& bricks) {
+        const Grid whole = in_whole_bricks(field.grid);
+        block_ = &whole;
+        for (const RootTile& tile : tiles_) {
+            const Int3 origin = origin_of(tile.key);
+            if (!overlaps(origin, Upper::log_side)) continue;
+            if (tile.child == 0)
+                bricks.add_tile(index_of(origin), std::int64_t{1} << Upper::log_side, tile.value);
+            else
+                collect_node<Upper>(offset(root_begin_, tile.child), origin, bricks);
+        }
+        block_ = nullptr;
+    }
+
+    /// The values of a leaf, x fastest.
+    void read_leaf(std::uint64_t begin, std::span<float> room) {
+        const auto leaf = at<Leaf>(begin);
+        for (std::size_t n = 0; n < Leaf::sample_count; ++n)
+            room[n] = leaf.values[64 * (n % 8) + 8 * (n / 8 % 8) + n / 64];
+    }
+
 private:
+    static Index3 index_of(const Int3& sample) { return {sample[0], sample[1], sample[2]}; }
+
     void read(std::uint64_t begin, std::span<std::byte> bytes) {
         if (begin > stored_.bytes || bytes.size() > stored_.bytes - begin) fail_offset(begin);
         file_.read(stored_.begin + begin, bytes);
@@ -217,6 +243,25 @@ private:
     }
 
     template <class Node>
+    using ChildOf = std::conditional_t<std::is_same_v<Node, Upper>, Lower, Leaf>;
+
+    /// Calls on_child(offset, origin) and on_tile(origin, value) for what overlaps the block.
+    template <class Node, class OnChild, class OnTile>
+    void for_each_entry(std::uint64_t begin, const Int3& origin, const OnChild& on_child, const OnTile& on_tile) {
+        const auto node = std::make_unique<Node>(at<Node>(begin));
+        for (std::size_t entry = 0; entry < Node::child_count; ++entry) {
+            Int3 child = origin;
+            for (std::size_t axis = 3, rest = entry; axis-- > 0; rest >>= Node::log)
+                child[axis] += static_cast<std::int32_t>((rest & ((1U << Node::log) - 1)) << Node::log_child_side);
+            if (!overlaps(child, Node::log_child_side)) continue;
+            if ((node->children[entry / 64] >> entry % 64 & 1U) != 0)
+                on_child(offset(begin, static_cast<std::int64_t>(node->table[entry])), child);
+            else
+                on_tile(child, std::bit_cast<float>(static_cast<std::uint32_t>(node->table[entry])));
+        }
+    }
+
+    template <class Node>
     void copy_node(std::uint64_t begin, const Int3& origin) {
         if constexpr (std::is_same_v<Node, Leaf>) {
             const auto leaf = at<Leaf>(begin);
@@ -225,19 +270,23 @@ private:
                              for (std::size_t i = 0; i < count; ++i) row[i] = leaf.values[64 * (x + i) + 8 * y + z];
                          });
         } else {
-            using Child = std::conditional_t<std::is_same_v<Node, Upper>, Lower, Leaf>;
-            const auto node = std::make_unique<Node>(at<Node>(begin));
-            for (std::size_t entry = 0; entry < Node::child_count; ++entry) {
-                Int3 child = origin;
-                for (std::size_t axis = 3, rest = entry; axis-- > 0; rest >>= Node::log)
-                    child[axis] += static_cast<std::int32_t>((rest & ((1U << Node::log) - 1)) << Node::log_child_side);
-                if (!overlaps(child, Node::log_child_side)) continue;
-                if ((node->children[entry / 64] >> entry % 64 & 1U) != 0)
-                    copy_node<Child>(offset(begin, static_cast<std::int64_t>(node->table[entry])), child);
-                else
-                    fill(child, Node::log_child_side,
-                         std::bit_cast<float>(static_cast<std::uint32_t>(node->table[entry])));
-            }
+            for_each_entry<Node>(
+                begin, origin, [&](std::uint64_t child, const Int3& first) { copy_node<ChildOf<Node>>(child, first); },
+                [&](const Int3& first, float value) { fill(first, Node::log_child_side, value); });
+        }
+    }
+
+    template <class Node>
+    void collect_node(std::uint64_t begin, const Int3& origin, TreeBricks<std::uint64_t>& bricks) {
+        if constexpr (std::is_same_v<Node, Leaf>) {
+            bricks.add_leaf(index_of(origin), begin);
+        } else {
+            for_each_entry<Node>(
+                begin, origin,
+                [&](std::uint64_t child, const Int3& first) { collect_node<ChildOf<Node>>(child, first, bricks); },
+                [&](const Int3& first, float value) {
+                    bricks.add_tile(index_of(first), std::int64_t{1} << Node::log_child_side, value);
+                });
         }
     }
 
@@ -282,15 +331,10 @@ Grid active_block(const InputFile& file, const RootData& root, std::uint64_t act
     return lattice.block(first, size);
 }
 
-}  // namespace
-
-Field read_nvdb(const std::string& path, OutputSet) {
-    check_nvdb(path, {});
-    InputFile file(path);
-    const StoredGrid stored = find_grid(file);
-    TreeReader tree(file, stored);
+/// Grid, band and sign, as the file states them.
+FieldDescription describe(const std::string& path, InputFile& file, TreeReader& tree) {
     const Grid lattice = lattice_of(file, tree.grid());
-    Field field;
+    FieldDescription field;
     if (const std::optional<std::string> description = tree.description()) {
         field = parse_description(path + ": blind data 'clsdf'", *description).field;
         field.grid = lattice.block(field.grid.first, field.grid.size);
@@ -302,9 +346,42 @@ Field read_nvdb(const std::string& path, OutputSet) {
         field.sign = SignRule::automatic;
     }
     field.grid.validate();
-    const std::size_t samples = field.grid.sample_count();
-    field.resize(Output::distance, samples);
+    return field;
+}
+
+}  // namespace
+
+Field read_nvdb(const std::string& path, OutputSet) {
+    check_nvdb(path, {});
+    InputFile file(path);
+    const StoredGrid stored = find_grid(file);
+    TreeReader tree(file, stored);
+    Field field;
+    static_cast<FieldDescription&>(field) = describe(path, file, tree);
+    field.resize(Output::distance, field.grid.sample_count());
     tree.copy(field.grid, field.distance());
+    return field;
+}
+
+std::optional<SparseField> read_sparse_nvdb(const std::string& path, OutputSet) {
+    check_nvdb(path, {});
+    InputFile file(path);
+    const StoredGrid stored = find_grid(file);
+    TreeReader tree(file, stored);
+    SparseField field;
+    static_cast<FieldDescription&>(field) = describe(path, file, tree);
+    check_sparse(file, field);
+    TreeBricks<std::uint64_t> bricks(field);
+    tree.collect(field, bricks);
+    const auto& sorted = bricks.sort_into(field);
+    field.resize(Output::distance, sorted.size());
+    for (std::size_t n = 0; n < sorted.size(); ++n) {
+        const std::span<float> room = field.distance().subspan(n * brick_samples, brick_samples);
+        if (sorted[n].is_tile)
+            std::ranges::fill(room, sorted[n].tile);
+        else
+            tree.read_leaf(sorted[n].leaf, room);
+    }
     return field;
 }
 

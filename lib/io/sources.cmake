@@ -5,7 +5,8 @@ add_library(clsdf::io ALIAS clsdf_io)
 set_target_properties(clsdf_io PROPERTIES EXPORT_NAME io)
 target_sources(
   clsdf_io
-  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/description.cpp
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/bricks.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/description.cpp
           ${CMAKE_CURRENT_LIST_DIR}/field_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_write.cpp
@@ -16,8 +17,9 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/nvdb_tree.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nvdb_write.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sdf.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sparse_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_WITH_OPENVDB}>,vdb_write,vdb_absent>.cpp
-          $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp>
+          $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp;${CMAKE_CURRENT_LIST_DIR}/vdb_trees.cpp>
           ${CMAKE_CURRENT_LIST_DIR}/vti_document.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_write.cpp)

@@ -32,6 +32,10 @@ Field read_vdb(const std::string& path, OutputSet) {
     refuse(path);
 }
 
+std::optional<SparseField> read_sparse_vdb(const std::string& path, OutputSet) {
+    refuse(path);
+}
+
 void check_vdb(const std::string& path, OutputSet) {
     refuse(path);
 }

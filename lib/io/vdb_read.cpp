@@ -1,4 +1,7 @@
+#include "core/parallel.hpp"
 #include "io/field_files.hpp"
+#include "io/sparse_files.hpp"
+#include "io/tree_bricks.hpp"
 #include "io/vdb.hpp"
 
 #include <clsdf/error.hpp>
@@ -8,6 +11,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 
@@ -145,10 +149,11 @@ public:
     }
 
     // The block of samples: as stated, or the box around all active voxels.
-    void set_block(Grid& grid, const openvdb::FloatGrid& distance, const std::optional<Index3>& stated) const {
+    void set_block(Grid& grid, const openvdb::FloatGrid& distance, const std::optional<Grid>& stated) const {
         const openvdb::CoordBBox active = distance.evalActiveVoxelBoundingBox();
         if (stated && (active.empty() || fits(active, *stated))) {
-            grid.size = *stated;
+            grid.first = stated->first;
+            grid.size = stated->size;
             return;
         }
         if (active.empty()) input_.fail("no voxel of its grid is active");
@@ -174,9 +179,10 @@ public:
     }
 
 private:
-    static bool fits(const openvdb::CoordBBox& box, const Index3& size) {
+    static bool fits(const openvdb::CoordBBox& box, const Grid& block) {
         for (std::size_t axis = 0; axis < 3; ++axis)
-            if (box.min()[axis] < 0 || box.max()[axis] >= size[axis]) return false;
+            if (box.min()[axis] < block.first[axis] || box.max()[axis] >= block.first[axis] + block.size[axis])
+                return false;
         return true;
     }
 
@@ -185,28 +191,34 @@ private:
     openvdb::io::File file_;
 };
 
-Field read_checked(InputFile& file, bool is_ours, OutputSet wanted) {
-    initialise();
-    VdbReader reader(file, is_ours);
-    const openvdb::FloatGrid::Ptr distance = reader.distance();
-    const auto description = distance->getMetadata<openvdb::StringMetadata>(description_key);
+/// Grid, band and sign, as the file states them.
+FieldDescription describe(const InputFile& file, const VdbReader& reader, const openvdb::FloatGrid& distance) {
+    const auto description = distance.getMetadata<openvdb::StringMetadata>(description_key);
     const std::string source = file.path() + ": metadata 'clsdf'";
 
-    Field field;
-    const Grid lattice = reader.lattice(*distance);
-    Grid block = lattice;
-    reader.set_block(block, *distance, description ? described_size(source, description->value()) : std::nullopt);
+    FieldDescription field;
+    Grid block = reader.lattice(distance);
+    reader.set_block(block, distance, description ? described_block(source, description->value()) : std::nullopt);
     block.validate();
-    const Grid in_file = block;
     if (description) {
         field = parse_description(source, description->value(), block).field;
     } else {
-        const auto background = static_cast<double>(distance->background());
-        const bool has_band = distance->getGridClass() == openvdb::GRID_LEVEL_SET && background > 0;
-        field.grid = block;
+        const auto background = static_cast<double>(distance.background());
+        const bool has_band = distance.getGridClass() == openvdb::GRID_LEVEL_SET && background > 0;
         field.band = has_band ? Band::symmetric(background) : Band::full();
         field.sign = SignRule::automatic;
     }
+    field.grid = block;
+    return field;
+}
+
+Field read_dense(InputFile& file, bool is_ours, OutputSet wanted) {
+    initialise();
+    VdbReader reader(file, is_ours);
+    const openvdb::FloatGrid::Ptr distance = reader.distance();
+    Field field;
+    static_cast<FieldDescription&>(field) = describe(file, reader, *distance);
+    const Grid& in_file = field.grid;
     const std::size_t samples = field.grid.sample_count();
     reader.copy(*distance, in_file, field.resize(Output::distance, samples));
     for (const OutputInfo& info : extra_outputs()) {
@@ -224,13 +236,73 @@ Field read_checked(InputFile& file, bool is_ours, OutputSet wanted) {
     return field;
 }
 
-}  // namespace
+/// The samples of a brick in a tree, x fastest; those of tiles and of the background, too.
+template <class GridType>
+void copy_brick(const GridType& grid, const Index3& brick, std::span<std::byte> room) {
+    using Value = typename GridType::ValueType;
+    const Coord first = coordinates(brick);
+    const auto* const leaf = grid.tree().probeConstLeaf(first);
+    const Value tile = leaf == nullptr ? grid.tree().getValue(first) : Value{};
+    for (std::size_t n = 0; n < brick_samples; ++n) {
+        const auto place = static_cast<openvdb::Index>(64 * (n % 8) + 8 * (n / 8 % 8) + n / 64);
+        const Value value = leaf == nullptr ? tile : leaf->getValue(place);
+        std::memcpy(room.data() + n * sizeof(Value), &value, sizeof(Value));
+    }
+}
 
-Field read_vdb(const std::string& path, OutputSet wanted) {
+/// Leaves and tiles in the field's bricks.
+void collect(const openvdb::FloatGrid& distance, TreeBricks<bool>& bricks) {
+    const auto index_of = [](const Coord& first) { return Index3{first[0], first[1], first[2]}; };
+    for (auto leaf = distance.tree().cbeginLeaf(); leaf; ++leaf) bricks.add_leaf(index_of(leaf->origin()), true);
+    auto tile = distance.tree().cbeginValueAll();
+    tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) {
+        const openvdb::CoordBBox box = tile.getBoundingBox();
+        bricks.add_tile(index_of(box.min()), std::int64_t{box.max()[0]} - box.min()[0] + 1, *tile);
+    }
+}
+
+SparseField read_sparse(InputFile& file, bool is_ours, OutputSet wanted) {
+    initialise();
+    VdbReader reader(file, is_ours);
+    const openvdb::FloatGrid::Ptr distance = reader.distance();
+    SparseField field;
+    static_cast<FieldDescription&>(field) = describe(file, reader, *distance);
+    check_sparse(file, field);
+    TreeBricks<bool> bricks(field);
+    collect(*distance, bricks);
+    bricks.sort_into(field);
+    const auto copy = [&](const auto& grid, std::size_t width, std::span<std::byte> room) {
+        for_each_index(
+            field.bricks.size(),
+            [&](std::size_t n) {
+                copy_brick(grid, field.bricks[n], room.subspan(n * brick_samples * width, brick_samples * width));
+            },
+            64);
+    };
+    copy(*distance, sizeof(float), field.resize(Output::distance, field.bricks.size()));
+    for (const OutputInfo& info : extra_outputs()) {
+        if (!wanted.contains(info.output) || !reader.has(info.name) || !fits_grid(info)) continue;
+        const std::size_t width = sample_bytes_in_grid(info);
+        std::vector<std::byte> wide(field.bricks.size() * brick_samples * width);
+        if (is_whole(info.type))
+            copy(*reader.read<openvdb::Int32Grid>(info.name), width, wide);
+        else if (info.type == ElementType::float64)
+            copy(*reader.read<openvdb::Vec3DGrid>(info.name), width, wide);
+        else
+            copy(*reader.read<openvdb::Vec3SGrid>(info.name), width, wide);
+        narrow(info, wide, field.resize(info.output, field.bricks.size()));
+    }
+    return field;
+}
+
+/// Calls read(file, is_ours), and makes OpenVDB's errors those of the file.
+template <class Read>
+auto with_errors_of(const std::string& path, const Read& read) {
     InputFile file(path);
     const bool is_ours = check_vdb_seal(file);
     try {
-        return read_checked(file, is_ours, wanted);
+        return read(file, is_ours);
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {
@@ -238,6 +310,16 @@ Field read_vdb(const std::string& path, OutputSet wanted) {
     } catch (const std::exception& error) {
         file.fail(fmt::format("OpenVDB: {}", error.what()));
     }
+}
+
+}  // namespace
+
+Field read_vdb(const std::string& path, OutputSet wanted) {
+    return with_errors_of(path, [&](InputFile& file, bool is_ours) { return read_dense(file, is_ours, wanted); });
+}
+
+std::optional<SparseField> read_sparse_vdb(const std::string& path, OutputSet wanted) {
+    return with_errors_of(path, [&](InputFile& file, bool is_ours) { return read_sparse(file, is_ours, wanted); });
 }
 
 }  // namespace clsdf

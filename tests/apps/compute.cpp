@@ -7,7 +7,9 @@
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 
 using clsdf::test::check_refused;
@@ -609,6 +611,60 @@ BOOST_AUTO_TEST_CASE(make_the_inside_positive_and_files_say_so) {
     run_well({"query", shape, points, "-o", found, "--half-width", "2", "--positive-inside", "--quiet"});
     const std::string rows = content_of(found);
     BOOST_TEST(rows == "x,y,z,distance\n0.5,0.5,0.5,0.5\n0,0,0,-0\n9,0,0,-2\n");
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(a_sparse_field)
+
+BOOST_AUTO_TEST_CASE(is_computed_described_checked_sliced_and_drawn) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::vector<std::string> band{"--resolution", "60", "--band", "2v"};
+    const auto run = [&](std::vector<std::string> arguments, const std::vector<std::string>& more = {}) {
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = run_command(arguments);
+        BOOST_TEST_CONTEXT("message: " << outcome.error)
+        BOOST_TEST(outcome.status == 0);
+        return outcome;
+    };
+    run({"compute", mesh, "-o", folder.file("dense.nrrd")}, band);
+    const clsdf::Field dense = clsdf::read_field(folder.file("dense.nrrd"));
+    for (const std::string name : {"field.npy", "field.h5", "field.nvdb"}) {
+        const std::string field = folder.file(name);
+        const json computed = json::parse(run({"compute", mesh, "-o", field, "--sparse", "--json"}, band).out);
+        BOOST_TEST(computed["sparse"] == true);
+        const std::optional<clsdf::SparseField> sparse = clsdf::read_sparse_field(field);
+        BOOST_REQUIRE(sparse.has_value());
+        BOOST_CHECK(std::ranges::equal(to_dense(*sparse).distance(), dense.distance()));
+        const json about = json::parse(run({"info", field, "--json"}).out);
+        BOOST_TEST(about["sparse"] == true);
+        BOOST_TEST(about["bricks"]["values"] == sparse->bricks.size());
+        BOOST_TEST(about["bricks"]["all"] == 8 * 8 * 8);
+        BOOST_TEST(about["band_samples"] == computed["statistics"]["band_samples"]);
+        run({"check", mesh, field, "--samples", "2000"});
+        run({"slice", field, "-o", folder.file("slice.png"), "--pixels", "100"});
+        run({"render", field, "-o", folder.file("render.png"), "--size", "32"});
+    }
+    const json about = json::parse(run({"info", folder.file("dense.nrrd"), "--json"}).out);
+    BOOST_TEST(about["sparse"] == false);
+    BOOST_TEST(about["outputs"] == json::array({"distance"}));
+}
+
+BOOST_AUTO_TEST_CASE(is_refused_where_there_is_none) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const auto refused = [&](const std::string& name, const std::vector<std::string>& options,
+                             const std::vector<std::string>& parts) {
+        std::vector<std::string> arguments{"compute", mesh, "-o", folder.file(name), "--sparse"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        check_refused(run_command(arguments, no_devices), 2, parts);
+    };
+    refused("a.nrrd", {}, {"a.nrrd", "stores no sparse fields", ".h5"});
+    refused("a.npy", {"--band", "full", "--dry-run"}, {"--sparse", "no end", "--band"});
+    refused("a.npy", {"--band", "0", "--margin", "1", "--dry-run"}, {"--sparse", "signs alone"});
+    refused("a.npy", {"--scan", "brute-force", "--dry-run"}, {"--sparse", "--scan"});
+    BOOST_TEST(folder.file_count() == 1U);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

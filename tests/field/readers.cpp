@@ -11,6 +11,7 @@
 
 #include <sys/wait.h>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 using namespace clsdf;
@@ -37,6 +38,23 @@ Field plain_field(const Vec3& spacing, const clsdf::Band& band = {0.2, 0.25}) {
     return field;
 }
 
+// A ball with bricks inside and outside, on a part of a lattice.
+Field ball_field() {
+    const clsdf::Band band{0.25, 0.5};
+    Field field({clsdf::Grid{{-3, -3, -3}, {0.125, 0.125, 0.125}, {60, 60, 60}}.part({1, 2, 3}, {47, 45, 43}), band,
+                 SignRule::nonzero, ""},
+                Output::distance | Output::triangle);
+    for (std::int64_t k = 0; k < 43; ++k)
+        for (std::int64_t j = 0; j < 45; ++j)
+            for (std::int64_t i = 0; i < 47; ++i) {
+                const Vec3 p = field.grid.position(i, j, k);
+                const auto distance = static_cast<float>(std::hypot(p[0], p[1], p[2]) - 2);
+                field.distance()[field.grid.offset(i, j, k)] = std::clamp(distance, -0.25F, 0.5F);
+                field.triangle()[field.grid.offset(i, j, k)] = clsdf::no_triangle;
+            }
+    return field;
+}
+
 const Vec3 unequal{0.1, 0.07, 1.0 / 7};
 const Vec3 equal{0.1, 0.1, 0.1};
 
@@ -53,7 +71,13 @@ bool check_with_reader(const TemporaryFolder& folder, const std::string& kind, c
     Field written = field;
     if (ending == "sdf") written.erase(Output::triangle);
     const std::string path = folder.file("field." + ending);
-    write_field(written, path);
+    if (kind.starts_with("sparse_")) {
+        written.erase(Output::triangle);
+        write_field(written, folder.file("field.nvdb"));
+        write_field(read_sparse_field(folder.file("field.nvdb")).value(), path);
+    } else {
+        write_field(written, path);
+    }
     const std::string expected = folder.file("expected");
     const nlohmann::json about{{"origin", field.grid.position(0, 0, 0)},
                                {"spacing", field.grid.spacing},
@@ -93,6 +117,11 @@ BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_in_teem) {
 
 BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_in_numpy) {
     check_with_reader(TemporaryFolder(), "npy", "npy", plain_field(unequal));
+}
+
+BOOST_AUTO_TEST_CASE(that_is_sparse_is_looked_up_in_numpy_and_h5py) {
+    check_with_reader(TemporaryFolder(), "sparse_npy", "npy", ball_field());
+    check_with_reader(TemporaryFolder(), "sparse_h5", "h5", ball_field());
 }
 
 BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_in_the_text_of_sdfgen) {

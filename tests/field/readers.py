@@ -14,8 +14,8 @@ import tempfile
 import xml.etree.ElementTree
 
 PACKAGES = {"vti": "python3-vtk9", "vti_rewritten": "python3-vtk9", "h5": "python3-h5py", "nrrd": "teem-apps",
-            "npy": "python3-numpy", "sdf": "python3-numpy", "vdb": "python3-openvdb", "vdb_unequal": "python3-openvdb",
-            "vdb_rewritten": "python3-openvdb"}
+            "npy": "python3-numpy", "sparse_npy": "python3-numpy", "sparse_h5": "python3-h5py", "sdf": "python3-numpy",
+            "vdb": "python3-openvdb", "vdb_unequal": "python3-openvdb", "vdb_rewritten": "python3-openvdb"}
 
 
 def check(statement, what):
@@ -156,6 +156,50 @@ def npy(path, expected, distance, triangle):
     check_description(text, expected)
     for name in ("origin", "spacing", "size"):
         check(json.loads(text)[name] == expected[name], name)
+
+
+def check_sparse(distance, bricks, runs, about, expected):
+    """Looks every sample up as docs/sparse.md does."""
+    import numpy
+    check(distance.dtype == numpy.float32 and distance.shape == (len(bricks), 8, 8, 8), "the shape of the values")
+    check(bricks.dtype == numpy.int64 and bricks.shape[1:] == (3,), "the shape of the bricks")
+    check(runs.dtype == numpy.int64 and runs.shape[1:] == (4,) and len(runs) > 0, "the shape of the runs")
+    number = {tuple(brick): n for n, brick in enumerate(bricks.tolist())}
+
+    def distance_at(x, y, z):
+        brick = (x & ~7, y & ~7, z & ~7)
+        if brick in number:
+            return distance[number[brick], z & 7, y & 7, x & 7]
+        first, count = runs[:, :3], runs[:, 3]
+        along = brick[0] - first[:, 0]
+        is_inside = ((first[:, 1:] == brick[1:]).all(1) & (along >= 0) & (along < 8 * count)).any()
+        return -about["band"]["inside"] if is_inside else about["band"]["outside"]
+
+    first = numpy.array(about["lattice"]["first"])
+    for (z, y, x), value in numpy.ndenumerate(expected[::2, ::3, ::5]):
+        sample = first + (5 * x, 3 * y, 2 * z)
+        check(numpy.float32(distance_at(*sample.tolist())) == value, f"distance at {sample}")
+    index = bricks[:, None] + numpy.indices((8, 8, 8)).reshape(3, -1).T[:, ::-1]
+    position = numpy.array(about["lattice"]["origin"]) + numpy.array(about["spacing"]) * index
+    check((index[0, 9] == bricks[0] + (1, 1, 0)).all(), "the order of samples")
+    check(position.shape == (len(bricks), 512, 3), "the shape of the positions")
+
+
+def sparse_npy(path, expected, distance, triangle):
+    import numpy
+    about = json.load(open(path + ".json", encoding="utf-8"))
+    check_sparse(numpy.load(path), numpy.load(path[:-4] + "_bricks.npy"), numpy.load(path[:-4] + "_inside_runs.npy"),
+                 about, distance)
+
+
+def sparse_h5(path, expected, distance, triangle):
+    import h5py
+    with h5py.File(path, "r") as file:
+        text = file.attrs["clsdf"]
+        about = json.loads(text.decode() if isinstance(text, bytes) else text)
+        check(list(file["bricks"].attrs["origin"]) == about["lattice"]["origin"], "origin")
+        check(list(file["bricks"].attrs["spacing"]) == expected["spacing"], "spacing")
+        check_sparse(file["distance"][...], file["bricks"][...], file["inside_runs"][...], about, distance)
 
 
 def sdf(path, expected, distance, triangle):

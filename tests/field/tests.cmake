@@ -12,9 +12,13 @@ if(CLSDF_SANITIZE)
 endif()
 
 if(NOT CLSDF_TEST_PARTS)
-  clsdf_test(sparse_files ${CMAKE_CURRENT_LIST_DIR}/sparse_files.cpp)
+  clsdf_test(sparse_files ${CMAKE_CURRENT_LIST_DIR}/sparse_files.cpp ${CMAKE_CURRENT_LIST_DIR}/sparse_arrays.cpp)
   target_link_libraries(test_sparse_files PRIVATE clsdf::reference)
   target_compile_definitions(test_sparse_files PRIVATE CLSDF_WITH_OPENVDB=$<BOOL:${CLSDF_WITH_OPENVDB}>)
+  if(CLSDF_WITH_OPENVDB)
+    clsdf_test(level_set ${CMAKE_CURRENT_LIST_DIR}/level_set.cpp)
+    target_link_libraries(test_level_set PRIVATE clsdf::reference clsdf_openvdb)
+  endif()
 endif()
 
 # .nvdb files opened by NanoVDB, whose headers no other program includes.

@@ -6,9 +6,11 @@
 #include <clsdf/field.hpp>
 #include <clsdf/mesh_files.hpp>
 #include <clsdf/outputs.hpp>
+#include <clsdf/sparse.hpp>
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -71,20 +73,30 @@ private:
 };
 
 class SparseFormatWriter;
-struct SparseField;
-struct SparseSlab;
 
-/// Whether the file's format, by its ending, stores sparse fields: .nvdb and .vdb. Throws Error(unsupported) for an
-/// unknown ending.
+/// Whether the file's format, by its ending, stores sparse fields: .nvdb, .vdb, .npy and .h5. Throws Error(unsupported)
+/// for an unknown ending.
 CLSDF_EXPORT bool stores_sparse_fields(const std::string& path);
+/// Whether it stores dense fields as sparse ones, too: .nvdb and .vdb.
+CLSDF_EXPORT bool stores_sparse_fields_only(const std::string& path);
+
+/// Reads the sparse field of a file, with the outputs that are wanted and in the file. Nothing if the file has a dense
+/// field, which read_field() reads; that function also makes a sparse field dense. Of .nvdb and .vdb the leaves are the
+/// bricks; samples beyond the grid have the background. Throws as read_field().
+CLSDF_EXPORT std::optional<SparseField> read_sparse_field(const std::string& path, OutputSet wanted = Output::distance);
+
+/// The dense field of a sparse one: the same values, bit for bit. Throws Error(out_of_memory), or
+/// Error(invalid_argument) for a grid that makes no sense.
+CLSDF_EXPORT Field to_dense(const SparseField& field);
 
 /// Writes a sparse field: see SparseFieldWriter.
 CLSDF_EXPORT void write_field(const SparseField& field, const std::string& path);
 
 /// Writes a sparse field, layers of bricks at a time: the sink of a sparse computation can append its argument. The
-/// format follows from the file's ending, .nvdb or .vdb. The bytes are those of the dense field's file, and do not
-/// depend on how the layers are divided. A .vdb keeps the bricks in memory until finish(), a .nvdb in an unfinished
-/// file in the folder of the final one. Without finish() no file stays. One thread at a time.
+/// format follows from the file's ending: .nvdb, .vdb, .npy or .h5 (docs/sparse.md). The bytes do not depend on how the
+/// layers are divided; those of .nvdb and .vdb are the dense field's. A .vdb keeps the bricks in memory until finish(),
+/// .nvdb and .h5 in an unfinished file in the folder of the final one; .npy writes them in append(). Without finish()
+/// no file stays. One thread at a time.
 class CLSDF_EXPORT SparseFieldWriter {
 public:
     /// Throws as FieldWriter, and Error(unsupported) for a format that stores no sparse fields, or
