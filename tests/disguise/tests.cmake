@@ -25,7 +25,8 @@ clsdf_between(disguise_drivers)
 
 # The program behind scripts/gpu-counts.
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
-target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io OpenCL::OpenCL ${CLSDF_FMT} nlohmann_json::nlohmann_json)
+target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io clsdf_internals Eigen3::Eigen OpenCL::OpenCL ${CLSDF_FMT} nlohmann_json::nlohmann_json)
+target_include_directories(gpu_counts PRIVATE ${PROJECT_SOURCE_DIR}/tests)
 
 if(TARGET clsdf_command)
   add_test(NAME gpu_counts
