@@ -8,6 +8,11 @@
 
 #include <cstdint>
 
+// OpenCL C gets no warnings for C++.
+#ifdef __GNUC__
+#pragma GCC system_header
+#endif
+
 /// The searches of points, compiled by the host with one lane, so that their work can be counted and their float
 /// distances be looked at.
 namespace clsdf::test {
@@ -23,19 +28,6 @@ inline thread_local SearchCounts search_counts;
 
 #undef COUNTED
 #define COUNTED(what, number) clsdf::test::search_counts.what += (number)
-
-// OpenCL C gets no warnings for C++.
-#ifdef __GNUC__
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wunknown-pragmas"
-#pragma GCC diagnostic ignored "-Wold-style-cast"
-#pragma GCC diagnostic ignored "-Wcast-qual"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
-#endif
 
 namespace one_lane {
 
@@ -53,9 +45,5 @@ using namespace kernel_language;
 #undef __private
 
 }  // namespace one_lane
-
-#ifdef __GNUC__
-#pragma GCC diagnostic pop
-#endif
 
 }  // namespace clsdf::test
