@@ -64,6 +64,24 @@ std::vector<std::pair<std::string, std::uint64_t>> numbers_of(const disguise::Co
             {"calls", counts.all_calls}};
 }
 
+/// A point's share of the work of searches.
+struct SearchWork {
+    double boxes = 0, faces = 0, decisions = 0;
+    double kilobytes = 0;  ///< of nodes and of faces in float
+
+    std::array<std::pair<const char*, double>, 4> numbers() const {
+        return {{{"boxes_per_point", boxes},
+                 {"faces_per_point", faces},
+                 {"decisions_per_point", decisions},
+                 {"kilobytes_per_point", kilobytes}}};
+    }
+};
+
+/// The searches of processors and of GPUs, both without a bound to begin with.
+struct SearchWorks {
+    SearchWork wide_tree, binary_tree;
+};
+
 struct Result {
     std::string mesh;
     std::size_t triangles = 0;
@@ -131,24 +149,6 @@ std::vector<Vec3> uniform_points(const Mesh& mesh) {
         }
     return points;
 }
-
-/// A point's share of the work of searches.
-struct SearchWork {
-    double boxes = 0, faces = 0, decisions = 0;
-    double kilobytes = 0;  ///< of nodes and of faces in float
-
-    std::array<std::pair<const char*, double>, 4> numbers() const {
-        return {{{"boxes_per_point", boxes},
-                 {"faces_per_point", faces},
-                 {"decisions_per_point", decisions},
-                 {"kilobytes_per_point", kilobytes}}};
-    }
-};
-
-/// The searches of processors and of GPUs, both without a bound to begin with.
-struct SearchWorks {
-    SearchWork wide_tree, binary_tree;
-};
 
 template <class Value>
 const Value* on_host(const device::BufferPool::Lease& lease) {
