@@ -1,10 +1,12 @@
 // Points anywhere: the nearest triangle of each by a search in a tree, and the outputs. The host computes few points by
-// the same functions (lib/points/few_points.cpp).
+// the same functions (lib/points/few_points.cpp). GPUs have another search (nearest_by_group.cl).
 
 #define REAL double
 #define TRUTH long
 
 #include "finish_point.h"
+
+#if LANES != 1
 #include "point_search.h"
 
 // A work-item takes `run` points that follow each other, and begins each search with the face of the one before.
@@ -24,6 +26,7 @@ __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes,
         if (found.face != CLSDF_NO_FACE) face = found.face;
     }
 }
+#endif
 
 // The outputs of a point, a work-item each. places: where each point's results go. within: in the mesh's units. signs:
 // of points that are not finished. by_sides: no sign is known, and the side of the nearest face decides it. Points that

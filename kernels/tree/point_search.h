@@ -8,16 +8,8 @@
 #define CLSDF_POINT_SEARCH_H
 
 #include "edge_offsets.h"
-#include "point_distance.h"
+#include "nearest_face.h"
 #include "simd.h"
-
-// The nearest face so far.
-typedef struct NearestFace {
-    double squared;  // in units
-    uint triangle;   // in the caller's order
-    uint face;       // in the tree's
-    float bound;     // the squared distance as a float
-} NearestFace;
 
 // A point as boxes are compared with it: floats on both sides of each coordinate.
 typedef struct PointBox {
@@ -42,18 +34,6 @@ typedef struct PointMesh {
     __global const Polyhedron* polyhedra;
     __global const PointFace* faces;
 } PointMesh;
-
-// Takes a face if it is nearer.
-INLINE void take_face(PointMesh mesh, uint face, double3 p, __private NearestFace* found) {
-    const double squared = face_distance(mesh.polyhedra + face, mesh.faces + face, p.x, p.y, p.z).squared;
-    const uint triangle = mesh.faces[face].triangle;
-    if (squared < found->squared || (squared == found->squared && triangle < found->triangle)) {
-        found->squared = squared;
-        found->triangle = triangle;
-        found->face = face;
-        found->bound = (float)squared;
-    }
-}
 
 DEFINE_EDGE_OFFSETS(LeafEdgeOffsets, leaf_edge_offsets, floatL, intL)
 DEFINE_SQUARED_FROM_EDGE(squared_from_edge, floatL)
@@ -119,12 +99,14 @@ INLINE void visit_leaf(PointMesh mesh, uint number, uint faces, double3 p, __pri
     const float3 from_origin = convert_float3(p - convert_double3(vload3(0, leaf->origin)));
     const float error =
         LEAF_DISTANCE_ERROR * (fabs(from_origin.x) + fabs(from_origin.y) + fabs(from_origin.z) + leaf->extent);
+    COUNTED(faces, CLSDF_TREE_WIDTH);
     for (int first = 0; first < CLSDF_TREE_WIDTH; first += CHILDREN_AT_ONCE) {
         uint bits = near_faces(leaf, from_origin, error, found->bound, first);
         for (; bits != 0; bits &= bits - 1) {
             const uint face = number * CLSDF_TREE_WIDTH + first + lowest_bit(bits);
             if (face >= faces) break;
-            take_face(mesh, face, p, found);
+            COUNTED(decisions, 1);
+            take_if_nearer(mesh.polyhedra, mesh.faces, face, p, found);
         }
     }
 }
@@ -162,6 +144,7 @@ INLINE uint near_boxes(__global const PointNode* node, PointBox p, float bound, 
 // children: nodes of their level.
 static inline int push_children(__global const PointNode* node, uint level, uint number, uint children, PointBox p,
                                 float bound, __private uint* items, __private float* squares, int height) {
+    COUNTED(boxes, CLSDF_TREE_WIDTH);
     float least = INFINITY;
     int nearest = height;
     for (int first = 0; first < CLSDF_TREE_WIDTH; first += CHILDREN_AT_ONCE) {
@@ -211,8 +194,8 @@ static inline void search(PointTree tree, PointMesh mesh, double3 p, __private N
 // The nearest face of a point, at most at the squared distance `most`, which may be infinite. before: a face that is
 // likely to be near, or CLSDF_NO_FACE.
 static inline NearestFace nearest_face(PointTree tree, PointMesh mesh, double3 p, double most, uint before) {
-    NearestFace found = {most, 0xFFFFFFFFu, CLSDF_NO_FACE, (float)most};
-    if (before != CLSDF_NO_FACE) take_face(mesh, before, p, &found);
+    NearestFace found = none_nearest(most);
+    if (before != CLSDF_NO_FACE) take_if_nearer(mesh.polyhedra, mesh.faces, before, p, &found);
     search(tree, mesh, p, &found);
     return found;
 }

@@ -29,6 +29,11 @@
 // The nearest face of a point beyond the search's limit.
 #define CLSDF_NO_FACE 0xFFFFFFFFu
 
+// A test counts the work of searches.
+#ifndef COUNTED
+#define COUNTED(what, number)
+#endif
+
 #ifndef __OPENCL_VERSION__
 namespace clsdf {
 #endif

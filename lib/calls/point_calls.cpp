@@ -31,6 +31,7 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
     return calls::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
         points::PointInputs inputs;
         inputs.mesh = kept_points->tree();
+        if (programs.body == KernelBody::by_group && !on_host) inputs.tree = kept_points->fitted_tree();
         const bool has_room = !on_host && !points_are_short_of_memory;
         const bool are_many =
             has_room && points::is_scan_worthwhile(programs, count, kept_mesh->mesh().triangles().size());

@@ -142,6 +142,7 @@ std::optional<std::string> point_difference(const Device& device, const engine::
         points::KeptPoints kept(kept_mesh);
         points::PointInputs inputs;
         inputs.mesh = kept.tree();
+        if (are_ordered) inputs.tree = kept.fitted_tree();
         inputs.sign = SignRule::nonzero;
         if (are_scanned) inputs.scanned = kept.scanned_mesh();
         inputs.sites = kept_mesh.sites(true, true);
@@ -216,11 +217,12 @@ TestSubject point_subject(const Device& device, const engine::Programs& programs
     TestSubject subject;
     subject.name = fmt::format("{} {}points", device::name_of(programs.body), are_scanned ? "many " : "");
     const bool are_ordered = programs.body == KernelBody::by_group;  // on the device
-    subject.steps = are_scanned ? 3 : are_ordered ? 4 : 1;
+    subject.steps = are_scanned ? 3 : are_ordered ? 6 : 1;
     subject.build = [&programs, are_scanned, are_ordered](const device::BuildWatch& watch) {
         std::vector<cl::Program> built{programs.points.get(watch)};
         if (are_ordered)
-            for (const engine::LazyProgram& program : {programs.scan, programs.radix_sort, programs.point_order})
+            for (const engine::LazyProgram& program :
+                 {programs.scan, programs.radix_sort, programs.point_order, programs.binary_tree, programs.nearest})
                 built.push_back(program.get(watch));
         if (!are_scanned) return built;
         built.push_back(programs.mesh_records.get(watch));

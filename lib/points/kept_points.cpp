@@ -19,6 +19,16 @@ std::shared_ptr<const engine::PointMesh> KeptPoints::tree() {
     });
 }
 
+std::shared_ptr<const engine::FittedTree> KeptPoints::fitted_tree() {
+    return kept_mesh_.prepare([&] {
+        return fitted_tree_.get_or([&] {
+            engine::FittedTree made = engine::fitted_tree(kept_mesh_.tools(), *tree(), divided_faces_.get());
+            divided_faces_.set(made.divided);
+            return made;
+        });
+    });
+}
+
 std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh() {
     return kept_mesh_.prepare([&] {
         return scanned_mesh_.get_or([&] {

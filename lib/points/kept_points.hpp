@@ -4,6 +4,7 @@
 #include "points/face_sides.hpp"
 #include "points/point_query.hpp"
 #include "points/point_scan.hpp"
+#include "tree/binary_tree.hpp"
 #include "tree/point_mesh.hpp"
 
 #include <memory>
@@ -16,6 +17,9 @@ namespace clsdf::points {
 /// when it is needed first, and forgotten when the vertices move or memory is short.
 ///
 ///     points' tree   of the positions                    once points are asked for
+///     division       of first positions                  once points are asked for, for the body by_group; until its
+///                                                        boxes have become twice as large
+///     GPUs' tree     + positions                         once points are asked for, for the body by_group
 ///     face sides     + sign rule                         once about as many points are asked for
 ///     scanned mesh   + frusta                            once many points are asked for
 ///
@@ -28,6 +32,9 @@ public:
 
     /// The tree in which points are looked up. Throws Error(invalid_argument, unsupported or out_of_memory).
     std::shared_ptr<const engine::PointMesh> tree();
+
+    /// The tree that the body by_group searches. Throws as tree().
+    std::shared_ptr<const engine::FittedTree> fitted_tree();
 
     /// The records that the scan of many points reads beside the tree. Throws as tree().
     std::shared_ptr<const ScannedMesh> scanned_mesh();
@@ -53,6 +60,8 @@ private:
 
     engine::KeptMesh& kept_mesh_;
     Kept<engine::PointMesh> tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points, [this] { forget_inputs(); }};
+    Kept<engine::DividedFaces> divided_faces_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};
+    Kept<engine::FittedTree> fitted_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<ScannedMesh> scanned_mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<FaceSides> face_sides_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
 

@@ -30,6 +30,8 @@ namespace {
 constexpr std::size_t fewest_sorted = 128;
 // Points of a work-item on a processor, which share their way through the tree.
 constexpr std::size_t most_run = 64;
+// Points of a launch on a GPU: their lists of faces take 64 bytes a point.
+constexpr std::size_t most_listed = std::size_t{1} << 19;
 // First estimate for a search on a core; later launches use the measured time.
 constexpr double seconds_per_search = 2e-5;
 
@@ -74,6 +76,8 @@ public:
         if (groups_)
             scan_points({tools_, *inputs_.mesh, *inputs_.scanned, *groups_, count_, *points_.in_units, most()}, *faces_,
                         *squared_, between);
+        else if (inputs_.tree)
+            search_by_group(between);
         else
             search_tree(between);
     }
@@ -116,10 +120,38 @@ private:
             });
     }
 
+    void search_by_group(const std::function<void(double)>& between) {
+        const engine::PointMesh& mesh = *inputs_.mesh;
+        const engine::FittedTree& tree = *inputs_.tree;
+        const engine::DividedFaces& divided = *tree.divided;
+        const cl::Program program =
+            divided.depth <= engine::stack_entries ? tools_.programs.nearest : tools_.programs.nearest_deep;
+        cl::Kernel list(program, "list_faces"), decide(program, "decide_faces"), again(program, "search_again");
+        const std::size_t together = std::min(count_, most_listed);
+        const PointBuffer<cl_uint> places(*tools_.pool, together * CLSDF_LISTED_FACES, "faces near points"),
+            counts(*tools_.pool, together, "faces near points");
+        const auto search = [&](std::size_t first, std::size_t last) {
+            const engine::WorkItems points{last - first};
+            const auto begin = static_cast<cl_uint>(first), end = static_cast<cl_uint>(last);
+            engine::launch(queue_, list, points, divided.tree, *tree.nodes, *tree.faces, *points_.in_units, begin, end,
+                           cl_double{most()}, *places, *counts);
+            engine::launch(queue_, decide, points, *divided.order, *mesh.polyhedra, *mesh.faces, *points_.in_units,
+                           begin, end, cl_double{most()}, *places, *counts, *faces_, *squared_);
+            engine::launch(queue_, again, points, divided.tree, *tree.nodes, *tree.faces, *divided.order,
+                           *mesh.polyhedra, *mesh.faces, *points_.in_units, begin, end, cl_double{most()}, *counts,
+                           *faces_, *squared_);
+        };
+        engine::measured_launches(tools_.context, count_, seconds_per_search,
+                                  most_run * engine::cores_of(tools_.context.capabilities()), between,
+                                  [&](std::size_t begin, std::size_t end) {
+                                      for (std::size_t first = begin; first < end; first += together)
+                                          search(first, std::min(end, first + together));
+                                  });
+    }
+
     double most() const { return search_limit(*inputs_.mesh, half_width_); }
 
     std::size_t run() const {
-        if (tools_.programs.body == KernelBody::by_group) return 1;
         return std::clamp<std::size_t>(count_ / (8 * tools_.context.capabilities().compute_units), 1, most_run);
     }
 

@@ -10,6 +10,7 @@
 #include "points/face_sides.hpp"
 #include "points/point_scan.hpp"
 #include "targets/host_arrays.hpp"
+#include "tree/binary_tree.hpp"
 #include "tree/point_mesh.hpp"
 
 #include <cstddef>
@@ -22,6 +23,7 @@ namespace clsdf::points {
 /// The inputs of a query.
 struct PointInputs {
     std::shared_ptr<const engine::PointMesh> mesh;
+    std::shared_ptr<const engine::FittedTree> tree;    ///< of the body by_group alone
     std::shared_ptr<const ScannedMesh> scanned;        ///< null: points are looked up one by one
     std::shared_ptr<const FaceSides> sides;            ///< null: signs by crossings; else the sites have normals
     std::shared_ptr<const engine::DeviceSites> sites;  ///< with normals if the gradient is asked for

@@ -1,11 +1,17 @@
 // Counts the calls and bytes of W1 on a GPU: the first call of a transform, one of a kept transform, the first call of
-// a second transform on the same Device, many patches in one call, and points and results in memory of the device
-// (scripts/gpu-counts).
+// a second transform on the same Device, many patches in one call, and points and results in memory of the device; and
+// the work of the searches for the nearest triangles of points (scripts/gpu-counts).
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/tuning.hpp>
 
 #include "disguise/disguise.hpp"
+#include "support/counted_searches.hpp"
+
+#include "device/buffer_pool.hpp"
+#include "device/context.hpp"
+#include "launch/programs.hpp"
+#include "tree/binary_tree.hpp"
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -34,7 +40,9 @@ constexpr unsigned compute_units = 132;  // as an H100 has
 constexpr std::size_t patch_count = 512;
 constexpr std::int64_t patch_side = 20;
 constexpr std::size_t point_count = 100'000;
+constexpr std::size_t searched_count = 4'000;
 constexpr double points_within = 0.012;  // of the longest side, on each axis
+constexpr double points_around = 0.1;    // of the box of uniform ones
 constexpr double megabyte = 1e6;
 
 /// The numbers of a call, in the order in which they are shown.
@@ -56,6 +64,24 @@ std::vector<std::pair<std::string, std::uint64_t>> numbers_of(const disguise::Co
             {"calls", counts.all_calls}};
 }
 
+/// A point's share of the work of searches.
+struct SearchWork {
+    double boxes = 0, faces = 0, decisions = 0;
+    double kilobytes = 0;  ///< of nodes and of faces in float
+
+    std::array<std::pair<const char*, double>, 4> numbers() const {
+        return {{{"boxes_per_point", boxes},
+                 {"faces_per_point", faces},
+                 {"decisions_per_point", decisions},
+                 {"kilobytes_per_point", kilobytes}}};
+    }
+};
+
+/// The searches of processors and of GPUs, both without a bound to begin with.
+struct SearchWorks {
+    SearchWork wide_tree, binary_tree;
+};
+
 struct Result {
     std::string mesh;
     std::size_t triangles = 0;
@@ -66,6 +92,7 @@ struct Result {
     disguise::Counts second;
     disguise::Counts patches;
     disguise::Counts points;
+    SearchWorks near, uniform;
 
     std::array<std::pair<const char*, const disguise::Counts*>, 5> calls() const {
         return {{{"first_call", &first},
@@ -108,6 +135,73 @@ std::vector<Vec3> points_near(const Mesh& mesh) {
         for (double& x : points[n]) x += most * (2 * (static_cast<double>(random()) / random.max()) - 1);
     }
     return points;
+}
+
+/// In the mesh's box and its surroundings.
+std::vector<Vec3> uniform_points(const Mesh& mesh) {
+    std::mt19937 random(7);
+    std::vector<Vec3> points(point_count);
+    const double margin = points_around * mesh.box().longest_side();
+    for (Vec3& point : points)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double lower = mesh.box().lower[axis] - margin, upper = mesh.box().upper[axis] + margin;
+            point[axis] = lower + (upper - lower) * static_cast<double>(random()) / random.max();
+        }
+    return points;
+}
+
+template <class Value>
+const Value* on_host(const device::BufferPool::Lease& lease) {
+    return static_cast<const Value*>(lease.on_host());
+}
+
+SearchWork work_of(const test::SearchCounts& counts, double bytes_of_box, double bytes_of_face) {
+    const double share = 1.0 / searched_count, boxes = static_cast<double>(counts.boxes),
+                 faces = static_cast<double>(counts.faces);
+    return {share * boxes, share * faces, share * static_cast<double>(counts.decisions),
+            share * (boxes * bytes_of_box + faces * bytes_of_face) / 1e3};
+}
+
+/// Searches as the kernels do, in the trees that the device has.
+SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec3>& points) {
+    namespace one_lane = test::one_lane;
+    device::Context& context = device::context_of(device);
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    const engine::Programs programs(context, KernelBody::by_group);
+    const engine::DeviceTools tools{context, pool, programs};
+    const engine::PointMesh tree =
+        engine::make_point_mesh(tools, mesh, {}, std::make_shared<const engine::MeshTopology>(mesh));
+    const engine::FittedTree fitted = engine::fitted_tree(tools, tree, nullptr);
+    const one_lane::PointMesh sources{tree.nodes.data() + tree.tree.count[0], on_host<PointLeaf>(tree.leaves),
+                                      on_host<Polyhedron>(tree.polyhedra), on_host<PointFace>(tree.faces)};
+    const auto* const nodes = on_host<BinaryNode>(fitted.nodes);
+    const auto* const faces = on_host<PlacedFace>(fitted.faces);
+    SearchWorks works;
+    const auto for_each_point = [&](const auto& search_for) {
+        test::search_counts = {};
+        for (std::size_t n = 0; n < searched_count; ++n) {
+            const auto& [x, y, z] = tree.in_units(points[n * points.size() / searched_count]);
+            search_for(one_lane::double3{x, y, z});
+        }
+        return test::search_counts;
+    };
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    works.wide_tree =
+        work_of(for_each_point([&](const one_lane::double3& p) {
+                    one_lane::nearest_face(tree.tree, sources, p, infinity, CLSDF_NO_FACE);
+                }),
+                sizeof(PointNode) / double{CLSDF_TREE_WIDTH}, sizeof(PointLeaf) / double{CLSDF_TREE_WIDTH});
+    works.binary_tree = work_of(for_each_point([&](const one_lane::double3& p) {
+                                    std::array<std::uint32_t, engine::deep_stack_entries> stack;
+                                    std::array<std::uint32_t, CLSDF_LISTED_FACES> places;
+                                    one_lane::ListedFaces found{one_lane::bound_of_squared(infinity),
+                                                                static_cast<float>(infinity), 0, places.data(), 1};
+                                    one_lane::search_for_list(fitted.divided->tree, nodes, faces,
+                                                              one_lane::tree_point(p), stack.data(), 1, &found);
+                                    test::search_counts.decisions += found.count;
+                                }),
+                                sizeof(BinaryNode) / 2.0, sizeof(PlacedFace));
+    return works;
 }
 
 /// The second call of two, from buffers to buffers.
@@ -167,6 +261,8 @@ Result measure(const std::string& path) {
     result.patches = disguise::counts();
     result.patch_bytes = samples.size() * sizeof(float);
     result.points = query_on_device(device, transform, points_near(mesh));
+    result.near = search(device, mesh, points_near(mesh));
+    result.uniform = search(device, mesh, uniform_points(mesh));
 
     result.statistics = transform.compute(result.grid, result.band, distance, {.count_work = true});
     return result;
@@ -186,6 +282,10 @@ void print_json(const Result& result) {
         for (const auto& [kernel, of_kernel] : counts->kernels)
             json[name]["kernels"][kernel] = {{"launches", of_kernel.launches}, {"work_items", of_kernel.work_items}};
     }
+    for (const auto& [name, works] : {std::pair("near", result.near), std::pair("uniform", result.uniform)})
+        for (const auto& [tree, work] :
+             {std::pair("wide_tree", works.wide_tree), std::pair("binary_tree", works.binary_tree)})
+            for (const auto& [number, value] : work.numbers()) json["search"][name][tree][number] = value;
     const TransformStatistics& statistics = result.statistics;
     json["band_samples"] = statistics.work->band_samples;
     json["evaluations_per_band_sample"] = result.per_band_sample(statistics.work->lanes_evaluated);
@@ -216,6 +316,16 @@ void print_text(const Result& result) {
     fmt::print("\n{:<28} {:.2f}\n{:<28} {:.2f}\n", "evaluations_per_band_sample",
                result.per_band_sample(result.statistics.work->lanes_evaluated), "covered_per_band_sample",
                result.per_band_sample(result.statistics.work->samples_covered));
+    fmt::print("\n{:<28} {:>14} {:>14} {:>14} {:>14}\n{:<28}", "", "near", "", "uniform", "", "");
+    for (int i = 0; i < 2; ++i) fmt::print(" {:>14} {:>14}", "wide tree", "binary tree");
+    fmt::print("\n");
+    const std::array works{result.near.wide_tree, result.near.binary_tree, result.uniform.wide_tree,
+                           result.uniform.binary_tree};
+    for (std::size_t row = 0; row < works[0].numbers().size(); ++row) {
+        fmt::print("{:<28}", works[0].numbers()[row].first);
+        for (const SearchWork& work : works) fmt::print(" {:>14.1f}", work.numbers()[row].second);
+        fmt::print("\n");
+    }
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ clsdf_between(disguise_drivers)
 
 # The program behind scripts/gpu-counts.
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
-target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io OpenCL::OpenCL ${CLSDF_FMT} nlohmann_json::nlohmann_json)
+target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io clsdf_internals Eigen3::Eigen OpenCL::OpenCL ${CLSDF_FMT} nlohmann_json::nlohmann_json)
+target_include_directories(gpu_counts PRIVATE ${PROJECT_SOURCE_DIR}/tests)
 
 if(TARGET clsdf_command)
   add_test(NAME gpu_counts
@@ -101,7 +102,7 @@ function(clsdf_as_gpu name program)
   set_tests_properties(as_gpu_${name} PROPERTIES LABELS as_gpu TIMEOUT 3600)
 endfunction()
 get_property(names GLOBAL PROPERTY CLSDF_TESTS)
-list(FILTER names INCLUDE REGEX "^(device|radix_sort|transform_.*|slices_.*|brute_force|prepare|picture|benchmarks|command)$")
+list(FILTER names INCLUDE REGEX "^(device|radix_sort|binary_tree|transform_.*|slices_.*|brute_force|prepare|picture|benchmarks|command)$")
 foreach(name IN LISTS names)
   clsdf_as_gpu(${name} test_${name} --color_output=no)
 endforeach()

@@ -20,3 +20,6 @@ clsdf_test(radix_sort ${CMAKE_CURRENT_LIST_DIR}/radix_sort.cpp)
 target_link_libraries(test_radix_sort PRIVATE clsdf::reference OpenCL::OpenCL)
 add_test(NAME radix_sort_long COMMAND test_radix_sort --color_output=no --run_test=many_keys_are_sorted CONFIGURATIONS nightly)
 set_tests_properties(radix_sort_long PROPERTIES ENVIRONMENT CLSDF_SORT_BITS=24 LABELS nightly TIMEOUT 3600)
+
+clsdf_test(binary_tree ${CMAKE_CURRENT_LIST_DIR}/binary_tree.cpp)
+target_link_libraries(test_binary_tree PRIVATE clsdf::reference OpenCL::OpenCL)

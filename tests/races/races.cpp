@@ -2,6 +2,8 @@
 // is slow, so meshes and grids are small, but they have several coarse bricks, lists and work-groups.
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
+#include "support/point_contract.hpp"
+#include "support/random_meshes.hpp"
 
 #include "checks/self_test.hpp"
 #include "device/buffer_pool.hpp"
@@ -15,7 +17,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <limits>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -118,6 +122,27 @@ BOOST_AUTO_TEST_CASE(many_points) {
     const engine::Programs programs(device::context_of(test_device()), KernelBody::by_vector);
     BOOST_TEST(checks::ensure_tested(test_device(), checks::point_subject(test_device(), programs, true)));
     setenv("CLSDF_SELF_TEST", "0", 1);
+}
+
+// The order of points, the tree, the search and the outputs; the centre is as near to more faces than a list holds.
+// After a small move the tree is fitted, after a large one made anew.
+BOOST_AUTO_TEST_CASE(points_on_a_gpu_before_and_after_moves) {
+    Mesh mesh = make_shape("sphere2");
+    Random random(5);
+    std::vector<Vec3> points(130);
+    for (Vec3& p : points) p = random.point(-1.2, 1.2);
+    points[17] = {0, 0, 0};
+    DistanceTransform transform(test_device(), mesh, {.sign = SignRule::parity, .body = KernelBody::by_group});
+    for (int step = 0; step < 3; ++step) {
+        const Field field = query(transform, points);
+        const PointContract contract(mesh, transform.sign(), std::numeric_limits<double>::infinity());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::string fault = contract.fault(points[i], field, i);
+            BOOST_TEST(fault.empty(), "step " << step << ", point " << i << ": " << fault);
+        }
+        mesh = step == 0 ? scaled(mesh, 1.1) : moved(mesh, [&](const Vec3&) { return random.point(-1, 1); });
+        transform.set_positions(mesh.vertices());
+    }
 }
 
 BOOST_AUTO_TEST_CASE(keys_in_several_tiles_are_sorted) {

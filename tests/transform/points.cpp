@@ -29,7 +29,7 @@ using namespace clsdf::test;
 namespace {
 
 constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
-constexpr KernelBody by_vector = KernelBody::by_vector;
+constexpr KernelBody by_vector = KernelBody::by_vector, by_group = KernelBody::by_group;
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 double voxel_of(const Mesh& mesh) {
@@ -821,9 +821,17 @@ BOOST_AUTO_TEST_CASE(a_device_that_finds_wrong_triangles_is_refused) {
         std::vector<KernelBody> bodies{both_bodies.begin(), both_bodies.end()};
     };
     const std::vector<Change> changes{
-        {"points.cl", "(y - altitude) - o.across * o.away", "(y - altitude) + o.across * o.away"},
-        {"points.cl", "return most * most", "return 0.9f * most * most"},
-        {"points.cl", "child >= children", "child + 1 >= children"},
+        {"points.cl", "(y - altitude) - o.across * o.away", "(y - altitude) + o.across * o.away", {by_vector}},
+        {"points.cl", "return most * most", "return 0.9f * most * most", {by_vector}},
+        {"points.cl", "child >= children", "child + 1 >= children", {by_vector}},
+        {"nearest_by_group.cl", "(y - altitude) - o.across * o.away", "(y - altitude) + o.across * o.away", {by_group}},
+        {"nearest_by_group.cl",
+         "farther <= found->bound.squared",
+         "farther <= 0.9f * found->bound.squared",
+         {by_group}},
+        {"nearest_by_group.cl", "if (upper < found->low)", "if (upper < found->low + 1.0f)", {by_group}},
+        {"binary_tree.cl", "(end - 1u - i) <<", "(end - 1u - i) / 2u <<", {by_group}},
+        {"binary_tree.cl", "GREATER(other->upper[axis], box->upper[axis])", "box->upper[axis]", {by_group}},
         {"points.cl", "inside ? -rounded : rounded", "rounded"},
         {"point_scan.cl", "chosen[length] = list ? list[k] : k", "chosen[length] = list ? list[i] : i", {by_vector}},
         {"point_scan.cl", "outward * outward + z * z", "outward * outward", {by_vector}},

@@ -89,7 +89,8 @@ std::vector<ProgramSource> ProgramSources::every_source() const {
     if (body == KernelBody::by_vector)
         sources.push_back(point_scan_source());
     else
-        sources.insert(sources.end(), {radix_sort_source(), point_order_source()});
+        sources.insert(sources.end(), {radix_sort_source(), point_order_source(), binary_tree_source(),
+                                       nearest_source(stack_entries), nearest_source(deep_stack_entries)});
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
     return sources;
 }
@@ -122,6 +123,9 @@ Programs::Programs(device::Context& context, KernelBody asked)
       store{&context, store_source()},
       points{&context, points_source()},
       point_order{&context, point_order_source()},
+      binary_tree{&context, binary_tree_source()},
+      nearest{&context, nearest_source(stack_entries)},
+      nearest_deep{&context, nearest_source(deep_stack_entries)},
       point_scan{&context, point_scan_source()} {}
 
 std::vector<cl::Program> Programs::of_fields(const device::BuildWatch& watch) const {

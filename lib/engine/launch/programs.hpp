@@ -13,6 +13,9 @@ namespace clsdf::engine {
 /// Counters of all histograms of a job together: enough for a GPU's work-items, and a few megabytes.
 inline constexpr std::size_t most_counters = std::size_t{1} << 22;
 
+/// Entries of the stack of a GPU's search for points: one for each node between the root of the tree and a leaf.
+inline constexpr std::size_t stack_entries = 32, deep_stack_entries = 64;
+
 /// The variant of a brick kernel.
 struct BrickVariant {
     bool nearest = false;      ///< keeps the nearest polyhedron: other outputs than the distance are asked for
@@ -54,6 +57,11 @@ struct ProgramSources {
     ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
     /// The order of points on the device. For the body by_group alone, as radix_sort.
     ProgramSource point_order_source() const { return {"point_order.cl", common_options(lanes)}; }
+    /// The tree that GPUs search, and the search, with a stack of so many entries. For the body by_group alone.
+    ProgramSource binary_tree_source() const { return {"binary_tree.cl", common_options(lanes)}; }
+    ProgramSource nearest_source(std::size_t stack) const {
+        return {"nearest_by_group.cl", common_options(lanes) + " -DSTACK=" + std::to_string(stack)};
+    }
     /// The scan of many points, by vectors.
     ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }
     /// Copies boxes to targets with strides.
@@ -94,10 +102,13 @@ struct Programs : ProgramSources {
     LazyProgram sign_sweep;
     LazyProgram fill;
     LazyProgram mesh_records;
-    LazyProgram store;        ///< copies boxes to targets with strides
-    LazyProgram points;       ///< looks up points anywhere
-    LazyProgram point_order;  ///< of the body by_group: the order of points
-    LazyProgram point_scan;   ///< the scan of many points, by vectors
+    LazyProgram store;         ///< copies boxes to targets with strides
+    LazyProgram points;        ///< looks up points anywhere, but for the body by_group; their outputs
+    LazyProgram point_order;   ///< of the body by_group: the order of points
+    LazyProgram binary_tree;   ///< of the body by_group: the tree that it searches
+    LazyProgram nearest;       ///< and the search
+    LazyProgram nearest_deep;  ///< in a tree that is deeper than stack_entries
+    LazyProgram point_scan;    ///< the scan of many points, by vectors
 
     /// Programs that every field needs.
     static constexpr std::size_t field_programs = 5;

@@ -108,6 +108,7 @@ using ulong2 = Vector2<ulong>;
 using ulong3 = Vector3<ulong>;
 using float2 = Vector2<float>;
 using float3 = Vector3<float>;
+using float4 = Vector4<float>;
 using double2 = Vector2<double>;
 using double3 = Vector3<double>;
 using double4 = Vector4<double>;

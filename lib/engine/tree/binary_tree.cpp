@@ -1,0 +1,157 @@
+#include "tree/binary_tree.hpp"
+
+#include "core/parallel.hpp"
+#include "launch/commands.hpp"
+#include "launch/prefix_sums.hpp"
+#include "launch/programs.hpp"
+#include "launch/radix_sort.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace clsdf::engine {
+
+namespace {
+
+/// Bits of a cell's number on an axis, as morton_order() has them: finer cells make the tree deeper, not better.
+unsigned cell_bits(std::size_t faces) {
+    return faces <= std::size_t{1} << 17 ? 8 : 10;
+}
+
+/// A mesh on its way into the tree.
+class Making {
+public:
+    Making(const DeviceTools& tools, const PointMesh& mesh)
+        : tools_(tools),
+          mesh_(mesh),
+          count_(mesh.face_count()),
+          places_(static_cast<cl_uint>(count_)),
+          program_(tools.programs.binary_tree),
+          positions_(device::uploaded(tools.context, tools.pool, mesh.positions, "positions of vertices")) {
+        std::copy(mesh.lattice.origin.begin(), mesh.lattice.origin.end(), lattice_.origin);
+        lattice_.unit = mesh.lattice.unit;
+        const double cells = 1U << cell_bits(count_), side = longest_side();
+        lattice_.cells_per_unit = side > 0 ? cells / (3 * side) : 0;
+        lattice_.last_cell = cells - 1;
+    }
+
+    DividedFaces divide() {
+        DividedFaces divided;
+        const unsigned bits = static_cast<unsigned>(std::bit_width(count_));
+        divided.tree.leaf = 1U << bits;
+        divided.tree.distance = ~(2 * divided.tree.leaf - 1);
+        divided.triangles = device::uploaded(tools_.context, tools_.pool, mesh_.topology->faces.triangles, "triangles");
+        divided.order = lease(count_ * sizeof(cl_uint), "order of the tree's faces");
+        const device::BufferPool::Lease codes = lease(count_ * sizeof(cl_uint), "codes of faces");
+        make_codes(divided, false, *codes);
+        sort_by_keys(tools_, *codes, count_, 3 * cell_bits(count_), *divided.order);
+        if (count_ <= CLSDF_LEAF_PLACES) {
+            divided.tree.root = divided.tree.leaf;
+            cl::Kernel mark(program_, "mark_only_leaf");
+            launch(tools_.queue(), mark, {1}, places_, *divided.order);
+        } else {
+            make_codes(divided, true, *codes);
+            make_nodes(divided, *codes);
+        }
+        return divided;
+    }
+
+    FittedTree fit(std::shared_ptr<const DividedFaces> of_faces) {
+        const DividedFaces& divided = *of_faces;
+        FittedTree tree{std::move(of_faces), 0,
+                        lease(std::max<std::size_t>(divided.node_count, 1) * sizeof(BinaryNode), "nodes of the tree"),
+                        lease(count_ * sizeof(PlacedFace), "faces of the tree")};
+        std::size_t box_count = count_;
+        for (std::size_t level = count_; level >= CLSDF_JOINED_BOXES; box_count += level)
+            level = chunk_count(level, CLSDF_JOINED_BOXES);
+        const device::BufferPool::Lease boxes = lease(box_count * sizeof(FaceBox), "boxes of faces");
+        cl::Kernel fit_faces(program_, "fit_faces"), join(program_, "join_boxes");
+        launch(tools_.queue(), fit_faces, {count_}, places_, lattice_, *positions_, *divided.triangles, *divided.order,
+               *mesh_.polyhedra, *mesh_.faces, *boxes, *tree.faces);
+        std::size_t from = 0;
+        for (std::size_t level = count_; level >= CLSDF_JOINED_BOXES; level = chunk_count(level, CLSDF_JOINED_BOXES)) {
+            launch(tools_.queue(), join, {chunk_count(level, CLSDF_JOINED_BOXES)}, static_cast<cl_uint>(level),
+                   static_cast<cl_uint>(from), *boxes);
+            from += level;
+        }
+        if (divided.node_count > 0) tree.area = fit_nodes(divided, *boxes, *tree.nodes);
+        return tree;
+    }
+
+private:
+    device::BufferPool::Lease lease(std::size_t bytes, const char* purpose) const {
+        return tools_.pool->lease(bytes, purpose);
+    }
+
+    /// In units.
+    double longest_side() const { return mesh_.box.longest_side() / mesh_.lattice.unit; }
+
+    /// The codes of the faces or, if is_ordered, of the places.
+    void make_codes(const DividedFaces& divided, bool is_ordered, const cl::Buffer& codes) {
+        cl::Kernel kernel(program_, "codes_of_faces");
+        launch(tools_.queue(), kernel, {count_}, places_, lattice_, *positions_, *divided.triangles,
+               cl_uint{is_ordered}, *divided.order, codes);
+    }
+
+    /// Waits twice, for numbers of 8 and 4 bytes.
+    void make_nodes(DividedFaces& divided, const cl::Buffer& codes) {
+        const cl::CommandQueue& queue = tools_.queue();
+        const device::BufferPool::Lease are_nodes = lease(count_ * sizeof(cl_uint), "nodes of the tree");
+        const device::BufferPool::Lease starts = lease(count_ * sizeof(cl_uint), "nodes of the tree");
+        cl::Kernel find(program_, "find_nodes"), link(program_, "link_nodes"), measure(program_, "find_depth");
+        launch(queue, find, {count_ - 1}, places_, codes, *are_nodes);
+        PrefixSums sums(tools_, *are_nodes, *starts, count_ - 1, "nodes");
+        divided.node_count = sums.total();
+        divided.nodes = lease(divided.node_count * sizeof(NodePlaces), "nodes of the tree");
+        const device::BufferPool::Lease parents = lease(divided.node_count * sizeof(cl_uint), "parents of nodes");
+        launch(queue, link, {count_ - 1}, places_, divided.tree.leaf, codes, *starts, *divided.order, *divided.nodes,
+               *parents);
+        const device::BufferPool::Lease depth = lease(sizeof(cl_uint), "depth of the tree");
+        queue.enqueueFillBuffer(*depth, cl_uint{0}, 0, sizeof(cl_uint));
+        launch(queue, measure, {divided.node_count}, static_cast<cl_uint>(divided.node_count), *parents, *depth);
+        queue.enqueueReadBuffer(*depth, CL_TRUE, 0, sizeof(cl_uint), &divided.depth);
+    }
+
+    /// Returns FittedTree::area; waits for it.
+    double fit_nodes(const DividedFaces& divided, const cl::Buffer& boxes, const cl::Buffer& nodes) {
+        const std::size_t groups =
+            std::min<std::size_t>(chunk_count(divided.node_count, common_group), CLSDF_AREA_GROUPS);
+        const device::BufferPool::Lease areas = lease(groups * sizeof(double), "areas of boxes");
+        cl::Kernel kernel(program_, "fit_nodes");
+        launch(tools_.queue(), kernel, {groups * common_group}, places_, static_cast<cl_uint>(divided.node_count),
+               *divided.nodes, boxes, nodes, *areas);
+        std::vector<double> of_groups(groups);
+        tools_.queue().enqueueReadBuffer(*areas, CL_TRUE, 0, groups * sizeof(double), of_groups.data());
+        const double side = longest_side();
+        return side > 0 ? std::accumulate(of_groups.begin(), of_groups.end(), 0.0) / (side * side) : 0;
+    }
+
+    const DeviceTools& tools_;
+    const PointMesh& mesh_;
+    std::size_t count_;
+    cl_uint places_;
+    cl::Program program_;
+    device::BufferPool::Lease positions_;
+    TreeLattice lattice_{};
+};
+
+}  // namespace
+
+FittedTree fitted_tree(const DeviceTools& tools, const PointMesh& mesh, std::shared_ptr<const DividedFaces> before) {
+    return device::guarded([&] {
+        Making making(tools, mesh);
+        if (before) {
+            FittedTree tree = making.fit(before);
+            if (tree.area <= 2 * before->area) return tree;
+        }
+        auto divided = std::make_shared<DividedFaces>(making.divide());
+        FittedTree tree = making.fit(divided);
+        divided->area = tree.area;
+        return tree;
+    });
+}
+
+}  // namespace clsdf::engine
