@@ -282,6 +282,7 @@ module clsdf
     procedure :: limited => device_limited
     procedure :: describe => device_describe
     procedure :: handles => device_handles
+    procedure :: import_memory => device_import_memory
     procedure :: keep_records => device_keep_records
     procedure :: read_programs => device_read_programs
     procedure :: write_programs => device_write_programs
@@ -902,6 +903,15 @@ module clsdf
       integer(c_int32_t) :: value
       type(c_ptr), value :: device
       integer(c_int64_t), intent(out) :: bytes
+    end function
+    function c_device_import_memory(device, descriptor, bytes, memory) &
+        bind(C, name="clsdf_device_import_memory") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      integer(c_int32_t), value :: descriptor
+      integer(c_int64_t), value :: bytes
+      type(c_ptr), intent(out) :: memory
     end function
     function c_device_record_folder(device, text, size, length) &
         bind(C, name="clsdf_device_record_folder") result(value)
@@ -2572,6 +2582,20 @@ contains
     integer(c_int64_t) :: released
     call clsdf_finish(c_device_release_memory(self%handle, released), stat, errmsg)
     if (present(bytes)) bytes = released
+  end subroutine
+
+  !> A cl_mem of `bytes` bytes, of the device's context, that is memory of another interface: of CUDA for instance,
+  !> exported as a POSIX file descriptor (cuMemExportToShareableHandle). On success the driver owns the descriptor, and
+  !> you release the cl_mem; after an error you still own the descriptor. Commands may use the cl_mem only between
+  !> clEnqueueAcquireExternalMemObjectsKHR and clEnqueueReleaseExternalMemObjectsKHR, which you enqueue.
+  subroutine device_import_memory(self, descriptor, bytes, memory, stat, errmsg)
+    class(clsdf_device), intent(in) :: self
+    integer(c_int32_t), intent(in) :: descriptor
+    integer(c_int64_t), intent(in) :: bytes
+    type(c_ptr), intent(out) :: memory
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_device_import_memory(self%handle, descriptor, bytes, memory), stat, errmsg)
   end subroutine
 
   !> The folder of keep_records().

@@ -14,6 +14,7 @@
 ///   CLSDF_DISGUISE=pocl-3.0       as Settings::pocl_3_0
 ///   CLSDF_DISGUISE_PLATFORMS=0    as Settings::without_platforms
 ///   CLSDF_DISGUISE_UNITS=NUMBER   as Settings::compute_units
+///   CLSDF_DISGUISE_EXTERNAL=memory, or memory+semaphores   as Settings::external_memory and external_semaphores
 ///   CLSDF_DISGUISE_COUNTS=FILE    each process appends its counts to the file when it ends, a line of JSON
 ///   CLSDF_DISGUISE_FAULT=[CALL:]NUMBER[+]   as Fault; + for `onwards`
 ///   CLSDF_DISGUISE_CODE=CODE      as Fault::code
@@ -33,12 +34,14 @@ struct Answers {
 /// CL_MEM_USE_HOST_PTR copies at creation and while it is mapped.
 struct Settings {
     bool gpu = false;
-    unsigned compute_units = 0;      ///< of a GPU; 0: as many as the processor has
-    bool pocl_3_0 = false;           ///< names and versions are those of PoCL 3.0 on a Zen 4, whose compiler crashes
-    Answers platform{};              ///< of every platform
-    std::vector<Answers> devices{};  ///< of the first device, the second, ...
-    bool without_platforms = false;  ///< the loader lists none, as without files in /etc/OpenCL/vendors
-    bool without_devices = false;    ///< platforms have none
+    unsigned compute_units = 0;        ///< of a GPU; 0: as many as the processor has
+    bool pocl_3_0 = false;             ///< names and versions are those of PoCL 3.0 on a Zen 4, whose compiler crashes
+    Answers platform{};                ///< of every platform
+    std::vector<Answers> devices{};    ///< of the first device, the second, ...
+    bool without_platforms = false;    ///< the loader lists none, as without files in /etc/OpenCL/vendors
+    bool without_devices = false;      ///< platforms have none
+    bool external_memory = false;      ///< a GPU takes memory of the stand-in for CUDA's driver (cuda/driver.cpp)
+    bool external_semaphores = false;  ///< and shares semaphores with it
     std::uint64_t memory =
         UINT64_MAX;  ///< bytes of a GPU; a first use beyond fails with CL_MEM_OBJECT_ALLOCATION_FAILURE
 };

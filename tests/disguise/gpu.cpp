@@ -1,6 +1,8 @@
 // The properties that a device reports.
 #include "disguise/gpu.hpp"
 
+#include "disguise/external.hpp"
+
 #include <algorithm>
 #include <cstring>
 #include <optional>
@@ -103,6 +105,14 @@ cl_int answer(std::string_view text, std::size_t size, void* value, std::size_t*
     return CL_SUCCESS;
 }
 
+std::string text_of_driver(cl_device_id device, cl_device_info name) {
+    std::size_t bytes = 0;
+    CLSDF_NEXT(clGetDeviceInfo)(device, name, 0, nullptr, &bytes);
+    std::string text(bytes, 0);
+    CLSDF_NEXT(clGetDeviceInfo)(device, name, bytes, text.data(), nullptr);
+    return text.substr(0, text.find('\0'));
+}
+
 /// Nothing if the driver is to answer.
 std::optional<cl_int> answer(const Answers& answers, unsigned question, std::size_t size, void* value,
                              std::size_t* needed) {
@@ -158,6 +168,9 @@ cl_int clGetDeviceInfo(cl_device_id device, cl_device_info name, std::size_t siz
     const Answers* const answers = answers_of(device);
     if (answers != nullptr)
         if (const auto code = answer(*answers, name, size, value, needed)) return *code;
+    if (const auto code = external_answer(name, size, value, needed)) return *code;
+    if (name == CL_DEVICE_EXTENSIONS && !external_extensions().empty())
+        return answer(text_of_driver(device, name) + external_extensions(), size, value, needed);
     std::size_t bytes = 0;
     const cl_int code = CLSDF_NEXT(clGetDeviceInfo)(device, name, size, value, &bytes);
     if (needed != nullptr) *needed = bytes;

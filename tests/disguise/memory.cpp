@@ -1,6 +1,8 @@
 // Buffers and the host's access to them. A GPU's buffers are its own memory: a mapping is a copy.
 #include "disguise/gpu.hpp"
 
+#include "disguise/external.hpp"
+
 #include <algorithm>
 #include <cstring>
 #include <iterator>
@@ -70,6 +72,7 @@ void check_out(cl_mem buffer) {
 /// Under the mutex.
 cl_int use_under_lock(cl_mem buffer) {
     if (const auto whole = memory().wholes.find(buffer); whole != memory().wholes.end()) buffer = whole->second;
+    if (!is_usable(buffer)) return CL_INVALID_OPERATION;
     const auto found = memory().buffers.find(buffer);
     if (found == memory().buffers.end() || found->second.is_used) return CL_SUCCESS;
     if (memory().bytes + found->second.bytes > record().settings.memory) return CL_MEM_OBJECT_ALLOCATION_FAILURE;
@@ -200,7 +203,7 @@ void note_argument(cl_kernel kernel, cl_uint index, std::size_t bytes, const voi
     cl_mem buffer = nullptr;
     if (value != nullptr && bytes == sizeof buffer) std::memcpy(&buffer, value, bytes);
     const std::scoped_lock lock(memory().mutex);
-    if (memory().buffers.contains(buffer) || memory().wholes.contains(buffer))
+    if (memory().buffers.contains(buffer) || memory().wholes.contains(buffer) || is_external(buffer))
         memory().arguments[kernel][index] = buffer;
     else
         memory().arguments[kernel].erase(index);

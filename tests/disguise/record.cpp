@@ -40,6 +40,9 @@ Record* record_of_environment() {
     record->settings.without_platforms = variable("CLSDF_DISGUISE_PLATFORMS") == "0";
     record->settings.compute_units =
         static_cast<unsigned>(std::strtoul(variable("CLSDF_DISGUISE_UNITS").c_str(), nullptr, 10));
+    const std::string external = variable("CLSDF_DISGUISE_EXTERNAL");
+    record->settings.external_memory = !external.empty();
+    record->settings.external_semaphores = external == "memory+semaphores";
     record->fault = fault_of_environment();
     return record;
 }

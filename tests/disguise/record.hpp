@@ -12,11 +12,16 @@
 /// Shared by the files that wrap OpenCL's calls.
 namespace clsdf::disguise {
 
-/// The function with this name in the loader of OpenCL.
-#define CLSDF_NEXT(name)                                                                              \
-    ([] {                                                                                             \
-        static auto* const next_one = reinterpret_cast<decltype(&::name)>(::dlsym(RTLD_NEXT, #name)); \
-        return next_one;                                                                              \
+/// The function with this name in the loader of OpenCL. An extension of Python has a loader that only it sees.
+inline void* next_function(const char* name) {
+    if (void* const found = ::dlsym(RTLD_NEXT, name)) return found;
+    void* const loader = ::dlopen("libOpenCL.so.1", RTLD_NOW | RTLD_LOCAL);
+    return loader == nullptr ? nullptr : ::dlsym(loader, name);
+}
+#define CLSDF_NEXT(name)                                                                         \
+    ([] {                                                                                        \
+        static auto* const next_one = reinterpret_cast<decltype(&::name)>(next_function(#name)); \
+        return next_one;                                                                         \
     }())
 
 struct Record {

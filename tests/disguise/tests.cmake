@@ -1,9 +1,17 @@
 # A library between a program and the loader of OpenCL (disguise.hpp): a processor as a GPU with memory of its own,
 # counts of what is asked of the driver, and calls that fail on purpose.
 add_library(clsdf_disguise SHARED ${CMAKE_CURRENT_LIST_DIR}/record.cpp ${CMAKE_CURRENT_LIST_DIR}/gpu.cpp
-                                  ${CMAKE_CURRENT_LIST_DIR}/memory.cpp ${CMAKE_CURRENT_LIST_DIR}/calls.cpp)
+                                  ${CMAKE_CURRENT_LIST_DIR}/memory.cpp ${CMAKE_CURRENT_LIST_DIR}/calls.cpp
+                                  ${CMAKE_CURRENT_LIST_DIR}/external.cpp)
 target_include_directories(clsdf_disguise PUBLIC ${PROJECT_SOURCE_DIR}/tests)
 target_link_libraries(clsdf_disguise PRIVATE clsdf_warnings nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS})
+
+# A stand-in for CUDA's driver, libcuda.so.1, in a folder of its own.
+add_library(clsdf_cuda SHARED ${CMAKE_CURRENT_LIST_DIR}/cuda/driver.cpp ${CMAKE_CURRENT_LIST_DIR}/cuda/streams.cpp)
+target_include_directories(clsdf_cuda PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+target_link_libraries(clsdf_cuda PRIVATE clsdf_warnings Threads::Threads)
+set_target_properties(clsdf_cuda PROPERTIES OUTPUT_NAME cuda VERSION 1 SOVERSION 1
+                                            LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/cuda)
 
 # clsdf_between(<test>...): the library lies between these tests' programs and the loader. LD_PRELOAD is split at blanks,
 # LD_LIBRARY_PATH is not.
@@ -22,6 +30,11 @@ clsdf_between(disguise_promises)
 clsdf_test(disguise_drivers ${CMAKE_CURRENT_LIST_DIR}/drivers.cpp)
 target_link_libraries(test_disguise_drivers PRIVATE clsdf_disguise OpenCL::OpenCL)
 clsdf_between(disguise_drivers)
+
+# A GPU that takes memory of CUDA.
+clsdf_test(disguise_external_memory ${CMAKE_CURRENT_LIST_DIR}/external_memory.cpp)
+target_link_libraries(test_disguise_external_memory PRIVATE clsdf_disguise OpenCL::OpenCL)
+clsdf_between(disguise_external_memory)
 
 # The program behind scripts/gpu-counts.
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)

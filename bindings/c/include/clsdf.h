@@ -459,6 +459,14 @@ CLSDF_API clsdf_status clsdf_device_describe(const clsdf_device* device, clsdf_d
 /* The cl_context, cl_device_id and cl_command_queue. They belong to the device: retain those that you keep for longer.
  * Each pointer may be null. */
 CLSDF_API clsdf_status clsdf_device_handles(const clsdf_device* device, void** context, void** id, void** queue);
+/* A cl_mem of `bytes` bytes, of the device's context, that is memory of another interface: of CUDA for instance,
+ * exported as a POSIX file descriptor (cuMemExportToShareableHandle). On success the driver owns the descriptor, and
+ * you release the cl_mem; after an error you still own the descriptor. Commands may use the cl_mem only between
+ * clEnqueueAcquireExternalMemObjectsKHR and clEnqueueReleaseExternalMemObjectsKHR, which you enqueue. CLSDF_UNSUPPORTED
+ * if the driver has no cl_khr_external_memory_opaque_fd, CLSDF_INVALID_ARGUMENT if it does not take the descriptor as
+ * memory of this size. */
+CLSDF_API clsdf_status clsdf_device_import_memory(const clsdf_device* device, int32_t descriptor, int64_t bytes,
+                                                  void** memory);
 
 /* Keeps records of passed tests in the folder, for programs that are built from now on. Null or "": none. */
 CLSDF_API clsdf_status clsdf_device_keep_records(const clsdf_device* device, const char* folder);

@@ -127,6 +127,12 @@ clsdf_status clsdf_device_handles(const clsdf_device* device, void** context, vo
     });
 }
 
+clsdf_status clsdf_device_import_memory(const clsdf_device* device, std::int32_t descriptor, std::int64_t bytes,
+                                        void** memory) {
+    return made(memory, "memory",
+                [&]() -> void* { return of(device).device.import_memory(descriptor, c::count_of(bytes, "bytes")); });
+}
+
 clsdf_status clsdf_device_keep_records(const clsdf_device* device, const char* folder) {
     return guarded([&] { of(device).device.keep_records(c::text_or(folder, "")); });
 }

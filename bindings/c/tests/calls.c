@@ -17,7 +17,7 @@ static void check_devices(void) {
     clsdf_device_info info = CLSDF_DEVICE_INFO_INIT, listed = CLSDF_DEVICE_INFO_INIT;
     clsdf_device_limits limits = CLSDF_DEVICE_LIMITS_INIT;
     clsdf_thread_limit *limit, *lower;
-    void *context = NULL, *id = NULL, *queue = NULL;
+    void *context = NULL, *id = NULL, *queue = NULL, *memory = NULL;
     char text[32];
     int64_t length = 0, before = clsdf_thread_count();
     clsdf_status status;
@@ -64,6 +64,8 @@ static void check_devices(void) {
     CHECK(length >= 21 && strlen(text) == 4); /* cut */
     OK(clsdf_device_forget_records(device));
     OK(clsdf_device_release_memory(device, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "descriptor -1 is not open", clsdf_device_import_memory(device, -1, 4096, &memory));
+    CHECK(memory == NULL);
     OK(clsdf_device_keep_records(device, NULL));
     OK(clsdf_device_read_programs(device, ""));
     OK(clsdf_device_write_programs(device, NULL));

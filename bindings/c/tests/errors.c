@@ -26,6 +26,7 @@ static void check_null(void) {
     int64_t count;
     uint64_t hash;
     const char* name;
+    void* memory;
 
     /* Null handles may be retained and released. */
     clsdf_devices_retain(NULL), clsdf_devices_release(NULL);
@@ -53,6 +54,7 @@ static void check_null(void) {
     NULL_FAILS(clsdf_device_write_programs(NULL, NULL));
     NULL_FAILS(clsdf_device_forget_records(NULL));
     NULL_FAILS(clsdf_device_release_memory(NULL, NULL));
+    NULL_FAILS(clsdf_device_import_memory(NULL, 0, 1, &memory));
     NULL_FAILS(clsdf_device_record_folder(NULL, NULL, 0, NULL));
     NULL_FAILS(clsdf_mesh_create(NULL, &mesh));
     NULL_FAILS(clsdf_mesh_shape(NULL, &mesh));

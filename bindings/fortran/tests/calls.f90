@@ -113,7 +113,7 @@ contains
     type(clsdf_device) :: other, part
     type(clsdf_thread_limit) :: limit
     character(:), allocatable :: folder
-    type(c_ptr) :: context, id, queue
+    type(c_ptr) :: context, id, queue, memory
     character(8) :: number
     call clsdf_devices_list(list)
     call check(size(list) > 0 .and. list(1)%index == 0, 'devices')
@@ -135,6 +135,9 @@ contains
     call other%select('no such device', stat, errmsg)
     call fails(stat, CLSDF_NO_DEVICE, errmsg, 'no such device')
     call check(.not. other%is_set(), 'a handle after an error is not set')
+    call device%import_memory(-1, 4096_c_int64_t, memory, stat, errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'descriptor -1 is not open')
+    call check(.not. c_associated(memory), 'no memory after an error')
     call device%record_folder(folder)
     call device%keep_records('')
     call device%record_folder(folder)

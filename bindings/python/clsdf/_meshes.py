@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from . import _core
+from . import _core, _cuda
+from ._core import Device
 from ._error import Error
 
 
@@ -40,7 +41,7 @@ def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
 
 def as_array(values: Any, dtype: type) -> Any:
     """Lists and other objects without a shape become arrays; everything else stays what it is."""
-    if hasattr(values, "shape"):
+    if hasattr(values, "shape") or hasattr(values, "__cuda_array_interface__"):
         return values
     try:
         return np.asarray(values, dtype)
@@ -48,10 +49,12 @@ def as_array(values: Any, dtype: type) -> Any:
         raise Error(f"{repr(values)[:100]} is no array of numbers: its rows differ in length, or it has other items") from None
 
 
-def own_copy(values: Any) -> Any:
+def own_copy(values: Any, device: Device) -> Any:
     """A NumPy array of its own that nobody writes to, of an array of any package."""
     if hasattr(values, "base_data"):  # of pyopencl
         values = values.get()
+    elif _cuda.is_in_cuda(values):
+        values = _cuda.on_host(values, device, "the array")
     try:
         array = np.array(values)
         if array.dtype == object:

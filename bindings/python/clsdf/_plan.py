@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 
 class Plan:
-    """What Transform.plan() made. It may outlive the transform. Threads take turns. Needs pyopencl."""
+    """What Transform.plan() made. It may outlive the transform. Threads take turns. Needs pyopencl, but for arrays in
+    memory of CUDA."""
 
     def __init__(self, plan: _core.PlanOfBoxes) -> None:
         self._plan = plan
@@ -36,18 +37,23 @@ class Plan:
         """Enqueues the computation of all boxes; never blocks.
 
         out: pyopencl arrays, or buffers, which are packed: of one grid a dictionary by names of outputs, or the array of
-            the distance; of more requests a list of dictionaries. None: the arrays of the plan's requests.
+            the distance; of more requests a list of dictionaries. None: the arrays of the plan's requests. They may be
+            arrays in memory of CUDA: a SharedArray, or tensors of torch or arrays of CuPy on the same GPU.
         queue: a pyopencl.CommandQueue of the device's context; None: the device's own. wait_for: pyopencl events.
 
-        Returns the pyopencl.Event of the end. The arrays must outlive the run. Raises clsdf.Error: invalid_argument for
-        a plan of a grid without `out`, for arrays of another shape or context; unsupported for other types.
+        Returns the pyopencl.Event of the end, and the arrays must outlive the run. With arrays in memory of CUDA it
+        returns None: the run follows the work of their streams, and what their streams do next follows the run. If the
+        driver has no semaphores for that, the call waits. Raises clsdf.Error: invalid_argument for a plan of a grid
+        without `out`, for arrays of another shape, context or device; unsupported for other types.
         """
-        import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
         targets = None
         if out is not None:
             targets = [_arrays(one) for one in out] if isinstance(out, (list, tuple)) else [_arrays(out)]
         event = self._plan.enqueue(queue, targets, None if wait_for is None else list(wait_for))
+        if event == 0:
+            return None
+        import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
         return pyopencl.Event.from_int_ptr(event, retain=False)
 
     def update(

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _meshes
+from . import _core, _cuda, _meshes
 from ._core import Band, Device, Grid, Topology
 from ._devices import device_named, device_of
 from ._error import Error, MeshWarning
@@ -119,13 +119,15 @@ def _frame(frame: Any) -> Motion:
 def _rows(points: Any) -> tuple[Any, tuple[int, ...]]:
     """Points as (n, 3), and the shape of their distances."""
     points = _meshes.as_array(points, np.float64)
-    shape = tuple(points.shape)
+    shape = _cuda.shape_of(points)
     if shape == (0,):
         return np.empty((0, 3)), (0,)
     if shape[-1:] != (3,):
         raise Error(f"points has the shape {shape}; expected (n, 3) or (..., 3), or (3,) of one point")
     if len(shape) == 2:
         return points, shape[:1]
+    if _cuda.is_in_cuda(points):
+        return _cuda.reshaped(points, (math.prod(shape[:-1]), 3)), shape[:-1]
     if not hasattr(points, "reshape"):
         points = _on_host(points)
     return points.reshape(math.prod(shape[:-1]), 3), shape[:-1]
@@ -139,18 +141,26 @@ def _on_host(array: Any) -> npt.NDArray[Any]:
 def _flat(name: str, array: Any, shape: tuple[int, ...]) -> Any:
     """An array for points of the shape (...) as one of rows, in the same memory."""
     expected = shape_of(name, shape)
-    if tuple(np.shape(array)) != expected:
-        raise Error(f"out: the array of '{name}' has the shape {tuple(np.shape(array))}; expected {expected}")
-    flat = array.reshape(shape_of(name, (math.prod(shape),)))
+    if _cuda.shape_of(array) != expected:
+        raise Error(f"out: the array of '{name}' has the shape {_cuda.shape_of(array)}; expected {expected}")
+    flat = _cuda.reshaped(array, shape_of(name, (math.prod(shape),)))
+    if _cuda.is_in_cuda(array) and _address(flat) != _address(array):
+        raise Error(f"out: the array of '{name}' has strides that cannot be those of rows; pass one in C order")
     if isinstance(array, np.ndarray) and not np.may_share_memory(flat, array):
         raise Error(f"out: the array of '{name}' has strides that cannot be those of rows; pass one in C order")
     return flat
 
 
+def _address(array: Any) -> Any:
+    """The first address of an array in memory of CUDA, or its object if only DLPack tells."""
+    interface = _cuda.described(array)[0]
+    return None if interface is None else interface["data"][0]
+
+
 def _into_frame(points: Any, rotation: npt.NDArray[np.float64], translation: npt.NDArray[np.float64]) -> Any:
     """Points of the world in the frame of a body. Sums are written out: a product of matrices is another one on other
     processors."""
-    if hasattr(points, "base_data"):
+    if hasattr(points, "base_data") or _cuda.is_in_cuda(points):
         raise Error(
             "frame: the points are in memory of the device; take them into the frame there, (points - t) @ R, or copy "
             "them to a NumPy array",
@@ -233,7 +243,8 @@ class Transform:
         vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
         self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes)
         if not is_own:
-            vertices, faces = _meshes.own_copy(vertices), _meshes.own_copy(faces)
+            own = self._body.device
+            vertices, faces = _meshes.own_copy(vertices, own), _meshes.own_copy(faces, own)
         self._keep((vertices, faces, sign, kept_bytes))
 
     def _keep(self, made_of: tuple[Any, Any, str, int | None]) -> None:
@@ -307,7 +318,7 @@ class Transform:
         positions = _meshes.as_array(positions, np.float64)
         with self._moves:
             self._body.set_positions(positions, wait_for)
-            self._positions, self._motion = _meshes.own_copy(positions), None
+            self._positions, self._motion = _meshes.own_copy(positions, self.device), None
 
     def set_motion(self, rotation: Any, translation: Any = None) -> Motion:
         """Puts the vertices at rotation @ x + translation. x are the positions of the mesh that the transform was made
@@ -520,7 +531,10 @@ class Transform:
             raise Error("positive_inside: a field of signs alone has those of zeros, and these are negative inside")
         if self.sign == "none":
             raise Error("positive_inside: the distances have no sign, so nothing is inside")
-        if any(hasattr(array, "base_data") or hasattr(array, "int_ptr") for array in arrays.values()):
+        if any(
+            hasattr(array, "base_data") or hasattr(array, "int_ptr") or _cuda.is_in_cuda(array)
+            for array in arrays.values()
+        ):
             raise Error("positive_inside: arrays of the device stay as they are computed; negate them there", "unsupported")
 
     def fields(
@@ -657,7 +671,7 @@ class Transform:
         they raise clsdf.Error (invalid_argument) that names the row. Raises clsdf.Error for arrays as of field().
         """
         points, shape = _rows(points)
-        is_one, count = shape == (), len(points)
+        is_one, count = shape == (), _cuda.shape_of(points)[0]
         within = _limit(within)
         motion = None
         if frame is not None:
@@ -701,7 +715,7 @@ class Transform:
         points, shape = _rows(points)
         if frame is not None:
             points = _into_frame(points, *_frame(frame))
-        distance = np.empty(len(points))
+        distance = np.empty(_cuda.shape_of(points)[0])
         self._body.query(points, math.inf, {"distance": distance}, None, None, False)
         return np.asarray(np.signbit(distance) & ~np.isnan(distance)).reshape(shape)
 
@@ -725,12 +739,13 @@ class Transform:
         or float64 to write to. A point that is not finite gets NaN.
         """
         points = _meshes.as_array(points, np.float64)
-        is_one = len(points.shape) < 2
+        shape = _cuda.shape_of(points)
+        is_one = len(shape) < 2
         if is_one:
-            if tuple(points.shape) != (3,):
-                raise Error(f"points has the shape {tuple(points.shape)}; expected (n, 3), or (3,) of one point")
-            points = points[None]
-        results = np.empty(len(points), np.float32) if out is None else out
+            if shape != (3,):
+                raise Error(f"points has the shape {shape}; expected (n, 3), or (3,) of one point")
+            points = _cuda.reshaped(points, (1, 3))
+        results = np.empty(_cuda.shape_of(points)[0], np.float32) if out is None else out
         self._body.winding(points, results, wait_for)
         return results[0] if is_one and out is None else results
 

@@ -11,7 +11,7 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _core, _cuda
 from ._error import Error
 
 Outputs = Union[str, Iterable[str]]
@@ -176,10 +176,10 @@ class Points(Values):
 
     def __len__(self) -> int:
         """The number of points."""
-        return int(np.size(self.arrays["distance"]))
+        return math.prod(_cuda.shape_of(self.arrays["distance"]))
 
     def __repr__(self) -> str:
-        return f"<clsdf.Points: {', '.join(self.outputs)} of {np.size(self.arrays['distance'])} points>"
+        return f"<clsdf.Points: {', '.join(self.outputs)} of {len(self)} points>"
 
 
 class Blocks(Values):

@@ -1,11 +1,13 @@
 #include "arrays.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <memory>
 #include <new>
+#include <optional>
 #include <utility>
 
 namespace clsdf::python {
@@ -75,6 +77,64 @@ std::string package_of_constants(nb::handle array) {
     return package == "jax" || package == "tensorflow" ? package : "";
 }
 
+/// An array in memory of CUDA, as its package describes it.
+struct CudaArray {
+    bool is_read_only = false;
+    cuda::Pointer address = 0;
+    ElementType type = ElementType::automatic;
+    std::vector<std::int64_t> shape, strides;  // of bytes
+    cuda::Stream stream = nullptr;
+    std::optional<nb::ndarray<nb::ro>> held{};  // of DLPack: keeps the memory
+};
+
+ElementType type_of_interface(const std::string& type) {
+    constexpr std::pair<const char*, ElementType> types[] = {
+        {"<f4", ElementType::float32}, {"<f8", ElementType::float64}, {"<i4", ElementType::int32},
+        {"<i8", ElementType::int64},   {"<u4", ElementType::uint32},  {"<u8", ElementType::uint64},
+        {"|u1", ElementType::uint8},
+    };
+    for (const auto& [name, element] : types)
+        if (type == name) return element;
+    return ElementType::automatic;
+}
+
+std::vector<std::int64_t> packed_strides(const std::vector<std::int64_t>& shape, ElementType type) {
+    std::vector<std::int64_t> strides(shape.size());
+    auto step = static_cast<std::int64_t>(bytes_of(type));
+    for (std::size_t axis = shape.size(); axis-- > 0;) {
+        strides[axis] = step;
+        step *= shape[axis];
+    }
+    return strides;
+}
+
+// clsdf/_cuda.py asks the array's package: for its __cuda_array_interface__, or for DLPack, and for its stream.
+CudaArray cuda_array_of(nb::handle array) {
+    const auto parts = nb::cast<nb::tuple>(nb::module_::import_("clsdf._cuda").attr("described")(array));
+    CudaArray found;
+    found.stream = std::bit_cast<cuda::Stream>(nb::cast<std::uintptr_t>(parts[2]));
+    if (parts[0].is_none()) {
+        const auto& tensor = found.held.emplace(nb::cast<nb::ndarray<nb::ro>>(parts[1]));
+        found.address = std::bit_cast<std::uintptr_t>(tensor.data());
+        found.type = type_of(tensor.dtype());
+        for (std::size_t axis = 0; axis < tensor.ndim(); ++axis) {
+            found.shape.push_back(static_cast<std::int64_t>(tensor.shape(axis)));
+            found.strides.push_back(tensor.stride(axis) * static_cast<std::int64_t>(tensor.itemsize()));
+        }
+        return found;
+    }
+    const auto interface = nb::cast<nb::dict>(parts[0]);
+    const auto data = nb::cast<std::pair<cuda::Pointer, bool>>(interface["data"]);
+    found.address = data.first;
+    found.is_read_only = data.second;
+    found.type = type_of_interface(nb::cast<std::string>(interface["typestr"]));
+    found.shape = nb::cast<std::vector<std::int64_t>>(interface["shape"]);
+    const nb::object strides = interface.contains("strides") ? nb::object(interface["strides"]) : nb::none();
+    found.strides =
+        strides.is_none() ? packed_strides(found.shape, found.type) : nb::cast<std::vector<std::int64_t>>(strides);
+    return found;
+}
+
 // Why an array could not be taken.
 [[noreturn]] void refuse_array(nb::handle array, const std::string& what, bool is_output) {
     if (!nb::ndarray_check(array))
@@ -109,6 +169,22 @@ std::size_t count(const std::vector<std::int64_t>& shape) {
 
 }  // namespace
 
+bool is_in_cuda(nb::handle array) {
+    static const nb::handle usual = nb::object(nb::module_::import_("numpy").attr("ndarray")).release();
+    if (array.type().is(usual)) return false;
+    if (nb::hasattr(array, "__dlpack_device__")) {
+        constexpr int cuda = 2, cuda_managed = 13;  // kDLCUDA, kDLCUDAManaged
+        try {
+            const auto device = nb::cast<nb::tuple>(array.attr("__dlpack_device__")());
+            const int kind = nb::cast<int>(nb::int_(device[0]));
+            return kind == cuda || kind == cuda_managed;
+        } catch (const nb::python_error&) {  // as of an array that lies on several devices
+            return false;
+        }
+    }
+    return nb::hasattr(array, "__cuda_array_interface__");
+}
+
 bool ArrayView::is_packed() const {
     if (std::ranges::find(shape, 0) != shape.end()) return true;
     auto packed = static_cast<std::int64_t>(bytes_of(type));
@@ -123,6 +199,7 @@ ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable)
     if (const std::string package = writable ? package_of_constants(array) : ""; !package.empty())
         refuse(what + " is an array of " + package + ", and these never change; pass a NumPy array, and make one of " +
                package + " from it");
+    if (is_in_cuda(array)) return view_in_cuda(array, what, writable);
     nb::ndarray<nb::ro> readable;
     if (!nb::try_cast(array, readable, false)) {
         if (nb::hasattr(array, "base_data")) return view_on_device(array, what, writable);
@@ -137,7 +214,7 @@ ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable)
     view.type = type_of(readable.dtype());
     if (view.type == ElementType::automatic) refuse_type(array, what, writable);
     if (readable.device_type() != nb::device::cpu::value)
-        refuse(what + " is not in the host's memory; copy it to the host, or pass a pyopencl array");
+        refuse(what + " is in memory of a device that is not CUDA's; copy it to the host, or pass a pyopencl array");
     view.host = readable.data();
     const auto width = static_cast<std::int64_t>(bytes_of(view.type));
     if (std::bit_cast<std::uintptr_t>(view.host) % static_cast<std::uintptr_t>(width) != 0)
@@ -149,6 +226,90 @@ ArrayView Arrays::view(nb::handle array, const std::string& what, bool writable)
     }
     held_.push_back(std::move(readable));
     return view;
+}
+
+Arrays::~Arrays() {
+    if (cuda_ == nullptr) return;
+    const nb::gil_scoped_release no_gil;
+    cuda_.reset();
+}
+
+ArrayView Arrays::view_in_cuda(nb::handle array, const std::string& what, bool writable) {
+    if (device_ == nullptr)
+        refuse(what + " lies in memory of CUDA, and this function reads the host's; pass a copy, as tensor.cpu()");
+    if (writable && nb::cast<bool>(nb::bool_(nb::getattr(array, "requires_grad", nb::bool_(false)))))
+        refuse(what + " requires a gradient, and clsdf's writing has none; pass tensor.detach()");
+    const auto [is_read_only, address, type, shape, strides, stream, held] = cuda_array_of(array);
+    if (held.has_value()) held_.push_back(*held);
+    if (writable && is_read_only) refuse(what + " is read-only; pass an array that can be written");
+    ArrayView view;
+    view.type = type;
+    view.shape = shape;
+    view.strides = strides;
+    if (type == ElementType::automatic) refuse_type(array, what, writable);
+    if (std::ranges::find(shape, 0) != shape.end()) {
+        static double nothing = 0;  // no call reads or writes it
+        view.host = view.writable = &nothing;
+        return view;
+    }
+    const auto width = static_cast<std::int64_t>(bytes_of(type));
+    cuda::View there;
+    there.address = there.begin = there.end = address;
+    there.is_packed = view.is_packed();
+    there.stream = stream;
+    there.what = what;
+    bool is_aligned = address % static_cast<cuda::Pointer>(width) == 0;
+    for (std::size_t axis = 0; axis < shape.size(); ++axis) {
+        const std::int64_t reach = (shape[axis] - 1) * strides[axis];
+        (reach < 0 ? there.begin : there.end) += static_cast<cuda::Pointer>(reach);
+        is_aligned &= shape[axis] <= 1 || strides[axis] % width == 0;
+    }
+    there.end += static_cast<cuda::Pointer>(width);
+    if (!is_aligned)
+        refuse(what + " has an address or strides that are no multiples of its elements' " + std::to_string(width) +
+               " bytes; pass a copy");
+    if (cuda_ == nullptr) cuda_ = std::make_unique<cuda::Arrays>(device_->cuda());
+    view.device = cuda_->add(there, writable);
+    view.in_cuda = there;
+    return view;
+}
+
+void Arrays::find_places() {
+    const nb::gil_scoped_release no_gil;
+    cuda_->place();
+}
+
+void Arrays::place(std::initializer_list<InputArray*> inputs, std::span<OutputTargets> outputs) {
+    if (cuda_ == nullptr) return;
+    find_places();
+    for (InputArray* const input : inputs) cuda_->replace(input->device, input->offset);
+    for (OutputTargets& targets : outputs)
+        for (const OutputTarget& target : targets.all()) {
+            OutputArray& array = targets[target.output];
+            cuda_->replace(array.device, array.offset);
+        }
+}
+
+void Arrays::place(std::span<Request> requests) {
+    if (cuda_ == nullptr) return;
+    find_places();
+    for (Request& request : requests)
+        for (const OutputTarget& target : request.targets.all()) {
+            OutputArray& array = request.targets[target.output];
+            cuda_->replace(array.device, array.offset);
+        }
+}
+
+void Arrays::begin() {
+    if (cuda_ == nullptr) return;
+    const nb::gil_scoped_release no_gil;
+    cuda_->acquire();
+}
+
+void Arrays::end() {
+    if (cuda_ == nullptr) return;
+    const nb::gil_scoped_release no_gil;
+    cuda_->release();
 }
 
 InputArray Arrays::triples(nb::handle array, const char* what) {
@@ -273,6 +434,7 @@ void add_arrays(nb::module_& module) {
             return nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>>(data, {bytes}, owner);
         },
         nb::arg("bytes"), "Memory for fast stores, uninitialised: aligned to 64 bytes, on huge pages if it is large.");
+    module.def("is_in_cuda", &is_in_cuda, nb::arg("array"), "Whether an array lies in memory of CUDA.");
     module.def(
         "outputs",
         [] {

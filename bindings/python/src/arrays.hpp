@@ -1,10 +1,16 @@
 #pragma once
 
 #include "binding.hpp"
+#include "cuda_arrays.hpp"
+#include "devices.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace clsdf::python {
@@ -12,7 +18,8 @@ namespace clsdf::python {
 /// Arrays by the names of outputs.
 using ArraysByName = nb::typed<nb::dict, nb::str, nb::any>;
 
-/// Where the numbers of a Python array lie: one with the buffer protocol or DLPack, or pyopencl's.
+/// Where the numbers of a Python array lie: one with the buffer protocol or DLPack, pyopencl's, or one in memory of
+/// CUDA.
 struct ArrayView {
     ElementType type = ElementType::automatic;
     const void* host = nullptr;
@@ -21,13 +28,24 @@ struct ArrayView {
     std::size_t offset = 0;  ///< bytes
     std::vector<std::int64_t> shape;
     std::vector<std::int64_t> strides;  ///< bytes
+    cuda::View in_cuda{};               ///< of an array in memory of CUDA; `device` is known after Arrays::place()
 
     bool is_packed() const;  ///< in C order
 };
 
-/// The arrays of one call. They are used without a copy, and live until this is destroyed: with the GIL.
+/// Whether an array lies in memory of CUDA: it has DLPack or __cuda_array_interface__.
+bool is_in_cuda(nb::handle array);
+
+/// The arrays of one call. They are used without a copy, and live until this is destroyed: with the GIL. The buffers of
+/// arrays in memory of CUDA are known after place() or begin().
 class Arrays {
 public:
+    /// Without a device, arrays in memory of CUDA are refused.
+    explicit Arrays(const PyDevice* device = nullptr) : device_(device) {}
+    ~Arrays();
+    Arrays(const Arrays&) = delete;
+    Arrays& operator=(const Arrays&) = delete;
+
     /// `what` names the array in messages: "points". The shape is (n, 3), of floats, doubles or integers of 32 or 64
     /// bits.
     InputArray triples(nb::handle array, const char* what);
@@ -42,7 +60,21 @@ public:
     /// Where an array lies. `what` names it in messages.
     ArrayView view(nb::handle array, const std::string& what, bool writable);
 
+    /// Puts the buffers of arrays in memory of CUDA in their places.
+    void place(std::initializer_list<InputArray*> inputs, std::span<OutputTargets> outputs);
+    void place(std::span<Request> requests);
+    /// Around a call of the library that blocks, after place(): OpenCL has arrays in memory of CUDA between them.
+    void begin();
+    void end();
+    /// Those in memory of CUDA, to be kept beyond the call; null if there are none.
+    std::unique_ptr<cuda::Arrays> take_cuda() { return std::move(cuda_); }
+
 private:
+    void find_places();
+    ArrayView view_in_cuda(nb::handle array, const std::string& what, bool writable);
+
+    const PyDevice* device_;
+    std::unique_ptr<cuda::Arrays> cuda_;
     std::vector<nb::ndarray<nb::ro>> held_;
 };
 

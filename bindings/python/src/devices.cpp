@@ -195,11 +195,15 @@ void add_devices(nb::module_& module) {
             "Takes compiled programs from a folder that `clsdf devices --prepare` wrote. An empty text: from none.")
         .def(
             "release_memory",
-            [](const PyDevice& device) {
-                const Device& own = device.get();
-                return without_gil([&] { return own.release_memory(); });
-            },
+            [](const PyDevice& device) { return without_gil([&] { return device.release_memory(); }); },
             "Gives back what the device keeps for later calls (Transform.shared_memory). Returns the bytes.")
+        .def(
+            "_has_semaphores",
+            [](const PyDevice& device) {
+                const std::shared_ptr<cuda::Link> link = device.cuda();
+                return without_gil([&] { return link->has_semaphores(); });
+            },
+            "For tests: whether the driver shares semaphores with CUDA.")
         .def("__repr__", [](const PyDevice& device) {
             return "<clsdf.Device " + device.get().name() + ", " + device.get().platform() + ">";
         });

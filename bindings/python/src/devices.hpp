@@ -1,8 +1,10 @@
 #pragma once
 
 #include "binding.hpp"
+#include "cuda_memory.hpp"
 
 #include <memory>
+#include <mutex>
 
 namespace clsdf::python {
 
@@ -22,16 +24,36 @@ using Owner = std::unique_ptr<Object, DeleteHere>;
 /// A device of the library, which ends with the process that opened it.
 class PyDevice {
 public:
-    explicit PyDevice(Device device) : device_(new Device(std::move(device)), DeleteHere()) {}
+    explicit PyDevice(Device device) : state_(new State{std::move(device)}, DeleteHere()) {}
 
     /// Throws in a process that was forked.
     const Device& get() const {
         check_process();
-        return *device_;
+        return state_->device;
+    }
+
+    /// The same device of CUDA, opened at the first call. With the GIL, which is released. Throws Error(no_device),
+    /// Error(unsupported).
+    std::shared_ptr<cuda::Link> cuda() const {
+        const Device& device = get();
+        const nb::gil_scoped_release no_gil;
+        const std::scoped_lock lock(state_->mutex);
+        if (state_->cuda == nullptr) state_->cuda = std::make_shared<cuda::Link>(device);
+        return state_->cuda;
+    }
+    /// Gives back what the device keeps for later calls. Returns the bytes. Without the GIL.
+    std::size_t release_memory() const {
+        const std::scoped_lock lock(state_->mutex);
+        return get().release_memory() + (state_->cuda == nullptr ? 0 : state_->cuda->release_memory());
     }
 
 private:
-    std::shared_ptr<Device> device_;
+    struct State {
+        Device device;
+        std::mutex mutex{};
+        std::shared_ptr<cuda::Link> cuda{};
+    };
+    std::shared_ptr<State> state_;
 };
 
 }  // namespace clsdf::python

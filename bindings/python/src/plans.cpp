@@ -16,8 +16,11 @@ namespace {
 /// A plan of the library for Python's threads, which take turns. It keeps the arrays that its requests write to.
 class PyPlan {
 public:
-    PyPlan(PyDevice device, Plan plan, nb::object requests)
-        : device_(std::move(device)), requests_(std::move(requests)), plan_(new Plan(std::move(plan))) {}
+    PyPlan(PyDevice device, Plan plan, nb::object requests, std::unique_ptr<cuda::Arrays> cuda = nullptr)
+        : device_(std::move(device)),
+          requests_(std::move(requests)),
+          cuda_(cuda.release(), DeleteHere()),
+          plan_(new Plan(std::move(plan))) {}
 
     template <typename Function>
     auto use(Function function) const {
@@ -27,12 +30,18 @@ public:
         return function(*plan_);
     }
 
-    void keep(nb::object requests) { requests_ = std::move(requests); }
+    void keep(nb::object requests, std::unique_ptr<cuda::Arrays> cuda) {
+        requests_ = std::move(requests);
+        cuda_.reset(cuda.release());
+    }
+    /// The arrays of the requests that are in memory of CUDA; null if there are none.
+    cuda::Arrays* cuda() const { return cuda_.get(); }
     const PyDevice& device() const { return device_; }
 
 private:
     PyDevice device_;
     nb::object requests_;
+    Owner<cuda::Arrays> cuda_;
     Owner<Plan> plan_;  // its end waits for the runs, which write to the arrays
     std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
 };
@@ -49,21 +58,21 @@ PyPlan plan_of_grid(const Body& body, const Grid& grid, const Band& band, const 
 }
 
 PyPlan plan_of_requests(const Body& body, const RequestList& requests, nb::object progress) {
-    Arrays arrays;
+    Arrays arrays(&body.device());
     const std::vector<Request> boxes = requests_of(requests, arrays);
     const Call call(std::move(progress));
-    return PyPlan(body.device(),
-                  body.read([&](const DistanceTransform& transform) { return transform.plan(boxes, call.options()); }),
-                  requests);
+    Plan plan = body.read([&](const DistanceTransform& transform) { return transform.plan(boxes, call.options()); });
+    return PyPlan(body.device(), std::move(plan), requests, arrays.take_cuda());
 }
 
-// The event of the end as a number, which the caller owns.
+// The event of the end as a number, which the caller owns; 0 if arrays are in memory of CUDA, whose streams wait for
+// it.
 std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional<RequestList>& outputs,
                        nb::handle wait_for) {
     const auto own =
         queue.is_none() ? nullptr : std::bit_cast<cl_command_queue>(nb::cast<std::uintptr_t>(queue.attr("int_ptr")));
     const std::vector<cl_event> events = events_of(wait_for);
-    Arrays arrays;
+    Arrays arrays(&plan.device());
     std::vector<OutputTargets> targets;
     if (outputs.has_value()) {
         const std::vector<Index3> sizes = plan.use([](const Plan& of) {
@@ -76,15 +85,29 @@ std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional
                    std::to_string(sizes.size()));
         for (std::size_t i = 0; i < sizes.size(); ++i)
             targets.push_back(arrays.outputs(nb::cast<ArraysByName>((*outputs)[i]), shape_of(sizes[i])));
+        arrays.place({}, targets);
     }
-    cl_event done = nullptr;
+    const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
+    cuda::ClEvent done;
+    cuda::Arrays* const shared = outputs.has_value() ? of_call.get() : plan.cuda();
     plan.use([&](Plan& of) {
-        if (outputs.has_value())
-            of.enqueue(own, targets, events, &done);
-        else
-            of.enqueue(own, events, &done);
+        const auto run = [&](std::span<const cl_event> before) {
+            if (outputs.has_value())
+                of.enqueue(own, targets, before, done.put());
+            else
+                of.enqueue(own, before, done.put());
+        };
+        if (shared == nullptr) return run(events);
+        try {
+            const cuda::ClEvent acquired = shared->acquire(own, events);
+            run(acquired.list());
+            shared->release(done.list());
+        } catch (...) {
+            shared->abandon();
+            throw;
+        }
     });
-    return std::bit_cast<std::uintptr_t>(done);
+    return shared != nullptr ? 0 : std::bit_cast<std::uintptr_t>(done.release());
 }
 
 void update(PyPlan& plan, const Body& body, const std::optional<std::vector<Grid>>& grids, nb::object progress) {
@@ -101,14 +124,14 @@ void update(PyPlan& plan, const Body& body, const std::optional<std::vector<Grid
 }
 
 void update_requests(PyPlan& plan, const Body& body, const RequestList& requests, nb::object progress) {
-    Arrays arrays;
+    Arrays arrays(&plan.device());
     const std::vector<Request> boxes = requests_of(requests, arrays);
     const Call call(std::move(progress));
     body.read([&](const DistanceTransform& transform) {
         const nb::gil_scoped_acquire gil;
         plan.use([&](Plan& of) { of.update(transform, boxes, call.options()); });
     });
-    plan.keep(requests);
+    plan.keep(requests, arrays.take_cuda());
 }
 
 }  // namespace

@@ -19,8 +19,10 @@ namespace {
 
 Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const std::string& sign,
           std::optional<std::size_t> kept_bytes) {
-    Arrays arrays;
-    const MeshView mesh(arrays.triples(vertices, "vertices"), arrays.triples(faces, "faces"));
+    Arrays arrays(&device);
+    InputArray positions = arrays.triples(vertices, "vertices"), triangles = arrays.triples(faces, "faces");
+    arrays.place({&positions, &triangles}, {});
+    const MeshView mesh(positions, triangles);
     const Call call;
     TransformOptions options;
     options.sign =
@@ -28,27 +30,37 @@ Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const s
                     {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
     options.kept_bytes = kept_bytes;
     const Device& own = device.get();
-    const nb::gil_scoped_release no_gil;
-    return Body(device, DistanceTransform(own, mesh, options, call.options()));
+    arrays.begin();
+    auto made = [&] {
+        const nb::gil_scoped_release no_gil;
+        return Body(device, DistanceTransform(own, mesh, options, call.options()));
+    }();
+    arrays.end();
+    return made;
 }
 
 void compute(const Body& body, const Grid& grid, const Band& band, const ArraysByName& outputs, nb::object progress,
              nb::handle wait_for) {
-    Arrays arrays;
-    const OutputTargets targets = arrays.outputs(outputs, shape_of(grid.size));
+    Arrays arrays(&body.device());
+    OutputTargets targets = arrays.outputs(outputs, shape_of(grid.size));
+    arrays.place({}, {&targets, 1});
     const Call call(std::move(progress), wait_for);
+    arrays.begin();
     body.read([&](const DistanceTransform& transform) { transform.compute(grid, band, targets, call.options()); });
+    arrays.end();
 }
 
 void compute_many(const Body& body, const RequestList& requests, nb::object progress, nb::handle wait_for) {
-    Arrays arrays;
+    Arrays arrays(&body.device());
     const std::vector<Request> boxes = requests_of(requests, arrays);
     const Call call(std::move(progress), wait_for);
+    arrays.begin();
     body.read([&](const DistanceTransform& transform) { transform.compute(boxes, call.options()); });
+    arrays.end();
 }
 
 std::size_t plan_bytes(const Body& body, const RequestList& requests, nb::object progress) {
-    Arrays arrays;
+    Arrays arrays(&body.device());
     const std::vector<Request> boxes = requests_of(requests, arrays);
     const Call call(std::move(progress));
     return body.read([&](const DistanceTransform& transform) { return transform.plan_bytes(boxes, call.options()); });
@@ -57,29 +69,39 @@ std::size_t plan_bytes(const Body& body, const RequestList& requests, nb::object
 void compute_blocks(const Body& body, const Grid& lattice, const Band& band, const Index3& size,
                     const std::vector<Index3>& first, const ArraysByName& outputs, nb::object progress,
                     nb::handle wait_for) {
-    Arrays arrays;
-    const BlockSet blocks = blocks_of(lattice, band, size, first, outputs, arrays);
+    Arrays arrays(&body.device());
+    BlockSet blocks = blocks_of(lattice, band, size, first, outputs, arrays);
+    arrays.place({}, {&blocks.targets, 1});
     const Call call(std::move(progress), wait_for);
+    arrays.begin();
     body.read([&](const DistanceTransform& transform) { transform.compute(blocks, call.options()); });
+    arrays.end();
 }
 
 void query(const Body& body, nb::handle points, double within, const ArraysByName& outputs, nb::object progress,
            nb::handle wait_for, bool refuse_unusable_points) {
-    Arrays arrays;
-    const InputArray asked = arrays.triples(points, "points");
-    const OutputTargets targets = arrays.outputs(outputs, {static_cast<std::int64_t>(asked.count)});
+    Arrays arrays(&body.device());
+    InputArray asked = arrays.triples(points, "points");
+    OutputTargets targets = arrays.outputs(outputs, {static_cast<std::int64_t>(asked.count)});
+    arrays.place({&asked}, {&targets, 1});
     Call call(std::move(progress), wait_for);
     call.refuse_unusable_points(refuse_unusable_points);
+    arrays.begin();
     body.read([&](const DistanceTransform& transform) { transform.query(asked, within, targets, call.options()); });
+    arrays.end();
 }
 
 void winding(const Body& body, nb::handle points, nb::handle results, nb::handle wait_for) {
-    Arrays arrays;
-    const InputArray asked = arrays.triples(points, "points");
-    const OutputArray written =
-        arrays.output(results, info_of(Output::distance), {static_cast<std::int64_t>(asked.count)});
+    Arrays arrays(&body.device());
+    InputArray asked = arrays.triples(points, "points");
+    OutputTargets written = arrays.output(results, info_of(Output::distance), {static_cast<std::int64_t>(asked.count)});
+    arrays.place({&asked}, {&written, 1});
     const Call call(nb::none(), wait_for);
-    body.read([&](const DistanceTransform& transform) { transform.winding(asked, written, call.options()); });
+    arrays.begin();
+    body.read([&](const DistanceTransform& transform) {
+        transform.winding(asked, written[Output::distance], call.options());
+    });
+    arrays.end();
 }
 
 using Boxes = nb::ndarray<const double, nb::shape<-1, 2, 3>, nb::c_contig, nb::device::cpu>;
@@ -122,10 +144,13 @@ Body restrict_to(const Body& body, const std::vector<std::tuple<Vec3, Vec3, doub
 }
 
 void set_positions(Body& body, nb::handle positions, nb::handle wait_for) {
-    Arrays arrays;
-    const InputArray vertices = arrays.triples(positions, "positions");
+    Arrays arrays(&body.device());
+    InputArray vertices = arrays.triples(positions, "positions");
+    arrays.place({&vertices}, {});
     const Call call(nb::none(), wait_for);
+    arrays.begin();
     body.change([&](DistanceTransform& transform) { transform.set_positions(vertices, call.options()); });
+    arrays.end();
 }
 
 void set_motion(Body& body, const std::array<Vec3, 3>& rotation, const Vec3& translation) {
@@ -219,6 +244,7 @@ std::vector<Request> requests_of(const RequestList& requests, Arrays& arrays) {
             throw Error(error.code(), name + ": " + error.what());
         }
     }
+    arrays.place(boxes);
     return boxes;
 }
 

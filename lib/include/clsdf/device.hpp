@@ -14,6 +14,7 @@
 typedef struct _cl_context* cl_context;
 typedef struct _cl_device_id* cl_device_id;
 typedef struct _cl_command_queue* cl_command_queue;
+typedef struct _cl_mem* cl_mem;
 
 namespace clsdf {
 
@@ -146,6 +147,15 @@ public:
     cl_context context() const;
     cl_device_id id() const;
     cl_command_queue queue() const;
+
+    /// A buffer of `bytes` bytes, of this device's context, that is memory of another interface: of CUDA for instance,
+    /// exported as a POSIX file descriptor (cuMemExportToShareableHandle). On success the driver owns the descriptor,
+    /// and the caller releases the buffer (clReleaseMemObject); after an error the caller still owns the descriptor.
+    /// Commands may use the buffer only between clEnqueueAcquireExternalMemObjectsKHR and
+    /// clEnqueueReleaseExternalMemObjectsKHR, which the caller enqueues. Throws Error(unsupported) if the driver has no
+    /// cl_khr_external_memory_opaque_fd; Error(invalid_argument) for 0 bytes, for a descriptor that is not open, and if
+    /// the driver does not take it as memory of this size; Error(out_of_memory); Error(device_failure).
+    cl_mem import_memory(int descriptor, std::size_t bytes) const;
 
     /// Keeps records of passed tests in the folder, for this device and its copies and for programs that are built from
     /// now on: call it before the first DistanceTransform is made. Later processes that call it with the same folder do
