@@ -23,6 +23,7 @@ from ._field import Field
 from ._files import FieldWriter, read_field, write_field
 from ._pictures import Picture, slice_picture
 from ._plan import Plan
+from ._sparse import SparseField
 from ._transform import BoxPlace, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
@@ -59,6 +60,7 @@ __all__ = [
     "Points",
     "Region",
     "Request",
+    "SparseField",
     "Topology",
     "Transform",
     "UnreadableInput",

@@ -12,4 +12,5 @@ NB_MODULE(_core, module) {
     clsdf::python::add_transforms(module);
     clsdf::python::add_plans(module);
     clsdf::python::add_files(module);
+    clsdf::python::add_sparse_fields(module);
 }
