@@ -158,8 +158,8 @@ public:
 
     /// Into the caller's arrays; the distance must have one, unless there is room for no brick. `counts` gets how many
     /// bricks and runs there are. If the arrays have less room, throws Error(invalid_argument) that names both numbers,
-    /// and `counts` has them, too; the arrays are undefined then, and nothing is written beyond them. After other errors
-    /// `counts` is 0. Also throws Error(invalid_argument) for arrays that overlap or are not of the size,
+    /// and `counts` has them, too; the arrays are undefined then, and nothing is written beyond them. After other
+    /// errors `counts` is 0. Also throws Error(invalid_argument) for arrays that overlap or are not of the size,
     /// Error(unsupported) for memory of the device, strides and doubles.
     TransformStatistics compute_sparse(const Grid& grid, const Band& band, const SparseTargets& targets,
                                        SparseCounts& counts, const CallOptions& call = {}) const;
