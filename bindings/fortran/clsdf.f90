@@ -8,8 +8,8 @@
 !> STATUS. Every procedure that can fail has the optional arguments stat, which is 0 or one of the numbers below, and
 !> errmsg, which is defined only after an error. Without stat, an error writes its message and stops the program.
 !>
-!> HANDLES (clsdf_device, clsdf_mesh, clsdf_transform, clsdf_plan, clsdf_field, clsdf_thread_limit) are counted
-!> references: assignment makes another reference to the same object, and the end of a variable gives its reference
+!> HANDLES (clsdf_device, clsdf_mesh, clsdf_transform, clsdf_plan, clsdf_field, clsdf_sparse_field, clsdf_thread_limit) are
+!> counted references: assignment makes another reference to the same object, and the end of a variable gives its reference
 !> back. release() does so at once.
 !>
 !> ARRAYS are used where they are, whatever their bounds and strides: nothing is copied. Components (of vectors) come
@@ -25,11 +25,12 @@ module clsdf
   private
 
   public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_transform, &
-      clsdf_kept_memory, clsdf_plan, clsdf_field, clsdf_thread_limit
+      clsdf_kept_memory, clsdf_plan, clsdf_field, clsdf_sparse_field, clsdf_thread_limit
   public :: clsdf_array, clsdf_pinned, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, &
       clsdf_grid, clsdf_region, clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, &
-      clsdf_slab, clsdf_slab_sink
-  public :: clsdf_progress_procedure, clsdf_stop_procedure, clsdf_log_procedure, clsdf_slab_procedure
+      clsdf_slab, clsdf_slab_sink, clsdf_sparse_counts, clsdf_sparse_request, clsdf_sparse_slab, clsdf_sparse_sink
+  public :: clsdf_progress_procedure, clsdf_stop_procedure, clsdf_log_procedure, clsdf_slab_procedure, &
+      clsdf_sparse_procedure
   public :: clsdf_version, clsdf_version_text, clsdf_last_error, clsdf_last_opencl_error, clsdf_set_last_error, &
       clsdf_status_name, clsdf_type_name, clsdf_sign_name, clsdf_device_kind_name, &
       clsdf_device_source_name, clsdf_output_count, &
@@ -39,7 +40,7 @@ module clsdf
       clsdf_points_check_path, clsdf_abandon_unfinished_files
   ! For the module clsdf_io, not for programs.
   public :: clsdf_finish, clsdf_text, clsdf_outputs_mask, clsdf_targets_of_samples, clsdf_pack_for_c, clsdf_c_array, &
-      clsdf_c_target, clsdf_c_grid, clsdf_c_description, clsdf_grid_for_c
+      clsdf_c_target, clsdf_c_grid, clsdf_c_description, clsdf_c_sparse_slab, clsdf_grid_for_c
 
   ! ---- Numbers ----
 
@@ -81,6 +82,8 @@ module clsdf
   integer(c_int32_t), parameter, public :: CLSDF_COMPILING = 0, CLSDF_COMPUTING = 1, CLSDF_TESTING = 2
   !> Numbers of a program's own that end a call, returned by its callbacks, begin here.
   integer(c_int32_t), parameter, public :: CLSDF_OWN_STATUS = 1000
+  !> Bricks of sparse fields are blocks of 8 x 8 x 8 samples.
+  integer(c_int32_t), parameter, public :: CLSDF_BRICK_SIDE = 8, CLSDF_BRICK_SAMPLES = 512
 
   ! ---- Boxes, lengths, bands, grids ----
 
@@ -123,6 +126,7 @@ module clsdf
     procedure :: grown => grid_grown
     procedure :: refined => grid_refined
     procedure :: refined_cells => grid_refined_cells
+    procedure :: in_whole_bricks => grid_in_whole_bricks
     procedure :: cell_centred => grid_cell_centred
     procedure :: position => grid_position
     procedure :: box => grid_box
@@ -256,6 +260,72 @@ module clsdf
     end subroutine
   end interface
 
+  ! ---- Sparse fields ----
+
+  !> How many bricks with values a sparse field has, and how many runs of bricks inside.
+  type, bind(C) :: clsdf_sparse_counts
+    integer(c_int64_t) :: bricks = 0, runs = 0
+  end type
+
+  !> One sparse field of many.
+  type :: clsdf_sparse_request
+    type(clsdf_grid) :: grid
+    type(clsdf_band) :: band
+    integer(c_int32_t), allocatable :: outputs(:)  !< the distance alone
+  end type
+
+  type, bind(C) :: c_targets
+    type(c_ptr) :: items = c_null_ptr
+    integer(c_int64_t) :: count = 0
+  end type
+  type, bind(C) :: clsdf_c_grid
+    real(c_double) :: origin(3) = 0, spacing(3) = 1
+    integer(c_int64_t) :: size(3) = 0, first(3) = 0
+  end type
+  type, bind(C) :: clsdf_c_sparse_slab
+    integer(c_size_t) :: struct_size = 0
+    type(clsdf_c_grid) :: part
+    type(c_ptr) :: bricks = c_null_ptr
+    integer(c_int64_t) :: brick_count = 0
+    type(c_ptr) :: inside = c_null_ptr
+    integer(c_int64_t) :: run_count = 0
+    type(c_targets) :: values
+  end type
+
+  !> Whole layers of a sparse field's bricks, in memory that is there until the sink returns, or as long as the field. A
+  !> brick has values if one of its samples is in the band, or if it has samples of both signs. In each other brick all
+  !> samples are beyond the band and have one sign. Bricks and runs are sorted by z, then y, then x.
+  type :: clsdf_sparse_slab
+    type(clsdf_grid) :: part
+    integer(c_int64_t) :: brick_count = 0, run_count = 0
+    integer(c_int32_t) :: index_base = 1  !< of its triangles: the transform's
+    type(clsdf_c_sparse_slab) :: c        ! for clsdf_io
+  contains
+    procedure :: bricks => sparse_bricks
+    procedure :: inside => sparse_inside
+    procedure, private :: sparse_r4_4, sparse_r4_5, sparse_r8_5, sparse_i4, sparse_i1
+    !> call slab%array(CLSDF_DISTANCE, phi): a pointer to the values of an output, phi(8, 8, 8, brick).
+    generic :: array => sparse_r4_4, sparse_r4_5, sparse_r8_5, sparse_i4, sparse_i1
+    procedure :: find => sparse_find
+    procedure :: distances => sparse_distances
+  end type
+
+  !> What takes the layers of transform%compute_sparse_slabs(): extend it with the data that it needs.
+  type, abstract :: clsdf_sparse_sink
+  contains
+    procedure(clsdf_sparse_procedure), deferred :: take_sparse
+  end type
+
+  abstract interface
+    !> A status other than 0 ends the call.
+    subroutine clsdf_sparse_procedure(sink, slab, status)
+      import :: clsdf_sparse_sink, clsdf_sparse_slab, c_int32_t
+      class(clsdf_sparse_sink), intent(inout) :: sink
+      type(clsdf_sparse_slab), intent(in) :: slab
+      integer(c_int32_t), intent(inout) :: status
+    end subroutine
+  end interface
+
   ! ---- Devices ----
 
   type :: clsdf_device_info
@@ -377,6 +447,12 @@ module clsdf
     generic :: compute_blocks => compute_block_set, compute_blocks_r4, compute_blocks_r8
     procedure :: compute_slabs => transform_compute_slabs
     procedure :: compute_field => transform_compute_field
+    procedure, private :: compute_sparse_targets, compute_sparse_distance
+    generic :: compute_sparse => compute_sparse_targets, compute_sparse_distance
+    procedure :: count_sparse => transform_count_sparse
+    procedure :: compute_sparse_slabs => transform_compute_sparse_slabs
+    procedure, private :: compute_sparse_one, compute_sparse_requests
+    generic :: compute_sparse_field => compute_sparse_one, compute_sparse_requests
     procedure, private :: query_targets, query_r4, query_r8, query_xyz_r4, query_xyz_r8
     generic :: query => query_targets, query_r4, query_r8, query_xyz_r4, query_xyz_r8
     procedure :: classify => transform_classify
@@ -439,6 +515,20 @@ module clsdf
     final :: field_end
   end type
 
+  !> A sparse field.
+  type :: clsdf_sparse_field
+    type(c_ptr) :: handle = c_null_ptr  ! for clsdf_io
+    integer(c_int32_t), private :: index_base = 1
+  contains
+    procedure :: describe => sparse_field_describe
+    procedure :: slab => sparse_field_slab
+    procedure :: is_set => sparse_field_is_set
+    procedure :: release => sparse_field_release
+    procedure, private :: sparse_field_assign
+    generic :: assignment(=) => sparse_field_assign
+    final :: sparse_field_end
+  end type
+
   ! ---- Structs of C ----
 
   type, bind(C) :: clsdf_c_array
@@ -450,19 +540,11 @@ module clsdf
     integer(c_int32_t) :: output = 0, reserved = 0
     type(clsdf_c_array) :: array
   end type
-  type, bind(C) :: c_targets
-    type(c_ptr) :: items = c_null_ptr
-    integer(c_int64_t) :: count = 0
-  end type
   type, bind(C) :: c_output_info
     integer(c_size_t) :: struct_size = 0
     integer(c_int32_t) :: output = 0, type = 0
     integer(c_int64_t) :: components = 0
     type(c_ptr) :: name = c_null_ptr, description = c_null_ptr
-  end type
-  type, bind(C) :: clsdf_c_grid
-    real(c_double) :: origin(3) = 0, spacing(3) = 1
-    integer(c_int64_t) :: size(3) = 0, first(3) = 0
   end type
   type, bind(C) :: c_grid_options
     integer(c_size_t) :: struct_size = 0
@@ -551,6 +633,20 @@ module clsdf
     type(c_ptr) :: mesh_name = c_null_ptr
   end type
 
+  type, bind(C) :: c_sparse_request
+    type(clsdf_c_grid) :: grid
+    type(clsdf_band) :: band
+    integer(c_int32_t) :: outputs = 0, reserved = 0
+  end type
+  type, bind(C) :: c_sparse_arrays
+    integer(c_size_t) :: struct_size = 0
+    type(c_ptr) :: bricks = c_null_ptr
+    integer(c_int64_t) :: brick_room = 0
+    type(c_ptr) :: inside = c_null_ptr
+    integer(c_int64_t) :: run_room = 0
+    type(c_targets) :: values
+  end type
+
   ! What a call hands to C, and keeps for its duration.
   type :: caller
     type(c_call_options) :: c
@@ -558,6 +654,10 @@ module clsdf
   end type
   type :: slab_taker
     class(clsdf_slab_sink), pointer :: sink => null()
+    integer(c_int32_t) :: index_base = 1
+  end type
+  type :: sparse_taker
+    class(clsdf_sparse_sink), pointer :: sink => null()
     integer(c_int32_t) :: index_base = 1
   end type
   type :: request_list
@@ -638,7 +738,8 @@ module clsdf
       import
       type(c_ptr), value :: devices
     end subroutine
-    ! REPEATED FOR device=mesh | device=transform | device=plan | device=field | device=thread_limit
+    ! REPEATED FOR device=mesh | device=transform | device=plan | device=field | device=sparse_field |
+    !     device=thread_limit
 
     subroutine c_device_retain(device) bind(C, name="clsdf_device_retain")
       import
@@ -685,6 +786,15 @@ module clsdf
     subroutine c_field_release(field) bind(C, name="clsdf_field_release")
       import
       type(c_ptr), value :: field
+    end subroutine
+
+    subroutine c_sparse_field_retain(sparse_field) bind(C, name="clsdf_sparse_field_retain")
+      import
+      type(c_ptr), value :: sparse_field
+    end subroutine
+    subroutine c_sparse_field_release(sparse_field) bind(C, name="clsdf_sparse_field_release")
+      import
+      type(c_ptr), value :: sparse_field
     end subroutine
 
     subroutine c_thread_limit_retain(thread_limit) bind(C, name="clsdf_thread_limit_retain")
@@ -773,6 +883,12 @@ module clsdf
       integer(c_int32_t) :: value
       type(clsdf_c_grid), intent(in) :: grid
       integer(c_int64_t), value :: ratio
+      type(clsdf_c_grid), intent(out) :: result
+    end function
+    function c_grid_in_whole_bricks(grid, result) bind(C, name="clsdf_grid_in_whole_bricks") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_grid), intent(in) :: grid
       type(clsdf_c_grid), intent(out) :: result
     end function
     function c_grid_cell_centred(grid, result) bind(C, name="clsdf_grid_cell_centred") result(value)
@@ -1146,6 +1262,82 @@ module clsdf
       type(clsdf_band), intent(in) :: band
       integer(c_int32_t), value :: outputs
       type(c_ptr), intent(out) :: field
+    end function
+    function c_compute_sparse(transform, grid, band, arrays, call, statistics, counts) &
+        bind(C, name="clsdf_compute_sparse") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      type(c_sparse_arrays), intent(in) :: arrays
+      type(clsdf_sparse_counts), intent(out) :: counts
+    end function
+    function c_count_sparse(transform, grid, band, call, statistics, counts) bind(C, name="clsdf_count_sparse") &
+        result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      type(clsdf_sparse_counts), intent(out) :: counts
+    end function
+    function c_compute_sparse_slabs(transform, grid, band, outputs, sink, user, call, statistics) &
+        bind(C, name="clsdf_compute_sparse_slabs") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, user, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      integer(c_int32_t), value :: outputs
+      type(c_funptr), value :: sink
+    end function
+    function c_compute_sparse_field(transform, grid, band, outputs, call, statistics, field) &
+        bind(C, name="clsdf_compute_sparse_field") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), intent(out) :: field
+    end function
+    function c_compute_sparse_requests(transform, requests, count, call, statistics, fields) &
+        bind(C, name="clsdf_compute_sparse_requests") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(c_sparse_request), intent(in) :: requests(*)
+      integer(c_int64_t), value :: count
+      type(c_ptr), intent(inout) :: fields(*)
+    end function
+    function c_sparse_field_describe(field, description) bind(C, name="clsdf_sparse_field_describe") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: field
+      type(clsdf_c_description), intent(inout) :: description
+    end function
+    function c_sparse_field_slab(field, slab) bind(C, name="clsdf_sparse_field_slab") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: field
+      type(clsdf_c_sparse_slab), intent(inout) :: slab
+    end function
+    function c_sparse_find(slab, sample, number) bind(C, name="clsdf_sparse_find") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_sparse_slab), intent(in) :: slab
+      integer(c_int64_t), intent(in) :: sample(3)
+      integer(c_int64_t), intent(out) :: number
+    end function
+    function c_sparse_distances(slab, band, samples, count, distances) bind(C, name="clsdf_sparse_distances") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(clsdf_c_sparse_slab), intent(in) :: slab
+      type(clsdf_band), intent(in) :: band
+      integer(c_int64_t), intent(in) :: samples(*)
+      integer(c_int64_t), value :: count
+      real(c_float), intent(inout) :: distances(*)
     end function
     function c_slabs_of(grid, slabs, size, count) bind(C, name="clsdf_slabs_of") result(value)
       import
@@ -1738,6 +1930,17 @@ contains
     type(clsdf_c_grid) :: c
     call clsdf_finish(c_grid_refined_cells(c_of(self), int(ratio, c_int64_t), c), stat, errmsg)
     call take_grid(c, refined)
+  end function
+
+  !> The bricks of sparse fields that overlap the grid, as a block of the lattice.
+  function grid_in_whole_bricks(self, stat, errmsg) result(bricks)
+    class(clsdf_grid), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_grid) :: bricks
+    type(clsdf_c_grid) :: c
+    call clsdf_finish(c_grid_in_whole_bricks(c_of(self), c), stat, errmsg)
+    call take_grid(c, bricks)
   end function
 
   !> Shifted by half a voxel on every axis.
@@ -2394,6 +2597,29 @@ contains
     status = CLSDF_OK
     call taker%sink%take(slab, status)
   end function
+
+  function on_sparse_slab(user, slab) bind(C, name="") result(status)
+    type(c_ptr), value :: user
+    type(clsdf_c_sparse_slab), intent(in) :: slab
+    integer(c_int32_t) :: status
+    type(sparse_taker), pointer :: taker
+    type(clsdf_sparse_slab) :: layers
+    call c_f_pointer(user, taker)
+    call take_sparse_slab(slab, taker%index_base, layers)
+    status = CLSDF_OK
+    call taker%sink%take_sparse(layers, status)
+  end function
+
+  subroutine take_sparse_slab(c, index_base, slab)
+    type(clsdf_c_sparse_slab), intent(in) :: c
+    integer(c_int32_t), intent(in) :: index_base
+    type(clsdf_sparse_slab), intent(out) :: slab
+    call take_grid(c%part, slab%part)
+    slab%brick_count = c%brick_count
+    slab%run_count = c%run_count
+    slab%index_base = index_base
+    slab%c = c
+  end subroutine
 
   function statistics_for_c(statistics) result(pointer)
     type(clsdf_statistics), intent(inout), target, optional :: statistics
@@ -3483,6 +3709,161 @@ contains
         options_for_c(given, options), statistics_for_c(statistics), field%handle), stat, errmsg)
   end subroutine
 
+  !> A sparse field into arrays of the program: the bricks near the surface, and the sign of the rest. `counts` says how
+  !> many bricks and runs there are. If the arrays have less room, the call is CLSDF_INVALID_ARGUMENT, and `counts` is set.
+  !> bricks(:, n) is the first sample of brick n on the lattice, from 1; inside(:, n) the first sample of a run of bricks
+  !> along x without values that are inside, and their number. targets: packed arrays (8, 8, 8, size(bricks, 2)), and
+  !> (components, 8, 8, 8, size(bricks, 2)), of the types that clsdf_output_describe() states.
+  subroutine compute_sparse_targets(self, grid, band, bricks, inside, targets, counts, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    integer(c_int64_t), intent(inout), contiguous, target :: bricks(:, :)  !< (3, n)
+    integer(c_int64_t), intent(inout), contiguous, target :: inside(:, :)  !< (4, n)
+    type(clsdf_target), intent(in) :: targets(:)
+    type(clsdf_sparse_counts), intent(out) :: counts
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_target), target :: values(size(targets))
+    type(c_sparse_arrays) :: c
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    integer :: i
+    status = CLSDF_OK
+    c%struct_size = c_sizeof(c)
+    c%brick_room = size(bricks, 2, c_int64_t)
+    c%run_room = size(inside, 2, c_int64_t)
+    if (size(bricks, 1) /= 3 .or. size(inside, 1) /= 4) status = refused('the arrays of the bricks and of the runs have '// &
+        'the shapes '//joined(shape(bricks, c_int64_t))//' and '//joined(shape(inside, c_int64_t))// &
+        '; give them (3, n) and (4, n)')
+    if (status == CLSDF_OK) call clsdf_targets_of_samples(targets, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, c%brick_room], &
+        3, values, status)
+    do i = 1, size(targets)
+      if (status /= CLSDF_OK) exit
+      if (c_associated(values(i)%array%device)) cycle  ! C refuses it
+      call clsdf_pack_for_c(targets(i)%array, CLSDF_BRICK_SAMPLES*c%brick_room, values(i), status)
+      values(i)%array%block_stride = 0
+    end do
+    if (status == CLSDF_OK) then
+      if (size(bricks) > 0) c%bricks = c_loc(bricks)
+      if (size(inside) > 0) c%inside = c_loc(inside)
+      if (size(targets) > 0) c%values = c_targets(c_loc(values), size(targets, kind=c_int64_t))
+      status = c_compute_sparse(self%handle, clsdf_grid_for_c(grid), band, c, options_for_c(given, options), &
+          statistics_for_c(statistics), counts)
+    end if
+    if (status == CLSDF_OK) then
+      bricks(:, :counts%bricks) = bricks(:, :counts%bricks) + 1
+      inside(:3, :counts%runs) = inside(:3, :counts%runs) + 1
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The same of the distance alone.
+  subroutine compute_sparse_distance(self, grid, band, bricks, inside, distance, counts, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    integer(c_int64_t), intent(inout), contiguous, target :: bricks(:, :), inside(:, :)
+    real(c_float), intent(inout), contiguous, target :: distance(:, :, :, :)  !< (8, 8, 8, size(bricks, 2))
+    type(clsdf_sparse_counts), intent(out) :: counts
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%compute_sparse(grid, band, bricks, inside, [clsdf_target(CLSDF_DISTANCE, distance)], counts, options, &
+        statistics, stat, errmsg)
+  end subroutine
+
+  !> How many bricks and runs compute_sparse() would give. Takes nearly its time, and no memory for values.
+  subroutine transform_count_sparse(self, grid, band, counts, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    type(clsdf_sparse_counts), intent(out) :: counts
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call clsdf_finish(c_count_sparse(self%handle, clsdf_grid_for_c(grid), band, options_for_c(given, options), &
+        statistics_for_c(statistics), counts), stat, errmsg)
+  end subroutine
+
+  !> A sparse field of any size: layers of bricks in the order of z.
+  subroutine transform_compute_sparse_slabs(self, grid, band, sink, outputs, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    class(clsdf_sparse_sink), intent(inout), target :: sink
+    integer(c_int32_t), intent(in), optional :: outputs(:)  !< the distance alone
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(sparse_taker), target :: taker
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    taker%sink => sink
+    status = c_transform_index_base(self%handle, taker%index_base)
+    if (status == CLSDF_OK) status = c_compute_sparse_slabs(self%handle, clsdf_grid_for_c(grid), band, &
+        clsdf_outputs_mask(outputs), c_funloc(on_sparse_slab), c_loc(taker), options_for_c(given, options), &
+        statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The sparse field in memory of the library.
+  subroutine compute_sparse_one(self, grid, band, field, outputs, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    type(clsdf_sparse_field), intent(inout) :: field
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    call field%release()
+    status = c_transform_index_base(self%handle, field%index_base)
+    if (status == CLSDF_OK) status = c_compute_sparse_field(self%handle, clsdf_grid_for_c(grid), band, &
+        clsdf_outputs_mask(outputs), options_for_c(given, options), statistics_for_c(statistics), field%handle)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Many sparse fields in one call, of any lattices, bands and outputs.
+  subroutine compute_sparse_requests(self, requests, fields, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_sparse_request), intent(in) :: requests(:)
+    type(clsdf_sparse_field), allocatable, intent(out) :: fields(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_sparse_request) :: c(size(requests))
+    type(c_ptr) :: handles(size(requests))
+    type(caller), target :: given
+    integer(c_int32_t) :: status, index_base
+    integer :: i
+    do i = 1, size(requests)
+      c(i)%grid = clsdf_grid_for_c(requests(i)%grid)
+      c(i)%band = requests(i)%band
+      if (allocated(requests(i)%outputs)) c(i)%outputs = clsdf_outputs_mask(requests(i)%outputs)
+    end do
+    handles = c_null_ptr
+    allocate (fields(size(requests)))
+    status = c_transform_index_base(self%handle, index_base)
+    if (status == CLSDF_OK) status = c_compute_sparse_requests(self%handle, c, size(requests, kind=c_int64_t), &
+        options_for_c(given, options), statistics_for_c(statistics), handles)
+    do i = 1, size(requests)
+      fields(i)%handle = handles(i)
+      fields(i)%index_base = index_base
+    end do
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
   !> The distance at points of any kind, on the host or the device, and all else that has a target.
   subroutine query_targets(self, points, half_width, targets, options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
@@ -4175,14 +4556,19 @@ contains
   end subroutine
 
   !> A pointer of `rank` to numbers of `type` can be given to the output's memory.
-  subroutine check_memory(output, type, rank, array, components, status)
+  !> behind: names of further dimensions.
+  subroutine check_memory(output, type, rank, array, components, status, behind)
     integer(c_int32_t), intent(in) :: output, type
     integer, intent(in) :: rank
+    character(*), intent(in), optional :: behind
     type(clsdf_c_array), intent(in) :: array
     integer(c_int64_t), intent(out) :: components
     integer(c_int32_t), intent(out) :: status
     type(c_output_info) :: info
     integer(c_int32_t) :: own
+    character(:), allocatable :: rest
+    rest = ''
+    if (present(behind)) rest = behind
     info%struct_size = c_sizeof(info) + 1  ! calls fill it
     status = c_output_describe(output, info)
     components = info%components
@@ -4192,7 +4578,8 @@ contains
       status = refused('the output '//clsdf_text(info%name)//' is not there; ask for it when the field is computed')
     else if (own /= type .or. (rank == 4 .neqv. components > 1)) then
       status = refused('the output '//clsdf_text(info%name)//' has '//joined([components])//' components of type '// &
-          clsdf_type_name(own)//'; give a pointer to such an array, (i, j, k), or (component, i, j, k) if there are several')
+          clsdf_type_name(own)//'; give a pointer to such an array, (i, j, k'//rest//'), or (component, i, j, k'//rest// &
+          ') if there are several')
     end if
   end subroutine
 
@@ -4444,6 +4831,194 @@ contains
 
   ! END
 
+  ! ---- Sparse fields ----
+
+  subroutine sparse_field_describe(self, grid, band, sign, mesh_name, stat, errmsg)
+    class(clsdf_sparse_field), intent(in) :: self
+    type(clsdf_grid), intent(out), optional :: grid
+    type(clsdf_band), intent(out), optional :: band
+    integer(c_int32_t), intent(out), optional :: sign
+    character(:), allocatable, intent(out), optional :: mesh_name
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_description) :: c
+    integer(c_int32_t) :: status
+    c%struct_size = c_sizeof(c)
+    status = c_sparse_field_describe(self%handle, c)
+    if (status == CLSDF_OK) then
+      if (present(grid)) call take_grid(c%grid, grid)
+      if (present(band)) band = c%band
+      if (present(sign)) sign = c%sign
+      if (present(mesh_name)) mesh_name = clsdf_text(c%mesh_name)
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> All layers, in the field's own memory, as long as it lives.
+  subroutine sparse_field_slab(self, slab, stat, errmsg)
+    class(clsdf_sparse_field), intent(in) :: self
+    type(clsdf_sparse_slab), intent(out) :: slab
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_sparse_slab) :: c
+    integer(c_int32_t) :: status
+    c%struct_size = c_sizeof(c)
+    status = c_sparse_field_slab(self%handle, c)
+    if (status == CLSDF_OK) call take_sparse_slab(c, self%index_base, slab)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> bricks(:, n): the first sample of brick n on the lattice, from 1.
+  function sparse_bricks(self) result(bricks)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int64_t), allocatable :: bricks(:, :)
+    integer(c_int64_t), pointer :: from_0(:, :)
+    allocate (bricks(3, self%brick_count))
+    if (self%brick_count == 0) return
+    call c_f_pointer(self%c%bricks, from_0, [3_c_int64_t, self%brick_count])
+    bricks = from_0 + 1
+  end function
+
+  !> inside(:, n): the first sample of a run of bricks along x that are inside and have no values, from 1, and the number of
+  !> the bricks.
+  function sparse_inside(self) result(inside)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int64_t), allocatable :: inside(:, :)
+    integer(c_int64_t), pointer :: from_0(:, :)
+    allocate (inside(4, self%run_count))
+    if (self%run_count == 0) return
+    call c_f_pointer(self%c%inside, from_0, [4_c_int64_t, self%run_count])
+    inside = from_0
+    inside(:3, :) = inside(:3, :) + 1
+  end function
+
+  !> The number of the brick that has the sample's values; 0: none. The sample counts on the lattice from 1.
+  subroutine sparse_find(self, sample, number, stat, errmsg)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int64_t), intent(in) :: sample(3)
+    integer(c_int64_t), intent(out) :: number
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_sparse_find(self%c, sample - 1, number), stat, errmsg)
+    number = number + 1
+  end subroutine
+
+  !> The distances of samples of the layers, near the surface or not. band: the field's. Samples count on the lattice
+  !> from 1.
+  subroutine sparse_distances(self, band, samples, distances, stat, errmsg)
+    class(clsdf_sparse_slab), intent(in) :: self
+    type(clsdf_band), intent(in) :: band
+    integer(c_int64_t), intent(in) :: samples(:, :)  !< (3, n)
+    real(c_float), intent(inout), contiguous :: distances(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t), allocatable :: from_0(:, :)
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    if (size(samples, 1) /= 3 .or. size(samples, 2) /= size(distances)) status = refused('the array of the samples has the '// &
+        'shape '//joined(shape(samples, c_int64_t))//' and that of the distances '// &
+        joined(shape(distances, c_int64_t))//'; give them (3, n) and (n)')
+    if (status == CLSDF_OK) then
+      allocate (from_0(3, size(samples, 2)))
+      from_0 = samples - 1
+      status = c_sparse_distances(self%c, band, from_0, size(distances, kind=c_int64_t), distances)
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine find_in_sparse(self, output, type, rank, array, components, status)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output, type
+    integer, intent(in) :: rank
+    type(clsdf_c_array), intent(out) :: array
+    integer(c_int64_t), intent(out) :: components
+    integer(c_int32_t), intent(out) :: status
+    type(clsdf_c_target), pointer :: values(:)
+    integer :: i
+    call c_f_pointer(self%c%values%items, values, [self%c%values%count])
+    do i = 1, int(self%c%values%count)
+      if (values(i)%output == output) array = values(i)%array
+    end do
+    call check_memory(output, type, rank, array, components, status, ', brick')
+  end subroutine
+
+  subroutine sparse_r4_4(self, output, values, stat, errmsg)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), pointer, intent(out) :: values(:, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_sparse(self, output, CLSDF_FLOAT32, 3, array, components, status)
+    if (status == CLSDF_OK) call c_f_pointer(array%host, values, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine sparse_r4_5(self, output, values, stat, errmsg)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_float), pointer, intent(out) :: values(:, :, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_sparse(self, output, CLSDF_FLOAT32, 4, array, components, status)
+    if (status == CLSDF_OK) call c_f_pointer(array%host, values, &
+        [components, 8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine sparse_r8_5(self, output, values, stat, errmsg)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    real(c_double), pointer, intent(out) :: values(:, :, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_sparse(self, output, CLSDF_FLOAT64, 4, array, components, status)
+    if (status == CLSDF_OK) call c_f_pointer(array%host, values, &
+        [components, 8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine sparse_i4(self, output, values, stat, errmsg)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int32_t), pointer, intent(out) :: values(:, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_sparse(self, output, CLSDF_INT32, 3, array, components, status)
+    if (status == CLSDF_OK) call c_f_pointer(array%host, values, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine sparse_i1(self, output, values, stat, errmsg)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int8_t), pointer, intent(out) :: values(:, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_sparse(self, output, CLSDF_UINT8, 3, array, components, status)
+    if (status == CLSDF_OK) call c_f_pointer(array%host, values, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
   ! ---- Points in files ----
 
   !> Reads points from .npy (n, 3), .csv (columns x, y, z) or .ply.
@@ -4545,6 +5120,34 @@ contains
   end subroutine
 
   ! ---- References ----
+
+  elemental function sparse_field_is_set(self) result(is_set)
+    class(clsdf_sparse_field), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  subroutine sparse_field_release(self)
+    class(clsdf_sparse_field), intent(inout) :: self
+    call c_sparse_field_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine sparse_field_assign(left, right)
+    class(clsdf_sparse_field), intent(inout) :: left
+    type(clsdf_sparse_field), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_sparse_field_retain(right%handle)
+    left%handle = right%handle
+    left%index_base = right%index_base
+    call c_sparse_field_release(before)
+  end subroutine
+
+  impure elemental subroutine sparse_field_end(self)
+    type(clsdf_sparse_field), intent(inout) :: self
+    call self%release()
+  end subroutine
 
   ! REPEATED FOR device=mesh | device=transform | device=plan | device=field
 

@@ -6,7 +6,7 @@ module clsdf_io
   implicit none
   private
   public :: clsdf_field_read, clsdf_field_missing_files, clsdf_field_write, clsdf_field_check_path, clsdf_field_writer, &
-      clsdf_io_abandon_unfinished_files
+      clsdf_sparse_field_write, clsdf_sparse_writer, clsdf_io_abandon_unfinished_files
 
   !> Writes a field slab by slab, from the caller's arrays; or, as a sink of transform%compute_slabs(), from that call.
   type, extends(clsdf_slab_sink) :: clsdf_field_writer
@@ -20,6 +20,21 @@ module clsdf_io
     procedure, private :: writer_assign
     generic :: assignment(=) => writer_assign
     final :: writer_end
+  end type
+
+  !> The same of a sparse field, into a .nvdb or, if OpenVDB is built in, a .vdb: layer by layer, or as a sink of
+  !> transform%compute_sparse_slabs().
+  type, extends(clsdf_sparse_sink) :: clsdf_sparse_writer
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure :: create => sparse_writer_create
+    procedure :: append => sparse_writer_append
+    procedure :: take_sparse => sparse_writer_take
+    procedure :: finish => sparse_writer_finish
+    procedure :: release => sparse_writer_release
+    procedure, private :: sparse_writer_assign
+    generic :: assignment(=) => sparse_writer_assign
+    final :: sparse_writer_end
   end type
 
   interface
@@ -79,6 +94,40 @@ module clsdf_io
       integer(c_int32_t) :: value
     end function
     function c_field_writer_finish(writer) bind(C, name="clsdf_field_writer_finish") result(value)
+      import
+      type(c_ptr), value :: writer
+      integer(c_int32_t) :: value
+    end function
+    function c_sparse_field_write(field, path) bind(C, name="clsdf_sparse_field_write") result(value)
+      import
+      type(c_ptr), value :: field
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int32_t) :: value
+    end function
+    subroutine c_sparse_writer_retain(writer) bind(C, name="clsdf_sparse_writer_retain")
+      import
+      type(c_ptr), value :: writer
+    end subroutine
+    subroutine c_sparse_writer_release(writer) bind(C, name="clsdf_sparse_writer_release")
+      import
+      type(c_ptr), value :: writer
+    end subroutine
+    function c_sparse_writer_create(path, description, outputs, writer) bind(C, name="clsdf_sparse_writer_create") &
+        result(value)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(clsdf_c_description), intent(in) :: description
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), intent(out) :: writer
+      integer(c_int32_t) :: value
+    end function
+    function c_sparse_writer_append(writer, slab) bind(C, name="clsdf_sparse_writer_append") result(value)
+      import
+      type(c_ptr), value :: writer
+      type(clsdf_c_sparse_slab), intent(in) :: slab
+      integer(c_int32_t) :: value
+    end function
+    function c_sparse_writer_finish(writer) bind(C, name="clsdf_sparse_writer_finish") result(value)
       import
       type(c_ptr), value :: writer
       integer(c_int32_t) :: value
@@ -153,6 +202,21 @@ contains
     type(clsdf_c_description) :: c
     character(:), allocatable, target :: text
     call self%release()
+    call describe(grid, band, sign, mesh_name, positive_inside, c, text)
+    c%mesh_name = c_loc(text)
+    call clsdf_finish(c_field_writer_create(trim(path)//c_null_char, c, clsdf_outputs_mask(outputs), self%handle), &
+        stat, errmsg)
+  end subroutine
+
+  !> text: the name, for c%mesh_name.
+  subroutine describe(grid, band, sign, mesh_name, positive_inside, c, text)
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    integer(c_int32_t), intent(in), optional :: sign
+    character(*), intent(in), optional :: mesh_name
+    logical, intent(in), optional :: positive_inside
+    type(clsdf_c_description), intent(out) :: c
+    character(:), allocatable, intent(out) :: text
     c%struct_size = c_sizeof(c)
     c%grid = clsdf_grid_for_c(grid)
     c%band = band
@@ -160,9 +224,6 @@ contains
     if (present(positive_inside)) c%positive_inside = merge(1, 0, positive_inside)
     text = c_null_char
     if (present(mesh_name)) text = trim(mesh_name)//c_null_char
-    c%mesh_name = c_loc(text)
-    call clsdf_finish(c_field_writer_create(trim(path)//c_null_char, c, clsdf_outputs_mask(outputs), self%handle), &
-        stat, errmsg)
   end subroutine
 
   !> The next slices, size(array, 3) of the distance, in ascending z: packed arrays of the announced outputs and of the
@@ -208,21 +269,26 @@ contains
     integer(c_int32_t), intent(inout) :: status
     type(clsdf_c_target), target :: from_0(size(values))
     integer(c_int32_t), allocatable, target :: triangles(:)
-    integer(c_int32_t), pointer :: given(:)
-    logical :: is_copied
-    integer :: i
     from_0 = values
+    call count_from_0(from_0, index_base, triangles)
+    status = c_field_writer_append(self%handle, c_loc(from_0), size(values, kind=c_int64_t), slices)
+  end subroutine
+
+  !> triangles: the copy, if one is made.
+  subroutine count_from_0(values, index_base, triangles)
+    type(clsdf_c_target), intent(inout) :: values(:)
+    integer(c_int32_t), intent(in) :: index_base
+    integer(c_int32_t), allocatable, target, intent(out) :: triangles(:)
+    integer(c_int32_t), pointer :: given(:)
+    integer :: i
     ! C takes the last of several, and refuses other types and memory of the device.
     i = findloc(values%output == CLSDF_TRIANGLE .and. values%array%type == CLSDF_UINT32, .true., dim=1, back=.true.)
-    is_copied = index_base == 1 .and. i > 0
-    if (is_copied) is_copied = c_associated(values(i)%array%host)
-    if (is_copied) then
-      call c_f_pointer(values(i)%array%host, given, [values(i)%array%count])
-      allocate (triangles(values(i)%array%count))
-      triangles = given - 1
-      from_0(i)%array%host = c_loc(triangles)
-    end if
-    status = c_field_writer_append(self%handle, c_loc(from_0), size(values, kind=c_int64_t), slices)
+    if (index_base /= 1 .or. i == 0) return
+    if (.not. c_associated(values(i)%array%host)) return
+    call c_f_pointer(values(i)%array%host, given, [values(i)%array%count])
+    allocate (triangles(values(i)%array%count))
+    triangles = given - 1
+    values(i)%array%host = c_loc(triangles)
   end subroutine
 
   !> Gives the files their names.
@@ -252,6 +318,96 @@ contains
 
   impure elemental subroutine writer_end(self)
     type(clsdf_field_writer), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  !> Writes a .nvdb or, if OpenVDB is built in, a .vdb, complete or not at all.
+  subroutine clsdf_sparse_field_write(field, path, stat, errmsg)
+    type(clsdf_sparse_field), intent(in) :: field
+    character(*), intent(in) :: path
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_sparse_field_write(field%handle, trim(path)//c_null_char), stat, errmsg)
+  end subroutine
+
+  subroutine sparse_writer_create(self, path, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg)
+    class(clsdf_sparse_writer), intent(inout) :: self
+    character(*), intent(in) :: path
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    integer(c_int32_t), intent(in), optional :: sign
+    character(*), intent(in), optional :: mesh_name
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    logical, intent(in), optional :: positive_inside
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_description) :: c
+    character(:), allocatable, target :: text
+    call self%release()
+    call describe(grid, band, sign, mesh_name, positive_inside, c, text)
+    c%mesh_name = c_loc(text)
+    call clsdf_finish(c_sparse_writer_create(trim(path)//c_null_char, c, clsdf_outputs_mask(outputs), self%handle), &
+        stat, errmsg)
+  end subroutine
+
+  !> The next layers, in ascending z.
+  subroutine sparse_writer_append(self, slab, stat, errmsg)
+    class(clsdf_sparse_writer), intent(inout) :: self
+    type(clsdf_sparse_slab), intent(in) :: slab
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call self%take_sparse(slab, status)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Triangles in files count from 0.
+  subroutine sparse_writer_take(sink, slab, status)
+    class(clsdf_sparse_writer), intent(inout) :: sink
+    type(clsdf_sparse_slab), intent(in) :: slab
+    integer(c_int32_t), intent(inout) :: status
+    type(clsdf_c_sparse_slab) :: c
+    type(clsdf_c_target), allocatable, target :: from_0(:)
+    type(clsdf_c_target), pointer :: values(:)
+    integer(c_int32_t), allocatable, target :: triangles(:)
+    c = slab%c
+    if (c%values%count > 0) then
+      call c_f_pointer(c%values%items, values, [c%values%count])
+      from_0 = values
+      call count_from_0(from_0, slab%index_base, triangles)
+      c%values%items = c_loc(from_0)
+    end if
+    status = c_sparse_writer_append(sink%handle, c)
+  end subroutine
+
+  !> Gives the file its name.
+  subroutine sparse_writer_finish(self, stat, errmsg)
+    class(clsdf_sparse_writer), intent(inout) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_sparse_writer_finish(self%handle), stat, errmsg)
+  end subroutine
+
+  !> The last release without finish() leaves no file.
+  subroutine sparse_writer_release(self)
+    class(clsdf_sparse_writer), intent(inout) :: self
+    call c_sparse_writer_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine sparse_writer_assign(left, right)
+    class(clsdf_sparse_writer), intent(inout) :: left
+    type(clsdf_sparse_writer), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_sparse_writer_retain(right%handle)
+    left%handle = right%handle
+    call c_sparse_writer_release(before)
+  end subroutine
+
+  impure elemental subroutine sparse_writer_end(self)
+    type(clsdf_sparse_writer), intent(inout) :: self
     call self%release()
   end subroutine
 

@@ -161,10 +161,60 @@ SparseField DistanceTransform::compute_sparse(const Grid& grid, const Band& band
         const engine::Job job = state.check_sparse(grid, band, targets::extras_of(outputs), call.count_work);
         targets::wait_for(state.context(), call.wait_list);
         SparseField field;
-        static_cast<FieldDescription&>(field) = {grid, band, state.sign, state.kept_mesh->mesh().name()};
+        static_cast<FieldDescription&>(field) = state.description_of(grid, band);
         const CallStatistics made = state.compute_sparse(job, field, call);
         if (statistics != nullptr) *statistics = made.published();
         return field;
+    });
+}
+
+TransformStatistics DistanceTransform::compute_sparse(const Grid& grid, const Band& band, const SparseTargets& targets,
+                                                      SparseCounts& counts, const CallOptions& call) const {
+    counts = {};
+    return with_host_memory("for the sparse field; compute a part of the grid", [&] {
+        State& state = this->state();
+        const OutputSet extras = targets::extras_of(targets.values.outputs());
+        const engine::Job job = state.check_sparse(grid, band, extras, call.count_work);
+        const calls::SparseArrays arrays(targets);
+        targets::wait_for(state.context(), call.wait_list);
+        SparseCounts found;
+        const CallStatistics made = state.compute_sparse(job, arrays, found, call);
+        counts = found;
+        arrays.check_room(counts);
+        return made.published();
+    });
+}
+
+SparseCounts DistanceTransform::count_sparse(const Grid& grid, const Band& band, const CallOptions& call,
+                                             TransformStatistics* statistics) const {
+    return with_host_memory("for the sparse field; count a part of the grid", [&] {
+        State& state = this->state();
+        const engine::Job job = state.check_sparse(grid, band, {}, call.count_work);
+        targets::wait_for(state.context(), call.wait_list);
+        SparseCounts counts;
+        const CallStatistics made = state.compute_sparse(job, calls::SparseArrays(), counts, call);
+        if (statistics != nullptr) *statistics = made.published();
+        return counts;
+    });
+}
+
+std::vector<SparseField> DistanceTransform::compute_sparse(std::span<const SparseRequest> requests,
+                                                           const CallOptions& call,
+                                                           TransformStatistics* statistics) const {
+    return with_host_memory("for the sparse fields; compute fewer at once", [&] {
+        State& state = this->state();
+        std::vector<engine::Job> jobs;
+        std::vector<SparseField> fields;
+        for (const auto& [grid, band, outputs] : requests) {
+            jobs.push_back(calls::for_request(jobs.size(), requests.size(), [&] {
+                return state.check_sparse(grid, band, targets::extras_of(outputs), call.count_work);
+            }));
+            static_cast<FieldDescription&>(fields.emplace_back()) = state.description_of(grid, band);
+        }
+        targets::wait_for(state.context(), call.wait_list);
+        const CallStatistics made = state.compute_sparse(jobs, fields, call);
+        if (statistics != nullptr) *statistics = made.published();
+        return fields;
     });
 }
 
@@ -180,8 +230,7 @@ std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
 Field DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call,
                                  TransformStatistics* statistics) const {
     const State& state = this->state();
-    Field field({grid, band, state.sign, state.kept_mesh->mesh().name()},
-                targets::extras_of(outputs) | Output::distance);
+    Field field(state.description_of(grid, band), targets::extras_of(outputs) | Output::distance);
     try {
         const Request request{grid, band, field.targets()};
         const TransformStatistics made = compute({&request, 1}, call);

@@ -19,80 +19,9 @@ namespace {
 
 using calls::Batch;
 using calls::Slab;
+using calls::SparseTarget;
 
 using ListHead = std::array<cl_uint, CLSDF_LISTED>;
-
-/// Where the values of a slab's bricks are put, in their order.
-class SparseTarget {
-public:
-    SparseTarget() = default;
-    SparseTarget(const SparseTarget&) = delete;
-    SparseTarget& operator=(const SparseTarget&) = delete;
-    virtual ~SparseTarget() = default;
-
-    /// Memory for the values of the next bricks.
-    virtual targets::HostArrays room(std::size_t bricks) = 0;
-    /// The values are there. slab: without values.
-    virtual void take(const SparseSlab& slab) = 0;
-};
-
-class SinkTarget final : public SparseTarget {
-public:
-    SinkTarget(const targets::HostArrays& wanted, const SparseSink& sink) : wanted_(wanted), sink_(sink) {}
-
-    targets::HostArrays room(std::size_t bricks) override {
-        // An eighth more serves later slabs, too: memory that was written before costs the system nothing.
-        if (bricks > room_) room_ = bricks + bricks / 8;
-        return arrays_ = own_.for_samples(wanted_, room_ * brick_samples);
-    }
-    void take(const SparseSlab& slab) override {
-        SparseSlab whole = slab;
-        whole.values = targets::slab_of(arrays_, slab.bricks.size() * brick_samples);
-        sink_(whole);
-    }
-
-private:
-    const targets::HostArrays& wanted_;
-    const SparseSink& sink_;
-    targets::OwnArrays own_;
-    targets::HostArrays arrays_;
-    std::size_t room_ = 0;  ///< bricks that there is memory for
-};
-
-class FieldTarget final : public SparseTarget {
-public:
-    /// expected: a number of bricks that will probably do. Pages that are not written take no memory.
-    FieldTarget(const targets::HostArrays& wanted, SparseField& field, std::size_t expected)
-        : wanted_(wanted), field_(field), capacity_(expected) {
-        resize(capacity_);
-        resize(0);
-    }
-
-    targets::HostArrays room(std::size_t bricks) override {
-        const std::size_t before = field_.bricks.size(), count = before + bricks;
-        if (count > capacity_) resize(capacity_ = std::max(count, 2 * capacity_));
-        resize(count);
-        targets::HostArrays arrays = wanted_;
-        for (const OutputInfo& row : output_table())
-            if (arrays[row.output].is_wanted)
-                arrays[row.output].data = field_.bytes(row.output).data() + before * brick_samples * row.sample_bytes();
-        return arrays;
-    }
-    void take(const SparseSlab& slab) override {
-        field_.bricks.insert(field_.bricks.end(), slab.bricks.begin(), slab.bricks.end());
-        field_.inside.insert(field_.inside.end(), slab.inside.begin(), slab.inside.end());
-    }
-
-private:
-    void resize(std::size_t bricks) {
-        for (const OutputInfo& row : output_table())
-            if (wanted_[row.output].is_wanted) field_.resize(row.output, bricks);
-    }
-
-    const targets::HostArrays& wanted_;
-    SparseField& field_;
-    std::size_t capacity_;
-};
 
 /// The first samples of bricks of a part, which are numbered with x running fastest.
 class BrickNumbers {
@@ -226,6 +155,7 @@ private:
         const std::scoped_lock lock(state_.mutex);
         running_.throw_if_stopped();
         state_.compile(batch_.job, running_);
+        state_.test(checks::field_subject(state_, batch_.job, checks::FieldKernels::of_sparse_fields), running_);
         state_.pool->restart_peak();
     }
 
@@ -238,11 +168,13 @@ private:
             static_cast<double>(slab.grid.sample_count()) / static_cast<double>(batch_.job.grid.sample_count());
         // The coarse bricks' lists say how many bricks there may be.
         const auto coarse = static_cast<double>(plan_->statistics.coarse_bricks);
-        std::size_t room = static_cast<std::size_t>(std::ceil(bricks_of_coarse_ * coarse)) + 64;
+        const std::size_t guess = static_cast<std::size_t>(std::ceil(bricks_of_coarse_ * coarse)) + 64;
+        const std::size_t most = target_.most();
+        std::size_t room = std::clamp<std::size_t>(guess, 1, std::max<std::size_t>(most, 1));
         for (;;) {
             run_plan(room, share);
-            if (head_[CLSDF_LISTED_COUNT] <= room) break;
-            room = head_[CLSDF_LISTED_COUNT];
+            if (count() <= room || count() > most) break;
+            room = count();
         }
         if (coarse > 0) bricks_of_coarse_ = std::max(bricks_of_coarse_, 1.1 * static_cast<double>(count()) / coarse);
         done_ += share;
@@ -291,6 +223,8 @@ private:
 
     std::size_t count() const { return head_[CLSDF_LISTED_COUNT]; }
 
+    bool is_only_counted() const { return count() > target_.most(); }
+
     /// Puts the slab's bricks in order.
     void collect() {
         const Grid& part = slabs_.back();
@@ -300,6 +234,8 @@ private:
             const std::size_t bricks_of_part = part.sample_count() / brick_samples;
             inside_ = runs_inside(
                 {ReadBuffer(context, plan_->marks(), bricks_of_part).values<cl_uchar>(), bricks_of_part}, first_of);
+            bricks_.clear();
+            if (is_only_counted()) return;
             const ReadBuffer list(context, *listed_, (CLSDF_LISTED + count()) * sizeof(cl_uint));
             const cl_uint* numbers = list.values<cl_uint>() + CLSDF_LISTED;
             std::vector<cl_uint> order(count());
@@ -347,9 +283,12 @@ private:
         }
         std::size_t bytes = bricks_.size() * sizeof(Index3);
         for (const OutputInfo& row : output_table())
-            if (batch_.arrays[row.output].is_wanted) bytes += count() * brick_samples * row.sample_bytes();
+            if (batch_.arrays[row.output].is_wanted) bytes += bricks_.size() * brick_samples * row.sample_bytes();
         host_bytes_ = std::max(host_bytes_, bytes);
-        target_.take({part, bricks_, {}, inside_});
+        if (is_only_counted())
+            target_.count(count(), {part, {}, {}, inside_});
+        else
+            target_.take({part, bricks_, {}, inside_});
         if (slabs_.size() > 1) running_.report({.fraction = done_});
     }
 
@@ -415,15 +354,46 @@ engine::Job DistanceTransform::State::check_sparse(const Grid& grid, const Band&
 CallStatistics DistanceTransform::State::compute_sparse(const engine::Job& job, const SparseSink& sink,
                                                         const CallOptions& call) {
     const Batch batch{.job = job, .arrays = targets::arrays_for(job.outputs)};
-    SinkTarget target(batch.arrays, sink);
+    calls::SinkTarget target(batch.arrays, sink);
     return SparseRun(*this, batch, target, call).run();
 }
 
 CallStatistics DistanceTransform::State::compute_sparse(const engine::Job& job, SparseField& field,
                                                         const CallOptions& call) {
     const Batch batch{.job = job, .arrays = targets::arrays_for(job.outputs)};
-    FieldTarget target(batch.arrays, field, expected_bricks(kept_mesh->mesh(), job.grid, job.band, sign));
+    calls::FieldTarget target(batch.arrays, field, expected_bricks(kept_mesh->mesh(), job.grid, job.band, sign));
     return SparseRun(*this, batch, target, call).run();
+}
+
+CallStatistics DistanceTransform::State::compute_sparse(const engine::Job& job, const calls::SparseArrays& arrays,
+                                                        SparseCounts& counts, const CallOptions& call) {
+    const Batch batch{.job = job, .arrays = targets::arrays_for(job.outputs)};
+    calls::ArraysTarget target(arrays, counts);
+    return SparseRun(*this, batch, target, call).run();
+}
+
+CallStatistics DistanceTransform::State::compute_sparse(std::span<const engine::Job> jobs,
+                                                        std::span<SparseField> fields, const CallOptions& call) {
+    std::vector<targets::HostArrays> arrays;
+    for (const engine::Job& job : jobs) arrays.push_back(targets::arrays_for(job.outputs));
+    const std::vector<Batch> batches =
+        calls::batches_of(jobs, std::span<const targets::HostArrays>(arrays), kept_mesh->mesh().box());
+    double cost = 0, done = 0;
+    for (const Batch& batch : batches) cost += batch.cost;
+    CallStatistics total;
+    for (const Batch& batch : batches) {
+        const SparseSink sink = [&](const SparseSlab& part) {
+            for_each_index(batch.requests.size(), [&](std::size_t n) {
+                const std::size_t request = batch.requests[n];
+                calls::add_part(part, {jobs[request].grid, &fields[request]});
+            });
+        };
+        calls::SinkTarget target(batch.arrays, sink);
+        const double share = batch.cost / cost;
+        add_call(total, SparseRun(*this, batch, target, calls::part_of(call, done, done + share)).run());
+        done += share;
+    }
+    return total;
 }
 
 }  // namespace clsdf

@@ -6,6 +6,7 @@
 #include "calls/call.hpp"
 #include "calls/plan_state.hpp"
 #include "calls/requests.hpp"
+#include "calls/sparse_targets.hpp"
 #include "checks/self_test.hpp"
 #include "core/statistics.hpp"
 #include "launch/programs.hpp"
@@ -42,6 +43,9 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     void set_positions(std::span<const Vec3> positions);
     void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
+    FieldDescription description_of(const Grid& grid, const Band& band) const {
+        return {grid, band, sign, kept_mesh->mesh().name()};
+    }
     /// The job of what is asked for. Throws if it is refused, whatever the device does.
     engine::Job check(engine::JobKey asked) const;
     /// For calls::targets_of(): functions that check a request, add its job to `jobs` and return its targets.
@@ -127,6 +131,12 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     CallStatistics compute_sparse(const engine::Job& job, const SparseSink& sink, const CallOptions& call);
     /// Sets the bricks, the runs and the values of the field, whose description is set.
     CallStatistics compute_sparse(const engine::Job& job, SparseField& field, const CallOptions& call);
+    /// counts: of the field, also if the arrays have less room.
+    CallStatistics compute_sparse(const engine::Job& job, const calls::SparseArrays& arrays, SparseCounts& counts,
+                                  const CallOptions& call);
+    /// A field for each job, whose description is set.
+    CallStatistics compute_sparse(std::span<const engine::Job> jobs, std::span<SparseField> fields,
+                                  const CallOptions& call);
 
     // block_sets.cpp
     CallStatistics compute(const BlockSet& blocks, const CallOptions& call);

@@ -11,10 +11,13 @@
 #include "points/kept_points.hpp"
 #include "points/point_query.hpp"
 
+#include <clsdf/sparse.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -41,10 +44,12 @@ constexpr std::array tested_fields{
     TestedField{FieldKernels::of_all, {.fine = true}},
     TestedField{FieldKernels::of_kept_frusta, {.on_surface = true}},
     TestedField{FieldKernels::of_wide_bands, {.wide = true}},
+    TestedField{FieldKernels::of_sparse_fields, {}},
+    TestedField{FieldKernels::of_sparse_fields, {.fine = true}},
 };
 
 /// By kernels.
-constexpr std::array names_of_kernels{"", ", kept frusta", ", wide bands"};
+constexpr std::array names_of_kernels{"", ", kept frusta", ", wide bands", ", sparse fields"};
 
 bool is_switched_off() {
     const char* const value = tuning_variable("CLSDF_SELF_TEST");
@@ -87,15 +92,29 @@ OutputSet every_output() {
     return outputs;
 }
 
-/// Computes a known field from the values that the mesh keeps.
+/// The outputs of a variant's known fields.
+OutputSet outputs_of(const engine::Workshop& workshop, const engine::BrickVariant& variant) {
+    if (!variant.nearest) return {};
+    return workshop.method ? OutputSet(Output::triangle) : every_output();
+}
+
+/// From the values that the mesh keeps.
+std::unique_ptr<engine::GridPlan> make_plan(const engine::Workshop& workshop, engine::KeptMesh& kept_mesh,
+                                            const engine::JobKey& asked) {
+    const engine::Job job = kept_mesh.checked(asked, workshop.sign);
+    engine::Inputs inputs = engine::grid_inputs(kept_mesh, job, workshop.sign);
+    if (asked.outputs != OutputSet{} && !workshop.method) inputs.sites = kept_mesh.sites(true, inputs.needs_normals);
+    return std::make_unique<engine::GridPlan>(workshop, std::move(inputs), job, std::function<void()>());
+}
+
+/// Computes a known field.
 std::optional<std::string> field_difference(const engine::Workshop& workshop, engine::KeptMesh& kept_mesh,
                                             const KnownFieldKind& kind, const engine::BrickVariant& variant,
                                             const device::BuildWatch& watch) {
     if (watch.begins) watch.begins();
     const KnownField known(kind);
     const Grid& grid = known.grid();
-    OutputSet outputs;
-    if (variant.nearest) outputs = workshop.method ? OutputSet(Output::triangle) : every_output();
+    const OutputSet outputs = outputs_of(workshop, variant);
     device::Context& context = workshop.context();
     device::InFlight<targets::OwnArrays> own(context);
     own.begin();
@@ -104,23 +123,136 @@ std::optional<std::string> field_difference(const engine::Workshop& workshop, en
         own->for_samples(arrays_of(outputs, !kind.on_surface && !kind.fine, is_finished), grid.sample_count());
     targets::OutputMemories memories;
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
-    const engine::Job job = kept_mesh.checked({grid, known.band(), outputs, {}, variant.count}, workshop.sign);
-    engine::Inputs inputs = engine::grid_inputs(kept_mesh, job, workshop.sign);
-    if (is_finished) inputs.sites = kept_mesh.sites(true, inputs.needs_normals);
-    engine::GridPlan plan(workshop, std::move(inputs), job, {});
+    const auto plan = make_plan(workshop, kept_mesh, {grid, known.band(), outputs, {}, variant.count});
     if (watch.tests) watch.tests();
     context.run_or_drain([&] {
         engine::CommandChain chain(context.queue(), {});
-        plan.enqueue(chain, memories.buffers, {});
+        plan->enqueue(chain, memories.buffers, {});
         memories.enqueue_handover(context.queue());
         context.queue().finish();
         memories.read(context, context.queue());
-        plan.read_back(context.queue());
+        plan->read_back(context.queue());
     });
     own.end();
     std::optional<std::string> difference = known.difference(arrays);
-    if (!difference && variant.count) difference = wrong_counts(known, arrays, plan.statistics);
+    if (!difference && variant.count) difference = wrong_counts(known, arrays, plan->statistics);
     return difference;
+}
+
+/// Sample n of a packed grid, on the lattice.
+Index3 sample_of(const Grid& grid, std::size_t n) {
+    const auto at = static_cast<std::int64_t>(n);
+    return {grid.first[0] + at % grid.size[0], grid.first[1] + at / grid.size[0] % grid.size[1],
+            grid.first[2] + at / grid.size[0] / grid.size[1]};
+}
+
+/// A sparse field of whole bricks as the kernels leave it.
+struct KernelBricks {
+    Grid grid;
+    std::vector<cl_uint> listed;    ///< CLSDF_LISTED
+    std::vector<cl_uchar> marks{};  ///< CLSDF_INSIDE_BRICK
+    targets::HostArrays values{};   ///< of the listed bricks
+
+    explicit KernelBricks(const Grid& grid_in) : grid(grid_in), listed(CLSDF_LISTED + count()), marks(count()) {
+        listed[CLSDF_LISTED_ROOM] = static_cast<cl_uint>(count());
+    }
+    std::size_t count() const { return grid.sample_count() / brick_samples; }
+
+    /// The number of a sample's brick, and that of the sample in it.
+    std::pair<std::size_t, std::size_t> place_of(const Index3& sample) const {
+        std::int64_t brick = 0, within = 0;
+        for (std::size_t axis = 3; axis-- > 0;) {
+            const std::int64_t at = sample[axis] - grid.first[axis];
+            brick = brick * (grid.size[axis] / brick_side) + at / brick_side;
+            within = within * brick_side + at % brick_side;
+        }
+        return {static_cast<std::size_t>(brick), static_cast<std::size_t>(within)};
+    }
+};
+
+/// Sets the samples of the dense field that the bricks stand for. Describes what is wrong with the list.
+std::optional<std::string> expand(const KernelBricks& bricks, const KnownField& known,
+                                  const targets::HostArrays& field) {
+    const std::size_t count = bricks.count(), listed = bricks.listed[CLSDF_LISTED_COUNT];
+    if (listed > count) return fmt::format("{} bricks have values, and the grid has {}", listed, count);
+    std::vector<std::size_t> place(count, count);  // in the list
+    for (std::size_t n = 0; n < listed; ++n) {
+        const cl_uint brick = bricks.listed[CLSDF_LISTED + n];
+        if (brick >= count || place[brick] != count)
+            return fmt::format("brick {} of {} is not in the grid, or has values twice", brick, count);
+        place[brick] = n;
+    }
+    const Grid& grid = known.grid();
+    for_each_output(
+        [&](const OutputInfo& row, const targets::HostArray& from, const targets::HostArray& to) {
+            if (!from.is_wanted) return;
+            const bool is_distance = row.output == Output::distance;
+            const std::size_t bytes = row.sample_bytes();
+            const std::size_t with_values = is_distance ? count : bricks.listed[CLSDF_LISTED_IN_BAND];
+            for (std::size_t n = 0; n < grid.sample_count(); ++n) {
+                const auto [brick, within] = bricks.place_of(sample_of(grid, n));
+                std::byte* const sample = to.data + n * bytes;
+                if (place[brick] < with_values) {
+                    std::memcpy(sample, from.data + (place[brick] * brick_samples + within) * bytes, bytes);
+                } else if (is_distance) {
+                    const bool is_inside = bricks.marks[brick] == CLSDF_INSIDE_BRICK;
+                    const auto limit = static_cast<float>(is_inside ? -known.band().inside : known.band().outside);
+                    std::memcpy(sample, &limit, bytes);
+                } else {
+                    std::memset(sample, 0xFF, bytes);
+                }
+            }
+        },
+        bricks.values, field);
+    return std::nullopt;
+}
+
+/// Computes a known field as a sparse one, and tests the dense field that it stands for.
+std::optional<std::string> sparse_difference(const engine::Workshop& workshop, engine::KeptMesh& kept_mesh,
+                                             const KnownFieldKind& kind, const engine::BrickVariant& variant,
+                                             const device::BuildWatch& watch) {
+    if (watch.begins) watch.begins();
+    const KnownField known(kind);
+    KernelBricks bricks(in_whole_bricks(known.grid()));
+    const std::size_t samples = bricks.grid.sample_count();
+    const auto plan =
+        make_plan(workshop, kept_mesh, {bricks.grid, known.band(), outputs_of(workshop, variant), {}, variant.count});
+    if (watch.tests) watch.tests();
+    targets::OwnArrays own_field, own_values;
+    const targets::HostArrays wanted = targets::arrays_for(plan->job.outputs);
+    const targets::HostArrays field = own_field.for_samples(wanted, known.grid().sample_count());
+    bricks.values = own_values.for_samples(wanted, samples);
+    engine::OutputBuffers buffers;
+    PerOutput<device::BufferPool::Lease> leases;
+    for_each_output(
+        [&](const OutputInfo& row, const targets::HostArray& array, device::BufferPool::Lease& lease,
+            cl::Buffer& buffer) {
+            if (!array.is_wanted) return;
+            lease = workshop.pool->lease(samples * row.sample_bytes(), "values of a known field");
+            buffer = *lease;
+        },
+        wanted, leases, buffers);
+    const std::size_t list_bytes = bricks.listed.size() * sizeof(cl_uint);
+    const auto list = workshop.pool->lease(list_bytes, "list of the bricks of a known field");
+    buffers.listed = *list;
+    device::Context& context = workshop.context();
+    context.run_or_drain([&] {
+        const cl::CommandQueue& queue = context.queue();
+        queue.enqueueWriteBuffer(*list, CL_TRUE, 0, list_bytes, bricks.listed.data());
+        engine::CommandChain chain(queue, {});
+        plan->enqueue(chain, buffers, {});
+        queue.finish();
+        queue.enqueueReadBuffer(*list, CL_TRUE, 0, list_bytes, bricks.listed.data());
+        queue.enqueueReadBuffer(plan->marks(), CL_TRUE, 0, bricks.marks.size(), bricks.marks.data());
+        for_each_output(
+            [&](const OutputInfo& row, const targets::HostArray& array, const cl::Buffer& buffer) {
+                if (array.is_wanted)
+                    queue.enqueueReadBuffer(buffer, CL_TRUE, 0, samples * row.sample_bytes(), array.data);
+            },
+            bricks.values, buffers);
+    });
+    if (auto wrong = expand(bricks, known, field)) return wrong;
+    return known.difference(field);
 }
 
 // Points: more than a work-group sorts.
@@ -206,7 +338,9 @@ TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& j
             // As on every lattice but the first.
             if (kernels == FieldKernels::of_kept_frusta) kept_mesh.frusta();
             kind.long_bricks = variant.long_bricks;
-            if (auto difference = field_difference(tested, kept_mesh, kind, variant, watch)) return difference;
+            const auto& difference_of =
+                kernels == FieldKernels::of_sparse_fields ? sparse_difference : field_difference;
+            if (auto difference = difference_of(tested, kept_mesh, kind, variant, watch)) return difference;
         }
         return std::nullopt;
     };

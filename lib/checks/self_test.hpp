@@ -24,10 +24,10 @@ struct TestSubject {
 };
 
 /// The kernels of a field that are tested together: those that every field runs, or those that only some run beside
-/// them. Compilers take a second for the latter.
-enum class FieldKernels { of_all, of_kept_frusta, of_wide_bands };
+/// them, or by another branch. Compilers take a second for the latter.
+enum class FieldKernels { of_all, of_kept_frusta, of_wide_bands, of_sparse_fields };
 
-/// Those that a job runs whatever its transform keeps.
+/// Those that a job of a dense field runs whatever its transform keeps.
 std::vector<FieldKernels> kernels_of(const engine::Workshop& workshop, const engine::Job& job);
 
 TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& job, FieldKernels kernels);

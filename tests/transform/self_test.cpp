@@ -79,6 +79,16 @@ TransformStatistics on_a_later_lattice(const Device& device, KernelBody body, co
     return statistics;
 }
 
+Use sparse_fields(OutputSet extras) {
+    return [=](const Device& device, KernelBody body, const CallOptions& call) {
+        const Mesh mesh = make_shape("cube");
+        TransformStatistics statistics;
+        DistanceTransform(device, mesh, {.body = body})
+            .compute_sparse(Grid::around(mesh, 16, narrow), narrow, extras, call, &statistics);
+        return statistics;
+    };
+}
+
 Use slices(SliceMinimum minimum) {
     return [=](const Device& device, KernelBody body, const CallOptions& call) {
         const Mesh mesh = make_shape("cube");
@@ -256,6 +266,18 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
          in_a_wide_band,
          groups,
          {"coarse_lists_by_group.cl", "sqrt(least[layer]) * (1.0f + 1.0e-5f)", "sqrt(least[layer]) * 0.2f"}},
+        {"a brick that is not listed",
+         sparse_fields(Output::distance),
+         vectors,
+         {by_vector, "if (has_band(layout, brick,", "if (b && has_band(layout, brick,"}},
+        {"a brick's values in the place of another",
+         sparse_fields(Output::triangle),
+         groups,
+         {by_group, "(size_t)at * CLSDF_BRICK_SAMPLES", "(size_t)(at ^ 1u) * CLSDF_BRICK_SAMPLES"}},
+        {"bricks inside that are not marked",
+         sparse_fields(Output::distance),
+         both,
+         {"fill.cl", "is_mixed ? 1 : CLSDF_INSIDE_BRICK", "is_mixed ? 1 : 0"}},
         {"a fill with the other side's limit", distances, both, {"fill.cl", fill, "inside_fill"}},
         {"a fill with the other side's limit", distances, both, {"fill.cl", fill, "outside_fill"}},
         {"outputs that are not left out", outputs, both, {"fill.cl", "store_ones(run_begin, run_end);\n}", "}"}},

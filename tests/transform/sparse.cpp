@@ -335,6 +335,180 @@ BOOST_AUTO_TEST_CASE(a_restricted_transform_has_the_bricks_of_the_whole) {
     check_same(restricted.compute_sparse(part, band), transform.compute(in_whole_bricks(part), band, all_outputs()));
 }
 
+/// Arrays with room for so many bricks and runs, and one more of each that must stay as it is.
+struct OwnArrays {
+    OwnArrays(std::size_t brick_room, std::size_t run_room)
+        : bricks(brick_room + 1, Index3{7, 7, 7}),
+          inside(run_room + 1, BrickRun{{7, 7, 7}, 7}),
+          distance((brick_room + 1) * brick_samples, 7.0F),
+          triangle((brick_room + 1) * brick_samples, 7) {}
+
+    SparseTargets targets() {
+        const std::size_t samples = (bricks.size() - 1) * brick_samples;
+        SparseTargets targets;
+        targets.bricks = std::span(bricks).first(bricks.size() - 1);
+        targets.inside = std::span(inside).first(inside.size() - 1);
+        targets.values = {{Output::distance, std::span(distance).first(samples)},
+                          {Output::triangle, std::span(triangle).first(samples)}};
+        return targets;
+    }
+    bool is_rest_untouched(std::size_t brick_count, std::size_t run_count) const {
+        const auto all = [](const auto& values, std::size_t from, const auto& value) {
+            return std::all_of(values.begin() + static_cast<std::ptrdiff_t>(from), values.end(),
+                               [&](const auto& v) { return v == value; });
+        };
+        return all(bricks, brick_count, Index3{7, 7, 7}) && all(inside, run_count, BrickRun{{7, 7, 7}, 7}) &&
+               all(distance, brick_count * brick_samples, 7.0F) && all(triangle, brick_count * brick_samples, 7);
+    }
+
+    std::vector<Index3> bricks;
+    std::vector<BrickRun> inside;
+    std::vector<float> distance;
+    std::vector<std::int32_t> triangle;
+};
+
+BOOST_AUTO_TEST_CASE(the_callers_arrays_get_the_field) {
+    // With little memory there are several slabs.
+    const Grid grid = lattice_around(make_shape("sphere4"), 160, 4, {-5, 0, 11});
+    const Band band = Band::symmetric(3 * grid.voxel());
+    for (const std::size_t memory : {std::size_t{1} << 30, std::size_t{10} << 20}) {
+        const DistanceTransform transform(test_device().limited({.memory = memory}), make_shape("sphere4"));
+        const SparseField whole = transform.compute_sparse(grid, band, Output::triangle);
+        const SparseCounts expected{whole.bricks.size(), whole.inside.size()};
+        BOOST_TEST((transform.count_sparse(grid, band) == expected));
+        TransformStatistics statistics;
+        SparseCounts counts;
+        for (const auto& [more_bricks, more_runs] :
+             {std::pair<std::ptrdiff_t, std::ptrdiff_t>(0, 0), {5, 3}, {-1, 0}, {0, -1}}) {
+            OwnArrays own(expected.bricks + static_cast<std::size_t>(more_bricks),
+                          expected.runs + static_cast<std::size_t>(more_runs));
+            const auto compute = [&] { statistics = transform.compute_sparse(grid, band, own.targets(), counts); };
+            if (more_bricks < 0 || more_runs < 0)
+                check_throws(ErrorCode::invalid_argument,
+                             {std::to_string(expected.bricks) + " bricks", std::to_string(expected.runs) + " runs",
+                              "room for " + std::to_string(own.bricks.size() - 1)},
+                             compute);
+            else
+                compute();
+            BOOST_TEST((counts == expected));
+            BOOST_TEST(own.is_rest_untouched(std::min(expected.bricks, own.bricks.size() - 1),
+                                             std::min(expected.runs, own.inside.size() - 1)));
+            if (more_bricks < 0 || more_runs < 0) continue;
+            BOOST_TEST((statistics.slabs > 1) == (memory < std::size_t{1} << 30));
+            BOOST_TEST(std::equal(whole.bricks.begin(), whole.bricks.end(), own.bricks.begin()));
+            BOOST_TEST(std::equal(whole.inside.begin(), whole.inside.end(), own.inside.begin()));
+            BOOST_TEST(std::memcmp(own.distance.data(), whole.distance().data(), whole.distance().size_bytes()) == 0);
+            BOOST_TEST(std::memcmp(own.triangle.data(), whole.triangle().data(), whole.triangle().size_bytes()) == 0);
+        }
+        // A quarter of the room: some slabs have values, the others are only counted.
+        OwnArrays quarter(expected.bricks / 4, expected.runs / 4);
+        check_throws(ErrorCode::invalid_argument, {std::to_string(expected.bricks) + " bricks"},
+                     [&] { transform.compute_sparse(grid, band, quarter.targets(), counts); });
+        BOOST_TEST((counts == expected));
+        BOOST_TEST(quarter.is_rest_untouched(expected.bricks / 4, expected.runs / 4));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(arrays_that_are_refused) {
+    const DistanceTransform transform(test_device(), sphere());
+    const Grid grid = lattice_around(sphere(), 40, 5, {0, 0, 0});
+    const Band band = Band::symmetric(3 * grid.voxel());
+    SparseCounts counts{3, 3};
+    OwnArrays own(100, 100);
+    const auto refuse = [&](ErrorCode code, const std::string& part, const SparseTargets& targets) {
+        counts = {3, 3};
+        check_throws(code, {part}, [&] { transform.compute_sparse(grid, band, targets, counts); });
+        BOOST_TEST((counts == SparseCounts{}));
+    };
+    SparseTargets targets = own.targets();
+    targets.bricks = targets.bricks.first(99);
+    refuse(ErrorCode::invalid_argument, "room for bricks of 50688 samples", targets);
+    targets = own.targets();
+    std::vector<double> doubles(100 * brick_samples);
+    targets.values[Output::distance] = doubles;
+    refuse(ErrorCode::unsupported, "doubles", targets);
+    targets = own.targets();
+    targets.values[Output::distance].strides[0] = 8;
+    targets.values[Output::distance].bytes = ArrayLayout::unknown_size;
+    refuse(ErrorCode::unsupported, "strides", targets);
+    targets = own.targets();
+    targets.values[Output::triangle].host = own.distance.data() + 8;
+    refuse(ErrorCode::invalid_argument, "lie on the same bytes", targets);
+    targets = own.targets();
+    targets.inside = {reinterpret_cast<BrickRun*>(own.bricks.data()), 1};
+    refuse(ErrorCode::invalid_argument, "overlaps", targets);
+    targets = own.targets();
+    targets.values = {{Output::triangle, std::span(own.triangle)}};
+    refuse(ErrorCode::invalid_argument, "the distance has no target", targets);
+    check_throws(ErrorCode::invalid_argument, {"band with an end"},
+                 [&] { transform.count_sparse(grid, Band::full()); });
+}
+
+BOOST_AUTO_TEST_CASE(many_grids_have_the_fields_of_calls_of_their_own) {
+    const Grid grid = lattice_around(sphere(), 90, 5, {-3, 0, 2});
+    const Band band = Band::symmetric(3 * grid.voxel());
+    Random random(29);
+    // Boxes of one lattice that overlap, one without the surface; another lattice, band and set of outputs.
+    std::vector<SparseRequest> requests{{grid.part({0, 0, 0}, {5, 5, 5}), band, Output::gradient},
+                                        {lattice_around(sphere(), 33, 3, {0, 1, 0}), band, Output::gradient},
+                                        {grid, Band{2 * grid.voxel(), grid.voxel()}, Output::gradient},
+                                        {grid, band, Output::gradient | Output::site}};
+    for (int n = 0; n < 12; ++n) {
+        Index3 offset{}, size{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            offset[axis] = static_cast<std::int64_t>(random.uniform(0, 60));
+            size[axis] = static_cast<std::int64_t>(random.uniform(1, 30));
+        }
+        requests.push_back({grid.part(offset, size), band, Output::gradient});
+    }
+    for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+        const DistanceTransform transform(test_device(), sphere(), {.body = body});
+        TransformStatistics statistics;
+        const std::vector<SparseField> fields = transform.compute_sparse(requests, {}, &statistics);
+        BOOST_REQUIRE(fields.size() == requests.size());
+        BOOST_TEST(statistics.slabs < requests.size());  // some were computed together
+        for (std::size_t n = 0; n < requests.size(); ++n) BOOST_TEST_CONTEXT("request " << n) {
+                const auto& [part, of_part, outputs] = requests[n];
+                const SparseField one = transform.compute_sparse(part, of_part, outputs);
+                BOOST_TEST((fields[n].grid == part));
+                BOOST_TEST((fields[n].band == of_part));
+                BOOST_TEST((fields[n].outputs() == one.outputs()));
+                BOOST_TEST((fields[n].bricks == one.bricks));
+                BOOST_TEST((fields[n].inside == one.inside));
+                BOOST_TEST(same_bytes(fields[n].values(), one.values(), Output::distance));
+                BOOST_TEST(same_bytes(fields[n].values(), one.values(), Output::gradient));
+            }
+        BOOST_TEST(transform.compute_sparse(std::span<const SparseRequest>()).empty());
+        std::vector<SparseRequest> wrong = requests;
+        wrong[3].grid.size[1] = 0;
+        check_throws(ErrorCode::invalid_argument, {"request 3 of 16"}, [&] { transform.compute_sparse(wrong); });
+    }
+}
+
+// The bricks that ranks have, whose slabs meet at multiples of 8, are those of the whole, each once.
+BOOST_AUTO_TEST_CASE(ranks_have_the_bricks_of_the_whole) {
+    const DistanceTransform transform(test_device(), sphere());
+    const Grid grid = in_whole_bricks(lattice_around(sphere(), 70, 5, {0, 0, 5}));
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const SparseField whole = transform.compute_sparse(grid, band);
+    SparseField joined;
+    const std::int64_t layers = grid.size[2] / 8;
+    for (std::int64_t rank = 0, ranks = 3; rank < ranks; ++rank) {
+        const std::int64_t begin = layers * rank / ranks * 8, end = layers * (rank + 1) / ranks * 8;
+        const Grid own = grid.part({0, 0, begin}, {grid.size[0], grid.size[1], end - begin});
+        const SparseField part =
+            transform.restrict_to({own.box(), band.widest(), grid.voxel()}).compute_sparse(own, band);
+        const std::size_t before = joined.distance().size_bytes();
+        joined.bricks.insert(joined.bricks.end(), part.bricks.begin(), part.bricks.end());
+        joined.inside.insert(joined.inside.end(), part.inside.begin(), part.inside.end());
+        std::memcpy(joined.resize(Output::distance, joined.bricks.size()).data() + before, part.distance().data(),
+                    part.distance().size_bytes());
+    }
+    BOOST_TEST((joined.bricks == whole.bricks));
+    BOOST_TEST((joined.inside == whole.inside));
+    BOOST_TEST(same_bytes(joined.values(), whole.values(), Output::distance));
+}
+
 BOOST_AUTO_TEST_CASE(a_grid_far_from_the_surface_has_no_bricks) {
     const DistanceTransform transform(test_device(), cube(100));
     const Band band = Band::symmetric(2);

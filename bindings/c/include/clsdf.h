@@ -170,6 +170,7 @@ typedef struct clsdf_mesh clsdf_mesh;                 /* a checked mesh, a copy 
 typedef struct clsdf_transform clsdf_transform;       /* the distance to a mesh, on a device */
 typedef struct clsdf_plan clsdf_plan;                 /* boxes that are computed again and again */
 typedef struct clsdf_field clsdf_field;               /* a field in the library's memory */
+typedef struct clsdf_sparse_field clsdf_sparse_field; /* a sparse field in the library's memory */
 typedef struct clsdf_points clsdf_points;             /* points read from a file */
 typedef struct clsdf_thread_limit clsdf_thread_limit; /* as long as it lives, the host's loops have fewer threads */
 
@@ -186,6 +187,8 @@ CLSDF_API void clsdf_plan_retain(clsdf_plan* plan);
 CLSDF_API void clsdf_plan_release(clsdf_plan* plan);
 CLSDF_API void clsdf_field_retain(clsdf_field* field);
 CLSDF_API void clsdf_field_release(clsdf_field* field);
+CLSDF_API void clsdf_sparse_field_retain(clsdf_sparse_field* field);
+CLSDF_API void clsdf_sparse_field_release(clsdf_sparse_field* field);
 CLSDF_API void clsdf_points_retain(clsdf_points* points);
 CLSDF_API void clsdf_points_release(clsdf_points* points);
 CLSDF_API void clsdf_thread_limit_retain(clsdf_thread_limit* limit);
@@ -368,7 +371,7 @@ CLSDF_API clsdf_status clsdf_grid_around_mesh(const clsdf_mesh* mesh, int64_t re
 /* The grid from one corner of a box to the other. The first sample is box->lower exactly; the spacing is rounded once,
  * so the last sample is within n/2 ulp of the spacing of box->upper, n being the cells along an axis. */
 CLSDF_API clsdf_status clsdf_grid_between(const clsdf_box* box, const clsdf_grid_division* division, clsdf_grid* grid);
-/* In the next six, `result` may be `grid`. */
+/* In the next seven, `result` may be `grid`. */
 /* The block of size[3] samples that starts offset[3] samples from this grid's first one; must be inside. */
 CLSDF_API clsdf_status clsdf_grid_part(const clsdf_grid* grid, const int64_t* offset, const int64_t* size,
                                        clsdf_grid* result);
@@ -381,6 +384,8 @@ CLSDF_API clsdf_status clsdf_grid_grown(const clsdf_grid* grid, int64_t samples,
 CLSDF_API clsdf_status clsdf_grid_refined(const clsdf_grid* grid, int64_t ratio, clsdf_grid* result);
 /* The same for samples at centres of cells: each cell becomes ratio^3 cells. */
 CLSDF_API clsdf_status clsdf_grid_refined_cells(const clsdf_grid* grid, int64_t ratio, clsdf_grid* result);
+/* The bricks of sparse fields that overlap the grid: it is rounded out to multiples of 8 on the lattice. */
+CLSDF_API clsdf_status clsdf_grid_in_whole_bricks(const clsdf_grid* grid, clsdf_grid* result);
 /* Shifted by half a voxel on every axis. */
 CLSDF_API clsdf_status clsdf_grid_cell_centred(const clsdf_grid* grid, clsdf_grid* result);
 /* position[3] of the block's sample (i, j, k), counted from its first one. */
@@ -748,6 +753,71 @@ typedef struct clsdf_slab_options {
 #define CLSDF_SLAB_OPTIONS_INIT \
     { sizeof(clsdf_slab_options), 0, 0 }
 
+/* Bricks are blocks of 8 x 8 x 8 samples. They tile the lattice from its sample (0, 0, 0); a brick is named by its
+ * first sample. */
+#define CLSDF_BRICK_SIDE 8
+#define CLSDF_BRICK_SAMPLES 512
+
+/* Bricks that follow each other along x: (first[0] + 8 n, first[1], first[2]) for n < count. */
+typedef struct clsdf_brick_run {
+    int64_t first[3];
+    int64_t count;
+} clsdf_brick_run;
+
+/* How many bricks with values a sparse field has, and how many runs of bricks inside. */
+typedef struct clsdf_sparse_counts {
+    int64_t bricks;
+    int64_t runs;
+} clsdf_sparse_counts;
+
+/* One sparse field of many. */
+typedef struct clsdf_sparse_request {
+    clsdf_grid grid;
+    clsdf_band band;
+    uint32_t outputs; /* CLSDF_SET(...); 0: the distance */
+    int32_t reserved;
+} clsdf_sparse_request;
+
+/* The caller's arrays for a sparse field, on the host. What the field does not need of them stays as it is. */
+typedef struct clsdf_sparse_arrays {
+    size_t struct_size;
+    int64_t* bricks; /* [brick_room][3] */
+    int64_t brick_room;
+    clsdf_brick_run* inside; /* [run_room] */
+    int64_t run_room;
+    clsdf_targets values; /* packed arrays of brick_room * 512 items, of the types that clsdf_output_describe() states;
+                             the triangle may be int32. The distance has one */
+} clsdf_sparse_arrays;
+#define CLSDF_SPARSE_ARRAYS_INIT                         \
+    {                                                    \
+        sizeof(clsdf_sparse_arrays), NULL, 0, NULL, 0, { \
+            NULL, 0                                      \
+        }                                                \
+    }
+
+/* Whole layers of a sparse field's bricks. A brick of the grid has values if one of its samples is in the band, or if
+ * it has samples of both signs; all its 512 samples have them then. In each other brick all samples are beyond the band
+ * and have one sign: they are inside if a run of `inside` holds the brick. Bricks and runs are sorted by z, then y,
+ * then x. */
+typedef struct clsdf_sparse_slab {
+    size_t struct_size;
+    clsdf_grid part;               /* the layers: a block of whole bricks */
+    const int64_t* bricks;         /* [brick_count][3] */
+    int64_t brick_count;           /* that have values */
+    const clsdf_brick_run* inside; /* [run_count], of bricks without values */
+    int64_t run_count;
+    clsdf_targets values; /* packed: brick n has the items [512 n, 512 (n + 1)), x fastest */
+} clsdf_sparse_slab;
+#define CLSDF_SPARSE_SLAB_INIT                                                                       \
+    {                                                                                                \
+        sizeof(clsdf_sparse_slab), {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}}, NULL, 0, NULL, 0, { \
+            NULL, 0                                                                                  \
+        }                                                                                            \
+    }
+
+/* The next layers of a sparse field, there until it returns. It may use the transform. */
+typedef int32_t (*clsdf_sparse_function)(void* user, const clsdf_sparse_slab* slab);
+
 /* ---- Transforms ---- */
 
 /* Threads: calls with a const transform any number; their work takes turns on the device. Others: one.
@@ -808,6 +878,33 @@ CLSDF_API clsdf_status clsdf_compute_slabs(const clsdf_transform* transform, con
 CLSDF_API clsdf_status clsdf_compute_field(const clsdf_transform* transform, const clsdf_grid* grid,
                                            const clsdf_band* band, uint32_t outputs, const clsdf_call_options* call,
                                            clsdf_statistics* statistics, clsdf_field** field);
+/* A sparse field, into the caller's arrays: the bricks near the surface and the sign of the rest. The half widths are
+ * finite, of a field without a sign the one outside. *counts: how many bricks and runs there are. If the arrays have
+ * less room, the call is CLSDF_INVALID_ARGUMENT, the message names both numbers, *counts has them, too, and nothing is
+ * written beyond the arrays. After other errors *counts is 0. */
+CLSDF_API clsdf_status clsdf_compute_sparse(const clsdf_transform* transform, const clsdf_grid* grid,
+                                            const clsdf_band* band, const clsdf_sparse_arrays* arrays,
+                                            const clsdf_call_options* call, clsdf_statistics* statistics,
+                                            clsdf_sparse_counts* counts);
+/* How many bricks and runs there would be. Takes nearly the time of the field, and no memory for values. */
+CLSDF_API clsdf_status clsdf_count_sparse(const clsdf_transform* transform, const clsdf_grid* grid,
+                                          const clsdf_band* band, const clsdf_call_options* call,
+                                          clsdf_statistics* statistics, clsdf_sparse_counts* counts);
+/* A sparse field of any size: layers of bricks in the order of z. */
+CLSDF_API clsdf_status clsdf_compute_sparse_slabs(const clsdf_transform* transform, const clsdf_grid* grid,
+                                                  const clsdf_band* band, uint32_t outputs, clsdf_sparse_function sink,
+                                                  void* user, const clsdf_call_options* call,
+                                                  clsdf_statistics* statistics);
+/* The sparse field in memory of the library. Its triangles count from the mesh's index base. */
+CLSDF_API clsdf_status clsdf_compute_sparse_field(const clsdf_transform* transform, const clsdf_grid* grid,
+                                                  const clsdf_band* band, uint32_t outputs,
+                                                  const clsdf_call_options* call, clsdf_statistics* statistics,
+                                                  clsdf_sparse_field** field);
+/* Many sparse fields in one call, of any lattices, bands and outputs: fields[count], all null after an error. */
+CLSDF_API clsdf_status clsdf_compute_sparse_requests(const clsdf_transform* transform,
+                                                     const clsdf_sparse_request* requests, int64_t count,
+                                                     const clsdf_call_options* call, clsdf_statistics* statistics,
+                                                     clsdf_sparse_field** fields);
 /* The slabs of a field on a device that sets no closer limit: the first `size` of *count. `slabs` may be null if size
  * is 0. */
 CLSDF_API clsdf_status clsdf_slabs_of(const clsdf_grid* grid, clsdf_grid* slabs, int64_t size, int64_t* count);
@@ -928,6 +1025,22 @@ CLSDF_API clsdf_status clsdf_field_outputs(const clsdf_field* field, uint32_t* o
 CLSDF_API clsdf_status clsdf_field_array(const clsdf_field* field, int32_t output, clsdf_array* array);
 /* Makes the field's triangles count from 0 or 1. Threads: one. */
 CLSDF_API clsdf_status clsdf_field_set_index_base(clsdf_field* field, int32_t index_base);
+
+/* ---- Sparse fields in the library's memory ---- */
+
+/* Threads: any number, as in all that follow. mesh_name lives as long as the field. */
+CLSDF_API clsdf_status clsdf_sparse_field_describe(const clsdf_sparse_field* field,
+                                                   clsdf_field_description* description);
+/* All layers of the field; the addresses are those of the field's own memory, as long as it lives. */
+CLSDF_API clsdf_status clsdf_sparse_field_slab(const clsdf_sparse_field* field, clsdf_sparse_slab* slab);
+
+/* The number of the brick that has the sample's values; -1: none, or it is not in the layers. sample[3] counts on the
+ * lattice, as in the next. */
+CLSDF_API clsdf_status clsdf_sparse_find(const clsdf_sparse_slab* slab, const int64_t* sample, int64_t* number);
+/* The distances of samples[count][3] of the layers, wherever they lie. band: the field's. The arrays of a
+ * clsdf_sparse_arrays can be the slab's: of its values, items beyond the slab's bricks are not used. */
+CLSDF_API clsdf_status clsdf_sparse_distances(const clsdf_sparse_slab* slab, const clsdf_band* band,
+                                              const int64_t* samples, int64_t count, float* distances);
 
 /* ---- Files of points ---- */
 

@@ -38,6 +38,21 @@ CLSDF_API clsdf_status clsdf_field_writer_append(clsdf_field_writer* writer, con
 /* Gives the files their names. Threads: one. */
 CLSDF_API clsdf_status clsdf_field_writer_finish(clsdf_field_writer* writer);
 
+/* Writes a sparse field to a .nvdb or, if OpenVDB is built in, a .vdb. Threads: any number. */
+CLSDF_API clsdf_status clsdf_sparse_field_write(const clsdf_sparse_field* field, const char* path);
+
+/* The same layer by layer: what a clsdf_sparse_function gets can be appended. Errors are as of a clsdf_field_writer. */
+typedef struct clsdf_sparse_writer clsdf_sparse_writer;
+CLSDF_API void clsdf_sparse_writer_retain(clsdf_sparse_writer* writer);
+/* The last release without clsdf_sparse_writer_finish() leaves no file. */
+CLSDF_API void clsdf_sparse_writer_release(clsdf_sparse_writer* writer);
+CLSDF_API clsdf_status clsdf_sparse_writer_create(const char* path, const clsdf_field_description* description,
+                                                  uint32_t outputs, clsdf_sparse_writer** writer);
+/* The next layers in ascending z. Triangles in files count from 0. Threads: one. */
+CLSDF_API clsdf_status clsdf_sparse_writer_append(clsdf_sparse_writer* writer, const clsdf_sparse_slab* slab);
+/* Gives the file its name. Threads: one. */
+CLSDF_API clsdf_status clsdf_sparse_writer_finish(clsdf_sparse_writer* writer);
+
 /* For a program that is about to end: removes the unfinished files of all threads, those of clsdf.h included. The
  * program must end now. Not for signal handlers. */
 CLSDF_API void clsdf_io_abandon_unfinished_files(void);

@@ -20,6 +20,13 @@ struct clsdf_field_writer : clsdf::c::Counted<clsdf_field_writer> {
         : writer(std::move(writer_in)), slice(slice_in) {}
 };
 
+struct clsdf_sparse_writer : clsdf::c::Counted<clsdf_sparse_writer> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::sparse_writer;
+    clsdf::SparseFieldWriter writer;
+
+    explicit clsdf_sparse_writer(clsdf::SparseFieldWriter writer_in) : writer(std::move(writer_in)) {}
+};
+
 using namespace clsdf;
 using c::guarded;
 using c::made;
@@ -37,16 +44,26 @@ clsdf_status clsdf_field_missing_files(const char* path, char* text, std::int64_
     });
 }
 
+namespace {
+
+/// The values with triangles that count from 0, as files have them, which `triangles` holds if they counted from 1.
+FieldSlab counted_from_0(FieldSlab values, std::int32_t index_base, std::vector<std::uint32_t>& triangles) {
+    if (index_base == 0 || values.triangle().empty()) return values;
+    triangles.assign(values.triangle().begin(), values.triangle().end());
+    std::ranges::for_each(triangles, [](std::uint32_t& triangle) { --triangle; });
+    values.set(Output::triangle, triangles);
+    return values;
+}
+
+}  // namespace
+
 clsdf_status clsdf_field_write(const clsdf_field* field, const char* path) {
     return guarded([&] {
         const clsdf_field& self = of(field);
         const std::string to = c::text_of(path, "path");
-        if (self.index_base == 0 || self.field.triangle().empty()) return write_field(self.field, to);
-        // Files count from 0.
-        std::vector<std::uint32_t> triangles(self.field.triangle().begin(), self.field.triangle().end());
-        std::ranges::for_each(triangles, [](std::uint32_t& triangle) { --triangle; });
-        FieldSlab values = self.field.slab();
-        values.set(Output::triangle, triangles);
+        if (self.index_base == 0) return write_field(self.field, to);
+        std::vector<std::uint32_t> triangles;
+        const FieldSlab values = counted_from_0(self.field.slab(), self.index_base, triangles);
         FieldWriter writer(to, self.field, values.outputs());
         writer.append(values);
         writer.finish();
@@ -86,6 +103,42 @@ clsdf_status clsdf_field_writer_append(clsdf_field_writer* writer, const clsdf_t
 }
 
 clsdf_status clsdf_field_writer_finish(clsdf_field_writer* writer) {
+    return guarded([&] { of(writer).writer.finish(); });
+}
+
+clsdf_status clsdf_sparse_field_write(const clsdf_sparse_field* field, const char* path) {
+    return guarded([&] {
+        const clsdf_sparse_field& self = of(field);
+        std::vector<std::uint32_t> triangles;
+        SparseSlab layers = self.field.slab();
+        layers.values = counted_from_0(layers.values, self.index_base, triangles);
+        SparseFieldWriter writer(c::text_of(path, "path"), self.field, layers.values.outputs());
+        writer.append(layers);
+        writer.finish();
+    });
+}
+
+void clsdf_sparse_writer_retain(clsdf_sparse_writer* writer) {
+    c::retain(writer);
+}
+
+void clsdf_sparse_writer_release(clsdf_sparse_writer* writer) {
+    c::release(writer);
+}
+
+clsdf_status clsdf_sparse_writer_create(const char* path, const clsdf_field_description* description,
+                                        std::uint32_t outputs, clsdf_sparse_writer** writer) {
+    return made(writer, "writer", [&] {
+        return new clsdf_sparse_writer(
+            SparseFieldWriter(c::text_of(path, "path"), c::description_of(description), c::outputs_of(outputs)));
+    });
+}
+
+clsdf_status clsdf_sparse_writer_append(clsdf_sparse_writer* writer, const clsdf_sparse_slab* slab) {
+    return guarded([&] { of(writer).writer.append(c::sparse_slab_of(slab)); });
+}
+
+clsdf_status clsdf_sparse_writer_finish(clsdf_sparse_writer* writer) {
     return guarded([&] { of(writer).writer.finish(); });
 }
 

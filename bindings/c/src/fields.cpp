@@ -20,16 +20,7 @@ clsdf_status clsdf_field_create(const clsdf_field_description* description, std:
 }
 
 clsdf_status clsdf_field_describe(const clsdf_field* field, clsdf_field_description* description) {
-    return guarded([&] {
-        const Field& self = of(field).field;
-        clsdf_field_description result = CLSDF_FIELD_DESCRIPTION_INIT;
-        result.grid = c::as_c(self.grid);
-        result.band = c::as_c(self.band);
-        result.sign = static_cast<std::int32_t>(self.sign);
-        result.positive_inside = self.positive_inside ? 1 : 0;
-        result.mesh_name = self.mesh_name.c_str();
-        c::write_given(result, description, "clsdf_field_description");
-    });
+    return guarded([&] { c::write_given(c::as_c(of(field).field), description, "clsdf_field_description"); });
 }
 
 clsdf_status clsdf_field_outputs(const clsdf_field* field, std::uint32_t* outputs) {

@@ -1,6 +1,8 @@
 #include "handles.hpp"
 #include "values.hpp"
 
+#include <clsdf/sparse.hpp>
+
 #include <algorithm>
 
 using namespace clsdf;
@@ -88,6 +90,10 @@ clsdf_status clsdf_grid_refined(const clsdf_grid* grid, std::int64_t ratio, clsd
 
 clsdf_status clsdf_grid_refined_cells(const clsdf_grid* grid, std::int64_t ratio, clsdf_grid* result) {
     return guarded([&] { given(result, "result") = c::as_c(grid_of(grid).refined_cells(ratio)); });
+}
+
+clsdf_status clsdf_grid_in_whole_bricks(const clsdf_grid* grid, clsdf_grid* result) {
+    return guarded([&] { given(result, "result") = c::as_c(in_whole_bricks(grid_of(grid))); });
 }
 
 clsdf_status clsdf_grid_cell_centred(const clsdf_grid* grid, clsdf_grid* result) {

@@ -22,6 +22,10 @@ const char* name_of(Kind kind) noexcept {
             return "thread limit";
         case Kind::field_writer:
             return "field writer";
+        case Kind::sparse_field:
+            return "sparse field";
+        case Kind::sparse_writer:
+            return "sparse writer";
     }
     return "kind that is not known";
 }

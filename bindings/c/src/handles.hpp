@@ -7,6 +7,7 @@
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/plan.hpp>
+#include <clsdf/sparse.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -29,6 +30,8 @@ enum class Kind : std::uint64_t {
     points,
     thread_limit,
     field_writer,
+    sparse_field,
+    sparse_writer,
 };
 
 const char* name_of(Kind kind) noexcept;
@@ -118,6 +121,16 @@ struct clsdf_field : clsdf::c::Counted<clsdf_field> {
     std::int32_t index_base;  ///< of its triangles
 
     explicit clsdf_field(clsdf::Field field_in, std::int32_t index_base_in = 0)
+        : field(std::move(field_in)), index_base(index_base_in) {}
+};
+
+struct clsdf_sparse_field : clsdf::c::Counted<clsdf_sparse_field> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::sparse_field;
+    clsdf::SparseField field;
+    std::int32_t index_base;           ///< of its triangles
+    std::vector<clsdf_target> values;  ///< those of clsdf_sparse_field_slab()
+
+    clsdf_sparse_field(clsdf::SparseField field_in, std::int32_t index_base_in)
         : field(std::move(field_in)), index_base(index_base_in) {}
 };
 

@@ -237,6 +237,48 @@ FieldSlab slab_of(const clsdf_target* values, std::int64_t count, std::int64_t s
     return slab;
 }
 
+static_assert(is_triple<Index3, std::int64_t> && std::is_standard_layout_v<BrickRun> &&
+              sizeof(BrickRun) == sizeof(clsdf_brick_run) &&
+              offsetof(BrickRun, first) == offsetof(clsdf_brick_run, first) &&
+              offsetof(BrickRun, count) == offsetof(clsdf_brick_run, count));
+
+clsdf_sparse_slab as_c(const SparseSlab& slab, const std::vector<clsdf_target>& values) {
+    clsdf_sparse_slab result = CLSDF_SPARSE_SLAB_INIT;
+    result.part = as_c(slab.part);
+    result.bricks = reinterpret_cast<const std::int64_t*>(slab.bricks.data());
+    result.brick_count = static_cast<std::int64_t>(slab.bricks.size());
+    result.inside = reinterpret_cast<const clsdf_brick_run*>(slab.inside.data());
+    result.run_count = static_cast<std::int64_t>(slab.inside.size());
+    result.values = {values.data(), static_cast<std::int64_t>(values.size())};
+    return result;
+}
+
+SparseSlab sparse_slab_of(const clsdf_sparse_slab* slab) {
+    const clsdf_sparse_slab from = read_given(slab, CLSDF_SPARSE_SLAB_INIT, "clsdf_sparse_slab");
+    const std::size_t bricks = count_of(from.brick_count, "clsdf_sparse_slab.brick_count");
+    const std::size_t runs = count_of(from.run_count, "clsdf_sparse_slab.run_count");
+    elements(from.bricks, from.brick_count, "clsdf_sparse_slab.bricks");
+    elements(from.inside, from.run_count, "clsdf_sparse_slab.inside");
+    elements(from.values.items, from.values.count, "clsdf_sparse_slab.values");
+    std::int64_t samples = 0;
+    if (__builtin_mul_overflow(from.brick_count, std::int64_t{CLSDF_BRICK_SAMPLES}, &samples))
+        throw misuse("clsdf_sparse_slab.brick_count is " + std::to_string(from.brick_count) +
+                     "; no field has so many bricks");
+    std::vector<clsdf_target> values(from.values.items, from.values.items + from.values.count);
+    for (clsdf_target& value : values) {
+        clsdf_array& array = value.array;
+        if (array.count > samples) {
+            array.count = samples;
+            array.bytes = 0;
+        }
+        if (value.output == CLSDF_TRIANGLE && array.type == CLSDF_INT32) array.type = CLSDF_UINT32;
+    }
+    return {grid_of(&from.part),
+            {reinterpret_cast<const Index3*>(from.bricks), bricks},
+            slab_of(values.data(), static_cast<std::int64_t>(values.size()), samples),
+            {reinterpret_cast<const BrickRun*>(from.inside), runs}};
+}
+
 SignRule sign_rule_of(std::int32_t rule, const char* name) {
     return enumerator(rule, SignRule::solid_angle, name);
 }
@@ -290,6 +332,16 @@ clsdf_statistics as_c(const TransformStatistics& statistics) {
     result.field_seconds = statistics.field_seconds;
     result.first_use = statistics.first_use ? 1 : 0;
     result.unusable_points = static_cast<std::int64_t>(statistics.unusable_points);
+    return result;
+}
+
+clsdf_field_description as_c(const FieldDescription& field) {
+    clsdf_field_description result = CLSDF_FIELD_DESCRIPTION_INIT;
+    result.grid = as_c(field.grid);
+    result.band = as_c(field.band);
+    result.sign = static_cast<std::int32_t>(field.sign);
+    result.positive_inside = field.positive_inside ? 1 : 0;
+    result.mesh_name = field.mesh_name.c_str();
     return result;
 }
 

@@ -7,6 +7,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/mesh_files.hpp>
 #include <clsdf/outputs.hpp>
+#include <clsdf/sparse.hpp>
 #include <clsdf/topology.hpp>
 
 #include <cstdint>
@@ -47,9 +48,16 @@ std::vector<clsdf_target> as_c(const FieldSlab& slab);
 /// The other way. Throws Error(invalid_argument) for arrays that are not packed.
 FieldSlab slab_of(const clsdf_target* values, std::int64_t count, std::int64_t samples);
 
+/// Layers of a sparse field, in the same memory.
+clsdf_sparse_slab as_c(const SparseSlab& slab, const std::vector<clsdf_target>& values);
+/// The other way. Of arrays with more items than the slab's bricks have, the first ones.
+SparseSlab sparse_slab_of(const clsdf_sparse_slab* slab);
+
 SignRule sign_rule_of(std::int32_t rule, const char* name);
 clsdf_topology as_c(const Topology& topology);
 clsdf_statistics as_c(const TransformStatistics& statistics);
+/// With the name's address.
+clsdf_field_description as_c(const FieldDescription& field);
 FieldDescription description_of(const clsdf_field_description* description);
 
 /// A caller's options of a call.

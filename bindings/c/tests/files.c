@@ -5,6 +5,68 @@
 
 enum { N = 10, SAMPLES = N * N * N };
 
+static int32_t append(void* user, const clsdf_sparse_slab* slab) {
+    return clsdf_sparse_writer_append(user, slab);
+}
+
+static void check_same_files(const char* a, const char* b) {
+    FILE *first = fopen(a, "rb"), *second = fopen(b, "rb");
+    int byte;
+    long count = 0;
+    CHECK(first != NULL && second != NULL);
+    do {
+        byte = fgetc(first);
+        CHECK(byte == fgetc(second));
+        ++count;
+    } while (byte != EOF);
+    CHECK(count > 1000);
+    fclose(first), fclose(second);
+}
+
+/* A sparse field is written as the dense one, in one piece and layer by layer. */
+static void check_sparse(const clsdf_transform* transform) {
+    const clsdf_band band = clsdf_band_symmetric(0.2);
+    clsdf_grid grid;
+    clsdf_field* dense;
+    clsdf_sparse_field* field;
+    clsdf_field_description description = CLSDF_FIELD_DESCRIPTION_INIT;
+    clsdf_sparse_slab slab = CLSDF_SPARSE_SLAB_INIT;
+    clsdf_sparse_writer* writer;
+    clsdf_box box;
+    clsdf_grid_options options = CLSDF_GRID_OPTIONS_INIT;
+    OK(clsdf_transform_box(transform, &box));
+    options.resolution = 30;
+    OK(clsdf_grid_around_box(&box, &options, &grid));
+    OK(clsdf_compute_field(transform, &grid, &band, 0, NULL, NULL, &dense));
+    OK(clsdf_field_write(dense, "dense.nvdb"));
+    OK(clsdf_compute_sparse_field(transform, &grid, &band, CLSDF_SET(CLSDF_DISTANCE), NULL, NULL, &field));
+    OK(clsdf_sparse_field_write(field, "sparse.nvdb"));
+    check_same_files("dense.nvdb", "sparse.nvdb");
+    OK(clsdf_sparse_field_describe(field, &description));
+    OK(clsdf_sparse_writer_create("layers.nvdb", &description, 0, &writer));
+    OK(clsdf_compute_sparse_slabs(transform, &grid, &band, 0, append, writer, NULL, NULL));
+    clsdf_sparse_writer_retain(writer);
+    clsdf_sparse_writer_release(writer);
+    OK(clsdf_sparse_writer_finish(writer));
+    check_same_files("dense.nvdb", "layers.nvdb");
+    FAILS(CLSDF_INVALID_ARGUMENT, "finish", clsdf_sparse_writer_finish(writer));
+    clsdf_sparse_writer_release(writer);
+
+    OK(clsdf_sparse_writer_create("missing.nvdb", &description, 0, &writer));
+    OK(clsdf_sparse_field_slab(field, &slab));
+    --slab.brick_count;
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_sparse_writer_append(writer, NULL));
+    slab.part.size[2] -= 8;
+    FAILS(CLSDF_INVALID_ARGUMENT, "not in the bricks", clsdf_sparse_writer_append(writer, &slab));
+    clsdf_sparse_writer_release(writer);
+    CHECK(fopen("missing.nvdb", "rb") == NULL);
+    FAILS(CLSDF_UNSUPPORTED, "stores no sparse fields", clsdf_sparse_field_write(field, "sparse.nrrd"));
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_sparse_field_write(NULL, "sparse.nvdb"));
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_sparse_writer_create(NULL, &description, 0, &writer));
+    clsdf_sparse_field_release(field);
+    clsdf_field_release(dense);
+}
+
 int main(void) {
     const clsdf_band band = clsdf_band_symmetric(0.2);
     const char* names[] = {"field.nrrd", "field.npy", "field.vti", "field.h5", "slabs.nrrd"};
@@ -115,6 +177,8 @@ int main(void) {
     CHECK(count == 2 && memcmp(found, positions, sizeof positions) == 0);
     clsdf_points_release(points);
     FAILS(CLSDF_UNSUPPORTED, "points.xyz", clsdf_points_check_path("points.xyz"));
+
+    check_sparse(transform);
 
     clsdf_field_release(field);
     clsdf_transform_release(transform);

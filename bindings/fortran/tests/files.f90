@@ -12,6 +12,9 @@ program files
   type(clsdf_band) :: band
   type(clsdf_field) :: field, other
   type(clsdf_field_writer) :: writer, copy
+  type(clsdf_sparse_field) :: sparse
+  type(clsdf_sparse_slab) :: slab
+  type(clsdf_sparse_writer) :: sparse_writer, sparse_copy
   real(4), allocatable, target :: expected(:, :, :), vectors(:, :, :, :), last(:, :, :, :)
   integer, allocatable, target :: numbers(:, :, :)
   real(4), pointer :: phi(:, :, :), gradient(:, :, :, :)
@@ -101,6 +104,26 @@ program files
   call fails(stat, CLSDF_UNREADABLE_INPUT, errmsg, 'no such field')
   call check(.not. other%is_set(), 'a field after an error')
 
+  ! Sparse fields, in one piece and in layers.
+  call transform%compute_sparse_field(grid, band, sparse)
+  call clsdf_sparse_field_write(sparse, 'fortran_sparse.nvdb')
+  call check_nvdb('fortran_sparse.nvdb')
+  call sparse_writer%create('fortran_layers.nvdb', grid, band, transform%sign(), 'knot')
+  sparse_copy = sparse_writer
+  call transform%compute_sparse_slabs(grid, band, sparse_writer)
+  call sparse_copy%finish()
+  call check_nvdb('fortran_layers.nvdb')
+  call sparse_writer%create('fortran_layer.nvdb', grid, band)
+  call sparse%slab(slab)
+  call sparse_writer%append(slab)
+  call sparse_writer%finish()
+  call check_nvdb('fortran_layer.nvdb')
+  call sparse_writer%create('fortran_sparse_never.nvdb', grid, band)
+  call sparse_writer%finish(stat, errmsg)
+  call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'missing')
+  call clsdf_sparse_field_write(sparse, 'fortran_sparse.nrrd', stat, errmsg)
+  call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'stores no sparse fields')
+
   ! Points.
   d = [1.5, -2.25]
   call clsdf_points_write(reshape([1d0, 2d0, 3d0, 4d0, 5d0, 6d0], [3, 2]), [clsdf_target(CLSDF_DISTANCE, d)], &
@@ -136,6 +159,15 @@ contains
     call other%array(CLSDF_TRIANGLE, triangle)
     call check(all(other_grid%first == grid%first) .and. all(other_grid%size == grid%size), what//': the grid')
     call check(all(phi == expected) .and. all(triangle == numbers), what//': the values')
+  end subroutine
+
+  subroutine check_nvdb(path)
+    character(*), intent(in) :: path
+    call clsdf_field_read(path, other)
+    call other%describe(other_grid)
+    call other%array(CLSDF_DISTANCE, phi)
+    call check(all(other_grid%size == grid%size), path//': the grid')
+    call check(all(phi == expected), path//': the values')
   end subroutine
 
 end program

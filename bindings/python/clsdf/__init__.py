@@ -24,6 +24,7 @@ from ._files import FieldWriter, read_field, write_field
 from ._pictures import Picture, slice_picture
 from ._plan import Plan
 from ._shared import SharedArray
+from ._sparse import SparseField
 from ._transform import BoxPlace, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
@@ -61,6 +62,7 @@ __all__ = [
     "Region",
     "Request",
     "SharedArray",
+    "SparseField",
     "Topology",
     "Transform",
     "UnreadableInput",

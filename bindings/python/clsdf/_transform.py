@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _cuda, _meshes
+from . import _core, _cuda, _meshes, _sparse
 from ._core import Band, Device, Grid, Topology
 from ._devices import device_named, device_of
 from ._error import Error, MeshWarning
@@ -23,6 +23,7 @@ from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
 from ._field import Field
 from ._plan import Plan
+from ._sparse import SparseField
 
 
 class Request(NamedTuple):
@@ -628,6 +629,86 @@ class Transform:
             self._computed(part, own_band, new_samples(outputs, part.shape), positive_inside)
             for part in _core.slabs_of(whole)
         )
+
+    def sparse(
+        self,
+        grid: Grid | None = None,
+        *,
+        resolution: int | None = None,
+        spacing: float | Sequence[float] | None = None,
+        margin: LengthLike | None = None,
+        cubic: bool = False,
+        cell_centred: bool = False,
+        band: BandLike = "3v",
+        outputs: Outputs = "distance",
+        positive_inside: bool = False,
+        progress: Progress = None,
+        wait_for: Any = None,
+    ) -> SparseField:
+        """Computes the bricks (8 x 8 x 8 samples) near the surface, and the sign of the rest. Neither time nor memory
+        grows with the samples far from the surface. Every value has the bits of the dense field's.
+
+        Options: as of field(), with a band of three voxels. It must have an end; a field of signs alone is dense. A
+        restricted transform needs regions that hold whole bricks: the box of grid.in_whole_bricks().
+        """
+        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
+        names = wanted(outputs)
+        if positive_inside:
+            self._check_negatable({}, own_band)
+        self._warn_of_narrow(grid, own_band)
+        with shown(progress) as show:
+            found = _core.compute_sparse(self._body, grid, own_band, names, show, wait_for)
+        return _sparse.made(grid, own_band, self.sign, self.mesh_name, names, found, positive_inside)
+
+    def sparse_fields(
+        self,
+        grids: Iterable[Grid],
+        *,
+        band: BandLike = "3v",
+        outputs: Outputs = "distance",
+        positive_inside: bool = False,
+        progress: Progress = None,
+    ) -> list[SparseField]:
+        """The sparse fields of many grids of any lattices, in one call, which is cheaper than one call each; each has
+        the bytes of a call of its own. Options: as of sparse()."""
+        if isinstance(grids, Grid):
+            raise Error("grids: one clsdf.Grid is given; pass a list of grids, or use sparse() for one")
+        requests = [self._grid_and_band(grid, band) for grid in grids]
+        names = wanted(outputs)
+        for _, own_band in requests if positive_inside else ():
+            self._check_negatable({}, own_band)
+        if requests:
+            self._warn_of_narrow(*max(requests, key=lambda request: request[0].voxel))
+        with shown(progress) as show:
+            all_found = _core.compute_sparse_many(self._body, requests, names, show)
+        return [
+            _sparse.made(grid, own_band, self.sign, self.mesh_name, names, found, positive_inside)
+            for (grid, own_band), found in zip(requests, all_found)
+        ]
+
+    def write_sparse(
+        self,
+        path: str | os.PathLike[str],
+        grid: Grid | None = None,
+        *,
+        resolution: int | None = None,
+        spacing: float | Sequence[float] | None = None,
+        margin: LengthLike | None = None,
+        cubic: bool = False,
+        cell_centred: bool = False,
+        band: BandLike = "3v",
+        outputs: Outputs = "distance",
+        progress: Progress = None,
+    ) -> None:
+        """Computes a sparse field of any size into a .nvdb or, if OpenVDB is built in, a .vdb: a few layers of bricks are
+        in memory at a time (a .vdb keeps the bricks). The file is that of sparse().write(path). Options: as of
+        sparse(). Raises clsdf.Error as both do; no file stays then."""
+        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
+        self._warn_of_narrow(grid, own_band)
+        with shown(progress) as show:
+            _core.compute_sparse_file(
+                self._body, os.fspath(path), grid, own_band, wanted(outputs), self.sign, self.mesh_name, show
+            )
 
     def compile(
         self, grid: Grid, *, band: BandLike = "10%", outputs: Outputs = "distance", progress: Progress = None

@@ -29,6 +29,7 @@ void add_transforms(nb::module_& module);
 void add_plans(nb::module_& module);
 void add_shared_arrays(nb::module_& module);
 void add_files(nb::module_& module);
+void add_sparse_fields(nb::module_& module);
 
 /// Error(invalid_argument) with this message.
 [[noreturn]] void refuse(const std::string& message);

@@ -1,5 +1,4 @@
-#include "arrays.hpp"
-#include "binding.hpp"
+#include "files.hpp"
 
 #include <clsdf/io.hpp>
 
@@ -10,8 +9,6 @@
 #include <vector>
 
 namespace clsdf::python {
-
-namespace {
 
 nb::dlpack::dtype dtype_of(ElementType type) {
     switch (type) {
@@ -25,6 +22,33 @@ nb::dlpack::dtype dtype_of(ElementType type) {
             return nb::dtype<float>();
     }
 }
+
+FieldSlab slab_of(const ArraysByName& arrays, const char* what, HeldArrays& held) {
+    FieldSlab slab;
+    for (const auto& [name, array] : arrays) {
+        const OutputInfo& info = output_named(nb::cast<std::string>(name));
+        const auto& values =
+            held.emplace_back(nb::cast<nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>>(array, false));
+        if (values.dtype() != dtype_of(info.type)) refuse(std::string(what) + ": '" + info.name + "' has another type");
+        slab.set(info.output, std::span(static_cast<const std::byte*>(values.data()), values.nbytes()));
+    }
+    return slab;
+}
+
+FieldDescription described(const Grid& grid, const Band& band, const std::string& sign, const std::string& mesh_name,
+                           bool positive_inside) {
+    FieldDescription field;
+    field.grid = grid;
+    field.band = band;
+    field.sign =
+        value_named("sign", sign,
+                    {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
+    field.mesh_name = mesh_name;
+    field.positive_inside = positive_inside;
+    return field;
+}
+
+namespace {
 
 // The file's field: (grid, band, sign, mesh_name, {output: array}, positive_inside). The arrays share the memory that
 // was read.
@@ -49,19 +73,6 @@ nb::tuple read(const std::string& path) {
     return nb::make_tuple(own.grid, own.band, name_of(own.sign), own.mesh_name, arrays, own.positive_inside);
 }
 
-FieldDescription described(const Grid& grid, const Band& band, const std::string& sign, const std::string& mesh_name,
-                           bool positive_inside) {
-    FieldDescription field;
-    field.grid = grid;
-    field.band = band;
-    field.sign =
-        value_named("sign", sign,
-                    {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
-    field.mesh_name = mesh_name;
-    field.positive_inside = positive_inside;
-    return field;
-}
-
 FieldWriter writer(const std::string& path, const Grid& grid, const Band& band, const std::string& sign,
                    const std::string& mesh_name, const std::vector<std::string>& outputs, bool positive_inside) {
     OutputSet wanted;
@@ -71,17 +82,9 @@ FieldWriter writer(const std::string& path, const Grid& grid, const Band& band, 
     return FieldWriter(path, field, wanted);
 }
 
-// The arrays are packed and have the types of the table: the Python code sees to it.
 void append(FieldWriter& writer, const ArraysByName& arrays) {
-    std::vector<nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>> held;
-    FieldSlab slab;
-    for (const auto& [name, array] : arrays) {
-        const OutputInfo& info = output_named(nb::cast<std::string>(name));
-        const auto& values =
-            held.emplace_back(nb::cast<nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>>(array, false));
-        if (values.dtype() != dtype_of(info.type)) refuse(std::string("append: '") + info.name + "' has another type");
-        slab.set(info.output, std::span(static_cast<const std::byte*>(values.data()), values.nbytes()));
-    }
+    HeldArrays held;
+    const FieldSlab slab = slab_of(arrays, "append", held);
     const nb::gil_scoped_release no_gil;
     writer.append(slab);
 }

@@ -229,6 +229,8 @@ void add_grids(nb::module_& module) {
         .def("refined", &Grid::refined, nb::arg("ratio"),
              "A lattice `ratio` times as fine that has all samples of this one, for samples at nodes.")
         .def("refined_cells", &Grid::refined_cells, nb::arg("ratio"), "The same for samples at the centres of cells.")
+        .def("in_whole_bricks", &in_whole_bricks,
+             "The bricks of sparse fields that overlap the grid: it is rounded out to multiples of 8 on the lattice.")
         .def("cell_centred", &Grid::cell_centred, "The same block shifted by half a voxel on every axis.")
         .def(
             "__eq__", [](const Grid& a, const Grid& b) { return a == b; }, nb::arg("other"), nb::is_operator(),

@@ -13,4 +13,5 @@ NB_MODULE(_core, module) {
     clsdf::python::add_plans(module);
     clsdf::python::add_shared_arrays(module);
     clsdf::python::add_files(module);
+    clsdf::python::add_sparse_fields(module);
 }

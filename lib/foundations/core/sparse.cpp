@@ -39,25 +39,30 @@ SparseSlab SparseField::slab() const {
     return {in_whole_bricks(grid), bricks, values(), inside};
 }
 
-std::optional<std::size_t> SparseField::find(const Index3& sample) const {
+float SparseField::distance_at(const Index3& sample) const {
+    const SparseSlab all = slab();
+    const float distance = all.distance_at(sample, band);
+    return positive_inside && !all.find(sample) ? -distance : distance;  // values are as they were set
+}
+
+std::optional<std::size_t> SparseSlab::find(const Index3& sample) const {
     const Index3 brick = brick_of(sample);
     const auto found = std::ranges::lower_bound(bricks, brick, is_before);
     if (found == bricks.end() || *found != brick) return std::nullopt;
     return static_cast<std::size_t>(found - bricks.begin());
 }
 
-float SparseField::distance_at(const Index3& sample) const {
+float SparseSlab::distance_at(const Index3& sample, const Band& band) const {
     const Index3 brick = brick_of(sample);
     if (const std::optional<std::size_t> number = find(sample)) {
         const auto within = static_cast<std::size_t>(
             ((sample[2] - brick[2]) * brick_side + (sample[1] - brick[1])) * brick_side + (sample[0] - brick[0]));
-        return distance()[*number * brick_samples + within];
+        return values.distance()[*number * brick_samples + within];
     }
     // The last run that does not begin behind the brick.
     const auto behind = std::ranges::upper_bound(inside, brick, is_before, &BrickRun::first);
     const bool is_inside = behind != inside.begin() && std::prev(behind)->holds(brick);
-    const float half_width = static_cast<float>(is_inside ? band.inside : band.outside);
-    return is_inside != positive_inside ? -half_width : half_width;
+    return static_cast<float>(is_inside ? -band.inside : band.outside);
 }
 
 Grid in_whole_bricks(const Grid& grid) {

@@ -156,6 +156,25 @@ public:
     TransformStatistics compute_sparse(const Grid& grid, const Band& band, OutputSet outputs, const SparseSink& sink,
                                        const CallOptions& call = {}) const;
 
+    /// Into the caller's arrays; the distance must have one, unless there is room for no brick. `counts` gets how many
+    /// bricks and runs there are. If the arrays have less room, throws Error(invalid_argument) that names both numbers,
+    /// and `counts` has them, too; the arrays are undefined then, and nothing is written beyond them. After other
+    /// errors `counts` is 0. Also throws Error(invalid_argument) for arrays that overlap or are not of the size,
+    /// Error(unsupported) for memory of the device, strides and doubles.
+    TransformStatistics compute_sparse(const Grid& grid, const Band& band, const SparseTargets& targets,
+                                       SparseCounts& counts, const CallOptions& call = {}) const;
+
+    /// How many bricks and runs compute_sparse() would give. Takes nearly its time, and no memory for values: if a
+    /// guess is at hand, compute into arrays of that size, and again if they were too small.
+    SparseCounts count_sparse(const Grid& grid, const Band& band, const CallOptions& call = {},
+                              TransformStatistics* statistics = nullptr) const;
+
+    /// Many sparse fields in one call, of any lattices, bands and outputs, each with the bytes of a call of its own.
+    /// Boxes of one lattice, one band and the same outputs are computed together if that is cheaper. If a request is
+    /// refused, nothing is computed, and the message names its index.
+    std::vector<SparseField> compute_sparse(std::span<const SparseRequest> requests, const CallOptions& call = {},
+                                            TransformStatistics* statistics = nullptr) const;
+
     /// The slabs of a field on a device that sets no closer limit.
     static std::vector<Grid> slabs_of(const Grid& grid);
 

@@ -43,11 +43,42 @@ struct BrickRun {
 /// the band and have one sign: their distance is -band.inside if a run of `inside` holds the brick, +band.outside if
 /// not; every bit of their other outputs is set. Bricks and runs are sorted by z, then y, then x; a run is as long as
 /// possible.
-struct SparseSlab {
+struct CLSDF_EXPORT SparseSlab {
     Grid part;                           ///< the layers: a block of whole bricks, which may stick out of the grid
     std::span<const Index3> bricks{};    ///< that have values
     FieldSlab values{};                  ///< brick n has the samples [512 n, 512 (n + 1)), x fastest
     std::span<const BrickRun> inside{};  ///< bricks without values that are inside
+
+    /// The number of the brick that has this sample's values, by binary search. Empty: it has none, or is not in the
+    /// layers. Indices of samples count on the lattice.
+    std::optional<std::size_t> find(const Index3& sample) const;
+    /// The distance of a sample of the layers. band: of the field, which is negative inside.
+    float distance_at(const Index3& sample, const Band& band) const;
+};
+
+/// How many bricks with values a sparse field has, and how many runs of bricks inside.
+struct SparseCounts {
+    std::size_t bricks = 0;
+    std::size_t runs = 0;
+
+    friend bool operator==(const SparseCounts&, const SparseCounts&) = default;
+};
+
+/// One sparse field of many.
+struct SparseRequest {
+    Grid grid;
+    Band band;
+    OutputSet outputs = Output::distance;
+};
+
+/// The caller's arrays for a sparse field, on the host. Their sizes are what they have room for; what the field does
+/// not need of them stays as it is.
+struct SparseTargets {
+    std::span<Index3> bricks{};
+    std::span<BrickRun> inside{};
+    /// Packed arrays of 512 samples for each element of `bricks`, of the types of output_table(); the triangle may also
+    /// be int32.
+    OutputTargets values{};
 };
 
 /// Called with the layers of a sparse field, one part after the other in the order of z; together the parts are the
@@ -74,9 +105,8 @@ struct CLSDF_EXPORT SparseField : FieldDescription {
     FieldSlab values() const;
     SparseSlab slab() const;
 
-    /// The number of the brick that has this sample's values, by binary search. Empty: it has none, or is not in the
-    /// grid's bricks.
-    std::optional<std::size_t> find(const Index3& sample) const;
+    /// See SparseSlab::find().
+    std::optional<std::size_t> find(const Index3& sample) const { return slab().find(sample); }
     /// The distance of a sample of the grid's bricks; its index counts on the lattice. A sample of the field has
     /// the distance that a dense field has, bit for bit.
     float distance_at(const Index3& sample) const;
