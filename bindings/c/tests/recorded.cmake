@@ -1,7 +1,7 @@
-# What programs that were compiled against an older clsdf rely on, against the recorded lists. A list changes with the
-# major or minor version only; then it is made anew with -DUPDATE=ON.
+# What programs that were compiled against an older clsdf rely on, against the recorded lists.
 #
-# WAY: structs (with PROGRAM: prints them) or symbols (with NM, LIBRARIES, HEADERS). RECORDED: the list.
+# WAY: structs (with PROGRAM: prints them) or symbols (with NM, LIBRARIES, HEADERS, ABI: the number of their SONAMEs, and
+# VERSION). RECORDED: the list; that of symbols is the symbols file of Debian's package. SCRATCH: the list as it is now.
 cmake_minimum_required(VERSION 3.25)
 if(WAY STREQUAL "structs")
   execute_process(COMMAND ${PROGRAM} OUTPUT_VARIABLE found COMMAND_ERROR_IS_FATAL ANY)
@@ -16,21 +16,35 @@ if(WAY STREQUAL "structs")
     endforeach()
   endforeach()
 else()
+  # Each symbol with the version that brought it, as recorded; a new one has this version.
+  file(STRINGS ${RECORDED} recorded)
   set(found "")
+  set(exported "")
   foreach(library IN LISTS LIBRARIES)
     execute_process(COMMAND ${NM} -D --defined-only ${library} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
     get_filename_component(name ${library} NAME_WE)
-    string(REGEX MATCHALL "[^\n]+" symbols "${symbols}")
-    list(FILTER symbols EXCLUDE REGEX " A CLSDF_C_")  # the version itself
-    list(FILTER symbols EXCLUDE REGEX "@@CLSDF_C_PRIVATE_")  # between the libraries of one version
-    list(TRANSFORM symbols REPLACE "^[0-9a-f]+ (. [^\n]*)$" "${name} \\1")
+    string(REGEX MATCHALL "clsdf_[a-z_0-9]+@@CLSDF_C_${ABI}" symbols "${symbols}")
+    list(TRANSFORM symbols REPLACE "@@.*" "" OUTPUT_VARIABLE names)
+    list(APPEND exported ${names})
+    list(TRANSFORM symbols REPLACE "@@" "@")
+    list(APPEND symbols "CLSDF_C_${ABI}@CLSDF_C_${ABI}")
     list(SORT symbols)
-    list(JOIN symbols "\n" symbols)
-    string(APPEND found "${symbols}\n")
+    string(APPEND found "${name}.so.${ABI} libclsdf-c${ABI} #MINVER#\n")
+    foreach(symbol IN LISTS symbols)
+      set(since ${recorded})
+      list(FILTER since INCLUDE REGEX "^ ${symbol} ")
+      list(REMOVE_DUPLICATES since)
+      if(NOT since)
+        set(since " ${symbol} ${VERSION}~")
+      endif()
+      string(APPEND found "${since}\n")
+    endforeach()
+    # Between the libraries of one version.
+    if(name STREQUAL "libclsdf_c")
+      string(APPEND found " (optional|regex)\"^(clsdf_c_same_version|CLSDF_C_PRIVATE_[0-9.]+)@CLSDF_C_PRIVATE_[0-9.]+$\" 0\n")
+    endif()
   endforeach()
   # The headers declare what the libraries export, and nothing else.
-  string(REGEX MATCHALL "clsdf_[a-z_0-9]+@@" exported "${found}")
-  list(TRANSFORM exported REPLACE "@@" "")
   set(declared "")
   foreach(header IN LISTS HEADERS)
     file(READ ${header} text)
@@ -49,13 +63,11 @@ else()
     message(SEND_ERROR "declared and not exported: ${missing}; exported and not declared: ${hidden}")
   endif()
 endif()
-if(UPDATE)
-  file(WRITE ${RECORDED} "${found}")
-endif()
+file(WRITE ${SCRATCH} "${found}")
 file(READ ${RECORDED} recorded)
 if(NOT found STREQUAL recorded)
-  file(WRITE ${SCRATCH} "${found}")
-  message(FATAL_ERROR "${SCRATCH} differs from ${RECORDED}: programs that were compiled before would break")
+  message(FATAL_ERROR "${SCRATCH} differs from ${RECORDED}. If lines are new, copy it there. If lines are gone or changed, "
+                      "programs that were compiled before would break: see CLSDF_C_ABI in bindings/c/CMakeLists.txt")
 endif()
 string(REGEX MATCHALL "\n" lines "${found}")
 list(LENGTH lines lines)
