@@ -71,3 +71,9 @@ clang_14() {
     fi
     echo "$1"
 }
+
+# source_version [FOLDER] prints the version of the sources there, or here: CMakeLists.txt reads it in the same file.
+source_version() {
+    sed -n 's/^#define CLSDF_VERSION_\(MAJOR\|MINOR\|PATCH\) \([0-9]*\)$/\2/p' "${1:-.}/lib/include/clsdf/version.hpp" |
+        paste -s -d .
+}
