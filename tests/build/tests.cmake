@@ -44,6 +44,9 @@ add_test(NAME setup COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCR
                             ${CMAKE_CURRENT_LIST_DIR}/setup.cmake)
 add_test(NAME scripts COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/scripts -P
                               ${CMAKE_CURRENT_LIST_DIR}/scripts.cmake)
+add_test(NAME release COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/release -P
+                              ${CMAKE_CURRENT_LIST_DIR}/release.cmake)
+set_tests_properties(release PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
 
 # Enumerations and plain structs of the public headers have counterparts in C. The headers left out are Eigen's, and those
 # of libraries that a C interface would not have.
