@@ -24,7 +24,8 @@ fi
 
 echo "== Building"
 began=$SECONDS
-quiet dpkg-buildpackage -b -us -uc
+# Without packages of debug information.
+quiet env DEB_BUILD_OPTIONS="noautodbgsym terse" dpkg-buildpackage -b -us -uc
 mv /build/log /build/build.log
 echo "== $((SECONDS - began)) s"
 

@@ -20,13 +20,9 @@ as_user() {
 paste_line() { as_user sh -euc "$1" || fail "this line fails: $1"; }
 version_of() { dpkg-query -W -f '${Version}' "$1"; }
 clsdf_packages() { dpkg-query -W -f '${db:Status-Status} ${Package}\n' '*clsdf*' 2>/dev/null | sed -n 's/^installed //p'; }
-# What is installed, and the files of the system but for logs, caches and what the package manager keeps about itself.
-state() {
-    dpkg-query -W -f '${db:Status-Status} ${Package}\n' | grep -v '^not-installed ' | sort
-    find / -xdev \( -path /proc -o -path /sys -o -path /dev -o -path "$sources" -o -path /opt -o -path /tmp -o -path /root \
-        -o -path /var/cache -o -path /var/log -o -path /var/lib/apt -o -path /var/lib/dpkg -o -path /etc/ld.so.cache \) -prune \
-        -o -print | sort
-}
+installed() { dpkg-query -W -f '${db:Status-Status} ${Package}\n' | grep -v '^not-installed ' | sort; }
+# Packages that nothing asks for any more, with those that others only recommend.
+tidy() { quiet apt-get -y -o APT::AutoRemove::RecommendsImportant=false -o APT::AutoRemove::SuggestsImportant=false autoremove --purge; }
 compute() {
     as_user clsdf shape knot -o knot.off --quiet
     as_user clsdf compute knot.off -o "$1" --resolution 64 --band 10% --quiet
@@ -38,7 +34,8 @@ chown $user:$user $work
 [ -z "$(clsdf_packages)" ] || fail "the tree has clsdf from an earlier trial that was stopped; delete it: rm -rf --one-file-system build/debian-use"
 quiet apt-get -qq update
 quiet apt-get -y install --no-install-recommends bash-completion cmake g++ gfortran man-db ninja-build pkg-config
-state >$work.before
+tidy
+installed >$work.before
 
 say "the command"
 command=("$files"/new/{clsdf,libclsdf0.1,libclsdf-reference0.1}_*.deb)
@@ -48,7 +45,8 @@ quiet apt-get -y install "${command[@]}"
 compute first.nrrd
 say "from the packages, and what they need, to the first field: $((SECONDS - began)) s"
 as_user clsdf check --complete knot.off first.nrrd --quiet
-apt-get -qq -y purge '*clsdf*' >$work.log
+mapfile -t packages < <(clsdf_packages)
+quiet apt-get -y purge "${packages[@]}"
 
 if [ -d "$files/old" ]; then
     quiet apt-get -y install "$files"/old/*.deb
@@ -119,8 +117,12 @@ done
 
 say "removal"
 # Users' files are theirs: records of devices in ~/.cache/clsdf.
-quiet apt-get -y purge '*clsdf*'
-quiet apt-get -y autoremove --purge
-state >$work.after
-diff $work.before $work.after >$work.difference || fail "removal left or took these: $(head -n 40 $work.difference)"
+mapfile -t packages < <(clsdf_packages)
+dpkg -L "${packages[@]}" | sort -u >$work.files
+quiet apt-get -y purge "${packages[@]}"
+tidy
+installed | diff $work.before - || fail "after the removal these packages are left or gone"
+while IFS= read -r file; do
+    [ -d "$file" ] && [[ $file != *clsdf* ]] || { [ ! -e "$file" ] && [ ! -L "$file" ]; } || fail "the removal left $file"
+done <$work.files
 rm -rf $work $work.*
