@@ -20,6 +20,11 @@ as_user() {
 paste_line() { as_user sh -euc "$1" || fail "this line fails: $1"; }
 version_of() { dpkg-query -W -f '${Version}' "$1"; }
 clsdf_packages() { dpkg-query -W -f '${db:Status-Status} ${Package}\n' '*clsdf*' 2>/dev/null | sed -n 's/^installed //p'; }
+purge_clsdf() {
+    local packages
+    mapfile -t packages < <(clsdf_packages)
+    [ ${#packages[@]} -eq 0 ] || quiet apt-get -y purge "${packages[@]}"
+}
 installed() { dpkg-query -W -f '${db:Status-Status} ${Package}\n' | grep -v '^not-installed ' | sort; }
 # Packages that nothing asks for any more, with those that others only recommend.
 tidy() { quiet apt-get -y -o APT::AutoRemove::RecommendsImportant=false -o APT::AutoRemove::SuggestsImportant=false autoremove --purge; }
@@ -31,7 +36,7 @@ compute() {
 rm -rf $work
 mkdir $work
 chown $user:$user $work
-[ -z "$(clsdf_packages)" ] || fail "the tree has clsdf from an earlier trial that was stopped; delete it: rm -rf --one-file-system build/debian-use"
+purge_clsdf # of a trial that was stopped
 quiet apt-get -qq update
 quiet apt-get -y install --no-install-recommends bash-completion cmake g++ gfortran man-db ninja-build pkg-config
 tidy
@@ -45,8 +50,7 @@ quiet apt-get -y install "${command[@]}"
 compute first.nrrd
 say "from the packages, and what they need, to the first field: $((SECONDS - began)) s"
 as_user clsdf check --complete knot.off first.nrrd --quiet
-mapfile -t packages < <(clsdf_packages)
-quiet apt-get -y purge "${packages[@]}"
+purge_clsdf
 
 if [ -d "$files/old" ]; then
     quiet apt-get -y install "$files"/old/*.deb
@@ -117,9 +121,8 @@ done
 
 say "removal"
 # Users' files are theirs: records of devices in ~/.cache/clsdf.
-mapfile -t packages < <(clsdf_packages)
-dpkg -L "${packages[@]}" | sort -u >$work.files
-quiet apt-get -y purge "${packages[@]}"
+dpkg -L $(clsdf_packages) | sort -u >$work.files
+purge_clsdf
 tidy
 installed | diff $work.before - || fail "after the removal these packages are left or gone"
 while IFS= read -r file; do
