@@ -172,9 +172,9 @@ private:
     std::size_t count_ = 0, next_ = 0;
 };
 
-/// Nearer to an open edge, the rounding of its turns may decide, and no other point has them. In units.
+/// The radius of the smallest ball that is kept, in units: nearer to an open edge, rounding may decide.
 constexpr double least_free = 1e-5;
-/// Of a ball without surface, whose open edges may lie on its border: so much of its radius is looked at.
+/// The part of a ball without surface in which the film is looked for: open edges may lie on the ball's border.
 constexpr double share_without_edges = 0.75;
 
 /// A way longer than that, in units, meets more faces than a ray.
@@ -209,6 +209,7 @@ int winding_number_with_film(const engine::PointMesh& mesh, const Vec3& p, const
 
 std::optional<int> rounded_winding_number(const engine::PointMesh& mesh, const Vec3& centre, double radius) {
     const double change = mesh.film->change_within(centre, radius);
+    if (!(change < 0.5)) return std::nullopt;
     const FilmTree::View view = mesh.film->look(centre, change);
     if (!(change < view.to_half)) return std::nullopt;
     return winding_of_ray(mesh, centre) + view.rounded;

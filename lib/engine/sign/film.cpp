@@ -152,8 +152,8 @@ public:
     /// The turns at a sample, rounded.
     int rounded_at(std::int64_t x, std::int64_t y, std::int64_t z, const Surroundings& around) const {
         const HalfSample sample{2 * x, 2 * y, 2 * z};
-        for (const Surroundings* some = &around;; some = some->outer)
-            if (const auto rounded = rounded_of(turns_at(sample, *some), sample, *some)) return *rounded;
+        for (const Surroundings* seen = &around;; seen = seen->outer)
+            if (const auto rounded = rounded_of(turns_at(sample, *seen), sample, *seen)) return *rounded;
     }
 
     /// The same of samples next to each other.
@@ -166,17 +166,17 @@ public:
                              per_z_,
                              boundary_.spacing};
         std::array<std::optional<int>, lanes> rounded;
-        for (const Surroundings* some = &around; !std::ranges::all_of(rounded, &std::optional<int>::has_value);
-             some = some->outer) {
+        for (const Surroundings* seen = &around; !std::ranges::all_of(rounded, &std::optional<int>::has_value);
+             seen = seen->outer) {
             TurnsOfLanes turns;
-            for (const std::uint32_t loop : some->loops) {
+            for (const std::uint32_t loop : seen->loops) {
                 const std::size_t begin = boundary_.begins[loop];
                 add_loop(boundary_.corners.data() + begin, boundary_.begins[loop + 1] - begin, place, turns);
             }
             for (std::size_t lane = 0; lane < lanes; ++lane)
                 if (!rounded[lane])
                     rounded[lane] =
-                        rounded_of(turns[lane], {2 * (x + static_cast<std::int64_t>(lane)), 2 * y, 2 * z}, *some);
+                        rounded_of(turns[lane], {2 * (x + static_cast<std::int64_t>(lane)), 2 * y, 2 * z}, *seen);
         }
         std::array<int, lanes> result{};
         for (std::size_t lane = 0; lane < lanes; ++lane) result[lane] = *rounded[lane];
