@@ -81,7 +81,7 @@ void SparseArrays::check_room(const SparseCounts& counts) const {
 }
 
 void ArraysTarget::take(const SparseSlab& slab) {
-    std::ranges::copy(slab.bricks, arrays_.bricks.begin() + static_cast<std::ptrdiff_t>(counts_.bricks));
+    std::ranges::copy(slab.bricks, arrays_.bricks.begin() + static_cast<std::ptrdiff_t>(used()));
     count(slab.bricks.size(), slab);
 }
 

@@ -4,6 +4,7 @@
 
 #include "targets/host_arrays.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -88,16 +89,17 @@ class ArraysTarget final : public SparseTarget {
 public:
     ArraysTarget(const SparseArrays& arrays, SparseCounts& counts) : arrays_(arrays), counts_(counts) {}
 
-    std::size_t most() const override {
-        return counts_.bricks < arrays_.bricks.size() ? arrays_.bricks.size() - counts_.bricks : 0;
-    }
+    std::size_t most() const override { return arrays_.bricks.size() - used(); }
     targets::HostArrays room(std::size_t /*bricks*/) override {
-        return targets::arrays_from(counts_.bricks * brick_samples, arrays_.values);
+        return targets::arrays_from(used() * brick_samples, arrays_.values);
     }
     void take(const SparseSlab& slab) override;
     void count(std::size_t bricks, const SparseSlab& slab) override;
 
 private:
+    /// The place of the next bricks in the arrays: their end once the room is exceeded.
+    std::size_t used() const { return std::min(counts_.bricks, arrays_.bricks.size()); }
+
     const SparseArrays& arrays_;
     SparseCounts& counts_;
 };

@@ -271,7 +271,7 @@ StoredArray sparse_array(InputFile& file, const hdf5::Source& source, const Want
         file.fail(fmt::format("dataset '/{}': its values are in chunks; save it contiguous (h5repack -l CONTI)",
                               wanted.name));
     if (shape[0] < 0) shape[0] = array.shape[0];
-    if (array.shape != shape)
+    if (array.shape != shape || shape[0] < 0)  // 2^63 and more
         file.fail(fmt::format("dataset '/{}': the shape ({}) is not ({})", wanted.name, fmt::join(array.shape, ", "),
                               fmt::join(shape, ", ")));
     if (shape[0] > 0) checked_count(file, array.values, shape);

@@ -431,9 +431,20 @@ public:
             }
         }
         file_.commit();
+        remove_xdmf();
     }
 
 private:
+    /// A dense field that was in the file has left a file that describes its arrays.
+    void remove_xdmf() const {
+        std::error_code error;
+        std::filesystem::remove(xdmf_path(path_), error);
+        if (error)
+            throw Error(ErrorCode::output_failure,
+                        fmt::format("cannot remove '{}', which describes the former content of '{}': {}",
+                                    xdmf_path(path_), path_, error.message()));
+    }
+
     void write(std::uint64_t offset, std::span<const std::byte> values, std::size_t width) {
         if (values.empty()) return;
         file_.seek(offset);

@@ -3,6 +3,7 @@
 
 #include <clsdf/field.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/sparse.hpp>
 
 #include <hdf5.h>
 #include <boost/test/unit_test.hpp>
@@ -12,6 +13,7 @@
 #include <fstream>
 #include <numeric>
 #include <random>
+#include <string>
 #include <vector>
 
 using namespace clsdf;
@@ -111,6 +113,27 @@ void check_read(const std::string& path, bool has_triangles) {
         if (has_triangles && field.triangle()[i] != 0xFFFFF000U + static_cast<std::uint32_t>(i)) ++wrong;
     }
     BOOST_TEST(wrong == 0U);
+}
+
+/// A sparse field's description and array of bricks, as another program writes them.
+void write_bricks(const std::string& path, std::string description, std::size_t bricks) {
+    const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    BOOST_REQUIRE(file >= 0);
+    const hid_t text = H5Tcopy(H5T_C_S1), scalar = H5Screate(H5S_SCALAR);
+    H5Tset_size(text, description.size() + 1);
+    const hid_t attribute = H5Acreate2(file, "clsdf", text, scalar, H5P_DEFAULT, H5P_DEFAULT);
+    BOOST_REQUIRE(H5Awrite(attribute, text, description.c_str()) >= 0);
+    const std::array<hsize_t, 2> size{bricks, 3};
+    const hid_t space = H5Screate_simple(2, size.data(), nullptr);
+    const hid_t array = H5Dcreate2(file, "bricks", H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    const std::vector<std::int64_t> values(3 * bricks);
+    BOOST_REQUIRE(H5Dwrite(array, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0);
+    H5Dclose(array);
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Sclose(scalar);
+    H5Tclose(text);
+    H5Fclose(file);
 }
 
 /// Read, or refused as unreadable, and nothing else.
@@ -224,6 +247,29 @@ BOOST_AUTO_TEST_CASE(is_read_or_refused_but_nothing_else_whatever_bytes_change) 
         BOOST_TEST(read > 0U);
         BOOST_TEST(read < 4000U);
     }
+}
+
+BOOST_AUTO_TEST_CASE(is_refused_if_it_has_more_bricks_than_numbers) {
+    const TemporaryFolder folder;
+    SparseField field;
+    field.grid = {.origin = {}, .spacing = {1, 1, 1}, .size = {8, 8, 8}};
+    field.band = Band::symmetric(1);
+    write_field(field, folder.file("field.npy"));
+    const std::string path = folder.file("field.h5");
+    constexpr std::size_t bricks = 777;
+    write_bricks(path, content_of(folder.file("field.npy.json")), bricks);
+    check_throws(ErrorCode::unreadable_input, {"field.h5", "inside_runs"}, [&] { read_sparse_field(path); });
+
+    std::string bytes = content_of(path);
+    std::string shape(16, '\0');
+    shape[0] = static_cast<char>(bricks % 256);
+    shape[1] = static_cast<char>(bricks / 256);
+    shape[8] = 3;
+    const std::size_t at = bytes.find(shape);
+    BOOST_REQUIRE(at != std::string::npos);
+    bytes[at + 7] = static_cast<char>(0x80);
+    std::ofstream(path, std::ios::binary) << bytes;
+    check_throws(ErrorCode::unreadable_input, {"field.h5", "'/bricks'", "shape"}, [&] { read_sparse_field(path); });
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -159,6 +159,15 @@ BOOST_AUTO_TEST_CASE(is_read_from_a_tree_with_the_samples_of_the_dense_field) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(leaves_no_xdmf_of_a_dense_field_beside_it) {
+    const SparseField field = sphere_field(Output::distance);
+    const TemporaryFolder folder;
+    write_field(to_dense(field), folder.file("field.h5"));
+    BOOST_TEST(std::filesystem::exists(folder.file("field.xdmf")));
+    write_field(field, folder.file("field.h5"));
+    BOOST_TEST(folder.file_count() == 1U);
+}
+
 BOOST_AUTO_TEST_CASE(is_told_from_a_dense_one) {
     const TemporaryFolder folder;
     Field dense = to_dense(sphere_field(Output::distance));

@@ -409,6 +409,20 @@ BOOST_AUTO_TEST_CASE(the_callers_arrays_get_the_field) {
     }
 }
 
+// A pointer beyond the arrays would be seen by the sanitizers.
+BOOST_AUTO_TEST_CASE(layers_without_bricks_may_follow_those_that_exceed_the_room) {
+    const Mesh mesh = make_shape("sphere4");
+    Grid grid = lattice_around(mesh, 160, 4, {0, 0, 0});
+    grid.size[2] *= 2;
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const SparseField whole = DistanceTransform(test_device(), mesh).compute_sparse(grid, band);
+    const SparseCounts expected{whole.bricks.size(), whole.inside.size()};
+    const DistanceTransform transform(test_device().limited({.memory = std::size_t{5} << 19}), mesh);
+    TransformStatistics statistics;
+    BOOST_TEST((transform.count_sparse(grid, band, {}, &statistics) == expected));
+    BOOST_TEST(statistics.slabs > 1U);
+}
+
 BOOST_AUTO_TEST_CASE(arrays_that_are_refused) {
     const DistanceTransform transform(test_device(), sphere());
     const Grid grid = lattice_around(sphere(), 40, 5, {0, 0, 0});
