@@ -14,7 +14,8 @@
 ///   CLSDF_DISGUISE=pocl-3.0       as Settings::pocl_3_0
 ///   CLSDF_DISGUISE_PLATFORMS=0    as Settings::without_platforms
 ///   CLSDF_DISGUISE_UNITS=NUMBER   as Settings::compute_units
-///   CLSDF_DISGUISE_EXTERNAL=memory, or memory+semaphores   as Settings::external_memory and external_semaphores
+///   CLSDF_DISGUISE_EXTERNAL=memory, memory+semaphores or memory+unshared-semaphores   as Settings::external_memory,
+///                                 external_semaphores and unshared_semaphores
 ///   CLSDF_DISGUISE_COUNTS=FILE    each process appends its counts to the file when it ends, a line of JSON
 ///   CLSDF_DISGUISE_FAULT=[CALL:]NUMBER[+]   as Fault; + for `onwards`
 ///   CLSDF_DISGUISE_CODE=CODE      as Fault::code
@@ -42,6 +43,7 @@ struct Settings {
     bool without_devices = false;      ///< platforms have none
     bool external_memory = false;      ///< a GPU takes memory of the stand-in for CUDA's driver (cuda/driver.cpp)
     bool external_semaphores = false;  ///< and shares semaphores with it
+    bool unshared_semaphores = false;  ///< whose signals do not reach the other driver, with external_semaphores
     std::uint64_t memory =
         UINT64_MAX;  ///< bytes of a GPU; a first use beyond fails with CL_MEM_OBJECT_ALLOCATION_FAILURE
 };

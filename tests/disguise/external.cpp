@@ -187,7 +187,9 @@ cl_int semaphore_handle(Semaphore* semaphore, cl_device_id, cl_uint type, std::s
     if (type != opaque_semaphore || (value != nullptr && size < sizeof(int))) return CL_INVALID_VALUE;
     if (needed != nullptr) *needed = sizeof(int);
     if (value == nullptr) return CL_SUCCESS;
-    const int copy = ::fcntl(semaphore->payload->descriptor, F_DUPFD_CLOEXEC, 0);
+    const int copy = record().settings.unshared_semaphores
+                         ? ::eventfd(0, EFD_CLOEXEC)
+                         : ::fcntl(semaphore->payload->descriptor, F_DUPFD_CLOEXEC, 0);
     if (copy < 0) return CL_OUT_OF_RESOURCES;
     std::memcpy(value, &copy, sizeof copy);
     return CL_SUCCESS;
@@ -309,7 +311,7 @@ cl_mem clCreateBufferWithProperties(cl_context context, const Properties* proper
     if (const cl_int code = begin("clCreateBufferWithProperties")) return refused(code, error);
     if (!has_memory() || properties == nullptr || *properties == 0)
         return CLSDF_NEXT(clCreateBufferWithProperties)(context, properties, flags, bytes, host, error);
-    // Of these devices no other property is needed, and a DMA-BUF is refused as by NVIDIA's driver.
+    // These devices need no other property, and they refuse a DMA-BUF as NVIDIA's driver does.
     if (properties[0] == dma_buffer || properties[0] != opaque_memory || properties[2] != 0)
         return refused(CL_INVALID_PROPERTY, error);
     if ((flags & (CL_MEM_USE_HOST_PTR | CL_MEM_ALLOC_HOST_PTR | CL_MEM_COPY_HOST_PTR)) != 0)

@@ -8,7 +8,8 @@
 
 namespace clsdf::disguise {
 
-/// Of the simulated GPU (CL_DEVICE_UUID_KHR, 16 bytes), and of the second device of the stand-in for CUDA's driver.
+/// The simulated GPU's CL_DEVICE_UUID_KHR (16 bytes), which the second device of the stand-in for CUDA's driver has,
+/// too.
 constexpr char uuid[] = "clsdf-disguise-1";
 static_assert(sizeof uuid == 17);
 

@@ -42,7 +42,8 @@ Record* record_of_environment() {
         static_cast<unsigned>(std::strtoul(variable("CLSDF_DISGUISE_UNITS").c_str(), nullptr, 10));
     const std::string external = variable("CLSDF_DISGUISE_EXTERNAL");
     record->settings.external_memory = !external.empty();
-    record->settings.external_semaphores = external == "memory+semaphores";
+    record->settings.unshared_semaphores = external == "memory+unshared-semaphores";
+    record->settings.external_semaphores = external == "memory+semaphores" || record->settings.unshared_semaphores;
     record->fault = fault_of_environment();
     return record;
 }

@@ -7,11 +7,13 @@
 #include <unistd.h>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -96,20 +98,26 @@ std::uint64_t reserve(std::size_t size) {
     return address == MAP_FAILED ? 0 : reinterpret_cast<std::uint64_t>(address);
 }
 
-bool is_on_purpose(const char* call) {
-    const char* const text = std::getenv("CLSDF_CUDA_FAULT");
+/// Whether the variable, CALL:NUMBER, names the latest call, under the mutex.
+bool is_named(const char* variable, const char* call) {
+    const char* const text = std::getenv(variable);
     if (text == nullptr) return false;
-    const std::string fault = text;
-    const std::size_t colon = fault.find(':');
-    return fault.substr(0, colon) == call && driver().calls[call] == std::atoi(fault.c_str() + colon + 1);
+    const std::string named = text;
+    const std::size_t colon = named.find(':');
+    return named.substr(0, colon) == call && driver().calls[call] == std::atoi(named.c_str() + colon + 1);
 }
 
 }  // namespace
 
 Result begin(const char* call) {
-    const std::scoped_lock lock(driver().mutex);
+    std::unique_lock lock(driver().mutex);
     ++driver().calls[call];
-    if (is_on_purpose(call)) return unknown;
+    if (is_named("CLSDF_CUDA_FAULT", call)) return unknown;
+    if (is_named("CLSDF_CUDA_DELAY", call)) {
+        lock.unlock();
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+        lock.lock();
+    }
     return driver().is_initialized ? success : not_initialized;
 }
 

@@ -11,6 +11,8 @@
 ///
 ///   CLSDF_CUDA_DEVICES=0           no device; 1: only the first, which has another UUID
 ///   CLSDF_CUDA_FAULT=CALL:NUMBER   that call fails with CUDA_ERROR_UNKNOWN, counted from 1
+///   CLSDF_CUDA_DELAY=CALL:NUMBER   that call begins a second later
+/// Each call reads these variables.
 namespace clsdf::cuda {
 
 using Result = int;

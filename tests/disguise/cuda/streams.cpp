@@ -89,7 +89,7 @@ Stream* stream_of(void* handle) {
     return nullptr;
 }
 
-/// What was recorded last, and what of it has been reached.
+/// Numbers of the last record and of the last one that its stream has reached.
 struct Event {
     std::mutex mutex;
     std::condition_variable changed;
@@ -183,7 +183,7 @@ Result cuMemcpyHtoDAsync_v2(std::uint64_t to, const void* from, std::size_t size
     if (stream == nullptr) return invalid_handle;
     const Bytes target = bytes_at(to, size);
     if (target.address == nullptr) return invalid_value;
-    // Of memory that is not pinned: it may change when the call returns.
+    // Pageable memory: it may change when the call returns.
     std::vector<char> content(static_cast<const char*>(from), static_cast<const char*>(from) + size);
     stream->add(
         [target, content = std::move(content)] { std::memcpy(target.address, content.data(), content.size()); });
@@ -197,7 +197,7 @@ Result cuMemcpyDtoHAsync_v2(void* to, std::uint64_t from, std::size_t size, void
     const Bytes source = bytes_at(from, size);
     if (source.address == nullptr) return invalid_value;
     stream->add([=] { std::memcpy(to, source.address, size); });
-    stream->finish();  // of memory that is not pinned
+    stream->finish();  // pageable memory
     return success;
 }
 
