@@ -19,14 +19,14 @@ namespace {
 
 using Uuid = std::array<unsigned char, 16>;
 
-// Of OpenCL's extensions.
+// Constants of OpenCL's extensions.
 constexpr cl_device_info device_uuid = 0x106A;        // CL_DEVICE_UUID_KHR
 constexpr cl_device_info export_semaphores = 0x204E;  // CL_DEVICE_SEMAPHORE_EXPORT_HANDLE_TYPES_KHR
 constexpr cl_ulong semaphore_type = 0x203D;           // CL_SEMAPHORE_TYPE_KHR
 constexpr cl_ulong binary = 1;                        // CL_SEMAPHORE_TYPE_BINARY_KHR
 constexpr cl_ulong export_types = 0x203F;             // CL_SEMAPHORE_EXPORT_HANDLE_TYPES_KHR
 constexpr cl_uint opaque_semaphore = 0x2055;          // CL_SEMAPHORE_HANDLE_OPAQUE_FD_KHR
-// Of CUDA.
+// Constants of CUDA.
 constexpr unsigned without_timing = 2;       // CU_EVENT_DISABLE_TIMING
 constexpr unsigned non_blocking_stream = 1;  // CU_STREAM_NON_BLOCKING
 constexpr int posix_descriptor = 1;          // CU_MEM_HANDLE_TYPE_POSIX_FILE_DESCRIPTOR
@@ -251,8 +251,9 @@ bool Link::has_semaphores() {
     return has_semaphores_;
 }
 
-// CUDA signals, OpenCL waits and signals, CUDA waits. A driver that has not done this in a second never does: what it
-// waits with is left to it.
+// CUDA signals, OpenCL waits and signals, CUDA waits. A driver that has not done this in a second never does. The
+// test's objects are left to it then, and each side signals itself, so that no later wait for the whole device waits
+// for them.
 bool Link::try_semaphores() {
     constexpr std::chrono::seconds limit{1};
     const Current current(context_);
@@ -279,6 +280,14 @@ bool Link::try_semaphores() {
     }
     if (!is_done) {
         static_cast<void>(lane.release());
+        Stream second_stream = nullptr;
+        if (cuda.create_stream(&second_stream, non_blocking_stream) == 0)
+            cuda.signal(&both.to_cuda.of_cuda, &parameters, 1, second_stream);
+        const cl_command_queue second_queue = clCreateCommandQueue(device_.context(), device_.id(), 0, &code);
+        if (code == CL_SUCCESS) {
+            extensions_.signal(second_queue, 1, &both.to_opencl.of_opencl, nullptr, 0, nullptr, nullptr);
+            clFlush(second_queue);
+        }
         return false;
     }
     clReleaseCommandQueue(queue);
@@ -361,10 +370,11 @@ std::shared_ptr<SharedMemory> new_shared_memory(std::shared_ptr<Link> link, std:
 }
 
 std::shared_ptr<SharedMemory> shared_memory_at(Pointer address) {
+    std::shared_ptr<SharedMemory> memory;  // ends after the lock: it may be the last owner, whose end takes the mutex
     const std::scoped_lock lock(registry().mutex);
     auto after = registry().all.upper_bound(address);
     if (after == registry().all.begin()) return nullptr;
-    std::shared_ptr<SharedMemory> memory = std::prev(after)->second.lock();
+    memory = std::prev(after)->second.lock();
     if (memory == nullptr || address >= memory->allocation().address() + memory->allocation().bytes()) return nullptr;
     return memory;
 }

@@ -86,7 +86,8 @@ struct Semaphores {
     SharedSemaphore to_opencl, to_cuda;
 };
 
-/// What one call at a time uses. Its next user waits on the device for the event.
+/// Objects that one call at a time uses: events, staging memory, semaphores. The next user waits on the device for
+/// `latest`.
 struct Lane {
     explicit Lane(Link& link);
     ~Lane();

@@ -312,7 +312,7 @@ def test_the_memory_lives_as_long_as_its_last_user(body, points, found):
     capsule._array = asked.__dlpack__()
 
     class Rest:
-        """What is left of an array: its capsule."""
+        """The capsule alone, without its array."""
 
         shape = points.shape
 
@@ -490,7 +490,7 @@ def test_a_call_that_fails_gives_the_memory_back(body, expected):
         assert np.array_equal(shared.get(), expected.distance)
 
 
-# What each of the driver's calls leaves when it fails, and what a process without a driver is told.
+# The state that each of the driver's calls leaves when it fails, and the message in a process without a driver.
 
 PROGRAM = """
 import gc, os, sys
@@ -549,6 +549,24 @@ def test_a_call_of_cuda_that_fails(call):
 def test_a_buffer_that_opencl_refuses_leaves_no_descriptor():
     said, leaked = run(PROGRAM, CLSDF_DISGUISE_FAULT="clCreateBufferWithProperties:1+", CLSDF_DISGUISE_CODE="-30")
     assert said.startswith("invalid_argument") and "does not take the descriptor" in said and leaked == "0"
+
+
+UNSHARED = """
+import gc, numpy as np, clsdf
+body = clsdf.Transform(clsdf.make_shape("sphere1"))
+expected = body.field(resolution=20)
+shared = clsdf.SharedArray(expected.grid.shape, device=body.device)
+body.plan(expected.grid, band=expected.band).enqueue(out=shared)
+assert np.array_equal(shared.get(), expected.distance) and not body.device._has_semaphores()
+del shared
+gc.collect()
+body.device.release_memory()
+print("freed")
+"""
+
+
+def test_semaphores_whose_signals_do_not_arrive_hold_nothing_up():
+    assert run(UNSHARED, CLSDF_DISGUISE_EXTERNAL="memory+unshared-semaphores") == ["freed"]
 
 
 ON_A_GPU = Path(__file__).parents[3] / "tests" / "python" / "on_a_gpu.py"
