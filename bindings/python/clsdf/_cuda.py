@@ -19,21 +19,33 @@ _default_stream = 1
 is_in_cuda = _core.is_in_cuda
 
 
+def _is_of_torch(array: Any) -> bool:
+    """Whether an array is a tensor of torch, also of a subclass in another package."""
+    return isinstance(array, getattr(sys.modules.get("torch"), "Tensor", ()))
+
+
+def stream_of(array: Any) -> int:
+    """The stream on which the package of an array works now."""
+    if _is_of_torch(array):
+        return int(sys.modules["torch"].cuda.current_stream(array.device).cuda_stream or _default_stream)
+    interface = getattr(array, "__cuda_array_interface__", None)
+    return int((interface or {}).get("stream") or _default_stream)
+
+
 def described(array: Any) -> tuple[dict[str, Any] | None, Any, int]:
     """The __cuda_array_interface__ of an array, or else its DLPack capsule; and the stream on which its package works."""
     package = type(array).__module__.partition(".")[0]
-    stream = _default_stream
-    if package == "torch":
-        stream = sys.modules["torch"].cuda.current_stream(array.device).cuda_stream or stream
-        array = array.detach()
-    elif package in ("jax", "jaxlib"):
+    if package in ("jax", "jaxlib"):
         array.block_until_ready()  # JAX does not tell its streams
+    stream = stream_of(array)
+    if _is_of_torch(array):
+        array = array.detach()
     interface = getattr(array, "__cuda_array_interface__", None)
     if interface is None:
         return None, array.__dlpack__(stream=stream), stream
     if interface.get("mask") is not None:
         raise Error(f"an array of {package} has a mask, which is not taken; pass an array without one")
-    return interface, None, interface.get("stream") or stream
+    return interface, None, stream
 
 
 def shape_of(array: Any) -> tuple[int, ...]:

@@ -410,6 +410,30 @@ def test_a_callback_may_use_the_array_of_its_call(solid, body, points, found):
         assert np.array_equal(inner[0], found.distance)
 
 
+def test_tensors_of_subclasses_are_those_of_torch(body, points, found, monkeypatch):
+    stream = cuda().stream()
+
+    class TorchTensor(Tensor):
+        """A tensor of torch: it does not name its stream."""
+
+        def __init__(self, values):
+            super().__init__(values, stream)
+            del self.__cuda_array_interface__["stream"]
+
+        def detach(self):
+            return self
+
+    class OwnTensor(TorchTensor):
+        """A class of another package, as MONAI's MetaTensor."""
+
+    current = types.SimpleNamespace(current_stream=lambda device: types.SimpleNamespace(cuda_stream=stream))
+    monkeypatch.setitem(sys.modules, "torch", types.SimpleNamespace(Tensor=TorchTensor, cuda=current))
+    asked = OwnTensor(np.zeros_like(points))
+    cuda().later(stream, lambda: None)
+    asked.copy_up(points)  # 50 ms later
+    assert np.array_equal(body.query(asked).distance, found.distance)
+
+
 def test_memory_is_given_back(body, expected):
     body.field(expected.grid, band=expected.band, out=Tensor(np.zeros_like(expected.distance)))
     assert body.device.release_memory() >= 2 << 20
