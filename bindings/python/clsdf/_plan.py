@@ -38,7 +38,8 @@ class Plan:
 
         out: pyopencl arrays, or buffers, which are packed: of one grid a dictionary by names of outputs, or the array of
             the distance; of more requests a list of dictionaries. None: the arrays of the plan's requests. They may be
-            arrays in memory of CUDA: a SharedArray, or tensors of torch or arrays of CuPy on the same GPU.
+            arrays in memory of CUDA: a SharedArray, or tensors of torch or arrays of CuPy on the same GPU. Their streams
+            are asked for at each call.
         queue: a pyopencl.CommandQueue of the device's context; None: the device's own. wait_for: pyopencl events.
 
         Returns the pyopencl.Event of the end, and the arrays must outlive the run. With arrays in memory of CUDA it

@@ -37,12 +37,19 @@ Arrays::~Arrays() {
 }
 
 void Arrays::abandon() noexcept {
-    if (!taken_.empty()) {
+    if (!is_locked_) return;
+    if (!taken_.empty())
         link_->extensions().release(queue_, static_cast<cl_uint>(taken_.size()), taken_.data(), 0, nullptr, nullptr);
-        clFinish(queue_);
-        taken_.clear();
+    taken_.clear();
+    clFinish(queue_);
+    try {
+        const Current current(link_->context());
+        driver().finish_stream(streams_.front());
+        // One may be signalled without a wait: it cannot be used again.
+        lane_->semaphores.reset();
+    } catch (const Error&) {  // the context has ended
     }
-    if (is_locked_) unlock();
+    unlock();
 }
 
 cl_mem Arrays::add(const View& view, bool is_written) {
@@ -51,8 +58,17 @@ cl_mem Arrays::add(const View& view, bool is_written) {
     if (shared != nullptr && shared->link().device().context() != link_->device().context()) shared = nullptr;
     if (shared == nullptr) check_device(*link_, view);
     entries_.push_back({view, is_written, std::move(shared)});
-    if (std::ranges::find(streams_, view.stream) == streams_.end()) streams_.push_back(view.stream);
+    add_stream(view.stream);
     return reinterpret_cast<cl_mem>(&entries_.back());
+}
+
+void Arrays::add_stream(Stream stream) {
+    if (std::ranges::find(streams_, stream) == streams_.end()) streams_.push_back(stream);
+}
+
+void Arrays::follow(const std::vector<Stream>& streams) {
+    streams_.clear();
+    for (const Stream stream : streams) add_stream(stream);
 }
 
 void Arrays::place() {
@@ -152,8 +168,8 @@ std::vector<cl_mem> Arrays::buffers() const {
 
 void Arrays::acquire() {
     if (entries_.empty()) return;
-    lock();
     queue_ = own_queue();
+    lock();
     {
         const Current current(link_->context());
         join_streams();
@@ -174,15 +190,15 @@ void Arrays::release() {
     if (entries_.empty()) return;
     if (!taken_.empty()) {
         ClEvent released;
-        const std::vector<cl_mem> all = std::exchange(taken_, {});
-        check_cl(link_->extensions().release(queue_, static_cast<cl_uint>(all.size()), all.data(), 0, nullptr,
+        check_cl(link_->extensions().release(queue_, static_cast<cl_uint>(taken_.size()), taken_.data(), 0, nullptr,
                                              released.put()),
                  "clEnqueueReleaseExternalMemObjectsKHR");
+        taken_.clear();
         released.wait();
     }
-    unlock();
     const Current current(link_->context());
     copy_out();
+    unlock();
 }
 
 ClEvent Arrays::acquire(cl_command_queue queue, std::span<const cl_event> waits) {
@@ -205,15 +221,10 @@ ClEvent Arrays::acquire(cl_command_queue queue, std::span<const cl_event> waits)
             const SharedSemaphore& semaphore = lane_->semaphores->to_opencl;
             check(driver().signal(&semaphore.of_cuda, &parameters, 1, streams_.front()),
                   "cuSignalExternalSemaphoresAsync");
-            const cl_int code =
+            check_cl(
                 link_->extensions().wait(queue_, 1, &semaphore.of_opencl, nullptr, static_cast<cl_uint>(waits.size()),
-                                         waits.empty() ? nullptr : waits.data(), reached.put());
-            // Signalled, and nobody waits: it cannot be used again.
-            if (code != CL_SUCCESS) {
-                driver().finish_stream(streams_.front());
-                lane_->semaphores.reset();
-            }
-            check_cl(code, "clEnqueueWaitSemaphoresKHR");
+                                         waits.empty() ? nullptr : waits.data(), reached.put()),
+                "clEnqueueWaitSemaphoresKHR");
         } else {
             check(driver().finish_stream(streams_.front()), "cuStreamSynchronize");
         }
@@ -231,11 +242,11 @@ ClEvent Arrays::acquire(cl_command_queue queue, std::span<const cl_event> waits)
 
 void Arrays::release(std::span<const cl_event> done) {
     ClEvent released;
-    const std::vector<cl_mem> all = std::exchange(taken_, {});
-    check_cl(link_->extensions().release(queue_, static_cast<cl_uint>(all.size()), all.empty() ? nullptr : all.data(),
-                                         static_cast<cl_uint>(done.size()), done.data(), released.put()),
+    check_cl(link_->extensions().release(queue_, static_cast<cl_uint>(taken_.size()),
+                                         taken_.empty() ? nullptr : taken_.data(), static_cast<cl_uint>(done.size()),
+                                         done.data(), released.put()),
              "clEnqueueReleaseExternalMemObjectsKHR");
-    unlock();
+    taken_.clear();
     const Current current(link_->context());
     if (lane_->semaphores != nullptr) {
         const SharedSemaphore& semaphore = lane_->semaphores->to_cuda;
@@ -249,6 +260,7 @@ void Arrays::release(std::span<const cl_event> done) {
         released.wait();
     }
     copy_out();
+    unlock();
 }
 
 void copy_to_host(const Link& link, const View& view, void* to) {

@@ -38,6 +38,9 @@ public:
     /// The buffer and the offset of an array in place of what add() returned; others stay.
     void replace(cl_mem& buffer, std::size_t& offset) const;
 
+    /// The streams on which the arrays' packages work now, in place of those of add().
+    void follow(const std::vector<Stream>& streams);
+
     /// For a call that blocks: the arrays are OpenCL's from acquire() to release(), which return when that is so. The
     /// results follow in the order of the streams.
     void acquire();
@@ -49,7 +52,8 @@ public:
     ClEvent acquire(cl_command_queue queue, std::span<const cl_event> waits);
     void release(std::span<const cl_event> done);
 
-    /// After an error between acquire() and release(): gives the memory back to CUDA. Else without effect.
+    /// After an error since acquire() began, also in release(): waits for all that was enqueued, and gives the memory
+    /// back to CUDA. Else without effect.
     void abandon() noexcept;
 
 private:
@@ -66,6 +70,7 @@ private:
         std::size_t offset;  ///< in the staging memory
     };
 
+    void add_stream(Stream stream);
     void lock();
     void unlock() noexcept;
     void join_streams();
@@ -82,7 +87,7 @@ private:
     std::vector<std::shared_ptr<SharedMemory>> shared_;  ///< each once, in the order in which they are locked
     std::vector<cl_mem> taken_;                          ///< acquired, to be released
     cl_command_queue queue_ = nullptr;                   ///< on which
-    bool is_locked_ = false;
+    bool is_locked_ = false;                             ///< from the begin of acquire() to the end of release()
 };
 
 /// Copies an array to the host, or back, in the order of its stream. Blocks.

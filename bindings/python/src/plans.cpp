@@ -13,15 +13,23 @@ namespace clsdf::python {
 
 namespace {
 
-/// A plan of the library for Python's threads, which take turns. It keeps the arrays that its requests write to.
+/// The requests of a plan, which keep the arrays that they write to.
+struct PlanRequests {
+    RequestList list;
+    Owner<cuda::Arrays> cuda;  ///< the arrays in memory of CUDA; null if there are none
+};
+
+std::unique_ptr<PlanRequests> new_requests(RequestList list, std::unique_ptr<cuda::Arrays> cuda = nullptr) {
+    return std::unique_ptr<PlanRequests>(new PlanRequests{std::move(list), Owner<cuda::Arrays>(cuda.release())});
+}
+
+/// A plan of the library for Python's threads, which take turns.
 class PyPlan {
 public:
-    PyPlan(PyDevice device, Plan plan, nb::object requests, std::unique_ptr<cuda::Arrays> cuda = nullptr)
-        : device_(std::move(device)),
-          requests_(std::move(requests)),
-          cuda_(cuda.release(), DeleteHere()),
-          plan_(new Plan(std::move(plan))) {}
+    PyPlan(PyDevice device, Plan plan, std::unique_ptr<PlanRequests> requests)
+        : device_(std::move(device)), requests_(std::move(requests)), plan_(new Plan(std::move(plan))) {}
 
+    /// Calls the function with the plan, without the GIL.
     template <typename Function>
     auto use(Function function) const {
         const AtWork work(this, "plan");
@@ -30,18 +38,16 @@ public:
         return function(*plan_);
     }
 
-    void keep(nb::object requests, std::unique_ptr<cuda::Arrays> cuda) {
-        requests_ = std::move(requests);
-        cuda_.reset(cuda.release());
-    }
-    /// The arrays of the requests that are in memory of CUDA; null if there are none.
-    cuda::Arrays* cuda() const { return cuda_.get(); }
+    /// In a function of use() alone: another thread may change them.
+    const PlanRequests& requests() const { return *requests_; }
+    /// In a function of use(). The caller destroys the former requests after it, with the GIL.
+    void swap_requests(std::unique_ptr<PlanRequests>& requests) { requests_.swap(requests); }
+
     const PyDevice& device() const { return device_; }
 
 private:
     PyDevice device_;
-    nb::object requests_;
-    Owner<cuda::Arrays> cuda_;
+    std::unique_ptr<PlanRequests> requests_;
     Owner<Plan> plan_;  // its end waits for the runs, which write to the arrays
     std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
 };
@@ -54,7 +60,7 @@ PyPlan plan_of_grid(const Body& body, const Grid& grid, const Band& band, const 
     return PyPlan(body.device(), body.read([&](const DistanceTransform& transform) {
         return transform.plan(grid, band, wanted, call.options());
     }),
-                  nb::none());
+                  new_requests(RequestList()));
 }
 
 PyPlan plan_of_requests(const Body& body, const RequestList& requests, nb::object progress) {
@@ -62,7 +68,18 @@ PyPlan plan_of_requests(const Body& body, const RequestList& requests, nb::objec
     const std::vector<Request> boxes = requests_of(requests, arrays);
     const Call call(std::move(progress));
     Plan plan = body.read([&](const DistanceTransform& transform) { return transform.plan(boxes, call.options()); });
-    return PyPlan(body.device(), std::move(plan), requests, arrays.take_cuda());
+    return PyPlan(body.device(), std::move(plan), new_requests(requests, arrays.take_cuda()));
+}
+
+/// The streams on which the packages of the requests' arrays work now. With the GIL.
+std::vector<cuda::Stream> streams_of(const RequestList& requests) {
+    const nb::object stream_of = nb::module_::import_("clsdf._cuda").attr("stream_of");
+    std::vector<cuda::Stream> streams;
+    for (const nb::handle request : requests)
+        for (const nb::handle array : nb::cast<nb::dict>(request[2]).values())
+            if (is_in_cuda(array))
+                streams.push_back(std::bit_cast<cuda::Stream>(nb::cast<std::uintptr_t>(stream_of(array))));
+    return streams;
 }
 
 // The event of the end as a number, which the caller owns; 0 if arrays are in memory of CUDA, whose streams wait for
@@ -89,15 +106,22 @@ std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional
     }
     const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
     cuda::ClEvent done;
-    cuda::Arrays* const shared = outputs.has_value() ? of_call.get() : plan.cuda();
-    plan.use([&](Plan& of) {
+    const bool is_of_cuda = plan.use([&](Plan& of) {
+        cuda::Arrays* const shared = outputs.has_value() ? of_call.get() : plan.requests().cuda.get();
+        if (shared != nullptr && !outputs.has_value()) {
+            const nb::gil_scoped_acquire gil;
+            shared->follow(streams_of(plan.requests().list));
+        }
         const auto run = [&](std::span<const cl_event> before) {
             if (outputs.has_value())
                 of.enqueue(own, targets, before, done.put());
             else
                 of.enqueue(own, before, done.put());
         };
-        if (shared == nullptr) return run(events);
+        if (shared == nullptr) {
+            run(events);
+            return false;
+        }
         try {
             const cuda::ClEvent acquired = shared->acquire(own, events);
             run(acquired.list());
@@ -106,8 +130,9 @@ std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional
             shared->abandon();
             throw;
         }
+        return true;
     });
-    return shared != nullptr ? 0 : std::bit_cast<std::uintptr_t>(done.release());
+    return is_of_cuda ? 0 : std::bit_cast<std::uintptr_t>(done.release());
 }
 
 void update(PyPlan& plan, const Body& body, const std::optional<std::vector<Grid>>& grids, nb::object progress) {
@@ -126,12 +151,15 @@ void update(PyPlan& plan, const Body& body, const std::optional<std::vector<Grid
 void update_requests(PyPlan& plan, const Body& body, const RequestList& requests, nb::object progress) {
     Arrays arrays(&plan.device());
     const std::vector<Request> boxes = requests_of(requests, arrays);
+    std::unique_ptr<PlanRequests> own = new_requests(requests, arrays.take_cuda());
     const Call call(std::move(progress));
     body.read([&](const DistanceTransform& transform) {
         const nb::gil_scoped_acquire gil;
-        plan.use([&](Plan& of) { of.update(transform, boxes, call.options()); });
+        plan.use([&](Plan& of) {
+            of.update(transform, boxes, call.options());
+            plan.swap_requests(own);
+        });
     });
-    plan.keep(requests, arrays.take_cuda());
 }
 
 }  // namespace
