@@ -163,14 +163,14 @@ def semaphores():
     body = new_body()
     grid = body.grid(options.resolution, band="10%")
     plan, out = body.plan(grid, band="10%"), clsdf.SharedArray(grid.shape, device=body.device)
+    expected = body.field(grid, band="10%").distance
     for _ in range(5):
         plan.enqueue(out=out)
-    out.get()
+    out.set(7)
     begin = time.perf_counter()
     plan.enqueue(out=out)
     returned = (time.perf_counter() - begin) * 1e3
-    out.get()
-    check("plan.enqueue", True, f"has_semaphores {body.device._has_semaphores()}, returned after {returned:.3f} ms")
+    check("plan.enqueue: the bytes of field()", same(out.get(), expected), f"has_semaphores {body.device._has_semaphores()}, returned after {returned:.3f} ms")
 
 
 def outputs():

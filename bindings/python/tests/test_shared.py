@@ -400,14 +400,17 @@ def test_threads_share_arrays(body, points, found, expected):
 
 
 def test_a_callback_may_use_the_array_of_its_call(solid, body, points, found):
-    asked = clsdf.SharedArray(points.shape, "float64", device=body.device)
-    asked.set(points)
+    many = np.tile(points, (400, 1))
+    asked = clsdf.SharedArray(many.shape, "float64", device=body.device)
+    asked.set(many)
     inner = []
-    outer = clsdf.Transform(solid, device=body.device)
-    other = clsdf.Transform(solid, device=clsdf.Device.select(body.device.name))
-    outer.query(asked, progress=lambda *_: inner or inner.append(other.query(asked).distance))
-    if inner:
-        assert np.array_equal(inner[0], found.distance)
+    outer, other = (clsdf.Transform(solid, device=body.device) for _ in range(2))
+    copies = cuda().calls("cuMemcpyDtoDAsync_v2")
+    result = outer.query(asked, progress=lambda *_: inner or inner.append(other.query(asked).distance))
+    assert inner, "the callback was called"
+    for distance in (result.distance, inner[0]):
+        assert np.array_equal(distance, np.tile(found.distance, 400))
+    assert cuda().calls("cuMemcpyDtoDAsync_v2") == copies
 
 
 def test_an_array_belongs_to_a_run_until_its_stream_waits_for_the_run(body, expected, monkeypatch):
