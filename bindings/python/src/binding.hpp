@@ -1,6 +1,6 @@
 #pragma once
 
-/// What all files of the binding share: nanobind, its casters, and the parts that the module is made of.
+/// Shared by all files of the binding: nanobind, its casters, and the parts that the module is made of.
 #include <clsdf/clsdf.hpp>
 
 #include "triples.hpp"

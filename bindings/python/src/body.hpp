@@ -65,7 +65,7 @@ private:
     std::unique_ptr<std::shared_mutex> mutex_ = std::make_unique<std::shared_mutex>();
 };
 
-/// Of Python: (grid, band, {output: array}) each.
+/// A list of (grid, band, {output: array}).
 using RequestList = nb::typed<nb::list, nb::any>;
 std::vector<Request> requests_of(const RequestList& requests, Arrays& arrays);
 

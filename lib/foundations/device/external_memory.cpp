@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <string>
 
-// Of OpenCL 3.0, which loaders before 2020 do not have: null then.
+// A function of OpenCL 3.0: null with loaders before 2020, which do not have it.
 extern "C" CL_API_ENTRY cl_mem CL_API_CALL clCreateBufferWithProperties(cl_context context, const cl_ulong* properties,
                                                                         cl_mem_flags flags, std::size_t bytes,
                                                                         void* host, cl_int* error)
