@@ -22,8 +22,8 @@ module clsdf_io
     final :: writer_end
   end type
 
-  !> The same of a sparse field, into a .nvdb or, if OpenVDB is built in, a .vdb: layer by layer, or as a sink of
-  !> transform%compute_sparse_slabs().
+  !> The same of a sparse field, into a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb: layer by layer, or as a sink
+  !> of transform%compute_sparse_slabs().
   type, extends(clsdf_sparse_sink) :: clsdf_sparse_writer
     type(c_ptr), private :: handle = c_null_ptr
   contains
@@ -321,7 +321,7 @@ contains
     call self%release()
   end subroutine
 
-  !> Writes a .nvdb or, if OpenVDB is built in, a .vdb, complete or not at all.
+  !> Writes a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb, complete or not at all.
   subroutine clsdf_sparse_field_write(field, path, stat, errmsg)
     type(clsdf_sparse_field), intent(in) :: field
     character(*), intent(in) :: path

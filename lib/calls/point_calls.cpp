@@ -57,6 +57,14 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
     });
 }
 
+points::PointInputs DistanceTransform::State::inputs_of_many(OutputSet outputs, std::size_t count,
+                                                             calls::RunningCall& running) {
+    points::PointInputs inputs = point_inputs(outputs, count, false);
+    if (inputs.needs_deep_stack())
+        test(checks::point_subject(device, programs, checks::PointKernels::of_deep_trees), running);
+    return inputs;
+}
+
 void DistanceTransform::State::find_usable(points::UsablePoints& asked, const Box& box, double half_width) const {
     asked.find(box);
     // Points before the first usable one have copies of it.
@@ -138,13 +146,13 @@ CallStatistics DistanceTransform::State::query_many(points::UsablePoints& asked,
         context().begin_call();
         running.throw_if_stopped();
         find_usable(asked, kept_mesh->mesh().box(), half_width);  // before anything is made
-        test(checks::point_subject(device, programs, false), running);
+        test(checks::point_subject(device, programs, checks::PointKernels::of_all), running);
         if (points::is_scan_worthwhile(programs, asked.points().size(), kept_mesh->mesh().triangles().size()))
-            test(checks::point_subject(device, programs, true), running);
+            test(checks::point_subject(device, programs, checks::PointKernels::of_many), running);
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += asked.points().size();
-        point_inputs(outputs, asked.points().size(), false);  // what it makes is kept
+        inputs_of_many(outputs, asked.points().size(), running);  // what it makes is kept
         statistics.polyhedra_seconds = watch.seconds();
     }
     const std::span<const Vec3> all = asked.points();
@@ -160,8 +168,9 @@ CallStatistics DistanceTransform::State::query_many(points::UsablePoints& asked,
             count = most = std::min(most, all.size() - begin);
             arrays = targets.are_packed ? targets::arrays_from(begin, targets.arrays)
                                         : own->for_samples(targets.arrays, count);
-            return points::query_points(tools(), point_inputs(outputs, all.size(), false), all.subspan(begin, count),
-                                        half_width, arrays, running.between(share(begin), share(begin + count)));
+            return points::query_points(tools(), inputs_of_many(outputs, all.size(), running),
+                                        all.subspan(begin, count), half_width, arrays,
+                                        running.between(share(begin), share(begin + count)));
         };
         {
             const std::scoped_lock lock(mutex);
@@ -227,11 +236,11 @@ CallStatistics DistanceTransform::State::query_on_device(const InputArray& point
         const std::scoped_lock lock(mutex);
         context().begin_call();
         running.throw_if_stopped();
-        test(checks::point_subject(device, programs, false), running);
+        test(checks::point_subject(device, programs, checks::PointKernels::of_all), running);
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += asked.count;
-        const auto inputs = [&] { return point_inputs(outputs, asked.count, false); };
+        const auto inputs = [&] { return inputs_of_many(outputs, asked.count, running); };
         inputs();  // what it makes is kept
         statistics.polyhedra_seconds = watch.seconds();
         std::size_t most = points::most_points;

@@ -204,6 +204,8 @@ private:
 
     /// For a query of `count` points. on_host: the host answers it.
     points::PointInputs point_inputs(OutputSet outputs, std::size_t count, bool on_host);
+    /// The same for the device, whose search is tested.
+    points::PointInputs inputs_of_many(OutputSet outputs, std::size_t count, calls::RunningCall& running);
     /// The same for the host, after the checks of the call. Waits for other calls only if something is to be made.
     points::PointInputs inputs_of_few(points::UsablePoints& asked, double half_width, OutputSet outputs,
                                       calls::RunningCall& running);

@@ -1,5 +1,6 @@
 #include "checks/known_field.hpp"
 
+#include "binary_tree.h"
 #include "frusta/frames.hpp"
 
 #include <clsdf/outputs.hpp>
@@ -10,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace clsdf::checks {
 
@@ -73,9 +75,24 @@ Surface make_cube() {
     return cube;
 }
 
+/// A double cone, whose faces all meet at the lower or the upper vertex.
+Surface make_double_cone() {
+    constexpr std::uint32_t sides = CLSDF_LISTED_FACES + 4;
+    Surface cone;
+    cone.vertices = {{0, 0, 0}, {0.1, 0, 4}};
+    for (std::uint32_t i = 0; i < sides; ++i) {
+        const double angle = 2 * std::numbers::pi * (i + 0.3) / sides;
+        cone.vertices.push_back({0.8 * std::cos(angle), 0.8 * std::sin(angle), 2.2});
+        const std::uint32_t here = 2 + i, next = 2 + (i + 1) % sides;
+        cone.triangles.push_back({0, next, here});
+        cone.triangles.push_back({1, here, next});
+    }
+    return cone;
+}
+
 /// Three closed, oriented surfaces that lie apart, in voxels. The first vertex of the second one is a saddle: samples
 /// beyond it lie in the polyhedron of no triangle. The third one has a sliver, 9 long and a few hundredths wide.
-Mesh make_mesh() {
+Mesh make_mesh(bool many_at_vertex) {
     Surface all = make_cube();
     const auto add = [&](const Vec3& centre, double scale, const Surface& surface) {
         const auto first = static_cast<std::uint32_t>(all.vertices.size());
@@ -99,6 +116,7 @@ Mesh make_mesh() {
     add({0, 0, 0}, 1,
         {{{-5.2, 1.9, 4.6}, {3.9, 3.1, 5.3}, {-0.6, 2.52, 4.99}, {-1.1, 3.0, 6.2}},
          {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}});
+    if (many_at_vertex) add({-3.5, 3.6, -1}, 1, make_double_cone());
     return {std::move(all.vertices), std::move(all.triangles), "known field"};
 }
 
@@ -192,7 +210,10 @@ std::vector<Vec3> positions_of(const Grid& grid) {
 }
 
 KnownField::KnownField(const KnownFieldKind& kind)
-    : mesh_(make_mesh()), grid_(make_grid(kind)), band_(make_band(kind, grid_.voxel())), outputs_(mesh_, grid_) {}
+    : mesh_(make_mesh(kind.many_at_vertex)),
+      grid_(make_grid(kind)),
+      band_(make_band(kind, grid_.voxel())),
+      outputs_(mesh_, grid_) {}
 
 double KnownField::distance_to(std::uint32_t triangle, const Vec3& point) const {
     const Triangle& t = mesh_.triangles()[triangle];

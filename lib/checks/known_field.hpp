@@ -15,10 +15,11 @@ namespace clsdf::checks {
 
 /// Which of the known fields: what decides which kernels compute it.
 struct KnownFieldKind {
-    bool wide = false;         ///< no band; else one of a few voxels, with other limits inside than outside
-    bool long_bricks = false;  ///< samples farther apart along z
-    bool on_surface = false;   ///< a grid of another lattice, with samples on vertices and faces
-    bool fine = false;         ///< a fine grid: no polyhedron overlaps one coarse brick inside and one outside
+    bool wide = false;            ///< no band; else one of a few voxels, with other limits inside than outside
+    bool long_bricks = false;     ///< samples farther apart along z
+    bool on_surface = false;      ///< a grid of another lattice, with samples on vertices and faces
+    bool fine = false;            ///< a fine grid: no polyhedron overlaps one coarse brick inside and one outside
+    bool many_at_vertex = false;  ///< another surface: more faces at a vertex than CLSDF_LISTED_FACES
 };
 
 /// In the order of packed samples.
@@ -28,7 +29,7 @@ std::vector<Vec3> positions_of(const Grid& grid);
 /// polyhedra, and a sliver, on a grid across the corner of eight coarse bricks, or a fine one through a face. The
 /// values come from plain arithmetic in double precision: the least distance to all triangles, and the winding number
 /// along rows. It shares nothing with the polyhedra and the kernels. The other outputs come from KnownOutputs. All
-/// kinds have the same mesh.
+/// kinds have the same mesh, but for the surface of many_at_vertex.
 class KnownField {
 public:
     explicit KnownField(const KnownFieldKind& kind);

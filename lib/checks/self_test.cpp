@@ -29,7 +29,7 @@ namespace clsdf::checks {
 namespace {
 
 // Part of the records' keys: with other known values, all is tested again.
-constexpr int known_values_number = 7;
+constexpr int known_values_number = 8;
 
 struct TestedField {
     FieldKernels kernels;
@@ -260,21 +260,24 @@ constexpr std::size_t looked_up_together = 2500;
 
 /// Looks up the samples of known fields as points: those of the first lattice without a limit, with signs by crossings;
 /// those of the second within a limit, with signs by the sides of faces, and from records that are made from kept
-/// frusta.
+/// frusta. The first has points that are as near to more faces than a list holds.
 /// If the device orders them, not all at once: it may have little memory.
-std::optional<std::string> point_difference(const Device& device, const engine::Programs& programs, bool are_scanned) {
+std::optional<std::string> point_difference(const Device& device, const engine::Programs& programs,
+                                            PointKernels kernels) {
+    const bool are_scanned = kernels == PointKernels::of_many;
     constexpr double limit = 2.5;
     const bool are_ordered = programs.body == KernelBody::by_group;  // on the device
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     for (const bool from_kept_frusta : {false, true}) {
         const KnownField known = from_kept_frusta ? KnownField({.on_surface = true}).within(limit)
-                                                  : KnownField(KnownFieldKind{.wide = true});
+                                                  : KnownField(KnownFieldKind{.wide = true, .many_at_vertex = true});
         engine::KeptMesh kept_mesh(device::context_of(device), pool, known.mesh(), {programs});
         if (from_kept_frusta && are_scanned) kept_mesh.frusta();
         points::KeptPoints kept(kept_mesh);
         points::PointInputs inputs;
         inputs.mesh = kept.tree();
         if (are_ordered) inputs.tree = kept.fitted_tree();
+        inputs.has_deep_stack = kernels == PointKernels::of_deep_trees;
         inputs.sign = SignRule::nonzero;
         if (are_scanned) inputs.scanned = kept.scanned_mesh();
         inputs.sites = kept_mesh.sites(true, true);
@@ -347,24 +350,27 @@ TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& j
     return subject;
 }
 
-TestSubject point_subject(const Device& device, const engine::Programs& programs, bool are_scanned) {
-    TestSubject subject;
-    subject.name = fmt::format("{} {}points", device::name_of(programs.body), are_scanned ? "many " : "");
+TestSubject point_subject(const Device& device, const engine::Programs& programs, PointKernels kernels) {
     const bool are_ordered = programs.body == KernelBody::by_group;  // on the device
-    subject.steps = are_scanned ? 3 : are_ordered ? 6 : 1;
-    subject.build = [&programs, are_scanned, are_ordered](const device::BuildWatch& watch) {
-        std::vector<cl::Program> built{programs.points.get(watch)};
-        if (are_ordered)
-            for (const engine::LazyProgram& program :
-                 {programs.scan, programs.radix_sort, programs.point_order, programs.binary_tree, programs.nearest})
-                built.push_back(program.get(watch));
-        if (!are_scanned) return built;
-        built.push_back(programs.mesh_records.get(watch));
-        built.push_back(programs.point_scan.get(watch));
+    TestSubject subject;
+    subject.name =
+        fmt::format("{} {}points{}", device::name_of(programs.body), kernels == PointKernels::of_many ? "many " : "",
+                    kernels == PointKernels::of_deep_trees ? " in deep trees" : "");
+    std::vector<engine::LazyProgram> needed{programs.points};
+    if (are_ordered) {
+        const bool are_deep = kernels == PointKernels::of_deep_trees;
+        needed.insert(needed.end(), {programs.scan, programs.radix_sort, programs.point_order, programs.binary_tree,
+                                     are_deep ? programs.nearest_deep : programs.nearest});
+    }
+    if (kernels == PointKernels::of_many) needed.insert(needed.end(), {programs.mesh_records, programs.point_scan});
+    subject.steps = needed.size();
+    subject.build = [needed](const device::BuildWatch& watch) {
+        std::vector<cl::Program> built;
+        for (const engine::LazyProgram& program : needed) built.push_back(program.get(watch));
         return built;
     };
-    subject.difference = [&device, &programs, are_scanned](const device::BuildWatch&) {
-        return point_difference(device, programs, are_scanned);
+    subject.difference = [&device, &programs, kernels](const device::BuildWatch&) {
+        return point_difference(device, programs, kernels);
     };
     return subject;
 }

@@ -32,8 +32,11 @@ std::vector<FieldKernels> kernels_of(const engine::Workshop& workshop, const eng
 
 TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& job, FieldKernels kernels);
 
-/// What a query of points needs. are_scanned: of many points.
-TestSubject point_subject(const Device& device, const engine::Programs& programs, bool are_scanned);
+/// The kernels of points that are tested together: those that every query runs, those of many points, or those of a
+/// GPU in a tree that is deeper than engine::stack_entries.
+enum class PointKernels { of_all, of_many, of_deep_trees };
+
+TestSubject point_subject(const Device& device, const engine::Programs& programs, PointKernels kernels);
 
 /// Builds the programs and, the first time on this device and driver version, tests them. Returns whether they were
 /// tested here. Throws Error(wrong_results) that says what differs; with tuning_variable("CLSDF_SELF_TEST") "0" nothing

@@ -233,6 +233,7 @@ std::map<std::string, std::string> files_of_npy(const std::string& path) {
 }
 
 std::optional<SparseField> read_sparse_npy(const std::string& path, OutputSet wanted) {
+    const InputFile file(path);  // a file that is missing has no dense field
     const std::optional<Description> description = sparse_description(path);
     if (!description) return std::nullopt;
     return read_sparse(path, *description, wanted);

@@ -124,8 +124,7 @@ private:
         const engine::PointMesh& mesh = *inputs_.mesh;
         const engine::FittedTree& tree = *inputs_.tree;
         const engine::DividedFaces& divided = *tree.divided;
-        const cl::Program program =
-            divided.depth <= engine::stack_entries ? tools_.programs.nearest : tools_.programs.nearest_deep;
+        const cl::Program program = inputs_.needs_deep_stack() ? tools_.programs.nearest_deep : tools_.programs.nearest;
         cl::Kernel list(program, "list_faces"), decide(program, "decide_faces"), again(program, "search_again");
         const std::size_t together = std::min(count_, most_listed);
         const PointBuffer<cl_uint> places(*tools_.pool, together * CLSDF_LISTED_FACES, "faces near points"),

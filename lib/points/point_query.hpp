@@ -28,7 +28,10 @@ struct PointInputs {
     std::shared_ptr<const FaceSides> sides;            ///< null: signs by crossings; else the sites have normals
     std::shared_ptr<const engine::DeviceSites> sites;  ///< with normals if the gradient is asked for
     SignRule sign = SignRule::none;
-    bool is_inside_out = false;  ///< the faces look inwards, and the points have a sign
+    bool is_inside_out = false;   ///< the faces look inwards, and the points have a sign
+    bool has_deep_stack = false;  ///< the body by_group searches with the large stack, however deep the tree is
+
+    bool needs_deep_stack() const { return has_deep_stack || (tree && tree->divided->depth > engine::stack_entries); }
 };
 
 /// Times of parts of a query, in seconds of the host's clock.

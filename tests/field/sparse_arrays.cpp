@@ -175,6 +175,9 @@ BOOST_AUTO_TEST_CASE(is_told_from_a_dense_one) {
         write_field(dense, folder.file("dense" + ending));
         BOOST_TEST(!read_sparse_field(folder.file("dense" + ending)).has_value());
     }
+    for (const std::string ending : {".npy", ".h5"})
+        check_throws(ErrorCode::unreadable_input, {"missing" + ending},
+                     [&] { read_sparse_field(folder.file("missing" + ending)); });
     for (const std::string ending : {".npy", ".h5", ".vdb", ".nvdb"})
         BOOST_TEST(stores_sparse_fields(folder.file("a" + ending)));
     BOOST_TEST(!stores_sparse_fields(folder.file("a.nrrd")));

@@ -1,5 +1,6 @@
 // The tree that GPUs search for points, against a plain one of the host, and the bound of its distances in float.
 #include "support/counted_searches.hpp"
+#include "support/deep_mesh.hpp"
 #include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
@@ -183,26 +184,6 @@ Mesh repeated(const Mesh& mesh, std::size_t times) {
     for (std::size_t i = 0; i < times; ++i)
         triangles.insert(triangles.end(), mesh.triangles().begin(), mesh.triangles().end());
     return {mesh.vertices(), std::move(triangles), mesh.name() + " repeated"};
-}
-
-/// Faces each of which is half as far from a corner as the one before, and many in the corner's cell.
-Mesh deep_mesh(std::size_t in_cell) {
-    std::vector<Vec3> vertices;
-    std::vector<Triangle> triangles;
-    const auto add = [&](const Vec3& p, double size) {
-        const auto first = static_cast<std::uint32_t>(vertices.size());
-        vertices.insert(vertices.end(), {p, {p[0] + size, p[1], p[2]}, {p[0], p[1] + size, p[2] + size / 2}});
-        triangles.push_back({first, first + 1, first + 2});
-    };
-    for (int level = 0; level < 8; ++level)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            Vec3 p{};
-            p[axis] = std::ldexp(0.75, -level);
-            add(p, std::ldexp(1e-3, -level));
-        }
-    Random random(3);
-    for (std::size_t i = 0; i < in_cell; ++i) add(random.point(0, 1e-3), 1e-4);
-    return {std::move(vertices), std::move(triangles), "deep"};
 }
 
 std::vector<Mesh> meshes(Random& random) {

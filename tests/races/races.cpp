@@ -120,7 +120,8 @@ BOOST_AUTO_TEST_CASE(a_mesh_that_moves_and_another_lattice) {
 BOOST_AUTO_TEST_CASE(many_points) {
     unsetenv("CLSDF_SELF_TEST");
     const engine::Programs programs(device::context_of(test_device()), KernelBody::by_vector);
-    BOOST_TEST(checks::ensure_tested(test_device(), checks::point_subject(test_device(), programs, true)));
+    BOOST_TEST(checks::ensure_tested(test_device(),
+                                     checks::point_subject(test_device(), programs, checks::PointKernels::of_many)));
     setenv("CLSDF_SELF_TEST", "0", 1);
 }
 

@@ -1,5 +1,6 @@
 // The search of GPUs beside that of processors: both find the same pair of squared distance and triangle, so all
 // results have the same bytes.
+#include "support/deep_mesh.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
@@ -90,7 +91,8 @@ std::vector<Mesh> hostile_meshes(Random& random) {
             make_shape("sphere4"),
             tilted(make_shape("noisy")),
             shifted(make_shape("torus"), {3e6, -5e6, 7e6}),
-            scaled(make_shape("knot"), 1e-30)};
+            scaled(make_shape("knot"), 1e-30),
+            deep_mesh(4096)};
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "support/deep_mesh.hpp"
 #include "support/exact_field.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
@@ -107,6 +108,13 @@ Use points(std::size_t count) {
 
 const Use few_points = points(500), many_points = points(20000);
 
+TransformStatistics points_in_a_deep_tree(const Device& device, KernelBody body, const CallOptions& call) {
+    const std::vector<Vec3> all(500, {0.5, 0, 0});
+    std::vector<float> distance(all.size());
+    return DistanceTransform(device, deep_mesh(4096), {.sign = SignRule::none, .body = body})
+        .query(all, 1, distance, call);
+}
+
 /// A plan for an array with gaps.
 TransformStatistics boxes(const Device& device, KernelBody body, const CallOptions& call) {
     const Mesh mesh = make_shape("cube");
@@ -136,7 +144,8 @@ BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
     for (const KnownFieldKind& kind :
          {KnownFieldKind{}, KnownFieldKind{.long_bricks = true}, KnownFieldKind{.wide = true},
           KnownFieldKind{.on_surface = true}, KnownFieldKind{.wide = true, .on_surface = true},
-          KnownFieldKind{.long_bricks = true, .on_surface = true}}) {
+          KnownFieldKind{.long_bricks = true, .on_surface = true},
+          KnownFieldKind{.wide = true, .many_at_vertex = true}}) {
         const KnownField known(kind);
         DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
         TransformStatistics statistics;
@@ -207,7 +216,8 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_in_as_many_steps_as_it_tells) {
 
 // Each changed line of a kernel stands for wrong code that a compiler makes of a right line.
 BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
-    const std::string by_vector = "bricks_by_vector.cl", by_group = "bricks_by_group.cl", records = "mesh_records.cl";
+    const std::string by_vector = "bricks_by_vector.cl", by_group = "bricks_by_group.cl", records = "mesh_records.cl",
+                      nearest = "nearest_by_group.cl";
     struct Mutation {
         const char* what;
         Use use;
@@ -365,6 +375,14 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
          few_points,
          vectors,
          {"points.cl", "length > 0.0 ? length :", "length > 0.0 ? (float)length :"}},
+        {"a face that is not taken, of more than a list holds",
+         few_points,
+         groups,
+         {nearest, "bound_of_squared(squared[i])", "bound_of_squared(0.9 * squared[i])"}},
+        {"a face that is not the nearest, in a deep tree",
+         points_in_a_deep_tree,
+         groups,
+         {nearest, "lowest_face(all_faces, found.face)", "STACK == 32 ? lowest_face(all_faces, found.face) : 0u"}},
         {"a triangle beside its place",
          many_points,
          vectors,

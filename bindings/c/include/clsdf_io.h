@@ -38,7 +38,7 @@ CLSDF_API clsdf_status clsdf_field_writer_append(clsdf_field_writer* writer, con
 /* Gives the files their names. Threads: one. */
 CLSDF_API clsdf_status clsdf_field_writer_finish(clsdf_field_writer* writer);
 
-/* Writes a sparse field to a .nvdb or, if OpenVDB is built in, a .vdb. Threads: any number. */
+/* Writes a sparse field to a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb. Threads: any number. */
 CLSDF_API clsdf_status clsdf_sparse_field_write(const clsdf_sparse_field* field, const char* path);
 
 /* The same layer by layer: what a clsdf_sparse_function gets can be appended. Errors are as of a clsdf_field_writer. */

@@ -24,7 +24,7 @@ from ._files import FieldWriter, read_field, write_field
 from ._pictures import Picture, slice_picture
 from ._plan import Plan
 from ._shared import SharedArray
-from ._sparse import SparseField
+from ._sparse import SparseField, read_sparse_field
 from ._transform import BoxPlace, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
@@ -74,6 +74,7 @@ __all__ = [
     "no_triangle",
     "read_field",
     "read_mesh",
+    "read_sparse_field",
     "shape_names",
     "slice_picture",
     "trimesh",

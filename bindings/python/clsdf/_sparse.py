@@ -91,8 +91,9 @@ class SparseField(Values):
         return results.reshape(shape)[()]
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Writes a .nvdb (NanoVDB, a float level set) or, if OpenVDB is built in, a .vdb; complete or not at all. Raises
-        clsdf.Error: output_failure; unsupported for another ending, or outputs that the format cannot store."""
+        """Writes a .nvdb (NanoVDB, a float level set), .npy, .h5 or, if OpenVDB is built in, .vdb; complete or not at
+        all. Raises clsdf.Error: output_failure; unsupported for another ending, or outputs that the format cannot
+        store."""
         arrays = {name: _packed(array, type_of(name)[0]) for name, array in self.arrays.items()}
         bricks, inside = _packed(self.bricks, np.int64), _packed(self.inside, np.int64)
         _core.write_sparse(
@@ -110,15 +111,32 @@ def made(
     positive_inside: bool,
 ) -> SparseField:
     """A field of what the extension has computed."""
+    bricks, inside, arrays = _with_empty(found, outputs)
+    if positive_inside:
+        _core.negate(arrays)
+    return SparseField(grid, band, sign, mesh_name, bricks, inside, arrays, positive_inside)
+
+
+def read_sparse_field(path: str | os.PathLike[str]) -> SparseField | None:
+    """Reads the sparse field of a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb. None if the file has a dense field,
+    which read_field() reads; that function also makes a sparse field dense. Of .nvdb and .vdb the leaves are the bricks;
+    samples beyond the grid have the background. Raises as read_field()."""
+    read = _core.read_sparse_field(os.fspath(path))
+    if read is None:
+        return None
+    grid, band, sign, mesh_name, found, positive_inside = read
+    return SparseField(grid, band, sign, mesh_name, *_with_empty(found, ("distance",)), positive_inside)
+
+
+def _with_empty(found: tuple[Any, Any, dict[str, Any]], outputs: tuple[str, ...]) -> tuple[Any, Any, dict[str, Any]]:
+    """Arrays without items in place of those that the extension leaves out."""
     bricks, inside, arrays = found
     if bricks is None:
         bricks = np.empty((0, 3), np.int64)
         arrays = {name: np.empty(shape_of(name, (0, 8, 8, 8)), type_of(name)[0]) for name in outputs}
     if inside is None:
         inside = np.empty((0, 4), np.int64)
-    if positive_inside:
-        _core.negate(arrays)
-    return SparseField(grid, band, sign, mesh_name, bricks, inside, arrays, positive_inside)
+    return bricks, inside, arrays
 
 
 def _samples(samples: Any) -> tuple[npt.NDArray[np.int64], tuple[int, ...]]:

@@ -700,9 +700,9 @@ class Transform:
         outputs: Outputs = "distance",
         progress: Progress = None,
     ) -> None:
-        """Computes a sparse field of any size into a .nvdb or, if OpenVDB is built in, a .vdb: a few layers of bricks are
-        in memory at a time (a .vdb keeps the bricks). The file is that of sparse().write(path). Options: as of
-        sparse(). Raises clsdf.Error as both do; no file stays then."""
+        """Computes a sparse field of any size into a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb: a few layers of
+        bricks are in memory at a time (a .vdb keeps the bricks). The file is that of sparse().write(path). Options: as
+        of sparse(). Raises clsdf.Error as both do; no file stays then."""
         grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
         self._warn_of_narrow(grid, own_band)
         with shown(progress) as show:

@@ -4,6 +4,7 @@
 #include <clsdf/io.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -110,6 +111,21 @@ void write(const std::string& path, const Grid& grid, const Band& band, const st
     writer.finish();
 }
 
+// (grid, band, sign, mesh_name, arrays_of(), positive_inside), or None for a file of a dense field.
+nb::object read(const std::string& path) {
+    std::optional<SparseField> field;
+    {
+        const nb::gil_scoped_release no_gil;
+        OutputSet all(Output::distance);
+        for (const OutputInfo& info : output_table()) all.insert(info.output);
+        field = read_sparse_field(path, all);
+    }
+    if (!field) return nb::none();
+    const FieldDescription about = *field;
+    return nb::make_tuple(about.grid, about.band, name_of(about.sign), about.mesh_name, arrays_of(std::move(*field)),
+                          about.positive_inside);
+}
+
 auto vector_of(std::unique_ptr<std::vector<std::int64_t>> own) {
     std::int64_t* const data = own->data();
     const std::size_t count = own->size();
@@ -167,6 +183,9 @@ void add_sparse_fields(nb::module_& module) {
     module.def("write_sparse", &write, nb::arg("path"), nb::arg("grid"), nb::arg("band"), nb::arg("sign"),
                nb::arg("mesh_name"), nb::arg("positive_inside"), nb::arg("bricks"), nb::arg("inside"),
                nb::arg("arrays"));
+    module.def("read_sparse_field", &read, nb::arg("path"),
+               nb::sig("def read_sparse_field(path: str) -> tuple[Grid, Band, str, str, "
+                       "tuple[typing.Any, typing.Any, dict[str, typing.Any]], bool] | None"));
     module.def("find_bricks", &find, nb::arg("bricks"), nb::arg("samples"),
                "The number of the brick of each sample, -1 without one.");
     module.def("sparse_distances", &distances, nb::arg("bricks"), nb::arg("inside"), nb::arg("distance"),

@@ -124,6 +124,45 @@ def test_a_file_is_that_of_the_dense_field(body, grid, tmp_path):
         body.sparse(grid, positive_inside=True).write(tmp_path / "turned.nvdb")
 
 
+@pytest.mark.parametrize("ending", ["npy", "h5"])
+def test_a_file_of_arrays_has_the_field(body, grid, tmp_path, ending):
+    sparse = body.sparse(grid, outputs=OUTPUTS)
+    sparse.write(tmp_path / f"sparse.{ending}")
+    (tmp_path / "layers").mkdir()
+    body.write_sparse(tmp_path / "layers" / f"sparse.{ending}", grid, outputs=OUTPUTS)
+    files = sorted(path.name for path in tmp_path.glob("sparse*"))
+    assert files == sorted(path.name for path in (tmp_path / "layers").iterdir())
+    for name in files:
+        assert (tmp_path / name).read_bytes() == (tmp_path / "layers" / name).read_bytes(), name
+    read = clsdf.read_sparse_field(tmp_path / f"sparse.{ending}")
+    assert read.grid == grid and read.band == sparse.band and read.outputs == sparse.outputs
+    assert (read.sign, read.mesh_name, read.positive_inside) == (sparse.sign, sparse.mesh_name, False)
+    assert np.array_equal(read.bricks, sparse.bricks) and np.array_equal(read.inside, sparse.inside)
+    for name in sparse.outputs:
+        assert np.array_equal(bits(read.arrays[name]), bits(sparse.arrays[name])), name
+    dense = clsdf.read_field(tmp_path / f"sparse.{ending}")
+    assert np.array_equal(bits(dense.distance), bits(body.field(grid, band=sparse.band).distance))
+
+
+def test_a_sparse_field_is_read_of_sparse_files_alone(body, grid, tmp_path):
+    clsdf.write_field(body.field(grid, band="3v"), tmp_path / "dense.npy")
+    assert clsdf.read_sparse_field(tmp_path / "dense.npy") is None
+    turned = body.sparse(grid, positive_inside=True)
+    turned.write(tmp_path / "turned.npy")
+    read = clsdf.read_sparse_field(tmp_path / "turned.npy")
+    assert read.positive_inside and np.array_equal(read.distance, turned.distance)
+    empty = body.sparse(clsdf.Grid((50, 50, 50), 0.1, 20))
+    empty.write(tmp_path / "empty.h5")
+    read = clsdf.read_sparse_field(tmp_path / "empty.h5")
+    assert len(read) == 0 and read.distance.shape == (0, 8, 8, 8) and read.inside.shape == (0, 4)
+    body.sparse(grid).write(tmp_path / "tree.nvdb")
+    tree = clsdf.read_sparse_field(tmp_path / "tree.nvdb")
+    samples = all_samples(grid)
+    assert np.array_equal(tree.distance_at(samples), body.sparse(grid).distance_at(samples))
+    with pytest.raises(clsdf.UnreadableInput, match="missing.npy"):
+        clsdf.read_sparse_field(tmp_path / "missing.npy")
+
+
 def test_values_that_were_changed_are_written(body, grid, tmp_path):
     sparse = body.sparse(grid)
     sparse.distance[:] = np.clip(sparse.distance, -0.01, 0.01)
