@@ -52,5 +52,5 @@ set_tests_properties(release PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
 # of libraries that a C interface would not have.
 if(CLSDF_TEST_PYTHON)
   add_test(NAME c_names COMMAND ${CLSDF_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/c_names.py ${PROJECT_SOURCE_DIR}/lib/include/clsdf
-                                ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp)
+                                ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp openvdb.hpp)
 endif()
