@@ -8,7 +8,7 @@ if(TARGET clsdf_command AND CLSDF_BUILD_PICTURE)
   target_link_libraries(test_command PRIVATE clsdf::papers)
   # Compiles kernels for caches of its own, again and again.
   clsdf_test(prepare ${CMAKE_CURRENT_LIST_DIR}/prepare.cpp)
-  set_tests_properties(prepare PROPERTIES TIMEOUT 900)
+  set_tests_properties(command prepare PROPERTIES TIMEOUT 900)
   clsdf_test(growth ${CMAKE_CURRENT_LIST_DIR}/growth.cpp)
   foreach(test command prepare growth)
     add_dependencies(test_${test} clsdf_command)

@@ -124,7 +124,7 @@ std::string warning_of_parts(const Topology& topology) {
 std::string share_in_doubt(const Topology& topology) {
     const double percent =
         100 * static_cast<double>(topology.doubtful_points) / static_cast<double>(topology.tested_points);
-    return fmt::format("at {:.2g}% of {} points of the mesh's box it is in doubt", percent, topology.tested_points);
+    return fmt::format("at {:.3g}% of {} points of the mesh's box it is in doubt", percent, topology.tested_points);
 }
 
 /// "it has 3 open edges".
