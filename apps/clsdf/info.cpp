@@ -257,7 +257,7 @@ Command add_info(Parser& program) {
     parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
     parser.set_footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"
-        "Both are decided exactly on the coordinates as given. Of a field the file is read whole, and its grid, band,\n"
+        "Both are decided exactly on the coordinates as given. The file of a field is read whole, and its grid, band,\n"
         "sign, outputs and, if it is sparse, its bricks are told.\n\n"
         "Examples:\n"
         "  clsdf info bunny.off\n"

@@ -303,14 +303,14 @@ module clsdf
   contains
     procedure :: bricks => sparse_bricks
     procedure :: inside => sparse_inside
-    procedure, private :: sparse_r4_4, sparse_r4_5, sparse_r8_5, sparse_i4, sparse_i1
+    procedure, private :: sparse_r4_4, sparse_r4_5, sparse_r8_5, sparse_i4_4, sparse_i1_4
     !> call slab%array(CLSDF_DISTANCE, phi): a pointer to the values of an output, phi(8, 8, 8, brick).
-    generic :: array => sparse_r4_4, sparse_r4_5, sparse_r8_5, sparse_i4, sparse_i1
+    generic :: array => sparse_r4_4, sparse_r4_5, sparse_r8_5, sparse_i4_4, sparse_i1_4
     procedure :: find => sparse_find
     procedure :: distances => sparse_distances
   end type
 
-  !> What takes the layers of transform%compute_sparse_slabs(): extend it with the data that it needs.
+  !> Takes the layers of transform%compute_sparse_slabs(): extend it with the data that it needs.
   type, abstract :: clsdf_sparse_sink
   contains
     procedure(clsdf_sparse_procedure), deferred :: take_sparse
@@ -4942,6 +4942,8 @@ contains
     call check_memory(output, type, rank, array, components, status, ', brick')
   end subroutine
 
+  ! REPEATED FOR i4 | i1
+
   subroutine sparse_r4_4(self, output, values, stat, errmsg)
     class(clsdf_sparse_slab), intent(in) :: self
     integer(c_int32_t), intent(in) :: output
@@ -4956,6 +4958,42 @@ contains
     if (status == CLSDF_OK) call c_f_pointer(array%host, values, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
     call clsdf_finish(status, stat, errmsg)
   end subroutine
+
+  ! REPEATED BY repeat.py
+
+  subroutine sparse_i4_4(self, output, values, stat, errmsg)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int32_t), pointer, intent(out) :: values(:, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_sparse(self, output, CLSDF_INT32, 3, array, components, status)
+    if (status == CLSDF_OK) call c_f_pointer(array%host, values, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine sparse_i1_4(self, output, values, stat, errmsg)
+    class(clsdf_sparse_slab), intent(in) :: self
+    integer(c_int32_t), intent(in) :: output
+    integer(c_int8_t), pointer, intent(out) :: values(:, :, :, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: array
+    integer(c_int64_t) :: components
+    integer(c_int32_t) :: status
+    values => null()
+    call find_in_sparse(self, output, CLSDF_UINT8, 3, array, components, status)
+    if (status == CLSDF_OK) call c_f_pointer(array%host, values, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! END
+
+  ! REPEATED FOR r8
 
   subroutine sparse_r4_5(self, output, values, stat, errmsg)
     class(clsdf_sparse_slab), intent(in) :: self
@@ -4973,6 +5011,8 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  ! REPEATED BY repeat.py
+
   subroutine sparse_r8_5(self, output, values, stat, errmsg)
     class(clsdf_sparse_slab), intent(in) :: self
     integer(c_int32_t), intent(in) :: output
@@ -4989,35 +5029,7 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  subroutine sparse_i4(self, output, values, stat, errmsg)
-    class(clsdf_sparse_slab), intent(in) :: self
-    integer(c_int32_t), intent(in) :: output
-    integer(c_int32_t), pointer, intent(out) :: values(:, :, :, :)
-    integer, intent(out), optional :: stat
-    character(*), intent(inout), optional :: errmsg
-    type(clsdf_c_array) :: array
-    integer(c_int64_t) :: components
-    integer(c_int32_t) :: status
-    values => null()
-    call find_in_sparse(self, output, CLSDF_INT32, 3, array, components, status)
-    if (status == CLSDF_OK) call c_f_pointer(array%host, values, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
-    call clsdf_finish(status, stat, errmsg)
-  end subroutine
-
-  subroutine sparse_i1(self, output, values, stat, errmsg)
-    class(clsdf_sparse_slab), intent(in) :: self
-    integer(c_int32_t), intent(in) :: output
-    integer(c_int8_t), pointer, intent(out) :: values(:, :, :, :)
-    integer, intent(out), optional :: stat
-    character(*), intent(inout), optional :: errmsg
-    type(clsdf_c_array) :: array
-    integer(c_int64_t) :: components
-    integer(c_int32_t) :: status
-    values => null()
-    call find_in_sparse(self, output, CLSDF_UINT8, 3, array, components, status)
-    if (status == CLSDF_OK) call c_f_pointer(array%host, values, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, self%brick_count])
-    call clsdf_finish(status, stat, errmsg)
-  end subroutine
+  ! END
 
   ! ---- Points in files ----
 

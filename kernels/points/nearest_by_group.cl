@@ -48,7 +48,7 @@ __kernel void decide_faces(__global const uint* order, __global const Polyhedron
     squared[i] = found.squared;
 }
 
-// What a search reads to decide at once, and the nearest face.
+// The data with which a search decides at once, and the nearest face.
 typedef struct DecidedFaces {
     NearBound bound;
     NearestFace nearest;

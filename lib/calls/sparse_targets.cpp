@@ -2,6 +2,7 @@
 
 #include <clsdf/error.hpp>
 
+#include "core/brick_order.hpp"
 #include "targets/output_targets.hpp"
 
 #include <fmt/format.h>
@@ -99,9 +100,6 @@ void add_part(const SparseSlab& part, const SparseBox& box) {
     const std::int64_t end_x = first[0] + size[0];
     const std::int64_t begin_z = std::max(first[2], part.part.first[2]);
     const std::int64_t end_z = std::min(first[2] + size[2], part.part.first[2] + part.part.size[2]);
-    const auto is_before = [](const Index3& a, const Index3& b) {
-        return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
-    };
     std::vector<std::size_t> chosen;  // numbers of bricks in the part
     for (std::int64_t z = begin_z; z < end_z; z += brick_side)
         for (std::int64_t y = first[1]; y < first[1] + size[1]; y += brick_side) {

@@ -11,7 +11,7 @@
 
 namespace clsdf::calls {
 
-/// Where the layers of a sparse field are put, one part after the other.
+/// A destination for the layers of a sparse field, one part after the other.
 class SparseTarget {
 public:
     SparseTarget() = default;

@@ -44,7 +44,7 @@ struct BrickPart {
     }
 };
 
-/// What becomes of a brick in a tree: a leaf of values, a tile that is inside, or nothing, if the background suffices.
+/// The form of a brick in a tree: a leaf of values, a tile that is inside, or nothing, if the background suffices.
 enum class BrickKind : std::uint8_t { values, inside, outside };
 
 /// By those of its samples that lie in the grid. So the tree is a function of the field.

@@ -4,9 +4,15 @@
 
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace clsdf {
+
+/// The place of a brick's sample in a leaf of a tree: z runs fastest there.
+constexpr std::size_t place_in_leaf(std::size_t sample) {
+    return 64 * (sample % 8) + 8 * (sample / 8 % 8) + sample / 64;
+}
 
 /// The value of samples beyond the band, compared bit by bit: -0.0 is not 0.0. No sample is beyond a band without end.
 struct Fill {

@@ -171,8 +171,7 @@ public:
     /// The values of a leaf, x fastest.
     void read_leaf(std::uint64_t begin, std::span<float> room) {
         const auto leaf = at<Leaf>(begin);
-        for (std::size_t n = 0; n < Leaf::sample_count; ++n)
-            room[n] = leaf.values[64 * (n % 8) + 8 * (n / 8 % 8) + n / 64];
+        for (std::size_t n = 0; n < Leaf::sample_count; ++n) room[n] = leaf.values[place_in_leaf(n)];
     }
 
 private:

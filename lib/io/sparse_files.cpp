@@ -1,5 +1,6 @@
 #include "io/sparse_files.hpp"
 
+#include "core/brick_order.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
 
@@ -49,11 +50,6 @@ private:
     bool is_begun_ = false;
     Index3 end_{};
 };
-
-/// The order of bricks.
-bool is_before(const Index3& a, const Index3& b) {
-    return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
-}
 
 }  // namespace
 

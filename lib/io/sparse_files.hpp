@@ -30,7 +30,7 @@ inline std::vector<std::int64_t> sparse_shape(std::size_t bricks, const OutputIn
 
 static_assert(sizeof(Index3) == 3 * sizeof(std::int64_t) && sizeof(BrickRun) == 4 * sizeof(std::int64_t));
 
-/// What is wrong with the bricks and runs of a part: their order, or their place. Empty if nothing is.
+/// The fault of the bricks and runs of a part: their order, or their place. Empty if there is none.
 std::string fault_in(const SparseSlab& slab);
 
 /// Throws Error(unreadable_input) that names the file if the field that was read makes no sense.

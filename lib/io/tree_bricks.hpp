@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/brick_order.hpp"
 #include "io/level_set.hpp"
 
 #include <clsdf/sparse.hpp>
@@ -53,11 +54,8 @@ public:
 
     /// Sets the field's bricks and runs. Returns the bricks in the same order.
     const std::vector<Brick>& sort_into(SparseField& field) {
-        const auto order = [](const Index3& a, const Index3& b) {
-            return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
-        };
-        std::ranges::sort(bricks_, order, &Brick::first);
-        std::ranges::sort(runs_, order, &BrickRun::first);
+        std::ranges::sort(bricks_, is_before, &Brick::first);
+        std::ranges::sort(runs_, is_before, &BrickRun::first);
         field.bricks.clear();
         for (const Brick& brick : bricks_) field.bricks.push_back(brick.first);
         field.inside.clear();

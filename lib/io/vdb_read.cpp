@@ -244,7 +244,7 @@ void copy_brick(const GridType& grid, const Index3& brick, std::span<std::byte> 
     const auto* const leaf = grid.tree().probeConstLeaf(first);
     const Value tile = leaf == nullptr ? grid.tree().getValue(first) : Value{};
     for (std::size_t n = 0; n < brick_samples; ++n) {
-        const auto place = static_cast<openvdb::Index>(64 * (n % 8) + 8 * (n / 8 % 8) + n / 64);
+        const auto place = static_cast<openvdb::Index>(place_in_leaf(n));
         const Value value = leaf == nullptr ? tile : leaf->getValue(place);
         std::memcpy(room.data() + n * sizeof(Value), &value, sizeof(Value));
     }

@@ -65,7 +65,7 @@ public:
 protected:
     using Accessor = typename GridType::Accessor;
 
-    /// What becomes of a brick. Called by many threads.
+    /// The form of a brick. Called by many threads.
     virtual BrickKind kind_in_tree(const BrickPart& part, const float* distance, const std::byte* values) const = 0;
     virtual void add_tile(Accessor&, const Index3&) {}
     virtual void add_inside(Accessor&, const Grid&, std::span<const BrickRun>) {}  // the background says it

@@ -374,7 +374,7 @@ elseif(WAY STREQUAL "fortran")
   try_lines_of_fortran(gfortran fc)
 
 elseif(WAY STREQUAL "wheel")
-  # The libraries in a wheel, from C++, C and Fortran. Of what they stand on, nothing is looked for.
+  # The libraries in a wheel, from C++, C and Fortran. CMake does not look for the libraries that they need.
   set(prefix ${PREFIX})
   set(ENV{PKG_CONFIG_PATH} ${PKG_CONFIG_PATH})
   set(alone "")

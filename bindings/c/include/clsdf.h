@@ -778,7 +778,7 @@ typedef struct clsdf_sparse_request {
     int32_t reserved;
 } clsdf_sparse_request;
 
-/* The caller's arrays for a sparse field, on the host. What the field does not need of them stays as it is. */
+/* The caller's arrays for a sparse field, on the host. Elements that the field does not need stay as they are. */
 typedef struct clsdf_sparse_arrays {
     size_t struct_size;
     int64_t* bricks; /* [brick_room][3] */

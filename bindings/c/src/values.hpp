@@ -50,7 +50,7 @@ FieldSlab slab_of(const clsdf_target* values, std::int64_t count, std::int64_t s
 
 /// Layers of a sparse field, in the same memory.
 clsdf_sparse_slab as_c(const SparseSlab& slab, const std::vector<clsdf_target>& values);
-/// The other way. Of arrays with more items than the slab's bricks have, the first ones.
+/// The other way. If arrays have more items than the slab's bricks, the first ones are taken.
 SparseSlab sparse_slab_of(const clsdf_sparse_slab* slab);
 
 SignRule sign_rule_of(std::int32_t rule, const char* name);

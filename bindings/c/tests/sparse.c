@@ -52,7 +52,7 @@ static int is_untouched(const void* memory, size_t bytes) {
     return 1;
 }
 
-/* What lies behind so many bricks and runs is as make() has left it. */
+/* Elements behind so many bricks and runs are as make() has left them. */
 static void check_rest(const arrays* made, int64_t bricks, int64_t runs) {
     const size_t room = (size_t)made->c.brick_room, used = (size_t)bricks;
     CHECK(is_untouched(made->bricks + 3 * used, (room + 1 - used) * 3 * sizeof(int64_t)));

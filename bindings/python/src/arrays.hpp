@@ -18,7 +18,7 @@ namespace clsdf::python {
 /// Arrays by the names of outputs.
 using ArraysByName = nb::typed<nb::dict, nb::str, nb::any>;
 
-/// Where the numbers of a Python array lie: one with the buffer protocol or DLPack, pyopencl's, or one in memory of
+/// The place of the numbers of a Python array: one with the buffer protocol or DLPack, pyopencl's, or one in memory of
 /// CUDA.
 struct ArrayView {
     ElementType type = ElementType::automatic;

@@ -1,3 +1,4 @@
+#include "core/brick_order.hpp"
 #include "core/outputs.hpp"
 
 #include <clsdf/sparse.hpp>
@@ -14,11 +15,6 @@ std::int64_t floor_to_brick(std::int64_t index) {
 
 Index3 brick_of(const Index3& sample) {
     return {floor_to_brick(sample[0]), floor_to_brick(sample[1]), floor_to_brick(sample[2])};
-}
-
-/// The order of bricks.
-bool is_before(const Index3& a, const Index3& b) {
-    return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
 }
 
 }  // namespace
