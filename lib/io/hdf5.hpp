@@ -63,8 +63,8 @@ struct WantedArray {
     ElementType type;
     std::vector<std::string> axes;  ///< slowest first
 
-    explicit WantedArray(const OutputInfo& info, const std::vector<std::string>& axes_of_samples = {"z", "y", "x"})
-        : name(info.name), description(info.description), type(info.type), axes(axes_of_samples) {
+    explicit WantedArray(const OutputInfo& info, std::vector<std::string> axes_of_samples = {"z", "y", "x"})
+        : name(info.name), description(info.description), type(info.type), axes(std::move(axes_of_samples)) {
         if (info.components > 1) axes.emplace_back("component");
     }
     WantedArray(std::string name_in, std::string description_in, ElementType type_in, std::vector<std::string> axes_in)
