@@ -165,21 +165,17 @@ public:
                              per_y_,
                              per_z_,
                              boundary_.spacing};
-        std::array<std::optional<int>, lanes> rounded;
-        for (const Surroundings* seen = &around; !std::ranges::all_of(rounded, &std::optional<int>::has_value);
-             seen = seen->outer) {
-            TurnsOfLanes turns;
-            for (const std::uint32_t loop : seen->loops) {
-                const std::size_t begin = boundary_.begins[loop];
-                add_loop(boundary_.corners.data() + begin, boundary_.begins[loop + 1] - begin, place, turns);
-            }
-            for (std::size_t lane = 0; lane < lanes; ++lane)
-                if (!rounded[lane])
-                    rounded[lane] =
-                        rounded_of(turns[lane], {2 * (x + static_cast<std::int64_t>(lane)), 2 * y, 2 * z}, *seen);
+        TurnsOfLanes turns;
+        for (const std::uint32_t loop : around.loops) {
+            const std::size_t begin = boundary_.begins[loop];
+            add_loop(boundary_.corners.data() + begin, boundary_.begins[loop + 1] - begin, place, turns);
         }
         std::array<int, lanes> result{};
-        for (std::size_t lane = 0; lane < lanes; ++lane) result[lane] = *rounded[lane];
+        for (std::size_t lane = 0; lane < result.size(); ++lane) {
+            const std::int64_t at = x + static_cast<std::int64_t>(lane);
+            const auto rounded = rounded_of(turns[lane], {2 * at, 2 * y, 2 * z}, around);
+            result[lane] = rounded ? *rounded : rounded_at(at, y, z, *around.outer);
+        }
         return result;
     }
 
