@@ -70,7 +70,8 @@ public:
 
 private:
     // OpenVDB leaves out inactive values if a leaf has at most two of them, and compares them as numbers. So this is
-    // off if one of them is zero. BLOSC would make the rest, distances of the band, smaller by 8% only.
+    // off if one of them is zero. BLOSC would make the rest, distances of the band, smaller by 8 to 22%, and takes
+    // a quarter of the whole time.
     std::uint32_t compression() const {
         const Band& band = trees_.field().band;
         if (band.inside != 0 && band.outside != 0) return openvdb::io::COMPRESS_ACTIVE_MASK;
