@@ -35,7 +35,7 @@ import mesh_readers
 
 ENDINGS = {".stl", ".obj", ".off", ".ply"}
 CHUNK = 16384  # pairs of a point and a triangle whose values stay in the cache
-FORMAT = 2  # of what is kept; another number judges all files again
+FORMAT = 3  # of what is kept; another number judges all files again
 
 
 # Truth ----------------------------------------------------------------------------------------------------------------
