@@ -18,10 +18,14 @@ using calls::Batch;
 using calls::Slab;
 using engine::Job;
 
+/// The bytes of samples that are worth two more launches, so that a half of them is read while the other is computed.
+constexpr std::size_t least_bytes_in_halves = std::size_t{8} << 20;
+
 /// Computes a plan's samples, which are [begin, end) of the call's work, and returns when they are there. gather:
-/// enqueues the commands behind them.
+/// enqueues the commands behind them. in_halves: reads the samples into their arrays, too, the lower half while the
+/// upper one is computed.
 void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls::RunningCall& running, double begin,
-         double end, const std::function<void(engine::CommandChain&)>& gather) {
+         double end, const std::function<void(engine::CommandChain&)>& gather, bool in_halves) {
     const Stopwatch watch;
     const device::Context& context = device::context_of(plan.device);
     // Its commands write to the caller's memory.
@@ -31,11 +35,17 @@ void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls:
         plan.enqueue(chain, memories.buffers, running.between(begin, end));
         gather(chain);
         memories.enqueue_handover(context.queue());
+        const engine::GridPlan::Samples& lower = plan.lower_half();
+        if (in_halves && lower.end > 0) {
+            context.queue().flush();
+            memories.read(context, context.transfers(), 0, lower.end, {lower.complete});
+        }
         context.queue().finish();
         device::wait_for(chain.last());  // PoCL's queue finishes without an error if a command has failed
         plan.read_back(context.queue());
+        plan.statistics.field_seconds = watch.seconds();
+        if (in_halves) memories.read(context, context.queue(), lower.end, memories.samples, {});
     });
-    plan.statistics.field_seconds = watch.seconds();
 }
 
 /// The boxes of a slab that its requests ask for, if the device has memory of its own and they are few: the device
@@ -132,7 +142,8 @@ public:
           slabs_(calls::slabs_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
           running_{call},
           plans_(state, state.pool, false, running_),
-          pipeline_(state.context(), overlap && slabs_.size() > 1) {
+          pipeline_(state.context(), overlap && slabs_.size() > 1),
+          is_single_(slabs_.size() == 1) {
         std::ranges::reverse(slabs_);
         for (const Batch& batch : batches) cost_ += batch.cost;
     }
@@ -203,11 +214,13 @@ private:
                 gathering.enqueue(chain, state_.context(), state_.programs.store.get(), slab.grid, slot.memories,
                                   slot.gathered);
         };
+        const bool in_halves = is_in_halves(slot, slab);
+        slot.is_read = in_halves;
         if (!plan_ && slab.is_whole()) plan_ = state_.take_plan(job);
-        if (!plan_) plan_ = plans_.make(slab);
+        if (!plan_) plan_ = plans_.make(slab, in_halves);
         const double share =
             slab.batch->cost / cost_ * static_cast<double>(samples) / static_cast<double>(job.grid.sample_count());
-        clsdf::run(*plan_, slot.memories, running_, done_, done_ + share, gather);
+        clsdf::run(*plan_, slot.memories, running_, done_, done_ + share, gather, in_halves);
         done_ += share;
         if (slabs_.size() > 1) running_.report({.fraction = done_});
         add_slab(running_.statistics, plan_->statistics);
@@ -217,6 +230,12 @@ private:
             plans_.release();  // it was the only slab of its batch
             state_.keep_within_budget();
         }
+    }
+
+    /// Whether the samples of a slab, which is the only one, are read as they are computed.
+    bool is_in_halves(const targets::SlabPipeline::Slot& slot, const Slab& slab) const {
+        return capabilities().has_own_memory && is_single_ && slab.batch->in_place && !slot.is_gathered &&
+               slab.grid.sample_count() * targets::widest_of(slab.batch->arrays) >= least_bytes_in_halves;
     }
 
     /// Releases what the next slab had, and what is kept for later calls.
@@ -260,6 +279,7 @@ private:
     SlabPlans plans_;
     std::unique_ptr<engine::GridPlan> plan_;  ///< of the next slab
     targets::SlabPipeline pipeline_;
+    bool is_single_;   ///< there is one slab, unless it is divided
     double cost_ = 0;  ///< of all batches
     double done_ = 0;  ///< which share of it has been computed
 };

@@ -18,7 +18,7 @@ engine::Inputs DistanceTransform::State::SlabPlans::inputs_of(const engine::Job&
     });
 }
 
-std::unique_ptr<engine::GridPlan> DistanceTransform::State::SlabPlans::make(const calls::Slab& slab) {
+std::unique_ptr<engine::GridPlan> DistanceTransform::State::SlabPlans::make(const calls::Slab& slab, bool in_halves) {
     const engine::Job job = slab.batch->job.with_grid(slab.grid);
     if (batch_ != slab.batch) {
         const Stopwatch watch;
@@ -32,8 +32,8 @@ std::unique_ptr<engine::GridPlan> DistanceTransform::State::SlabPlans::make(cons
     }
     engine::Inputs inputs = inputs_;
     if (!slab.is_whole()) engine::select_inputs(*state_.kept_mesh, job, inputs);
-    auto plan =
-        std::make_unique<engine::GridPlan>(workshop_, std::move(inputs), job, [&] { running_.throw_if_stopped(); });
+    auto plan = std::make_unique<engine::GridPlan>(
+        workshop_, std::move(inputs), job, [&] { running_.throw_if_stopped(); }, in_halves);
     workshop_.pool->trim();
     return plan;
 }

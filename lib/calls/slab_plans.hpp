@@ -14,8 +14,8 @@ public:
     SlabPlans(State& state, std::shared_ptr<device::BufferPool> pool, bool lone, calls::RunningCall& running)
         : state_(state), workshop_(state.with(std::move(pool))), lone_(lone), running_(running) {}
 
-    /// Throws what engine::grid_inputs() and GridPlan do, and what the caller's functions do.
-    std::unique_ptr<engine::GridPlan> make(const calls::Slab& slab);
+    /// in_halves: see GridPlan. Throws what engine::grid_inputs() and GridPlan do, and what the caller's functions do.
+    std::unique_ptr<engine::GridPlan> make(const calls::Slab& slab, bool in_halves = false);
     /// Gives back the inputs of the latest batch.
     void release() {
         batch_ = nullptr;

@@ -66,7 +66,7 @@ public:
             return;
         }
         copy_.resize(bytes);
-        context.read(context.queue(), buffer, bytes, copy_.data());
+        context.read(context.queue(), buffer, 0, bytes, copy_.data());
     }
     ReadBuffer(const ReadBuffer&) = delete;
     ReadBuffer& operator=(const ReadBuffer&) = delete;

@@ -80,12 +80,18 @@ void OutputMemories::enqueue_handover(const cl::CommandQueue& queue) const {
 }
 
 void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers) const {
+    read(context, transfers, 0, samples, {});
+}
+
+void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers, std::size_t begin,
+                          std::size_t end, const std::vector<cl::Event>& events) const {
     if (in_place) return;
     for_each_output(
         [&](const OutputInfo& row, const HostArray& array, const cl::Buffer& buffer) {
-            if (array.is_wanted)
-                context.read(transfers, buffer, samples * sample_bytes(row, array.in_double), array.data,
-                             array.is_pinned);
+            if (!array.is_wanted) return;
+            const std::size_t bytes = sample_bytes(row, array.in_double);
+            context.read(transfers, buffer, begin * bytes, (end - begin) * bytes, array.data + begin * bytes,
+                         array.is_pinned, events);
         },
         arrays, buffers);
 }

@@ -8,6 +8,7 @@
 #include "finish/finishing.hpp"
 
 #include <cstddef>
+#include <vector>
 
 namespace clsdf::targets {
 
@@ -39,6 +40,9 @@ struct OutputMemories {
     void enqueue_handover(const cl::CommandQueue& queue) const;
     /// On other devices: reads the finished result into the arrays.
     void read(const device::Context& context, const cl::CommandQueue& transfers) const;
+    /// The samples [begin, end) alone, which are there when the events have ended.
+    void read(const device::Context& context, const cl::CommandQueue& transfers, std::size_t begin, std::size_t end,
+              const std::vector<cl::Event>& events) const;
 
     HostArrays arrays;
     std::size_t samples = 0;

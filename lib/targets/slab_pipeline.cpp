@@ -36,7 +36,7 @@ void SlabPipeline::discard(Slot& slot) {
 void SlabPipeline::deliver(Slot& slot, HandOn hand_on) {
     is_finished_ = false;
     slot.delivered = std::async(policy_, [this, previous = latest_, &slot, hand_on = std::move(hand_on)]() mutable {
-        if (!abandoned_) device::guarded([&] { slot.results().read(context_, transfers_); });
+        if (!abandoned_ && !slot.is_read) device::guarded([&] { slot.results().read(context_, transfers_); });
         if (previous.valid()) previous.get();
         previous = {};  // or the chain of all slabs would stay
         if (hand_on && !abandoned_) hand_on(slot.results().arrays);

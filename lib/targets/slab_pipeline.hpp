@@ -18,6 +18,7 @@ public:
         OutputMemories memories;  ///< to which the device writes the samples
         OutputMemories gathered;  ///< those of them that are wanted, if they are few
         bool is_gathered = false;
+        bool is_read = false;  ///< the results are in their arrays
         OwnArrays own;
 
         const OutputMemories& results() const { return is_gathered ? gathered : memories; }

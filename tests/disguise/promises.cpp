@@ -127,7 +127,11 @@ BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
     transform.compute(fine, narrow, whole);
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
-    BOOST_TEST(counts.pinned_reads == pieces);
+    // The lower half comes while the upper one is computed.
+    BOOST_TEST(counts.pinned_reads >= pieces);
+    BOOST_TEST(counts.pinned_reads <= pieces + 1);
+    BOOST_TEST(counts.kernels.at("bricks_by_group").launches == 2U);
+    BOOST_TEST(counts.kernels.at("fill_empty_bricks").launches == 2U);
     BOOST_TEST(counts.blocking_waits <= 2U);
     BOOST_TEST(counts.bytes_down <= whole.size() * sizeof(float) + 1024U);
     BOOST_TEST(counts.allocations == 0U);
@@ -152,7 +156,7 @@ BOOST_AUTO_TEST_CASE(without_pinned_memory_the_driver_copies) {
     disguise::restart({.call = "clEnqueueMapBuffer", .number = 1});
     for (const std::uint64_t pinned : {0U, 3U}) {
         std::fill(read.begin(), read.end(), 0);
-        reads.read(context.queue(), buffer, read.size(), reinterpret_cast<std::byte*>(read.data()));
+        reads.read(context.queue(), buffer, 0, read.size(), reinterpret_cast<std::byte*>(read.data()), {});
         BOOST_TEST((read == written));
         BOOST_TEST(disguise::counts().pinned_reads == pinned);
     }
@@ -267,7 +271,7 @@ BOOST_AUTO_TEST_CASE(a_field_is_read_into_pinned_memory_of_the_caller_at_once) {
     transform.compute(fine, narrow, target);
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
-    BOOST_TEST(counts.transfers_down == 1U);
+    BOOST_TEST(counts.transfers_down == 2U);  // the halves
     BOOST_TEST(counts.pinned_reads == 0U);
     BOOST_TEST(counts.pageable_bytes == 0U);
     BOOST_TEST(std::ranges::equal(distance, std::span(memory, distance.size())));

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -62,7 +63,7 @@ constexpr cl_uint most_coarse_bricks = 1U << 17;
 
 }  // namespace
 
-std::vector<BrickLaunch> launches_of(const CoarseLists& lists, const LaunchWork& most) {
+std::vector<BrickLaunch> launches_of(const CoarseLists& lists, const LaunchWork& most, cl_uint upper_begin) {
     std::vector<BrickLaunch> launches;
     double before = 0, pairs = 0;
     cl_uint begin = 0;
@@ -70,7 +71,8 @@ std::vector<BrickLaunch> launches_of(const CoarseLists& lists, const LaunchWork&
     const double all = static_cast<double>(lists.pairs) + most.pairs_of_a_brick * static_cast<double>(count);
     for (cl_uint i = 0; i < count; ++i) {
         pairs += lists.lengths[i] + most.pairs_of_a_brick;
-        if (pairs < most.pairs && i + 1 - begin < most_coarse_bricks && i + 1 < count) continue;
+        const bool is_last = i + 1 == count || i + 1 == upper_begin;
+        if (pairs < most.pairs && i + 1 - begin < most_coarse_bricks && !is_last) continue;
         launches.push_back({begin, i + 1, before / all});
         before += pairs;
         pairs = 0;
@@ -99,6 +101,7 @@ BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
       leave_outputs_(set_arguments(leave_kernel_, 0, layout_, *computed_)),
       mark_outputs_(set_arguments(mark_kernel_, 0, layout_, *computed_, inputs.sign_bits)) {
     const DeviceTools& tools = inputs.tools;
+    if (inputs.in_halves) divide_in_halves(most);
     if (!lists_.order.empty())
         order_ = device::copied(tools.context, tools.pool, lists_.order, "order of the coarse bricks");
     if (!inputs.wanted.empty())
@@ -108,6 +111,26 @@ BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
     if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
     slices_per_fill_ = most_slices / fill_group_slices_ * fill_group_slices_;
     if (inputs.tools.context.is_first_use_of(fill_kernel_)) specialise_fill(inputs);
+}
+
+/// The bricks below the middle come first, the long lists first in each half.
+void BrickScan::divide_in_halves(const LaunchWork& most) {
+    const cl_int layers = layout_.coarse_bricks[2] / 2;
+    const auto slices =
+        static_cast<std::size_t>(std::max((layout_.coarse_first[2] + layers) * CLSDF_COARSE - layout_.first[2], 0));
+    const std::size_t in_whole_fills = slices / fill_group_slices_ * fill_group_slices_;
+    if (layers == 0 || in_whole_fills == 0) return;
+    const auto upper = static_cast<cl_uint>(layers * layout_.coarse_bricks[1] * layout_.coarse_bricks[0]);
+    std::vector<std::pair<cl_uint, cl_uint>> bricks;  // with their lengths
+    for (std::size_t i = 0; i < lists_.order.size(); ++i) bricks.emplace_back(lists_.order[i], lists_.lengths[i]);
+    const auto middle =
+        std::stable_partition(bricks.begin(), bricks.end(), [&](const auto& brick) { return brick.first < upper; });
+    for (std::size_t i = 0; i < bricks.size(); ++i) std::tie(lists_.order[i], lists_.lengths[i]) = bricks[i];
+    const auto upper_begin = static_cast<cl_uint>(middle - bricks.begin());
+    launches_ = launches_of(lists_, most, upper_begin);
+    lower_.slices = static_cast<std::int32_t>(in_whole_fills);
+    lower_.launches = static_cast<std::size_t>(
+        std::ranges::count_if(launches_, [&](const BrickLaunch& launch) { return launch.begin < upper_begin; }));
 }
 
 /// Has the kernels that end a field compiled before the bricks', which another process may be compiling. Launches a
@@ -152,6 +175,16 @@ void BrickScan::enqueue_end(CommandChain& chain) {
         outputs_ = {};
         return;
     }
+    enqueue_fill(chain, {static_cast<std::size_t>(lower_.slices), static_cast<std::size_t>(layout_.size[2])});
+    outputs_ = {};
+}
+
+void BrickScan::enqueue_lower_end(CommandChain& chain) {
+    enqueue_fill(chain, {0, static_cast<std::size_t>(lower_.slices)});
+}
+
+/// Fills the bricks of these slices that are not computed. The first slice is the first one of a group.
+void BrickScan::enqueue_fill(CommandChain& chain, const Slices& slices) {
     const bool in_double = (outputs_.in_double & OutputSet(Output::distance).bits()) != 0;
     const cl_int words = in_double ? 2 : 1;
     const auto [inside, outside] =
@@ -159,16 +192,15 @@ void BrickScan::enqueue_end(CommandChain& chain) {
                   : std::pair(pattern_of(layout_.inside_fill), pattern_of(layout_.outside_fill));
     enqueue_slices(chain, fill_kernel_,
                    set_arguments(fill_kernel_, fill_outputs_, outputs_[Output::distance], words, inside, outside),
-                   in_groups(slices_per_fill_ / static_cast<std::size_t>(words)));
+                   in_groups(slices_per_fill_ / static_cast<std::size_t>(words)), slices);
     for (const OutputInfo& row : extra_outputs()) {
         const cl::Buffer& buffer = outputs_[row.output];
         if (buffer() == nullptr) continue;
         const std::size_t bytes = sample_bytes(row, (outputs_.in_double & bit_of(row)) != 0);
         enqueue_slices(chain, leave_kernel_,
                        set_arguments(leave_kernel_, leave_outputs_, buffer, static_cast<cl_int>(bytes)),
-                       in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
+                       in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))), slices);
     }
-    outputs_ = {};
 }
 
 void BrickScan::describe(CallStatistics& statistics) const {
@@ -209,17 +241,18 @@ void BrickScan::enqueue_other_bricks(CommandChain& chain) {
             });
 }
 
-/// Enqueues all slices of the empty bricks, in whole groups, at most `most` slices a launch. The kernel's argument
+/// Enqueues slices of the empty bricks, in whole groups, at most `most` slices a launch. The kernel's argument
 /// `last_argument` is a launch's first slice.
-void BrickScan::enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most) const {
+void BrickScan::enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most,
+                               const Slices& slices) const {
     const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]);
     // The kernel skips slices beyond the last one.
-    const std::size_t slices = in_whole_groups(static_cast<std::size_t>(layout_.size[2]), fill_group_slices_);
+    const std::size_t count = in_whole_groups(slices.end - slices.begin, fill_group_slices_);
     const cl::NDRange group(fill_group_pieces_, 1, fill_group_slices_);
-    divided({fill_pieces_, brick_rows, slices}, {most_groups, std::min(most, most_groups * fill_group_slices_)},
+    divided({fill_pieces_, brick_rows, count}, {most_groups, std::min(most, most_groups * fill_group_slices_)},
             [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
                 // An argument: PoCL compiles a kernel once more for offsets that are not 0.
-                kernel.setArg(last_argument, static_cast<cl_int>(z));
+                kernel.setArg(last_argument, static_cast<cl_int>(slices.begin + z));
                 chain.then([&](auto& target, auto* wait, auto* event) {
                     target.enqueueNDRangeKernel(kernel, cl::NDRange(0, y, 0), items, group, wait, event);
                 });

@@ -21,8 +21,9 @@ struct LaunchWork {
     double pairs_of_a_brick = 0;  ///< that take as long as a coarse brick without any: its samples are stored
 };
 
-/// Some drivers count the work-items of a launch in 32 bits.
-std::vector<BrickLaunch> launches_of(const CoarseLists& lists, const LaunchWork& most);
+/// Some drivers count the work-items of a launch in 32 bits. A launch begins with the first brick of the upper half,
+/// order[upper_begin].
+std::vector<BrickLaunch> launches_of(const CoarseLists& lists, const LaunchWork& most, cl_uint upper_begin = 0);
 
 /// The scan of leaned polyhedra by bricks: lists of the polyhedra that overlap each coarse brick, the samples of all
 /// bricks that a polyhedron overlaps, and the fill of the others. A body computes the samples.
@@ -32,6 +33,8 @@ public:
     double fraction_before(std::size_t launch) const final { return launches_[launch].fraction_before; }
     void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) final;
     void enqueue_end(CommandChain& chain) final;
+    LowerHalf lower_half() const final { return lower_; }
+    void enqueue_lower_end(CommandChain& chain) final;
     cl::Buffer marks() const final { return *computed_; }
     void describe(CallStatistics& statistics) const override;
     void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const final;
@@ -55,8 +58,15 @@ protected:
     device::BufferPool::Lease computed_;  ///< a mark for each brick that is computed
 
 private:
+    struct Slices {
+        std::size_t begin, end;
+    };
+
     void specialise_fill(const ScanInputs& inputs);
-    void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most) const;
+    void divide_in_halves(const LaunchWork& most);
+    void enqueue_fill(CommandChain& chain, const Slices& slices);
+    void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most,
+                        const Slices& slices) const;
     void enqueue_other_bricks(CommandChain& chain);
     std::size_t in_groups(std::size_t slices) const;
 
@@ -74,6 +84,7 @@ private:
     cl_uint fill_outputs_;        ///< the kernels' first arguments that change from call to call
     cl_uint leave_outputs_;
     cl_uint mark_outputs_;
+    LowerHalf lower_;
     OutputBuffers outputs_;  ///< of the computation that is being enqueued
     device::BufferPool::Lease counters_;
     std::size_t counter_sets_ = 0;

@@ -50,7 +50,7 @@ private:
     /// Enqueues bounds and masks, which the bricks read; once for all computations.
     void enqueue_masks(const ScanInputs& inputs) const {
         cl::Kernel bounds(program_, "brick_bounds"), masks(program_, "brick_masks");
-        for (const BrickLaunch& launch : launches_) {
+        for (const BrickLaunch& launch : launches_of(lists_, {pairs_per_group_launch})) {
             const std::size_t items = (launch.end - launch.begin) * group_size_;
             cl_uint next = 0;
             for (cl::Kernel* kernel : {&bounds, &masks})

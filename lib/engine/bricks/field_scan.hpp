@@ -11,6 +11,8 @@
 #include "launch/short_launches.hpp"
 #include "lists/surface_points.hpp"
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 
@@ -30,6 +32,7 @@ struct ScanInputs {
     std::shared_ptr<const SurfacePoints> points{};  ///< null if the band is so narrow that no bound would be below it
     const Finishing* finishing = nullptr;           ///< null if the distance alone is asked for
     std::span<const Grid> wanted{};                 ///< blocks whose samples are needed; empty: all
+    bool in_halves = false;                         ///< the lower slices first: see FieldScan::lower_half()
 };
 
 /// Computes every sample of a plan's part, in launches of bounded length: by bricks, or as another method does.
@@ -46,6 +49,15 @@ public:
     virtual void enqueue_launch(CommandChain& chain, std::size_t launch) = 0;
     /// Enqueues the commands after the last launch.
     virtual void enqueue_end(CommandChain& chain) = 0;
+
+    /// Slices of samples that are complete before the others: after so many launches and enqueue_lower_end().
+    struct LowerHalf {
+        std::size_t launches = 0;
+        std::int32_t slices = 0;
+    };
+    /// No slices if all are complete at the end.
+    virtual LowerHalf lower_half() const { return {}; }
+    virtual void enqueue_lower_end(CommandChain&) {}
 
     /// A mark of each brick, for a sparse field: CLSDF_INSIDE_BRICK, or 1 if it has values. Null: not known.
     virtual cl::Buffer marks() const { return {}; }

@@ -132,7 +132,7 @@ private:
         if (last() != nullptr) last.wait();
         for (const Copy& copy : copies)
             if (is_pinned(copy))
-                job_.tools.context.read(queue, copy.from, copy.bytes, static_cast<std::byte*>(copy.to));
+                job_.tools.context.read(queue, copy.from, 0, copy.bytes, static_cast<std::byte*>(copy.to));
         read.end();
         left_ = sources_->of_kernels->left_to_host(topology_, read->face_answers, read->vertex_answers);
         complete_frusta(topology_, box_, left_, *frusta_);

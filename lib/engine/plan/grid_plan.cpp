@@ -10,7 +10,7 @@
 namespace clsdf::engine {
 
 GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in,
-                   const std::function<void()>& between_launches)
+                   const std::function<void()>& between_launches, bool in_halves)
     : device(workshop.device), inputs(std::move(inputs_in)), job(job_in) {
     const Stopwatch watch;
     device::Context& context = workshop.context();
@@ -31,7 +31,8 @@ GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in
                                      .selection = inputs.selection,
                                      .points = inputs.points,
                                      .finishing = finishing_ ? &*finishing_ : nullptr,
-                                     .wanted = job.wanted};
+                                     .wanted = job.wanted,
+                                     .in_halves = in_halves};
         scan_ = workshop.method ? workshop.method->make_scan(scan_inputs) : make_brick_scan(scan_inputs);
         // To wait takes as long as a small kernel: the host waits for the sign and the lists together.
         sign_watch = Stopwatch();
@@ -53,16 +54,25 @@ GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in
 
 void GridPlan::enqueue(CommandChain& chain, const OutputBuffers& buffers,
                        const std::function<void(double)>& between_launches) {
+    lower_half_ = {};
     scan_->enqueue_begin(chain, buffers);
     if (!chain.has_begun())
         chain.then([](const auto& queue, auto* wait, auto* event) { queue.enqueueMarkerWithWaitList(wait, event); });
     before_launches_ = chain.last();
+    const FieldScan::LowerHalf lower = scan_->lower_half();
+    const auto complete_lower_half = [&] {
+        if (lower.slices == 0 || buffers.listed() != nullptr) return;
+        scan_->enqueue_lower_end(chain);
+        lower_half_ = {job.grid.offset(0, 0, lower.slices), chain.last()};
+    };
+    if (lower.launches == 0) complete_lower_half();
     for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
         if (between_launches) {
             chain.wait();
             between_launches(scan_->fraction_before(launch));
         }
         scan_->enqueue_launch(chain, launch);
+        if (launch + 1 == lower.launches) complete_lower_half();
     }
     after_launches_ = chain.last();
     scan_->enqueue_end(chain);

@@ -13,8 +13,9 @@ namespace clsdf::engine {
 /// A job's buffers and launches. `between_launches` of the set-up may throw. A plan is destroyed when its commands have
 /// ended, unless the device is lost.
 struct GridPlan {
+    /// in_halves: the lower half of the samples is complete before the upper one is computed, if that can be.
     GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in,
-             const std::function<void()>& between_launches);
+             const std::function<void()>& between_launches, bool in_halves = false);
 
     GridPlan(const GridPlan&) = delete;
     GridPlan& operator=(const GridPlan&) = delete;
@@ -24,6 +25,14 @@ struct GridPlan {
     /// before each launch, when the commands before it have ended.
     void enqueue(CommandChain& chain, const OutputBuffers& buffers,
                  const std::function<void(double)>& between_launches);
+
+    /// Samples that are complete when a command has ended.
+    struct Samples {
+        std::size_t end = 0;  ///< before this one
+        cl::Event complete;
+    };
+    /// The lower half of the latest computation; no samples if all are complete at the end.
+    const Samples& lower_half() const { return lower_half_; }
 
     /// Sets the counters and the kernels' times of the last computation, which has ended: the counters if the job has
     /// them, the times if its queue measures them.
@@ -48,6 +57,7 @@ private:
     cl::Event before_launches_;
     cl::Event after_launches_;
     cl::Event last_;
+    Samples lower_half_;
 };
 
 }  // namespace clsdf::engine

@@ -86,6 +86,24 @@ void for_each_chunk(std::size_t count, std::size_t size, const Function& f) {
         1);
 }
 
+/// Calls f() while at most `count` other threads call help(), which must return soon after f() has. Some of them may
+/// begin after that, or none at all.
+template <typename Help, typename Function>
+void with_helpers(std::size_t count, const Help& help, const Function& f) {
+    tbb::this_task_arena::isolate([&] {
+        tbb::task_group_context own(tbb::task_group_context::isolated);
+        tbb::task_group group(own);
+        for (std::size_t i = 0; i < count; ++i) group.run(help);
+        try {
+            f();
+        } catch (...) {
+            group.wait();
+            throw;
+        }
+        group.wait();
+    });
+}
+
 }  // namespace clsdf
 
 /// An attribute of a function: it is compiled for several vector widths, and the program picks the one of its

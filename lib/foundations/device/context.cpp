@@ -183,12 +183,12 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     });
 }
 
-void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to,
-                   bool is_pinned) const {
+void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
+                   std::byte* to, bool is_pinned, const std::vector<cl::Event>& events) const {
     if (capabilities_.has_own_memory && !is_pinned)
-        pinned_.read(queue, from, bytes, to);
+        pinned_.read(queue, from, begin, bytes, to, events);
     else
-        queue.enqueueReadBuffer(from, CL_TRUE, 0, bytes, to);
+        queue.enqueueReadBuffer(from, CL_TRUE, begin, bytes, to, events.empty() ? nullptr : &events);
 }
 
 bool Context::write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes,

@@ -93,10 +93,13 @@ public:
     /// Device, platform and driver with their versions, for messages. Throws cl::Error.
     std::string description() const;
 
-    /// Returns when `to` holds the first `bytes` bytes of `from`, which have been computed or are computed earlier in
-    /// the queue. is_pinned: `to` is pinned memory. Throws cl::Error.
-    void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to,
-              bool is_pinned = false) const;
+    /// Returns when `to` holds `bytes` bytes of `from`, from byte `begin` on, which are computed earlier in the queue
+    /// or have been computed when the events have ended. is_pinned: `to` is pinned memory. Throws cl::Error.
+    void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
+              std::byte* to, bool is_pinned = false, const std::vector<cl::Event>& events = {}) const;
+    /// A queue for reads while queue() computes. Throws cl::Error.
+    cl::CommandQueue transfers() const { return pinned_.queue(); }
+
     /// Enqueues the copy of an array in the device's own memory by way of pinned memory; `from` is not needed any more
     /// when it returns. Returns false, and has done nothing, if the driver should copy. Throws cl::Error.
     bool write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes, const cl::Buffer& to) const;

@@ -5,7 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
+#include <thread>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 namespace clsdf::device {
 
@@ -20,18 +26,91 @@ void copy_on_all_cores(const std::byte* from, std::byte* to, std::size_t bytes) 
 
 constexpr std::size_t alignment = 4096;  // of what is copied to pinned memory
 
-bool is_in_use(const cl::Event& used) {
-    return used() != nullptr && used.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE;
+/// Copies without reading the cache lines that it writes.
+void copy_streaming(const std::byte* from, std::byte* to, std::size_t bytes) {
+#ifdef __SSE2__
+    const std::size_t head = std::min(bytes, (16 - reinterpret_cast<std::uintptr_t>(to) % 16) % 16);
+    std::memcpy(to, from, head);
+    std::size_t i = head;
+    for (; i + 64 <= bytes; i += 64)
+        for (std::size_t j = i; j < i + 64; j += 16)
+            _mm_stream_si128(reinterpret_cast<__m128i*>(to + j),
+                             _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + j)));
+    _mm_sfence();
+    std::memcpy(to + i, from + i, bytes - i);
+#else
+    std::memcpy(to, from, bytes);
+#endif
 }
+
+// A core copies about 10 GB a second, and links to GPUs have 60.
+constexpr std::size_t most_helpers = 7;
+constexpr std::size_t bytes_of_a_helper = std::size_t{1} << 20;
+
+constexpr std::size_t chunk_bytes = std::size_t{128} << 10;
+constexpr std::size_t chunks_of_piece = PinnedCopies::piece_bytes / chunk_bytes;
+static_assert(PinnedCopies::piece_bytes % chunk_bytes == 0);
+
+/// Copies, by several threads, of pieces that arrive in order in a ring. One thread tells which have arrived.
+class RingCopies {
+public:
+    RingCopies(const std::byte* ring, std::byte* to, std::size_t bytes) : ring_(ring), to_(to), bytes_(bytes) {}
+
+    /// The next piece has arrived.
+    void arrive() { arrived_ = std::min(arrived_ + chunks_of_piece, chunks_); }
+    /// Copies the next chunk of what has arrived; false if there is none.
+    bool copy_next() {
+        std::size_t chunk = next_;
+        do
+            if (chunk >= arrived_) return false;
+        while (!next_.compare_exchange_weak(chunk, chunk + 1));
+        const std::size_t begin = chunk * chunk_bytes;
+        copy_streaming(ring_ + begin % (PinnedCopies::pieces_at_once * PinnedCopies::piece_bytes), to_ + begin,
+                       std::min(chunk_bytes, bytes_ - begin));
+        ++copied_[chunk / chunks_of_piece % PinnedCopies::pieces_at_once];
+        return true;
+    }
+    /// Returns when the last chunk is copied, or begun by another thread, or after stop().
+    void help() {
+        while (!stopped_ && next_ < chunks_)
+            if (!copy_next()) std::this_thread::yield();
+    }
+    void stop() { stopped_ = true; }
+
+    bool is_copied(std::size_t piece) const {
+        const std::size_t before = piece / PinnedCopies::pieces_at_once * chunks_of_piece;  // in the same place
+        return copied_[piece % PinnedCopies::pieces_at_once] ==
+               before + std::min(chunks_of_piece, chunks_ - piece * chunks_of_piece);
+    }
+
+private:
+    const std::byte* ring_;
+    std::byte* to_;
+    std::size_t bytes_;
+    std::size_t chunks_ = chunk_count(bytes_, chunk_bytes);
+    std::atomic<std::size_t> arrived_ = 0, next_ = 0;                              // in chunks
+    std::array<std::atomic<std::size_t>, PinnedCopies::pieces_at_once> copied_{};  // of each place in the ring
+    std::atomic<bool> stopped_ = false;
+};
 
 }  // namespace
 
+/// With mutex_ locked.
+const cl::CommandQueue& PinnedCopies::made_queue() {
+    if (queue_() == nullptr) queue_ = cl::CommandQueue(context_, device_);
+    return queue_;
+}
+
+cl::CommandQueue PinnedCopies::queue() {
+    const std::scoped_lock lock(mutex_);
+    return made_queue();
+}
+
 bool PinnedCopies::make_memory() {
     try {
-        if (maps_() == nullptr) maps_ = cl::CommandQueue(context_, device_);
         buffer_ = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, 2 * half_bytes);
         memory_ = static_cast<std::byte*>(
-            maps_.enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, 2 * half_bytes));
+            made_queue().enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, 2 * half_bytes));
     } catch (const cl::Error&) {
         return false;
     }
@@ -52,8 +131,8 @@ std::size_t PinnedCopies::release() noexcept {
     uses_.clear();
     reads_.memory = writes_.memory = nullptr;
     if (memory_ == nullptr) return 0;
-    clEnqueueUnmapMemObject(maps_(), buffer_(), memory_, 0, nullptr, nullptr);
-    clFinish(maps_());
+    clEnqueueUnmapMemObject(queue_(), buffer_(), memory_, 0, nullptr, nullptr);
+    clFinish(queue_());
     memory_ = nullptr;
     buffer_ = {};
     return 2 * half_bytes;
@@ -76,28 +155,55 @@ void PinnedCopies::give_up(Half& half, const cl::CommandQueue& queue) {
     memory_ = nullptr;
 }
 
-void PinnedCopies::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) {
+void PinnedCopies::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
+                        std::byte* to, const std::vector<cl::Event>& events) {
+    const std::vector<cl::Event>* wait_list = events.empty() ? nullptr : &events;
     const std::scoped_lock lock(reads_.mutex);
     if (bytes <= least_bytes || !has_memory(reads_)) {
-        queue.enqueueReadBuffer(from, CL_TRUE, 0, bytes, to);
+        queue.enqueueReadBuffer(from, CL_TRUE, begin, bytes, to, wait_list);
         return;
     }
     const std::size_t count = chunk_count(bytes, piece_bytes);
-    const auto length = [&](std::size_t n) { return std::min(piece_bytes, bytes - n * piece_bytes); };
-    const auto memory = [&](std::size_t n) { return reads_.memory + n % pieces_at_once * piece_bytes; };
     std::array<cl::Event, pieces_at_once> under_way;
     const auto start = [&](std::size_t n) {
-        queue.enqueueReadBuffer(from, CL_FALSE, n * piece_bytes, length(n), memory(n), nullptr,
+        queue.enqueueReadBuffer(from, CL_FALSE, begin + n * piece_bytes, std::min(piece_bytes, bytes - n * piece_bytes),
+                                reads_.memory + n % pieces_at_once * piece_bytes, wait_list,
                                 &under_way[n % pieces_at_once]);
         queue.flush();
     };
-    try {
-        for (std::size_t n = 0; n < std::min(count, pieces_at_once); ++n) start(n);
-        for (std::size_t n = 0; n < count; ++n) {
-            under_way[n % pieces_at_once].wait();
-            copy_on_all_cores(memory(n), to + n * piece_bytes, length(n));
-            if (n + pieces_at_once < count) start(n + pieces_at_once);
+    RingCopies copies(reads_.memory, to, bytes);
+    std::size_t started = 0, arrived = 0, copied = 0;
+    const auto wait_for_next = [&] {
+        under_way[arrived % pieces_at_once].wait();
+        copies.arrive();
+        ++arrived;
+    };
+    const auto run = [&] {
+        while (copied < count) {
+            if (started < std::min(count, copied + pieces_at_once))
+                start(started++);
+            else if (copied < arrived && copies.is_copied(copied))
+                ++copied;
+            else if (arrived < started && (copied == arrived || has_ended(under_way[arrived % pieces_at_once])))
+                wait_for_next();
+            else if (!copies.copy_next())
+                std::this_thread::yield();
         }
+    };
+    const auto run_or_stop = [&] {
+        try {
+            run();
+        } catch (...) {
+            copies.stop();
+            throw;
+        }
+    };
+    try {
+        while (started < std::min(count, pieces_at_once)) start(started++);
+        wait_for_next();  // the device may still be computing: no thread must poll
+        // Helpers for all pieces: to wake threads for each takes as long as the device takes to send one.
+        with_helpers(
+            std::min(most_helpers, bytes / bytes_of_a_helper), [&] { copies.help(); }, run_or_stop);
     } catch (...) {
         give_up(reads_, queue);
         throw;
@@ -108,7 +214,7 @@ bool PinnedCopies::write(const cl::CommandQueue& queue, const std::byte* from, s
                          const cl::Buffer& to) {
     const std::scoped_lock lock(writes_.mutex);
     if (bytes <= least_bytes || !has_memory(writes_)) return false;
-    std::erase_if(uses_, [](const Use& use) { return !is_in_use(use.written); });
+    std::erase_if(uses_, [](const Use& use) { return has_ended(use.written); });
     try {
         for (std::size_t begin = 0; begin < bytes; begin += piece_bytes) {
             const std::size_t length = std::min(piece_bytes, bytes - begin);

@@ -18,13 +18,18 @@ public:
     PinnedCopies(const PinnedCopies&) = delete;
     PinnedCopies& operator=(const PinnedCopies&) = delete;
 
-    /// Returns when `to` holds the first `bytes` bytes of `from`; what computes them has ended, or is before it in the
-    /// queue. Without pinned memory, and for a few bytes, the driver copies. Throws cl::Error.
-    void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to);
+    /// Returns when `to` holds `bytes` bytes of `from`, from byte `begin` on; what computes them is before it in the
+    /// queue, or has ended when the events have. Without pinned memory, and for a few bytes, the driver copies. Throws
+    /// cl::Error.
+    void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
+              std::byte* to, const std::vector<cl::Event>& events);
 
     /// Enqueues copies to the first `bytes` bytes of `to`, and returns when `from` is not needed any more. Returns
     /// false, and has done nothing, without pinned memory and for a few bytes. Throws cl::Error.
     bool write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes, const cl::Buffer& to);
+
+    /// A queue of its own, made at the first call: for copies while the device computes. Throws cl::Error.
+    cl::CommandQueue queue();
 
     /// Waits for copies that are under way, and releases the memory; the next copy makes it anew. Returns its bytes.
     std::size_t release() noexcept;
@@ -34,9 +39,9 @@ public:
     static constexpr std::size_t piece_bytes = std::size_t{2} << 20;
     /// Drivers copy fewer bytes at once, without a transfer of their own.
     static constexpr std::size_t least_bytes = std::size_t{32} << 10;
+    static constexpr std::size_t pieces_at_once = 4;
 
 private:
-    static constexpr std::size_t pieces_at_once = 4;
     static constexpr std::size_t half_bytes = pieces_at_once * piece_bytes;
 
     /// The memory of one direction.
@@ -50,6 +55,7 @@ private:
         cl::Event written;
     };
 
+    const cl::CommandQueue& made_queue();
     bool make_memory();
     /// Whether the half, whose mutex is locked, has pinned memory.
     bool has_memory(Half& half);
@@ -62,7 +68,7 @@ private:
     std::vector<Use> uses_;     // of writes_; its mutex guards both
     std::size_t next_ = 0;      // where the next piece of a write begins
     mutable std::mutex mutex_;  // for what follows; locked after a half's
-    cl::CommandQueue maps_;
+    cl::CommandQueue queue_;
     cl::Buffer buffer_;
     std::byte* memory_ = nullptr;
 };
