@@ -136,7 +136,9 @@ ExitStatus run(const QueryOptions& options, Report& report) {
         report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(meshes), mesh.vertices().size(),
                      mesh.triangles().size());
         report.print("device  {} ({})\n", found.device_name, found.device_platform);
-        report.print("done    {} points in {:.3f} s, {} of them inside\n", points.size(), found.seconds, inside);
+        report.print("done    {} points in {:.3f} s, {}\n", points.size(), found.seconds,
+                     found.sign == clsdf::SignRule::none ? "without a sign: the mesh has no inside"
+                                                         : fmt::format("{} of them inside", inside));
         report.print("wrote   {}\n", options.output);
     }
     report.result = {{"mesh", paths_of(meshes)},

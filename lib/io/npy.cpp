@@ -203,6 +203,19 @@ SparseField read_sparse(const std::string& path, const Description& description,
     return field;
 }
 
+/// A file of a sparse field that was copied without those beside it has the shape of bricks.
+void check_has_no_bricks(InputFile& file, const std::string& path) {
+    if (is_there(sidecar_path(path))) return;
+    const NpyHeader header = read_field_header(file);
+    if (header.shape.size() != 4 ||
+        header.shape != sparse_shape(static_cast<std::size_t>(header.shape[0]), info_of(Output::distance)))
+        return;
+    file.fail(
+        fmt::format("it has the bricks of a sparse field, and there is no '{}' beside it, which states where they lie; "
+                    "copy that file into its folder, with '{}' and '{}'",
+                    sidecar_path(path), extra_path(path, bricks_name), extra_path(path, runs_name)));
+}
+
 /// The description of a sparse field; nothing if the file has a dense one, or no description.
 std::optional<Description> sparse_description(const std::string& path) {
     const std::string sidecar = sidecar_path(path);
@@ -233,9 +246,12 @@ std::map<std::string, std::string> files_of_npy(const std::string& path) {
 }
 
 std::optional<SparseField> read_sparse_npy(const std::string& path, OutputSet wanted) {
-    const InputFile file(path);  // a file that is missing has no dense field
+    InputFile file(path);  // a file that is missing has no dense field
     const std::optional<Description> description = sparse_description(path);
-    if (!description) return std::nullopt;
+    if (!description) {
+        check_has_no_bricks(file, path);
+        return std::nullopt;
+    }
     return read_sparse(path, *description, wanted);
 }
 

@@ -232,6 +232,17 @@ BOOST_AUTO_TEST_CASE(counts_points_that_are_not_finite_or_too_far) {
     BOOST_TEST(rows[4][3] == "-0.6");
 }
 
+BOOST_AUTO_TEST_CASE(counts_points_inside_only_if_there_is_an_inside) {
+    const Inputs inputs;
+    const std::string result = inputs.folder.file("found.csv");
+    const std::string sheet = inputs.folder.file("sheet.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    BOOST_TEST(run_command({"query", inputs.mesh, inputs.csv, "-o", result}).error.find("1 of them inside") !=
+               std::string::npos);
+    const std::string report = run_command({"query", sheet, inputs.csv, "-o", result}).error;
+    BOOST_TEST(report.find("without a sign") != std::string::npos, report);
+    BOOST_TEST(report.find("of them inside") == std::string::npos, report);
+}
+
 BOOST_AUTO_TEST_CASE(takes_several_files_as_one_body) {
     const Inputs inputs;
     const std::string second = inputs.folder.file("second.stl"), result = inputs.folder.file("found.csv");

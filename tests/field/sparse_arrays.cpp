@@ -216,6 +216,9 @@ BOOST_AUTO_TEST_CASE(that_makes_no_sense_is_refused) {
     refused({"field_inside_runs.npy", "no such file"});
     BOOST_TEST(missing_field_files(path).size() == 1U);
     write();
+    std::filesystem::remove(path + ".json");
+    refused({"field.npy", "sparse field", "field.npy.json", "field_bricks.npy", "field_inside_runs.npy"});
+    write();
     write_field(to_dense(field), folder.file("other.npy"));
     std::filesystem::rename(folder.file("other.npy"), path);
     refused({"field.npy", "shape"});

@@ -357,7 +357,8 @@ void check_callback(std::int32_t status, const char* name) {
     std::string message = clsdf_last_error();
     if (message.empty())
         message = std::string("the callback ") + name + " ended the call with status " + std::to_string(status) + " (" +
-                  clsdf_status_name(status) + "); clsdf_set_last_error() in the callback can say why";
+                  (status >= CLSDF_OWN_STATUS ? "the program's own" : clsdf_status_name(status)) +
+                  "); clsdf_set_last_error() in the callback can say why";
     throw CallbackEnded{status, message, clsdf_last_opencl_error()};
 }
 

@@ -711,6 +711,9 @@ static void check_callbacks(void) {
     clsdf_transform_release(open);
     own.answer = 5;
     FAILS(5, "callback log", clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));
+    own.answer = CLSDF_OWN_STATUS + 3;
+    FAILS(CLSDF_OWN_STATUS + 3, "status 1003 (the program's own)",
+          clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));
     CHECK(open == NULL);
     call.log = careless;
     own.answer = 0;
