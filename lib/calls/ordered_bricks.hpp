@@ -7,7 +7,6 @@
 #include "launch/commands.hpp"
 #include "launch/device_tools.hpp"
 #include "launch/prefix_sums.hpp"
-#include "layout.h"
 #include "targets/host_arrays.hpp"
 
 #include <cstddef>
