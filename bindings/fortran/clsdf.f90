@@ -8,9 +8,9 @@
 !> STATUS. Every procedure that can fail has the optional arguments stat, which is 0 or one of the numbers below, and
 !> errmsg, which is defined only after an error. Without stat, an error writes its message and stops the program.
 !>
-!> HANDLES (clsdf_device, clsdf_mesh, clsdf_transform, clsdf_plan, clsdf_field, clsdf_sparse_field, clsdf_thread_limit) are
-!> counted references: assignment makes another reference to the same object, and the end of a variable gives its reference
-!> back. release() does so at once.
+!> HANDLES (clsdf_device, clsdf_mesh, clsdf_transform, clsdf_plan, clsdf_sparse_plan, clsdf_field, clsdf_sparse_field,
+!> clsdf_thread_limit) are counted references: assignment makes another reference to the same object, and the end of a
+!> variable gives its reference back. release() does so at once.
 !>
 !> ARRAYS are used where they are, whatever their bounds and strides: nothing is copied. Components (of vectors) come
 !> first or after the samples: x(3, n) or x(n, 3), gradient(3, i, j, k) or gradient(i, j, k, 3); of two readings the first
@@ -25,7 +25,8 @@ module clsdf
   private
 
   public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_transform, &
-      clsdf_kept_memory, clsdf_plan, clsdf_field, clsdf_sparse_field, clsdf_thread_limit
+      clsdf_kept_memory, clsdf_plan, clsdf_sparse_plan, clsdf_sparse_buffers, clsdf_device_sparse_counts, &
+      clsdf_field, clsdf_sparse_field, clsdf_thread_limit
   public :: clsdf_array, clsdf_pinned, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, &
       clsdf_grid, clsdf_region, clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, &
       clsdf_slab, clsdf_slab_sink, clsdf_sparse_counts, clsdf_sparse_request, clsdf_sparse_slab, clsdf_sparse_sink
@@ -497,6 +498,41 @@ module clsdf
     final :: plan_end
   end type
 
+  !> What a run of a clsdf_sparse_plan writes about its field. The numbers are those of the whole field.
+  type, bind(C) :: clsdf_device_sparse_counts
+    integer(c_int64_t) :: bricks = 0, runs = 0
+    integer(c_int64_t) :: is_complete = 0  !< 1: the memory holds the field; 0: it had too little room, and is undefined
+  end type
+
+  !> The memory of the device (cl_mem) for a sparse field, with room for what the plan has room for. Nothing overlaps. The
+  !> offsets are bytes, multiples of 8. What has no room may be c_null_ptr. Indices in these buffers are those of C: they
+  !> count from 0.
+  type :: clsdf_sparse_buffers
+    type(c_ptr) :: counts = c_null_ptr  !< a clsdf_device_sparse_counts
+    type(c_ptr) :: bricks = c_null_ptr  !< integer(c_int64_t), (3, bricks)
+    type(c_ptr) :: inside = c_null_ptr  !< integer(c_int64_t), (4, runs)
+    integer(c_int64_t) :: counts_offset = 0, bricks_offset = 0, inside_offset = 0
+    type(clsdf_target), allocatable :: values(:)  !< packed buffers, 512 samples for each brick that there is room for
+  end type
+
+  !> A sparse field that is computed again and again, and stays in memory of the device.
+  type :: clsdf_sparse_plan
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure :: create => sparse_plan_create
+    procedure :: enqueue => sparse_plan_enqueue
+    procedure, private :: sparse_plan_update, sparse_plan_update_request
+    generic :: update => sparse_plan_update, sparse_plan_update_request
+    procedure :: sign => sparse_plan_sign
+    procedure :: statistics => sparse_plan_statistics
+    procedure :: request => sparse_plan_request
+    procedure :: is_set => sparse_plan_is_set
+    procedure :: release => sparse_plan_release
+    procedure, private :: sparse_plan_assign
+    generic :: assignment(=) => sparse_plan_assign
+    final :: sparse_plan_end
+  end type
+
   ! ---- Fields in the library's memory ----
 
   type :: clsdf_field
@@ -522,6 +558,7 @@ module clsdf
   contains
     procedure :: describe => sparse_field_describe
     procedure :: slab => sparse_field_slab
+    procedure :: set_index_base => sparse_field_set_index_base
     procedure :: is_set => sparse_field_is_set
     procedure :: release => sparse_field_release
     procedure, private :: sparse_field_assign
@@ -647,6 +684,17 @@ module clsdf
     type(c_targets) :: values
   end type
 
+  type, bind(C) :: c_sparse_buffers
+    integer(c_size_t) :: struct_size = 0
+    type(c_ptr) :: counts = c_null_ptr
+    integer(c_int64_t) :: counts_offset = 0
+    type(c_ptr) :: bricks = c_null_ptr
+    integer(c_int64_t) :: bricks_offset = 0
+    type(c_ptr) :: inside = c_null_ptr
+    integer(c_int64_t) :: inside_offset = 0
+    type(c_targets) :: values
+  end type
+
   ! What a call hands to C, and keeps for its duration.
   type :: caller
     type(c_call_options) :: c
@@ -738,8 +786,8 @@ module clsdf
       import
       type(c_ptr), value :: devices
     end subroutine
-    ! REPEATED FOR device=mesh | device=transform | device=plan | device=field | device=sparse_field |
-    !     device=thread_limit
+    ! REPEATED FOR device=mesh | device=transform | device=plan | device=sparse_plan | device=field |
+    !     device=sparse_field | device=thread_limit
 
     subroutine c_device_retain(device) bind(C, name="clsdf_device_retain")
       import
@@ -777,6 +825,15 @@ module clsdf
     subroutine c_plan_release(plan) bind(C, name="clsdf_plan_release")
       import
       type(c_ptr), value :: plan
+    end subroutine
+
+    subroutine c_sparse_plan_retain(sparse_plan) bind(C, name="clsdf_sparse_plan_retain")
+      import
+      type(c_ptr), value :: sparse_plan
+    end subroutine
+    subroutine c_sparse_plan_release(sparse_plan) bind(C, name="clsdf_sparse_plan_release")
+      import
+      type(c_ptr), value :: sparse_plan
     end subroutine
 
     subroutine c_field_retain(field) bind(C, name="clsdf_field_retain")
@@ -1317,6 +1374,13 @@ module clsdf
       type(c_ptr), value :: field
       type(clsdf_c_description), intent(inout) :: description
     end function
+    function c_sparse_field_set_index_base(field, index_base) bind(C, name="clsdf_sparse_field_set_index_base") &
+        result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: field
+      integer(c_int32_t), value :: index_base
+    end function
     function c_sparse_field_slab(field, slab) bind(C, name="clsdf_sparse_field_slab") result(value)
       import
       integer(c_int32_t) :: value
@@ -1500,6 +1564,54 @@ module clsdf
       integer(c_int32_t) :: value
       type(c_ptr), value :: plan, transform, call
       type(c_block_set), intent(in) :: blocks
+    end function
+    function c_sparse_plan_create(transform, request, room, call, plan) bind(C, name="clsdf_sparse_plan_create") &
+        result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(c_sparse_request), intent(in) :: request
+      type(clsdf_sparse_counts), intent(in) :: room
+      type(c_ptr), intent(out) :: plan
+    end function
+    function c_sparse_plan_enqueue(plan, queue, buffers, wait_list, wait_count, done) &
+        bind(C, name="clsdf_sparse_plan_enqueue") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, queue, wait_list, done
+      type(c_sparse_buffers), intent(in) :: buffers
+      integer(c_int64_t), value :: wait_count
+    end function
+    function c_sparse_plan_update(plan, transform, call) bind(C, name="clsdf_sparse_plan_update") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, transform, call
+    end function
+    function c_sparse_plan_update_request(plan, transform, request, room, call) &
+        bind(C, name="clsdf_sparse_plan_update_request") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, transform, call
+      type(c_sparse_request), intent(in) :: request
+      type(clsdf_sparse_counts), intent(in) :: room
+    end function
+    function c_sparse_plan_request(plan, request, room) bind(C, name="clsdf_sparse_plan_request") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan
+      type(c_sparse_request), intent(out) :: request
+      type(clsdf_sparse_counts), intent(out) :: room
+    end function
+    function c_sparse_plan_sign(plan, rule) bind(C, name="clsdf_sparse_plan_sign") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan
+      integer(c_int32_t), intent(out) :: rule
+    end function
+    function c_sparse_plan_statistics(plan, statistics) bind(C, name="clsdf_sparse_plan_statistics") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, statistics
     end function
     function c_plan_sign(plan, rule) bind(C, name="clsdf_plan_sign") result(value)
       import
@@ -3833,6 +3945,14 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  function sparse_request_for_c(request) result(c)
+    type(clsdf_sparse_request), intent(in) :: request
+    type(c_sparse_request) :: c
+    c%grid = clsdf_grid_for_c(request%grid)
+    c%band = request%band
+    if (allocated(request%outputs)) c%outputs = clsdf_outputs_mask(request%outputs)
+  end function
+
   !> Many sparse fields in one call, of any lattices, bands and outputs.
   subroutine compute_sparse_requests(self, requests, fields, options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
@@ -3848,9 +3968,7 @@ contains
     integer(c_int32_t) :: status, index_base
     integer :: i
     do i = 1, size(requests)
-      c(i)%grid = clsdf_grid_for_c(requests(i)%grid)
-      c(i)%band = requests(i)%band
-      if (allocated(requests(i)%outputs)) c(i)%outputs = clsdf_outputs_mask(requests(i)%outputs)
+      c(i) = sparse_request_for_c(requests(i))
     end do
     handles = c_null_ptr
     allocate (fields(size(requests)))
@@ -4436,6 +4554,121 @@ contains
     call clsdf_finish(c_plan_request_count(self%handle, count), stat, errmsg)
   end function
 
+  !> A sparse field whose runs have room for so many bricks and runs of bricks inside.
+  subroutine sparse_plan_create(self, transform, request, room, options, stat, errmsg)
+    class(clsdf_sparse_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_sparse_request), intent(in) :: request
+    type(clsdf_sparse_counts), intent(in) :: room
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call self%release()
+    call clsdf_finish(c_sparse_plan_create(transform%handle, sparse_request_for_c(request), room, &
+        options_for_c(given, options), self%handle), stat, errmsg)
+  end subroutine
+
+  !> Enqueues the field into these buffers, as plan%enqueue() does. Reads nothing back.
+  subroutine sparse_plan_enqueue(self, buffers, queue, wait_list, done, stat, errmsg)
+    class(clsdf_sparse_plan), intent(inout) :: self
+    type(clsdf_sparse_buffers), intent(in) :: buffers
+    type(c_ptr), intent(in), optional :: queue
+    type(c_ptr), intent(in), target, optional :: wait_list(:)
+    type(c_ptr), intent(out), target, optional :: done
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target), allocatable :: given(:)
+    type(clsdf_c_target), allocatable, target :: values(:)
+    type(c_ptr), allocatable, target :: events(:)
+    type(c_sparse_request) :: request
+    type(clsdf_sparse_counts) :: room
+    type(c_sparse_buffers) :: c
+    integer(c_int32_t) :: status
+    call list_events(wait_list, events)
+    allocate (given(0))
+    if (allocated(buffers%values)) given = buffers%values
+    allocate (values(size(given)))
+    status = c_sparse_plan_request(self%handle, request, room)
+    if (status == CLSDF_OK) call clsdf_targets_of_samples(given, [8_c_int64_t, 8_c_int64_t, 8_c_int64_t, room%bricks], 3, &
+        values, status)
+    if (status == CLSDF_OK) then
+      c%struct_size = c_sizeof(c)
+      c%counts = buffers%counts
+      c%counts_offset = buffers%counts_offset
+      c%bricks = buffers%bricks
+      c%bricks_offset = buffers%bricks_offset
+      c%inside = buffers%inside
+      c%inside_offset = buffers%inside_offset
+      if (size(values) > 0) c%values = c_targets(c_loc(values), size(values, kind=c_int64_t))
+      status = c_sparse_plan_enqueue(self%handle, queue_of(queue), c, first_of(events), size(events, kind=c_int64_t), &
+          place_of(done))
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Prepares the next runs for the present positions of the transform. Blocks.
+  subroutine sparse_plan_update(self, transform, options, stat, errmsg)
+    class(clsdf_sparse_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call clsdf_finish(c_sparse_plan_update(self%handle, transform%handle, options_for_c(given, options)), stat, errmsg)
+  end subroutine
+
+  !> The same with another grid, band and outputs, and with other room.
+  subroutine sparse_plan_update_request(self, transform, request, room, options, stat, errmsg)
+    class(clsdf_sparse_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_sparse_request), intent(in) :: request
+    type(clsdf_sparse_counts), intent(in) :: room
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call clsdf_finish(c_sparse_plan_update_request(self%handle, transform%handle, sparse_request_for_c(request), room, &
+        options_for_c(given, options)), stat, errmsg)
+  end subroutine
+
+  function sparse_plan_sign(self, stat, errmsg) result(rule)
+    class(clsdf_sparse_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: rule
+    call clsdf_finish(c_sparse_plan_sign(self%handle, rule), stat, errmsg)
+  end function
+
+  !> Of making or updating it.
+  function sparse_plan_statistics(self, stat, errmsg) result(statistics)
+    class(clsdf_sparse_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_statistics), target :: statistics
+    call clsdf_finish(c_sparse_plan_statistics(self%handle, statistics_for_c(statistics)), stat, errmsg)
+  end function
+
+  !> Its grid, band and room.
+  subroutine sparse_plan_request(self, grid, band, room, stat, errmsg)
+    class(clsdf_sparse_plan), intent(in) :: self
+    type(clsdf_grid), intent(out), optional :: grid
+    type(clsdf_band), intent(out), optional :: band
+    type(clsdf_sparse_counts), intent(out), optional :: room
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_sparse_request) :: c
+    type(clsdf_sparse_counts) :: counts
+    integer(c_int32_t) :: status
+    status = c_sparse_plan_request(self%handle, c, counts)
+    if (status == CLSDF_OK) then
+      if (present(grid)) call take_grid(c%grid, grid)
+      if (present(band)) band = c%band
+      if (present(room)) room = counts
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
   !> The grid and band of request `index`, from 1.
   subroutine plan_request(self, index, grid, band, stat, errmsg)
     class(clsdf_plan), intent(in) :: self
@@ -4868,6 +5101,18 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  !> Triangles count from 0 or from 1.
+  subroutine sparse_field_set_index_base(self, index_base, stat, errmsg)
+    class(clsdf_sparse_field), intent(inout) :: self
+    integer(c_int32_t), intent(in) :: index_base
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: status
+    status = c_sparse_field_set_index_base(self%handle, index_base)
+    if (status == CLSDF_OK) self%index_base = index_base
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
   !> bricks(:, n): the first sample of brick n on the lattice, from 1.
   function sparse_bricks(self) result(bricks)
     class(clsdf_sparse_slab), intent(in) :: self
@@ -5161,7 +5406,7 @@ contains
     call self%release()
   end subroutine
 
-  ! REPEATED FOR device=mesh | device=transform | device=plan | device=field
+  ! REPEATED FOR device=mesh | device=transform | device=plan | device=sparse_plan | device=field
 
   elemental function device_is_set(self) result(is_set)
     class(clsdf_device), intent(in) :: self
@@ -5189,6 +5434,12 @@ contains
     is_set = c_associated(self%handle)
   end function
 
+  elemental function sparse_plan_is_set(self) result(is_set)
+    class(clsdf_sparse_plan), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
   elemental function field_is_set(self) result(is_set)
     class(clsdf_field), intent(in) :: self
     logical :: is_set
@@ -5197,7 +5448,7 @@ contains
 
   ! END
 
-  ! REPEATED FOR device=mesh | device=transform | device=plan | device=field | device=thread_limit
+  ! REPEATED FOR device=mesh | device=transform | device=plan | device=sparse_plan | device=field | device=thread_limit
 
   subroutine device_release(self)
     class(clsdf_device), intent(inout) :: self
@@ -5282,6 +5533,27 @@ contains
 
   impure elemental subroutine plan_end(self)
     type(clsdf_plan), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  subroutine sparse_plan_release(self)
+    class(clsdf_sparse_plan), intent(inout) :: self
+    call c_sparse_plan_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine sparse_plan_assign(left, right)
+    class(clsdf_sparse_plan), intent(inout) :: left
+    type(clsdf_sparse_plan), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_sparse_plan_retain(right%handle)
+    left%handle = right%handle
+    call c_sparse_plan_release(before)
+  end subroutine
+
+  impure elemental subroutine sparse_plan_end(self)
+    type(clsdf_sparse_plan), intent(inout) :: self
     call self%release()
   end subroutine
 

@@ -6,7 +6,7 @@ module clsdf_io
   implicit none
   private
   public :: clsdf_field_read, clsdf_field_missing_files, clsdf_field_write, clsdf_field_check_path, clsdf_field_writer, &
-      clsdf_sparse_field_write, clsdf_sparse_writer, clsdf_io_abandon_unfinished_files
+      clsdf_sparse_field_read, clsdf_sparse_field_write, clsdf_sparse_writer, clsdf_io_abandon_unfinished_files
 
   !> Writes a field slab by slab, from the caller's arrays; or, as a sink of transform%compute_slabs(), from that call.
   type, extends(clsdf_slab_sink) :: clsdf_field_writer
@@ -96,6 +96,12 @@ module clsdf_io
     function c_field_writer_finish(writer) bind(C, name="clsdf_field_writer_finish") result(value)
       import
       type(c_ptr), value :: writer
+      integer(c_int32_t) :: value
+    end function
+    function c_sparse_field_read(path, field) bind(C, name="clsdf_sparse_field_read") result(value)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(out) :: field
       integer(c_int32_t) :: value
     end function
     function c_sparse_field_write(field, path) bind(C, name="clsdf_sparse_field_write") result(value)
@@ -319,6 +325,23 @@ contains
   impure elemental subroutine writer_end(self)
     type(clsdf_field_writer), intent(inout) :: self
     call self%release()
+  end subroutine
+
+  !> Reads a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb as a sparse field, whose triangles count from 1. The field
+  !> is not set if the file has a dense one, which clsdf_field_read() reads.
+  subroutine clsdf_sparse_field_read(path, field, stat, errmsg)
+    character(*), intent(in) :: path
+    type(clsdf_sparse_field), intent(inout) :: field
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: status
+    call field%release()
+    status = c_sparse_field_read(trim(path)//c_null_char, field%handle)
+    if (status /= CLSDF_OK .or. .not. field%is_set()) then
+      call clsdf_finish(status, stat, errmsg)
+    else
+      call field%set_index_base(1_c_int32_t, stat, errmsg)
+    end if
   end subroutine
 
   !> Writes a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb, complete or not at all.

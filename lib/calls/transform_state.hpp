@@ -6,6 +6,7 @@
 #include "calls/call.hpp"
 #include "calls/plan_state.hpp"
 #include "calls/requests.hpp"
+#include "calls/sparse_plan_state.hpp"
 #include "calls/sparse_targets.hpp"
 #include "checks/self_test.hpp"
 #include "core/statistics.hpp"
@@ -156,6 +157,11 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
               std::span<const targets::DeviceTargets> targets, const CallOptions& call);
     /// By way of a plan.
     CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
+
+    // sparse_plans.cpp
+    /// Makes the slabs of a plan anew, for this field.
+    void plan(calls::SparsePlanState& made, SparseRequest request, SparseCounts room, const CallOptions& call);
+    void plan(calls::SparsePlanState& made, const engine::Job& job, const CallOptions& call);
 
     // point_calls.cpp
     /// By the host, at most points::most_few_points.

@@ -74,7 +74,8 @@ list(TRANSFORM known REPLACE ".*/" "")
 list(APPEND known ${public_headers})
 
 # The face of the top layer, and what stands beside the core.
-set(face clsdf/distance_transform.hpp clsdf/plan.hpp clsdf/clsdf.hpp)
+set(face clsdf/distance_transform.hpp clsdf/plan.hpp clsdf/sparse_plan.hpp
+    clsdf/clsdf.hpp)
 set(beside clsdf/io.hpp clsdf/mesh_files.hpp clsdf/openvdb.hpp clsdf/papers.hpp clsdf/picture.hpp clsdf/reference.hpp)
 set(allowed ${public_headers})
 list(REMOVE_ITEM allowed ${face} ${beside})

@@ -443,6 +443,48 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_neither_waits_nor_moves_what_it_has) {
     check_quiet_run(second, memory);
 }
 
+// Beside the bricks go down a mark for each brick of the grid and the number of each that has values.
+BOOST_AUTO_TEST_CASE(the_host_gets_little_more_than_the_bricks_of_a_sparse_field) {
+    const DistanceTransform transform(test_device(), mesh());
+    const Grid fine = grid_around(mesh(), 200, 5);
+    const Band narrow = Band::symmetric(3 * fine.voxel());
+    for (const OutputSet outputs : {OutputSet(), OutputSet(Output::gradient)}) {
+        transform.compute_sparse(fine, narrow, outputs);
+        disguise::restart();
+        const SparseField field = transform.compute_sparse(fine, narrow, outputs);
+        const disguise::Counts counts = disguise::counts();
+        std::size_t bytes = field.bricks.size() * sizeof(Index3);
+        for (const OutputInfo& info : output_table()) bytes += field.bytes(info.output).size();
+        BOOST_TEST(field.bricks.size() * 20 < fine.sample_count() / 100);
+        BOOST_TEST(counts.bytes_down >= field.bytes(Output::distance).size());
+        BOOST_TEST(static_cast<double>(counts.bytes_down) <= 1.1 * static_cast<double>(bytes));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_of_a_sparse_field_neither_waits_nor_moves_what_it_has) {
+    const DistanceTransform transform(test_device(), mesh());
+    const SparseField field = transform.compute_sparse(grid(), band());
+    const SparseCounts room{field.bricks.size(), field.inside.size() + 1};
+    const DeviceMemory counts(test_device().context(), sizeof(DeviceSparseCounts) / sizeof(cl_uint)),
+        bricks(test_device().context(), room.bricks * sizeof(Index3) / sizeof(cl_uint)),
+        inside(test_device().context(), room.runs * sizeof(BrickRun) / sizeof(cl_uint)),
+        distance(test_device().context(), room.bricks * brick_samples);
+    const SparseDeviceTargets targets{{counts.handle()}, {bricks.handle()}, {inside.handle()}, distance.handle()};
+    SparsePlan plan = transform.plan_sparse({grid(), band()}, room);
+    disguise::restart();
+    plan.enqueue(nullptr, targets);
+    cl::Event end;
+    plan.enqueue(nullptr, targets, {}, &end());
+    const disguise::Counts moved = disguise::counts();
+    BOOST_TEST(moved.blocking_waits == 0U);
+    BOOST_TEST(moved.allocations == 0U);
+    BOOST_TEST(moved.first_uses == 0U);
+    BOOST_TEST(moved.bytes_up == 0U);
+    BOOST_TEST(moved.bytes_down == 0U);
+    end.wait();
+    BOOST_TEST((distance.read(device::context_of(test_device()).queue()) == bits_of(field.distance())));
+}
+
 // Drivers that allocate a buffer at its first use would fail when a plan is enqueued.
 BOOST_AUTO_TEST_CASE(a_lack_of_memory_appears_when_a_plan_is_made) {
     const DistanceTransform transform(test_device(), mesh());

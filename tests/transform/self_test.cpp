@@ -126,6 +126,13 @@ TransformStatistics boxes(const Device& device, KernelBody body, const CallOptio
     return DistanceTransform(device, mesh, {.body = body}).plan({grid, narrow, target}, call).statistics();
 }
 
+TransformStatistics sparse_plan(const Device& device, KernelBody body, const CallOptions& call) {
+    const Mesh mesh = make_shape("cube");
+    return DistanceTransform(device, mesh, {.body = body})
+        .plan_sparse({Grid::around(mesh, 16, narrow), narrow}, {1, 1}, call)
+        .statistics();
+}
+
 /// A field as packed arrays.
 targets::HostArrays arrays_of(Field& field) {
     targets::HostArrays arrays;
@@ -196,8 +203,9 @@ BOOST_AUTO_TEST_SUITE(the_self_test)
 
 BOOST_AUTO_TEST_CASE(passes_with_every_program_in_as_many_steps_as_it_tells) {
     for (const KernelBody body : {vector_body, group_body})
-        for (const Use& use : {distances, outputs, long_outputs, counted, slices(SliceMinimum::one_pass),
-                               slices(SliceMinimum::two_passes), few_points, many_points, Use(boxes)}) {
+        for (const Use& use :
+             {distances, outputs, long_outputs, counted, slices(SliceMinimum::one_pass),
+              slices(SliceMinimum::two_passes), few_points, many_points, Use(boxes), Use(sparse_plan)}) {
             Changed nothing;
             const Device device = nothing.device("");
             std::vector<Progress> steps;
@@ -391,6 +399,14 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
          many_points,
          vectors,
          {records, "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"}},
+        {"bricks in the places of others",
+         sparse_plan,
+         both,
+         {"order_bricks.cl", "other < number; ++other", "other + 1 < number; ++other"}},
+        {"a run of bricks beyond its row",
+         sparse_plan,
+         vectors,
+         {"order_bricks.cl", "behind % row != 0 && marks", "marks"}},
         {"slices in the places of rows",
          boxes,
          vectors,

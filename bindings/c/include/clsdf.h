@@ -169,6 +169,7 @@ typedef struct clsdf_device clsdf_device;             /* an OpenCL device, with 
 typedef struct clsdf_mesh clsdf_mesh;                 /* a checked mesh, a copy of arrays or files */
 typedef struct clsdf_transform clsdf_transform;       /* the distance to a mesh, on a device */
 typedef struct clsdf_plan clsdf_plan;                 /* boxes that are computed again and again */
+typedef struct clsdf_sparse_plan clsdf_sparse_plan;   /* a sparse field that is computed again and again */
 typedef struct clsdf_field clsdf_field;               /* a field in the library's memory */
 typedef struct clsdf_sparse_field clsdf_sparse_field; /* a sparse field in the library's memory */
 typedef struct clsdf_points clsdf_points;             /* points read from a file */
@@ -185,6 +186,8 @@ CLSDF_API void clsdf_transform_release(clsdf_transform* transform);
 CLSDF_API void clsdf_plan_retain(clsdf_plan* plan);
 /* The last release waits for what the plan has enqueued. */
 CLSDF_API void clsdf_plan_release(clsdf_plan* plan);
+CLSDF_API void clsdf_sparse_plan_retain(clsdf_sparse_plan* plan);
+CLSDF_API void clsdf_sparse_plan_release(clsdf_sparse_plan* plan);
 CLSDF_API void clsdf_field_retain(clsdf_field* field);
 CLSDF_API void clsdf_field_release(clsdf_field* field);
 CLSDF_API void clsdf_sparse_field_retain(clsdf_sparse_field* field);
@@ -795,6 +798,33 @@ typedef struct clsdf_sparse_arrays {
         }                                                \
     }
 
+/* What a run of a clsdf_sparse_plan writes about its field. The numbers are those of the whole field, also if the
+ * memory has less room. */
+typedef struct clsdf_device_sparse_counts {
+    int64_t bricks;
+    int64_t runs;
+    int64_t is_complete; /* 1: the memory holds the field; 0: it had too little room, and is undefined */
+} clsdf_device_sparse_counts;
+
+/* The caller's memory of the device (cl_mem) for a sparse field, with room for what the plan has room for. Nothing
+ * overlaps. The offsets are bytes, multiples of 8. What has no room may be null. */
+typedef struct clsdf_sparse_buffers {
+    size_t struct_size;
+    void* counts; /* a clsdf_device_sparse_counts */
+    int64_t counts_offset;
+    void* bricks; /* int64_t [bricks][3] */
+    int64_t bricks_offset;
+    void* inside; /* clsdf_brick_run [runs] */
+    int64_t inside_offset;
+    clsdf_targets values; /* packed, 512 items for each brick that there is room for, as in clsdf_sparse_arrays */
+} clsdf_sparse_buffers;
+#define CLSDF_SPARSE_BUFFERS_INIT                                  \
+    {                                                              \
+        sizeof(clsdf_sparse_buffers), NULL, 0, NULL, 0, NULL, 0, { \
+            NULL, 0                                                \
+        }                                                          \
+    }
+
 /* Whole layers of a sparse field's bricks. A brick of the grid has values if one of its samples is in the band, or if
  * it has samples of both signs; all its 512 samples have them then. In each other brick all samples are beyond the band
  * and have one sign: they are inside if a run of `inside` holds the brick. Bricks and runs are sorted by z, then y,
@@ -998,6 +1028,31 @@ CLSDF_API clsdf_status clsdf_plan_request_count(const clsdf_plan* plan, int64_t*
 CLSDF_API clsdf_status clsdf_plan_request(const clsdf_plan* plan, int64_t index, clsdf_grid* grid, clsdf_band* band,
                                           clsdf_target* targets, int64_t size, int64_t* target_count);
 
+/* A sparse field that stays in memory of the device: counts, bricks, runs and values have the bytes and the order of
+ * clsdf_compute_sparse(), and a run reads nothing back. room: how many bricks and runs a run has room for. With index
+ * base 1 the triangle is CLSDF_UNSUPPORTED. */
+CLSDF_API clsdf_status clsdf_sparse_plan_create(const clsdf_transform* transform, const clsdf_sparse_request* request,
+                                                const clsdf_sparse_counts* room, const clsdf_call_options* call,
+                                                clsdf_sparse_plan** plan);
+/* As clsdf_plan_enqueue(), into this memory. */
+CLSDF_API clsdf_status clsdf_sparse_plan_enqueue(clsdf_sparse_plan* plan, void* queue,
+                                                 const clsdf_sparse_buffers* buffers, void* const* wait_list,
+                                                 int64_t wait_count, void** done);
+/* As clsdf_plan_update(). */
+CLSDF_API clsdf_status clsdf_sparse_plan_update(clsdf_sparse_plan* plan, const clsdf_transform* transform,
+                                                const clsdf_call_options* call);
+/* The same with another grid, band and outputs, and with other room. */
+CLSDF_API clsdf_status clsdf_sparse_plan_update_request(clsdf_sparse_plan* plan, const clsdf_transform* transform,
+                                                        const clsdf_sparse_request* request,
+                                                        const clsdf_sparse_counts* room,
+                                                        const clsdf_call_options* call);
+/* Its field and its room. Pointers may be null. */
+CLSDF_API clsdf_status clsdf_sparse_plan_request(const clsdf_sparse_plan* plan, clsdf_sparse_request* request,
+                                                 clsdf_sparse_counts* room);
+CLSDF_API clsdf_status clsdf_sparse_plan_sign(const clsdf_sparse_plan* plan, int32_t* rule);
+/* Of making or updating it. */
+CLSDF_API clsdf_status clsdf_sparse_plan_statistics(const clsdf_sparse_plan* plan, clsdf_statistics* statistics);
+
 /* ---- Fields in the library's memory ---- */
 
 typedef struct clsdf_field_description {
@@ -1033,6 +1088,8 @@ CLSDF_API clsdf_status clsdf_sparse_field_describe(const clsdf_sparse_field* fie
                                                    clsdf_field_description* description);
 /* All layers of the field; the addresses are those of the field's own memory, as long as it lives. */
 CLSDF_API clsdf_status clsdf_sparse_field_slab(const clsdf_sparse_field* field, clsdf_sparse_slab* slab);
+/* As clsdf_field_set_index_base(). Threads: one. */
+CLSDF_API clsdf_status clsdf_sparse_field_set_index_base(clsdf_sparse_field* field, int32_t index_base);
 
 /* The number of the brick that has the sample's values; -1: none, or it is not in the layers. sample[3] counts on the
  * lattice, as in the next. */

@@ -106,6 +106,15 @@ clsdf_status clsdf_field_writer_finish(clsdf_field_writer* writer) {
     return guarded([&] { of(writer).writer.finish(); });
 }
 
+clsdf_status clsdf_sparse_field_read(const char* path, clsdf_sparse_field** field) {
+    return made(field, "field", [&]() -> clsdf_sparse_field* {
+        OutputSet all;
+        for (const OutputInfo& info : output_table()) all.insert(info.output);
+        auto read = read_sparse_field(c::text_of(path, "path"), all);
+        return read ? new clsdf_sparse_field(std::move(*read)) : nullptr;
+    });
+}
+
 clsdf_status clsdf_sparse_field_write(const clsdf_sparse_field* field, const char* path) {
     return guarded([&] {
         const clsdf_sparse_field& self = of(field);

@@ -26,6 +26,8 @@ const char* name_of(Kind kind) noexcept {
             return "sparse field";
         case Kind::sparse_writer:
             return "sparse writer";
+        case Kind::sparse_plan:
+            return "sparse plan";
     }
     return "kind that is not known";
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "errors.hpp"
+#include "values.hpp"
 
 #include <clsdf/device.hpp>
 #include <clsdf/distance_transform.hpp>
@@ -8,6 +9,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/plan.hpp>
 #include <clsdf/sparse.hpp>
+#include <clsdf/sparse_plan.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -32,6 +34,7 @@ enum class Kind : std::uint64_t {
     field_writer,
     sparse_field,
     sparse_writer,
+    sparse_plan,
 };
 
 const char* name_of(Kind kind) noexcept;
@@ -115,6 +118,15 @@ struct clsdf_plan : clsdf::c::Counted<clsdf_plan> {
     clsdf_plan(clsdf::Plan plan_in, std::int32_t index_base_in) : plan(std::move(plan_in)), index_base(index_base_in) {}
 };
 
+struct clsdf_sparse_plan : clsdf::c::Counted<clsdf_sparse_plan> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::sparse_plan;
+    clsdf::SparsePlan plan;
+    std::int32_t index_base;
+
+    clsdf_sparse_plan(clsdf::SparsePlan plan_in, std::int32_t index_base_in)
+        : plan(std::move(plan_in)), index_base(index_base_in) {}
+};
+
 struct clsdf_field : clsdf::c::Counted<clsdf_field> {
     static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::field;
     clsdf::Field field;
@@ -130,8 +142,8 @@ struct clsdf_sparse_field : clsdf::c::Counted<clsdf_sparse_field> {
     std::int32_t index_base;           ///< of its triangles
     std::vector<clsdf_target> values;  ///< those of clsdf_sparse_field_slab()
 
-    clsdf_sparse_field(clsdf::SparseField field_in, std::int32_t index_base_in)
-        : field(std::move(field_in)), index_base(index_base_in) {}
+    explicit clsdf_sparse_field(clsdf::SparseField field_in, std::int32_t index_base_in = 0)
+        : field(std::move(field_in)), index_base(index_base_in), values(clsdf::c::as_c(field.values())) {}
 };
 
 struct clsdf_points : clsdf::c::Counted<clsdf_points> {

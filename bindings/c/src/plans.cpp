@@ -31,13 +31,40 @@ BlockSet blocks_of(const clsdf_transform& transform, const clsdf_block_set* bloc
 }
 
 /// A plan and the transform that updates it. Throws Error(invalid_argument) if they have different index bases.
-std::pair<Plan&, const DistanceTransform&> of_one_base(clsdf_plan* plan, const clsdf_transform* transform) {
-    clsdf_plan& self = of(plan);
+template <typename Handle>
+auto of_one_base(Handle* plan, const clsdf_transform* transform) {
+    Handle& self = of(plan);
     const clsdf_transform& from = of(transform);
     if (self.index_base != from.index_base)
         throw c::misuse("the plan has index base " + std::to_string(self.index_base) + ", and the transform has " +
                         std::to_string(from.index_base) + "; update the plan with a transform of its index base");
-    return {self.plan, from.transform};
+    return std::pair<decltype(self.plan)&, const DistanceTransform&>(self.plan, from.transform);
+}
+
+SparseRequest sparse_request_of(const clsdf_transform& transform, const clsdf_sparse_request* request) {
+    const clsdf_sparse_request& from = given(request, "request");
+    c::check_reserved(from.reserved, "clsdf_sparse_request");
+    const OutputSet outputs = c::outputs_of(from.outputs);
+    c::check_base(transform.index_base, outputs);
+    return {c::grid_of(&from.grid), c::band_of(&from.band), outputs};
+}
+
+SparseCounts counts_of(const clsdf_sparse_counts* room) {
+    const clsdf_sparse_counts& from = given(room, "room");
+    return {c::count_of(from.bricks, "clsdf_sparse_counts.bricks"), c::count_of(from.runs, "clsdf_sparse_counts.runs")};
+}
+
+SparseDeviceTargets targets_of(const clsdf_sparse_plan& plan, const clsdf_sparse_buffers* buffers) {
+    const clsdf_sparse_buffers from = c::read_given(buffers, CLSDF_SPARSE_BUFFERS_INIT, "clsdf_sparse_buffers");
+    const auto range = [](void* memory, std::int64_t offset, const char* name) {
+        return DeviceRange{static_cast<cl_mem>(memory), c::count_of(offset, name)};
+    };
+    SparseDeviceTargets targets{range(from.counts, from.counts_offset, "clsdf_sparse_buffers.counts_offset"),
+                                range(from.bricks, from.bricks_offset, "clsdf_sparse_buffers.bricks_offset"),
+                                range(from.inside, from.inside_offset, "clsdf_sparse_buffers.inside_offset"),
+                                c::targets_of(from.values, plan.plan.room().bricks * brick_samples)};
+    c::check_base(plan.index_base, targets.values);
+    return targets;
 }
 
 /// Enqueues with a list of events, and an event of the end if `done` is not null.
@@ -204,4 +231,64 @@ clsdf_status clsdf_plan_request(const clsdf_plan* plan, std::int64_t index, clsd
         for (std::size_t i = 0; i < all.size() && i < static_cast<std::size_t>(size); ++i) targets[i] = c::as_c(all[i]);
         if (target_count != nullptr) *target_count = static_cast<std::int64_t>(all.size());
     });
+}
+
+clsdf_status clsdf_sparse_plan_create(const clsdf_transform* transform, const clsdf_sparse_request* request,
+                                      const clsdf_sparse_counts* room, const clsdf_call_options* call,
+                                      clsdf_sparse_plan** plan) {
+    return made(plan, "plan", [&] {
+        const clsdf_transform& self = of(transform);
+        const Call caller(call);
+        return new clsdf_sparse_plan(
+            self.transform.plan_sparse(sparse_request_of(self, request), counts_of(room), caller), self.index_base);
+    });
+}
+
+clsdf_status clsdf_sparse_plan_enqueue(clsdf_sparse_plan* plan, void* queue, const clsdf_sparse_buffers* buffers,
+                                       void* const* wait_list, std::int64_t wait_count, void** done) {
+    return enqueued(done, [&] {
+        clsdf_sparse_plan& self = of(plan);
+        const SparseDeviceTargets targets = targets_of(self, buffers);
+        enqueue(wait_list, wait_count, done, [&](std::span<const cl_event> events, cl_event* end) {
+            self.plan.enqueue(static_cast<cl_command_queue>(queue), targets, events, end);
+        });
+    });
+}
+
+clsdf_status clsdf_sparse_plan_update(clsdf_sparse_plan* plan, const clsdf_transform* transform,
+                                      const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        const auto& [self, from] = of_one_base(plan, transform);
+        self.update(from, caller);
+    });
+}
+
+clsdf_status clsdf_sparse_plan_update_request(clsdf_sparse_plan* plan, const clsdf_transform* transform,
+                                              const clsdf_sparse_request* request, const clsdf_sparse_counts* room,
+                                              const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        const auto& [self, from] = of_one_base(plan, transform);
+        self.update(from, sparse_request_of(*transform, request), counts_of(room), caller);
+    });
+}
+
+clsdf_status clsdf_sparse_plan_request(const clsdf_sparse_plan* plan, clsdf_sparse_request* request,
+                                       clsdf_sparse_counts* room) {
+    return guarded([&] {
+        const SparsePlan& self = of(plan).plan;
+        if (request != nullptr)
+            *request = {c::as_c(self.request().grid), c::as_c(self.request().band), self.request().outputs.bits(), 0};
+        if (room != nullptr)
+            *room = {static_cast<std::int64_t>(self.room().bricks), static_cast<std::int64_t>(self.room().runs)};
+    });
+}
+
+clsdf_status clsdf_sparse_plan_sign(const clsdf_sparse_plan* plan, std::int32_t* rule) {
+    return guarded([&] { given(rule, "rule") = static_cast<std::int32_t>(of(plan).plan.sign()); });
+}
+
+clsdf_status clsdf_sparse_plan_statistics(const clsdf_sparse_plan* plan, clsdf_statistics* statistics) {
+    return guarded([&] { c::write_given(c::as_c(of(plan).plan.statistics()), statistics, "clsdf_statistics"); });
 }

@@ -58,9 +58,7 @@ SparseSink sink_of(clsdf_sparse_function sink, void* user, std::int32_t index_ba
 /// A handle for a field whose triangles count from 0.
 std::unique_ptr<clsdf_sparse_field> handle_of(SparseField field, std::int32_t index_base) {
     c::set_base(index_base, field.triangle());
-    auto handle = std::make_unique<clsdf_sparse_field>(std::move(field), index_base);
-    handle->values = c::as_c(handle->field.values());
-    return handle;
+    return std::make_unique<clsdf_sparse_field>(std::move(field), index_base);
 }
 
 }  // namespace
@@ -169,6 +167,16 @@ clsdf_status clsdf_sparse_field_slab(const clsdf_sparse_field* field, clsdf_spar
     return guarded([&] {
         const clsdf_sparse_field& self = of(field);
         c::write_given(c::as_c(self.field.slab(), self.values), slab, "clsdf_sparse_slab");
+    });
+}
+
+clsdf_status clsdf_sparse_field_set_index_base(clsdf_sparse_field* field, std::int32_t index_base) {
+    return guarded([&] {
+        clsdf_sparse_field& self = of(field);
+        const std::int32_t base = c::checked_index_base(index_base);
+        for (std::uint32_t& triangle : self.field.triangle())
+            triangle += static_cast<std::uint32_t>(base) - static_cast<std::uint32_t>(self.index_base);
+        self.index_base = base;
     });
 }
 

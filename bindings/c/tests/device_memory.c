@@ -31,6 +31,90 @@ static void check_read(cl_mem memory, size_t offset, const float* expected, size
     free(values);
 }
 
+/* A sparse field that stays on the device has the bytes of one on the host. */
+static void check_sparse_plan(clsdf_transform* transform, const clsdf_grid* grid) {
+    const double quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
+    clsdf_sparse_request request, back;
+    clsdf_sparse_counts room = {2, 1}, found_room;
+    clsdf_device_sparse_counts counts;
+    clsdf_sparse_buffers buffers = CLSDF_SPARSE_BUFFERS_INIT;
+    clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
+    clsdf_sparse_plan* plan;
+    clsdf_sparse_field* field;
+    clsdf_sparse_slab slab = CLSDF_SPARSE_SLAB_INIT;
+    clsdf_target value;
+    cl_mem memory[4];
+    int64_t* bricks;
+    int32_t rule;
+    void* done;
+    cl_event event;
+    int n;
+    memset(&request, 0, sizeof request);
+    request.grid = *grid;
+    request.band = clsdf_band_symmetric(2 * grid->spacing[0]);
+    OK(clsdf_sparse_plan_create(transform, &request, &room, NULL, &plan));
+    clsdf_sparse_plan_retain(plan);
+    clsdf_sparse_plan_release(plan);
+    memory[0] = buffer_of(sizeof counts, NULL);
+    for (n = 0; n < 3; ++n) {
+        size_t samples;
+        if (n == 2) { /* moved; the room of the step before */
+            OK(clsdf_transform_set_motion(transform, quarter, nowhere));
+            OK(clsdf_sparse_plan_update(plan, transform, NULL));
+        }
+        memory[1] = buffer_of((size_t)room.bricks * 24, NULL);
+        memory[2] = buffer_of((size_t)room.runs * sizeof(clsdf_brick_run), NULL);
+        memory[3] = buffer_of((size_t)room.bricks * CLSDF_BRICK_SAMPLES * sizeof(float), NULL);
+        buffers.counts = memory[0];
+        buffers.bricks = memory[1];
+        buffers.inside = memory[2];
+        value = clsdf_buffer_target(CLSDF_DISTANCE, CLSDF_FLOAT32, memory[3]);
+        buffers.values.items = &value;
+        buffers.values.count = 1;
+        OK(clsdf_sparse_plan_enqueue(plan, queue, &buffers, NULL, 0, &done));
+        event = done;
+        CHECK(clWaitForEvents(1, &event) == CL_SUCCESS);
+        clReleaseEvent(event);
+        CHECK(clEnqueueReadBuffer(queue, memory[0], CL_TRUE, 0, sizeof counts, &counts, 0, NULL, NULL) == CL_SUCCESS);
+        CHECK(counts.is_complete == (n > 0));
+        if (n == 0) { /* too little room */
+            room.bricks = counts.bricks + 200;
+            room.runs = counts.runs + 200;
+            OK(clsdf_sparse_plan_update_request(plan, transform, &request, &room, NULL));
+        } else {
+            OK(clsdf_compute_sparse_field(transform, &request.grid, &request.band, 0, NULL, NULL, &field));
+            OK(clsdf_sparse_field_slab(field, &slab));
+            CHECK(counts.bricks == slab.brick_count && counts.runs == slab.run_count);
+            samples = (size_t)slab.brick_count * CLSDF_BRICK_SAMPLES;
+            check_read(memory[3], 0, slab.values.items[0].array.host, samples);
+            bricks = allocate((size_t)counts.bricks * 24);
+            CHECK(clEnqueueReadBuffer(queue, memory[1], CL_TRUE, 0, (size_t)counts.bricks * 24, bricks, 0, NULL,
+                                      NULL) == CL_SUCCESS);
+            CHECK(memcmp(bricks, slab.bricks, (size_t)counts.bricks * 24) == 0);
+            free(bricks);
+            clsdf_sparse_field_release(field);
+        }
+        for (rule = 1; rule < 4; ++rule) clReleaseMemObject(memory[rule]);
+    }
+    OK(clsdf_sparse_plan_request(plan, &back, &found_room));
+    CHECK(back.grid.size[0] == grid->size[0] && found_room.bricks == room.bricks);
+    OK(clsdf_sparse_plan_sign(plan, &rule));
+    OK(clsdf_sparse_plan_statistics(plan, &statistics));
+    CHECK(rule == CLSDF_SIGN_NONZERO && statistics.device_bytes > 0);
+    done = &event;
+    buffers.bricks = NULL;
+    FAILS(CLSDF_INVALID_ARGUMENT, "array of bricks has no memory",
+          clsdf_sparse_plan_enqueue(plan, queue, &buffers, NULL, 0, &done));
+    CHECK(done == NULL);
+    FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_sparse_buffers is null",
+          clsdf_sparse_plan_enqueue(plan, queue, NULL, NULL, 0, NULL));
+    room.bricks = -1;
+    FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_sparse_counts.bricks",
+          clsdf_sparse_plan_update_request(plan, transform, &request, &room, NULL));
+    clsdf_sparse_plan_release(plan);
+    clReleaseMemObject(memory[0]);
+}
+
 int main(void) {
     static float expected[SAMPLES], moved[SAMPLES];
     const double quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
@@ -187,6 +271,8 @@ int main(void) {
     OK(clsdf_plan_enqueue(plan, queue, NULL, 0, NULL));
     check_read(phi, 0, moved, SAMPLES);
     clsdf_plan_release(plan);
+    check_sparse_plan(transform, &grid);
+    OK(clsdf_transform_set_motion(transform, quarter, nowhere));
     OK(clsdf_plan_bytes_blocks(transform, &blocks, NULL, &bytes));
     OK(clsdf_plan_create_blocks(transform, &blocks, NULL, &plan));
     clsdf_transform_release(transform); /* the plan may outlive it */

@@ -23,6 +23,49 @@ static void check_same_files(const char* a, const char* b) {
     fclose(first), fclose(second);
 }
 
+/* What is written is read as a sparse field. In memory, triangles count from 1. */
+static void check_read_sparse(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band) {
+    const char* files[] = {"read.nvdb", "read.npy", "read.h5"};
+    clsdf_sparse_field *field, *read;
+    clsdf_sparse_slab expected = CLSDF_SPARSE_SLAB_INIT, found = CLSDF_SPARSE_SLAB_INIT;
+    clsdf_field_description description = CLSDF_FIELD_DESCRIPTION_INIT;
+    size_t samples;
+    int n, k;
+    OK(clsdf_compute_sparse_field(transform, grid, band, CLSDF_SET(CLSDF_TRIANGLE), NULL, NULL, &field));
+    OK(clsdf_sparse_field_slab(field, &expected));
+    samples = (size_t)expected.brick_count * CLSDF_BRICK_SAMPLES;
+    for (n = 0; n < 3; ++n) {
+        if (n == 0) { /* a tree has distances alone */
+            clsdf_sparse_field* distances;
+            OK(clsdf_compute_sparse_field(transform, grid, band, 0, NULL, NULL, &distances));
+            OK(clsdf_sparse_field_write(distances, files[n]));
+            clsdf_sparse_field_release(distances);
+        } else {
+            OK(clsdf_sparse_field_write(field, files[n]));
+        }
+        OK(clsdf_sparse_field_read(files[n], &read));
+        OK(clsdf_sparse_field_set_index_base(read, 1));
+        OK(clsdf_sparse_field_describe(read, &description));
+        CHECK(description.grid.size[0] == grid->size[0] && description.band.outside == band->outside);
+        OK(clsdf_sparse_field_slab(read, &found));
+        CHECK(found.brick_count == expected.brick_count && found.run_count == expected.run_count);
+        CHECK(found.values.count == (n == 0 ? 1 : 2));
+        CHECK(memcmp(found.bricks, expected.bricks, (size_t)expected.brick_count * 24) == 0);
+        CHECK(memcmp(found.inside, expected.inside, (size_t)expected.run_count * sizeof *found.inside) == 0);
+        /* A tree has the background beyond the grid. */
+        for (k = 0; k < found.values.count && n > 0; ++k)
+            CHECK(memcmp(found.values.items[k].array.host, expected.values.items[k].array.host, samples * 4) == 0);
+        clsdf_sparse_field_release(read);
+    }
+    read = field;
+    OK(clsdf_sparse_field_read("field.npy", &read)); /* a dense one */
+    CHECK(read == NULL);
+    FAILS(CLSDF_UNREADABLE_INPUT, "missing.npy", clsdf_sparse_field_read("missing.npy", &read));
+    FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_sparse_field_read(NULL, &read));
+    FAILS(CLSDF_INVALID_ARGUMENT, "index_base is 2", clsdf_sparse_field_set_index_base(field, 2));
+    clsdf_sparse_field_release(field);
+}
+
 /* Writes a sparse field in one piece and layer by layer, and reads the dense one. */
 static void check_sparse_arrays(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,
                                 const clsdf_sparse_field* field, const clsdf_field* dense) {
@@ -210,6 +253,7 @@ int main(void) {
     FAILS(CLSDF_UNSUPPORTED, "points.xyz", clsdf_points_check_path("points.xyz"));
 
     check_sparse(transform);
+    check_read_sparse(transform, &grid, &band);
 
     clsdf_field_release(field);
     clsdf_transform_release(transform);

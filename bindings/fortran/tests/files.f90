@@ -13,7 +13,9 @@ program files
   type(clsdf_field) :: field, other
   type(clsdf_field_writer) :: writer, copy
   type(clsdf_sparse_field) :: sparse
-  type(clsdf_sparse_slab) :: slab
+  type(clsdf_sparse_field) :: read_sparse
+  type(clsdf_sparse_slab) :: slab, read_slab
+  integer(c_int32_t), pointer :: triangles_of_slab(:, :, :, :), triangles_of_file(:, :, :, :)
   type(clsdf_sparse_writer) :: sparse_writer, sparse_copy
   real(4), allocatable, target :: expected(:, :, :), vectors(:, :, :, :), last(:, :, :, :)
   integer, allocatable, target :: numbers(:, :, :)
@@ -121,6 +123,21 @@ program files
   call sparse_writer%create('fortran_sparse_never.nvdb', grid, band)
   call sparse_writer%finish(stat, errmsg)
   call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'missing')
+  ! What is written is read as a sparse field; a dense field is none.
+  call transform%compute_sparse_field(grid, band, sparse, [CLSDF_TRIANGLE])
+  call clsdf_sparse_field_write(sparse, 'fortran_sparse.npy')
+  call sparse%slab(slab)
+  call clsdf_sparse_field_read('fortran_sparse.npy', read_sparse)
+  call read_sparse%slab(read_slab)
+  call slab%array(CLSDF_TRIANGLE, triangles_of_slab)
+  call read_slab%array(CLSDF_TRIANGLE, triangles_of_file)
+  call check(all(read_slab%bricks() == slab%bricks()), 'bricks of a file')
+  call check(all(triangles_of_file == triangles_of_slab + 1), 'triangles of a sparse file, from 1')
+  call clsdf_field_write(field, 'fortran_dense.npy')
+  call clsdf_sparse_field_read('fortran_dense.npy', read_sparse)
+  call check(.not. read_sparse%is_set(), 'a dense file')
+  call clsdf_sparse_field_read('fortran_missing.npy', read_sparse, stat, errmsg)
+  call fails(stat, CLSDF_UNREADABLE_INPUT, errmsg, 'fortran_missing.npy')
   call clsdf_sparse_field_write(sparse, 'fortran_sparse.nrrd', stat, errmsg)
   call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'stores no sparse fields')
 

@@ -120,6 +120,8 @@ program plans
   call fetch()
   call check(all(found == moved), 'a plan of blocks')
 
+  call sparse_fields()
+
   ! In memory of the device triangles count from 0.
   call transform%compute(grid, band, [clsdf_target(CLSDF_DISTANCE, buffer, CLSDF_FLOAT32), &
       clsdf_target(CLSDF_TRIANGLE, buffer, CLSDF_UINT32)], stat=stat, errmsg=errmsg)
@@ -131,6 +133,73 @@ program plans
   status = release_buffer(buffer)
 
 contains
+
+  !> A sparse field that stays on the device has the bytes of one on the host.
+  subroutine sparse_fields()
+    type(clsdf_sparse_plan) :: plan, copy
+    type(clsdf_sparse_request) :: request
+    type(clsdf_sparse_counts) :: room, own_room
+    type(clsdf_device_sparse_counts), target :: counts
+    type(clsdf_sparse_buffers) :: buffers
+    type(clsdf_sparse_field) :: field
+    type(clsdf_sparse_slab) :: slab
+    integer(c_int64_t), allocatable, target :: bricks(:, :)
+    real(4), allocatable, target :: values(:, :, :, :)
+    real(4), pointer :: on_host(:, :, :, :)
+    type(c_ptr) :: end_of_run
+    integer :: step
+    request%grid = grid
+    request%band = clsdf_band_symmetric(2*grid%spacing(1))
+    room%bricks = 1
+    call plan%create(transform, request, room)
+    copy = plan
+    do step = 1, 3
+      if (step == 3) then
+        call transform%set_motion(reshape([0d0, 1d0, 0d0, -1d0, 0d0, 0d0, 0d0, 0d0, 1d0], [3, 3]), [0d0, 0.1d0, 0d0])
+        call plan%update(transform)
+      end if
+      buffers%counts = create_buffer(context, 1_8, c_sizeof(counts), c_null_ptr, status)
+      buffers%bricks = create_buffer(context, 1_8, int(24*room%bricks, c_size_t), c_null_ptr, status)
+      buffers%inside = create_buffer(context, 1_8, int(32*room%runs + 32, c_size_t), c_null_ptr, status)
+      buffers%values = [clsdf_target(CLSDF_DISTANCE, &
+          create_buffer(context, 1_8, int(2048*room%bricks, c_size_t), c_null_ptr, status), CLSDF_FLOAT32)]
+      call plan%enqueue(buffers, queue, done=end_of_run)
+      status = release_event(end_of_run)
+      status = read_buffer(queue, buffers%counts, 1, 0_c_size_t, c_sizeof(counts), c_loc(counts), 0, c_null_ptr, &
+          c_null_ptr)
+      if (step == 1) then
+        call check(counts%is_complete == 0 .and. counts%bricks > 1, 'too little room')
+        room%bricks = counts%bricks + 100
+        room%runs = counts%runs + 100
+        call plan%update(transform, request, room)
+        cycle
+      end if
+      call transform%compute_sparse_field(request%grid, request%band, field)
+      call field%slab(slab)
+      call check(counts%is_complete == 1 .and. counts%bricks == slab%brick_count, 'the counts of a run')
+      call check(counts%runs == slab%run_count, 'the runs of a run')
+      allocate (bricks(3, counts%bricks), values(8, 8, 8, counts%bricks))
+      status = read_buffer(queue, buffers%bricks, 1, 0_c_size_t, int(24*counts%bricks, c_size_t), c_loc(bricks), 0, &
+          c_null_ptr, c_null_ptr)
+      status = read_buffer(queue, buffers%values(1)%array%device, 1, 0_c_size_t, int(2048*counts%bricks, c_size_t), &
+          c_loc(values), 0, c_null_ptr, c_null_ptr)
+      call slab%array(CLSDF_DISTANCE, on_host)
+      call check(all(bricks + 1 == slab%bricks()), 'the bricks of a run')
+      call check(all(values == on_host), 'the values of a run')
+      deallocate (bricks, values)
+    end do
+    call copy%request(part, own_band, own_room)
+    call check(all(part%size == grid%size) .and. own_room%bricks == room%bricks, 'the request of a sparse plan')
+    call check(plan%sign() == transform%sign(), 'the sign of a sparse plan')
+    statistics = plan%statistics()
+    call check(statistics%device_bytes > 0, 'the statistics of a sparse plan')
+    buffers%bricks = c_null_ptr
+    call plan%enqueue(buffers, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'array of bricks has no memory')
+    call plan%release()
+    call plan%enqueue(buffers, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'sparse plan is null')
+  end subroutine
 
   subroutine halves()
     integer(8) :: first(3), half(3), bytes

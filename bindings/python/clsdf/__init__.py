@@ -22,7 +22,7 @@ from ._values import Blocks, Points
 from ._field import Field
 from ._files import FieldWriter, read_field, write_field
 from ._pictures import Picture, slice_picture
-from ._plan import Plan
+from ._plan import Plan, SparsePlan
 from ._shared import SharedArray
 from ._sparse import SparseField, read_sparse_field
 from ._transform import BoxPlace, Region, Request, Transform
@@ -63,6 +63,7 @@ __all__ = [
     "Request",
     "SharedArray",
     "SparseField",
+    "SparsePlan",
     "Topology",
     "Transform",
     "UnreadableInput",

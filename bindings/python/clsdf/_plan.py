@@ -6,10 +6,11 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._core import Grid
+from ._core import Band, Grid
 from ._progress import Progress, shown
 
 if TYPE_CHECKING:
+    from ._lengths import BandLike
     from ._transform import Request, Transform
 
 
@@ -72,6 +73,81 @@ class Plan:
                 self._plan.update_requests(transform._body, transform._requests(requests), show)
             else:
                 self._plan.update(transform._body, None if grids is None else list(grids), show)
+
+
+class SparsePlan:
+    """What Transform.sparse_plan() made: a sparse field that stays in memory of the device. It may outlive the transform.
+    Threads take turns. Needs pyopencl, but for arrays in memory of CUDA."""
+
+    def __init__(self, plan: _core.PlanOfBricks) -> None:
+        self._plan = plan
+
+    def __repr__(self) -> str:
+        bricks, runs = self.room
+        return f"<clsdf.SparsePlan: room for {bricks} bricks and {runs} runs, sign {self.sign}>"
+
+    @property
+    def room(self) -> tuple[int, int]:
+        """How many bricks and runs of bricks inside a run has room for."""
+        return self._plan.room
+
+    @property
+    def grid(self) -> Grid:
+        return self._plan.grid
+
+    @property
+    def band(self) -> Band:
+        return self._plan.band
+
+    @property
+    def device_bytes(self) -> int:
+        """Device memory of the plan, beside what the transform keeps."""
+        return self._plan.device_bytes
+
+    @property
+    def sign(self) -> str:
+        """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
+        return self._plan.sign
+
+    def enqueue(self, *, out: Mapping[str, Any], queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:
+        """Enqueues the computation; never blocks and reads nothing back.
+
+        out: arrays of pyopencl, or buffers, which are packed, or arrays in memory of CUDA (see Plan.enqueue()):
+            'counts': int64, (3,): the field's bricks, its runs, and 1 if the arrays hold them all. 0: they had too little
+                room, and are undefined.
+            'bricks': int64, (room[0], 3), and 'inside': int64, (room[1], 4), as SparseField has them.
+            'distance' and the other outputs of the plan: (room[0], 8, 8, 8), vectors (room[0], 8, 8, 8, 3).
+        queue, wait_for and the result: as of Plan.enqueue(). The arrays must outlive the run.
+        """
+        event = self._plan.enqueue(queue, dict(out), None if wait_for is None else list(wait_for))
+        if event == 0:
+            return None
+        import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
+        return pyopencl.Event.from_int_ptr(event, retain=False)
+
+    def update(
+        self,
+        transform: Transform,
+        *,
+        grid: Grid | None = None,
+        band: BandLike | None = None,
+        room: tuple[int, int] | None = None,
+        progress: Progress = None,
+    ) -> None:
+        """Prepares the next runs for the present positions of the transform: of the same field, or of another grid or band,
+        or with other room. Blocks."""
+        with shown(progress) as show:
+            if grid is None and band is None and room is None:
+                self._plan.update(transform._body, show)
+                return
+            own_grid, own_band = transform._grid_and_band(
+                self.grid if grid is None else grid, self.band if band is None else band
+            )
+            bricks, runs = self.room if room is None else room
+            self._plan.update_field(
+                transform._body, own_grid, own_band, self._plan.outputs, (bricks, runs), show
+            )
 
 
 def _arrays(out: Any) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, par
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
 from ._field import Field
-from ._plan import Plan
+from ._plan import Plan, SparsePlan
 from ._sparse import SparseField
 
 
@@ -861,6 +861,26 @@ class Transform:
                 grid, own_band = self._grid_and_band(what, band)
                 return Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show))
             return Plan(_core.plan_of_requests(self._body, self._requests(what), show))
+
+    def sparse_plan(
+        self,
+        grid: Grid,
+        room: tuple[int, int],
+        *,
+        band: BandLike = "3v",
+        outputs: Outputs = "distance",
+        progress: Progress = None,
+    ) -> SparsePlan:
+        """Prepares a sparse field that is computed again and again into memory of the device, and stays there.
+
+        room: how many bricks and runs of bricks inside its runs have room for. grid, band and outputs: as of sparse().
+        """
+        with shown(progress) as show:
+            own_grid, own_band = self._grid_and_band(grid, band)
+            bricks, runs = room
+            return SparsePlan(
+                _core.sparse_plan(self._body, own_grid, own_band, wanted(outputs), (bricks, runs), show)
+            )
 
     def plan_bytes(self, requests: Iterable[Request], *, progress: Progress = None) -> int:
         """The device_bytes of a plan of these requests, which is made and given back: takes its time and its memory."""

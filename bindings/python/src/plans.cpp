@@ -1,5 +1,6 @@
 #include "body.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <memory>
@@ -162,6 +163,142 @@ void update_requests(PyPlan& plan, const Body& body, const RequestList& requests
     });
 }
 
+/// A plan of a sparse field for Python's threads, which take turns.
+class PySparsePlan {
+public:
+    PySparsePlan(PyDevice device, SparsePlan plan)
+        : device_(std::move(device)), plan_(new SparsePlan(std::move(plan))) {}
+
+    /// Calls the function with the plan, without the GIL.
+    template <typename Function>
+    auto use(Function function) const {
+        const AtWork work(this, "plan");
+        const nb::gil_scoped_release no_gil;
+        const std::lock_guard lock(*mutex_);
+        return function(*plan_);
+    }
+
+    const PyDevice& device() const { return device_; }
+
+private:
+    PyDevice device_;
+    Owner<SparsePlan> plan_;
+    std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
+};
+
+using Room = std::pair<std::size_t, std::size_t>;  // bricks and runs
+
+SparseRequest sparse_request_of(const Grid& grid, const Band& band, const std::vector<std::string>& outputs) {
+    SparseRequest request{grid, band, {}};
+    for (const std::string& name : outputs) request.outputs.insert(output_named(name).output);
+    return request;
+}
+
+PySparsePlan sparse_plan(const Body& body, const Grid& grid, const Band& band, const std::vector<std::string>& outputs,
+                         const Room& room, nb::object progress) {
+    const SparseRequest request = sparse_request_of(grid, band, outputs);
+    const Call call(std::move(progress));
+    return PySparsePlan(body.device(), body.read([&](const DistanceTransform& transform) {
+        return transform.plan_sparse(request, {room.first, room.second}, call.options());
+    }));
+}
+
+/// An array of 64-bit integers of the device that a run writes; a buffer of pyopencl has no shape. The result has its
+/// place alone.
+InputArray integers(Arrays& arrays, nb::handle array, const std::string& name, const std::vector<std::int64_t>& shape) {
+    InputArray place;
+    if (nb::hasattr(array, "int_ptr")) {
+        place.device = std::bit_cast<cl_mem>(nb::cast<std::uintptr_t>(array.attr("int_ptr")));
+        return place;
+    }
+    const std::string what = "out: the array of '" + name + "'";
+    const ArrayView seen = arrays.view(array, what, true);
+    if (seen.type != ElementType::int64 && seen.type != ElementType::uint64)
+        refuse(what + " has " + name_of(seen.type) + "; give it int64");
+    if (seen.shape != shape) {
+        std::string expected;
+        for (const std::int64_t side : shape) expected += (expected.empty() ? "" : ", ") + std::to_string(side);
+        refuse(what + " has another shape than the plan has room for; expected (" + expected + ")");
+    }
+    if (!seen.is_packed()) refuse(what + " is not packed; pass a copy");
+    if (seen.device == nullptr && std::ranges::find(shape, 0) == shape.end())
+        refuse(what + " is in memory of the host, and a plan writes to the device's; pass an array there");
+    place.device = seen.device;
+    place.offset = seen.offset;
+    return place;
+}
+
+// The event of the end as a number, which the caller owns; 0 if arrays are in memory of CUDA. out: by the names of
+// outputs, and "counts", "bricks" and "inside".
+std::uintptr_t enqueue_sparse(const PySparsePlan& plan, nb::handle queue, const ArraysByName& out,
+                              nb::handle wait_for) {
+    const auto own =
+        queue.is_none() ? nullptr : std::bit_cast<cl_command_queue>(nb::cast<std::uintptr_t>(queue.attr("int_ptr")));
+    const std::vector<cl_event> events = events_of(wait_for);
+    Arrays arrays(&plan.device());
+    const SparseCounts room = plan.use([](const SparsePlan& of) { return of.room(); });
+    const auto bricks = static_cast<std::int64_t>(room.bricks), runs = static_cast<std::int64_t>(room.runs);
+    nb::dict values;
+    InputArray of_counts, of_bricks, of_inside;
+    for (const auto& [key, array] : out) {
+        const auto name = nb::cast<std::string>(key);
+        if (name == "counts")
+            of_counts = integers(arrays, array, name, {3});
+        else if (name == "bricks")
+            of_bricks = integers(arrays, array, name, {bricks, 3});
+        else if (name == "inside")
+            of_inside = integers(arrays, array, name, {runs, 4});
+        else
+            values[key] = array;
+    }
+    std::vector<OutputTargets> targets{arrays.outputs(nb::cast<ArraysByName>(values), {bricks, 8, 8, 8})};
+    for (const OutputTarget& target : targets.front().all())
+        if (target.array.strides != ArrayLayout().strides || target.array.block_stride != 0)
+            refuse(std::string("out: the array of '") + info_of(target.output).name + "' is not packed; pass a copy");
+    arrays.place({&of_counts, &of_bricks, &of_inside}, targets);
+    const SparseDeviceTargets to{{of_counts.device, of_counts.offset},
+                                 {of_bricks.device, of_bricks.offset},
+                                 {of_inside.device, of_inside.offset},
+                                 targets.front()};
+    const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
+    cuda::ClEvent done;
+    const bool is_of_cuda = plan.use([&](SparsePlan& of) {
+        cuda::Arrays* const shared = of_call.get();
+        if (shared == nullptr) {
+            of.enqueue(own, to, events, done.put());
+            return false;
+        }
+        try {
+            const cuda::ClEvent acquired = shared->acquire(own, events);
+            of.enqueue(own, to, acquired.list(), done.put());
+            shared->release(done.list());
+        } catch (...) {
+            shared->abandon();
+            throw;
+        }
+        return true;
+    });
+    return is_of_cuda ? 0 : std::bit_cast<std::uintptr_t>(done.release());
+}
+
+void update_sparse(PySparsePlan& plan, const Body& body, nb::object progress) {
+    const Call call(std::move(progress));
+    body.read([&](const DistanceTransform& transform) {
+        const nb::gil_scoped_acquire gil;  // use() releases it again
+        plan.use([&](SparsePlan& of) { of.update(transform, call.options()); });
+    });
+}
+
+void update_sparse_field(PySparsePlan& plan, const Body& body, const Grid& grid, const Band& band,
+                         const std::vector<std::string>& outputs, const Room& room, nb::object progress) {
+    const SparseRequest request = sparse_request_of(grid, band, outputs);
+    const Call call(std::move(progress));
+    body.read([&](const DistanceTransform& transform) {
+        const nb::gil_scoped_acquire gil;
+        plan.use([&](SparsePlan& of) { of.update(transform, request, {room.first, room.second}, call.options()); });
+    });
+}
+
 }  // namespace
 
 void add_plans(nb::module_& module) {
@@ -176,6 +313,41 @@ void add_plans(nb::module_& module) {
             "device_bytes",
             [](const PyPlan& plan) { return plan.use([](const Plan& of) { return of.statistics().device_bytes; }); })
         .def_prop_ro("device", [](const PyPlan& plan) { return plan.device(); });
+    nb::class_<PySparsePlan>(module, "PlanOfBricks",
+                             "A SparsePlan of the library; clsdf.SparsePlan is its Python face.")
+        .def("enqueue", &enqueue_sparse, nb::arg("queue").none(), nb::arg("out"), nb::arg("wait_for").none())
+        .def("update", &update_sparse, nb::arg("body"), nb::arg("progress").none())
+        .def("update_field", &update_sparse_field, nb::arg("body"), nb::arg("grid"), nb::arg("band"),
+             nb::arg("outputs"), nb::arg("room"), nb::arg("progress").none())
+        .def_prop_ro("room",
+                     [](const PySparsePlan& plan) {
+                         const SparseCounts room = plan.use([](const SparsePlan& of) { return of.room(); });
+                         return Room(room.bricks, room.runs);
+                     })
+        .def_prop_ro(
+            "grid",
+            [](const PySparsePlan& plan) { return plan.use([](const SparsePlan& of) { return of.request().grid; }); })
+        .def_prop_ro(
+            "band",
+            [](const PySparsePlan& plan) { return plan.use([](const SparsePlan& of) { return of.request().band; }); })
+        .def_prop_ro("outputs",
+                     [](const PySparsePlan& plan) {
+                         const OutputSet outputs =
+                             plan.use([](const SparsePlan& of) { return of.request().outputs | Output::distance; });
+                         std::vector<std::string> names;
+                         for (const OutputInfo& info : output_table())
+                             if (outputs.contains(info.output)) names.emplace_back(info.name);
+                         return names;
+                     })
+        .def_prop_ro("sign",
+                     [](const PySparsePlan& plan) {
+                         return std::string(name_of(plan.use([](const SparsePlan& of) { return of.sign(); })));
+                     })
+        .def_prop_ro("device_bytes", [](const PySparsePlan& plan) {
+            return plan.use([](const SparsePlan& of) { return of.statistics().device_bytes; });
+        });
+    module.def("sparse_plan", &sparse_plan, nb::arg("body"), nb::arg("grid"), nb::arg("band"), nb::arg("outputs"),
+               nb::arg("room"), nb::arg("progress").none());
     module.def("plan_of_grid", &plan_of_grid, nb::arg("body"), nb::arg("grid"), nb::arg("band"), nb::arg("outputs"),
                nb::arg("progress").none());
     module.def("plan_of_requests", &plan_of_requests, nb::arg("body"), nb::arg("requests"), nb::arg("progress").none());

@@ -171,3 +171,46 @@ def test_memory_of_the_device_that_cannot_be(there, body, queue):
         there.plan(grid).enqueue()
     with pytest.raises(clsdf.Error, match="2 requests; the plan has 1"):
         there.plan(grid).enqueue(out=[{}, {}])
+
+
+def test_a_sparse_field_stays_on_the_device(solid, queue):
+    moving = clsdf.Transform(solid, device=queue)
+    grid = moving.grid(60)
+    plan = moving.sparse_plan(grid, (1, 1), outputs="triangle")
+    counts = cl.array.zeros(queue, 3, np.int64)
+
+    def run():
+        bricks, runs = plan.room
+        out = {"counts": counts, "bricks": cl.array.zeros(queue, (bricks, 3), np.int64),
+               "inside": cl.array.zeros(queue, (runs, 4), np.int64),
+               "distance": cl.array.zeros(queue, (bricks, 8, 8, 8), np.float32),
+               "triangle": cl.array.zeros(queue, (bricks, 8, 8, 8), np.int32)}
+        event = plan.enqueue(out=out, queue=queue)
+        assert isinstance(event, cl.Event)
+        event.wait()
+        return out
+
+    run()
+    bricks, runs, is_complete = counts.get()
+    assert is_complete == 0 and bricks > 1
+    plan.update(moving, room=(int(bricks) + 50, int(runs) + 50))
+    for _ in range(2):
+        out = run()
+        expected = moving.sparse(grid, band=plan.band, outputs="distance triangle")
+        bricks, runs, is_complete = counts.get()
+        assert is_complete == 1 and (bricks, runs) == (len(expected.bricks), len(expected.inside))
+        assert np.array_equal(out["bricks"].get()[:bricks], expected.bricks)
+        assert np.array_equal(out["inside"].get()[:runs], expected.inside)
+        assert np.array_equal(out["distance"].get()[:bricks], expected.distance)
+        assert np.array_equal(out["triangle"].get()[:bricks].view(np.uint32), expected.triangle)
+        moving.set_motion(np.eye(3), (0.01, 0, 0))
+        plan.update(moving)
+    assert plan.sign == "nonzero" and plan.device_bytes > 0 and "room for" in repr(plan)
+    with pytest.raises(clsdf.Error, match="'bricks' has another shape"):
+        plan.enqueue(out={**out, "bricks": counts})
+    with pytest.raises(clsdf.Error, match="'counts' has float; give it int64"):
+        plan.enqueue(out={**out, "counts": cl.array.zeros(queue, 3, np.float32)})
+    with pytest.raises(clsdf.Error, match="memory of the host"):
+        plan.enqueue(out={**out, "counts": np.zeros(3, np.int64)})
+    with pytest.raises(clsdf.Error, match="array of runs has no memory"):
+        plan.enqueue(out={name: array for name, array in out.items() if name != "inside"})

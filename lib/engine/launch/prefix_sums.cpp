@@ -1,7 +1,6 @@
 #include "launch/prefix_sums.hpp"
 
 #include "device/opencl.hpp"
-#include "launch/commands.hpp"
 #include "launch/programs.hpp"
 
 #include <fmt/format.h>
@@ -28,26 +27,35 @@ Error too_many(const char* what) {
             fmt::format("there are more than 2^32 {}; compute a smaller part of the grid at a time", what)};
 }
 
-PrefixSums::PrefixSums(const DeviceTools& tools, const cl::Buffer& values, const cl::Buffer& starts, std::size_t count,
-                       const char* what)
-    : what_(what), total_(tools.context, std::make_unique<cl_ulong>(0)) {
+SumLaunches::SumLaunches(const DeviceTools& tools, const cl::Buffer& values, const cl::Buffer& starts,
+                         std::size_t count, const char* what) {
     if (count >= std::numeric_limits<cl_uint>::max()) throw too_many(what);
     const bool by_group = tools.programs.body == KernelBody::by_group;
-    const std::size_t parts = parts_of(count, by_group);
-    // The work-items that scan the parts' sums, and all.
-    const WorkItems one_part = by_group ? WorkItems{common_group} : WorkItems{1, 1}, all{parts * one_part.count};
+    parts_ = parts_of(count, by_group);
+    one_part_ = by_group ? WorkItems{common_group} : WorkItems{1, 1};
+    all_ = {parts_ * one_part_.count};
+    device::guarded([&] {
+        sums_ = tools.pool->lease((parts_ + 1) * sizeof(cl_ulong), "sums of a scan");
+        const cl::Program program = tools.programs.scan;
+        sum_ = cl::Kernel(program, "scan_sums");
+        offset_ = cl::Kernel(program, "scan_offsets");
+        write_ = cl::Kernel(program, "scan_write");
+        const auto values_count = static_cast<cl_uint>(count);
+        set_arguments(sum_, 0, values_count, values, *sums_);
+        set_arguments(offset_, 0, static_cast<cl_uint>(parts_), *sums_);
+        set_arguments(write_, 0, values_count, values, *sums_, starts);
+    });
+}
+
+PrefixSums::PrefixSums(const DeviceTools& tools, const cl::Buffer& values, const cl::Buffer& starts, std::size_t count,
+                       const char* what)
+    : what_(what), launches_(tools, values, starts, count, what), total_(tools.context, std::make_unique<cl_ulong>(0)) {
     device::guarded([&] {
         const cl::CommandQueue& queue = tools.queue();
-        sums_ = tools.pool->lease((parts + 1) * sizeof(cl_ulong), "sums of a scan");
-        const auto values_count = static_cast<cl_uint>(count);
-        cl::Kernel sum(tools.programs.scan, "scan_sums"), offset(tools.programs.scan, "scan_offsets"),
-            write(tools.programs.scan, "scan_write");
-        launch(queue, sum, all, values_count, values, *sums_);
-        launch(queue, offset, one_part, static_cast<cl_uint>(parts), *sums_);
-        launch(queue, write, all, values_count, values, *sums_, starts);
+        launches_.each([&](cl::Kernel& kernel, const WorkItems& items) { launch(queue, kernel, items); });
         total_.begin();
-        queue.enqueueReadBuffer(*sums_, CL_FALSE, parts * sizeof(cl_ulong), sizeof(cl_ulong), total_->get(), nullptr,
-                                &total_read_);
+        queue.enqueueReadBuffer(launches_.sums(), CL_FALSE, launches_.parts() * sizeof(cl_ulong), sizeof(cl_ulong),
+                                total_->get(), nullptr, &total_read_);
     });
 }
 

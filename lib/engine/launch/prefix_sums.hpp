@@ -4,6 +4,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "device/in_flight.hpp"
+#include "launch/commands.hpp"
 #include "launch/device_tools.hpp"
 
 #include <cstddef>
@@ -14,7 +15,35 @@ namespace clsdf::engine {
 /// For lists of `what` that 32 bits cannot count.
 Error too_many(const char* what);
 
-/// Exclusive prefix sums of `count` 32-bit values into starts[0, count), and their total into starts[count].
+/// The launches of exclusive prefix sums: of `count` 32-bit values into starts[0, count), and their total, if it fits
+/// 32 bits, into starts[count].
+class SumLaunches {
+public:
+    /// Throws Error(out_of_memory), naming `what`, if the values are too many to be counted in 32 bits.
+    SumLaunches(const DeviceTools& tools, const cl::Buffer& values, const cl::Buffer& starts, std::size_t count,
+                const char* what);
+
+    /// launch(kernel, items) for each, whose arguments are set.
+    template <class Launch>
+    void each(const Launch& launch) {
+        launch(sum_, all_);
+        launch(offset_, one_part_);
+        launch(write_, all_);
+    }
+
+    /// 64-bit sums of parts of the values, and behind them the total.
+    const cl::Buffer& sums() const { return *sums_; }
+    std::size_t parts() const { return parts_; }
+    std::size_t bytes() const { return sums_.bytes(); }
+
+private:
+    std::size_t parts_;
+    WorkItems all_, one_part_;  ///< those that scan the values, and the parts' sums
+    device::BufferPool::Lease sums_;
+    cl::Kernel sum_, offset_, write_;
+};
+
+/// The same sums, enqueued once, with their total for the host.
 class PrefixSums {
 public:
     /// Enqueues the sums and does not wait: what else the host must know can be asked for before it waits for all.
@@ -28,7 +57,7 @@ public:
 
 private:
     const char* what_;
-    device::BufferPool::Lease sums_;
+    SumLaunches launches_;
     cl::Event total_read_;
     device::InFlight<std::unique_ptr<cl_ulong>> total_;
 };

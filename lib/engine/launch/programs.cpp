@@ -84,8 +84,8 @@ ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
 }
 
 std::vector<ProgramSource> ProgramSources::every_source() const {
-    std::vector<ProgramSource> sources{scan_source(),   coarse_lists_source(), sign_sweep_source(),  fill_source(),
-                                       points_source(), store_source(),        mesh_records_source()};
+    std::vector<ProgramSource> sources{scan_source(),   coarse_lists_source(), sign_sweep_source(),   fill_source(),
+                                       points_source(), store_source(),        mesh_records_source(), order_source()};
     if (body == KernelBody::by_vector)
         sources.push_back(point_scan_source());
     else
@@ -121,6 +121,7 @@ Programs::Programs(device::Context& context, KernelBody asked)
       fill{&context, fill_source()},
       mesh_records{&context, around_faults(context, mesh_records_source(), mesh_lanes())},
       store{&context, store_source()},
+      order{&context, order_source()},
       points{&context, points_source()},
       point_order{&context, point_order_source()},
       binary_tree{&context, binary_tree_source()},

@@ -66,6 +66,8 @@ struct ProgramSources {
     ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }
     /// Copies boxes to targets with strides.
     ProgramSource store_source() const { return {"store_boxes.cl", common_options(1)}; }
+    /// Puts the bricks of a sparse field in order.
+    ProgramSource order_source() const { return {"order_bricks.cl", common_options(1)}; }
     ProgramSource bricks_source(const BrickVariant& variant) const;
     /// Every program that a transform may ask for, each once.
     std::vector<ProgramSource> every_source() const;
@@ -103,6 +105,7 @@ struct Programs : ProgramSources {
     LazyProgram fill;
     LazyProgram mesh_records;
     LazyProgram store;         ///< copies boxes to targets with strides
+    LazyProgram order;         ///< puts the bricks of a sparse field in order
     LazyProgram points;        ///< looks up points anywhere, but for the body by_group; their outputs
     LazyProgram point_order;   ///< of the body by_group: the order of points
     LazyProgram binary_tree;   ///< of the body by_group: the tree that it searches

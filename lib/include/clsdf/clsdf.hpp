@@ -15,5 +15,6 @@
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
 #include <clsdf/sparse.hpp>
+#include <clsdf/sparse_plan.hpp>
 #include <clsdf/topology.hpp>
 #include <clsdf/version.hpp>

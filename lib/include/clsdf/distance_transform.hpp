@@ -8,6 +8,7 @@
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
 #include <clsdf/sparse.hpp>
+#include <clsdf/sparse_plan.hpp>
 #include <clsdf/topology.hpp>
 
 #include <array>
@@ -255,6 +256,11 @@ public:
     std::size_t plan_bytes(std::span<const Request> requests, const CallOptions& call = {}) const;
     std::size_t plan_bytes(const BlockSet& blocks, const CallOptions& call = {}) const;
 
+    /// A plan of a sparse field, whose runs have room for so many bricks and runs of bricks inside. The plan holds as
+    /// many bricks' values, and a bit for each sample of the grid. Blocks; sizes and fills every buffer. Throws as
+    /// compute_sparse() does.
+    SparsePlan plan_sparse(const SparseRequest& request, const SparseCounts& room, const CallOptions& call = {}) const;
+
     // Ask.
 
     /// The box of the mesh's vertices in use, at their present positions; of a restricted transform, of the whole mesh.
@@ -274,6 +280,7 @@ public:
 
 private:
     friend class Plan;
+    friend class SparsePlan;
     friend struct detail::TransformAccess;
     struct State;
     explicit DistanceTransform(std::unique_ptr<State> state);
