@@ -15,6 +15,12 @@
 #pragma OPENCL FP_CONTRACT OFF
 #endif
 
+#define NEXT_OF_THREE(k) ((0x9u >> (2 * (k))) & 3u)
+#define PREVIOUS_OF_THREE(k) ((0x12u >> (2 * (k))) & 3u)
+
+// The altitude of a face that is not taken for a sliver, beside its longest side.
+#define THIN_FACE 2.0e-4
+
 INLINE Vectors vectors(doubleL x, doubleL y, doubleL z) {
     const Vectors v = {x, y, z};
     return v;

@@ -8,16 +8,20 @@
 #include "simd.h"
 #include "sweep.h"
 #include "vertex_fans.h"
+#if LANES == 1
+#include "vertex_gaps.h"
+#endif
 
-// Loads the opposite vertices of edges. If there is none, sets *is_none and loads `other`, which may be any vertex.
+// Loads the opposite vertices of edges, given as words. If there is none, sets *is_none and loads `other`, which may be
+// any vertex.
 INLINE Vectors opposite_of(__global const double* positions, __private uint* vertices, __private const uint* other,
                            __private longL* is_none) {
-#define VERTEX_OF(lane) vertices[lane]
-    *is_none = TO_LONGS((uintL)EACH_LANE(VERTEX_OF) == CLSDF_NO_VERTEX);
-#undef VERTEX_OF
+#define WORD_OF(lane) vertices[lane]
+    *is_none = TO_LONGS((uintL)EACH_LANE(WORD_OF) >= CLSDF_FIRST_NO_VERTEX);
+#undef WORD_OF
 #pragma unroll
     for (uint lane = 0; lane < LANES; ++lane)
-        vertices[lane] = vertices[lane] == CLSDF_NO_VERTEX ? other[lane] : vertices[lane];
+        vertices[lane] = vertices[lane] >= CLSDF_FIRST_NO_VERTEX ? other[lane] : vertices[lane] & CLSDF_OPPOSITE_VERTEX;
     return positions_of(positions, vertices);
 }
 
@@ -70,7 +74,7 @@ INLINE LaneSlopes find_slopes(FaceLattice lattice, double least_length, __privat
                 is_left = MEASURE(CLSDF_EDGE_LEFT, f->apex, inward_from_left(f), 2, 0, 1),
                 is_beside_none = MEASURE(CLSDF_EDGE_BASE, f->start, f->across, 0, 1, 2) && is_right && is_left;
 #undef MEASURE
-    const longL is_thick = f->height > 2.0e-4 * f->length && f->length > least_length;
+    const longL is_thick = f->height > THIN_FACE * f->length && f->length > least_length;
     const longL is_known = is_beside_none && is_thick;
     const doubleL answer = (is_thick ? (doubleL)0.0 : (doubleL)CLSDF_FACE_IS_SLIVER) +
                            (is_beside_none ? (doubleL)0.0 : (doubleL)CLSDF_FACE_AT_SLIVER);
@@ -150,13 +154,16 @@ INLINE uint lane_bits(longL condition) {
     return lanes_to_bits(TO_INTS(condition));
 }
 
+// Where the words of an item's vertex begin.
+INLINE uint place_of_fan(FanItem item, uint number) {
+    return item.offset + number / CLSDF_FAN_STRIDE * (CLSDF_FAN_STRIDE * item.faces) + number % CLSDF_FAN_STRIDE;
+}
+
 OUT_OF_LINE void load_item(FanItem item, __global const uint* words, __private const uint* numbers,
                            __global const uint* triangles, __global const double* positions,
                            __global const float* signs, double per_unit, __private Fans* fans) {
     uint places[LANES];
-    const uint stride = CLSDF_FAN_STRIDE * item.faces;
-    for (uint lane = 0; lane < LANES; ++lane)
-        places[lane] = item.offset + numbers[lane] / CLSDF_FAN_STRIDE * stride + numbers[lane] % CLSDF_FAN_STRIDE;
+    for (uint lane = 0; lane < LANES; ++lane) places[lane] = place_of_fan(item, numbers[lane]);
     load_fans(item.faces, words, places, triangles, positions, signs, per_unit, fans);
 }
 
@@ -213,6 +220,22 @@ __kernel void vertex_fans(uint begin, uint end, double per_unit, __global const 
     for (uint k = queued; k < LANES; ++k) queue[k] = queue[0];
     try_all_conditions(item, words, queue, queued, triangles, positions, signs, per_unit, answers);
 }
+
+#if LANES == 1
+// Decides the vertices of items that vertex_fans left open. Those that stay open have a gap, or are beyond this kernel.
+__kernel void vertex_gaps(FaceLattice lattice, double least_length, double per_unit, uint begin, uint end,
+                          __global const FanItem* items, __global const uint* words, __global const uint* triangles,
+                          __global const uint* opposite, __global const double* positions,
+                          __global uchar* all_answers) {
+    const uint vertex = (uint)get_global_id(0), number = begin + vertex / CLSDF_FAN_ITEM, i = vertex % CLSDF_FAN_ITEM;
+    if (number >= end) return;
+    const FanItem item = items[number];
+    __global uchar* const answer = all_answers + (size_t)number * CLSDF_FAN_ITEM + i;
+    if (i >= item.count || (*answer & CLSDF_VERTEX_IS_OPEN) == 0) return;
+    const FaceArrays arrays = {lattice, least_length, triangles, opposite, positions};
+    *answer = (uchar)gap_answer(arrays, per_unit, item.faces, words + place_of_fan(item, i));
+}
+#endif
 
 // Moves `count` items of so many words, which the host wrote, to their places in an array of such items.
 __kernel void place_items(uint count, uint words, __global const uint* written, __global const uint* places,

@@ -10,11 +10,8 @@
 #define CERTAIN_PRODUCT 1.0e-9
 // Vectors of steeper slopes, at sharp edges, would be longer than ten.
 #define STEEPEST_SLOPE 8.0
-// A direction that is rejected by less counts as covered: rejection_margin of lib/engine/frusta/gaps.hpp, but for
-// the rounding of the conditions.
-#define SURE_MARGIN (0.99 * 5.0e-6)
-
-#define NEXT_OF_THREE(k) ((0x9u >> (2 * (k))) & 3u)
+// A direction that is rejected by less counts as covered: the margin but for the rounding of the conditions.
+#define SURE_MARGIN (0.99 * REJECTION_MARGIN)
 
 // Vertices with equally many faces, each of which is a closed fan, counter-clockwise. Face f lies between the edges f
 // and f + 1.

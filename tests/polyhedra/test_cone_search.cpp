@@ -1,4 +1,4 @@
-#include "frusta/gaps.hpp"
+#include "frusta/one_lane.hpp"
 #include "support/random_meshes.hpp"
 
 #include <boost/test/unit_test.hpp>
@@ -9,8 +9,38 @@
 namespace clsdf::test {
 namespace {
 
-using engine::ConeSearch;
 using engine::Vector;
+using engine::vectors_of;
+
+/// one_lane::ConeSearch with memory of its own.
+class ConeSearch {
+public:
+    struct State {
+        std::uint32_t conditions;
+        Vector direction;
+        bool is_undecided;
+    };
+
+    void start(const Vector& first_guess) { return_to({0, first_guess, false}); }
+    bool add(const Vector& condition) {
+        if (conditions_.size() == search_.count) conditions_.emplace_back();
+        search_.conditions = conditions_.data();
+        return add_condition(&search_, vectors_of(condition));
+    }
+    Vector direction() const { return engine::to_vector(search_.direction); }
+    bool is_undecided() const { return search_.is_undecided; }
+
+    State state() const { return {search_.count, direction(), is_undecided()}; }
+    void return_to(const State& state) {
+        search_.count = state.conditions;
+        search_.direction = vectors_of(state.direction);
+        search_.is_undecided = state.is_undecided;
+    }
+
+private:
+    std::vector<engine::one_lane::Vectors> conditions_;
+    engine::one_lane::ConeSearch search_{};
+};
 
 Vector random_direction(Random& random) {
     const Vec3 v = random.direction();

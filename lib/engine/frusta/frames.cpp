@@ -14,8 +14,6 @@ namespace {
 constexpr double sliver = 1e-8;
 constexpr double vanishing = 1e-100;  // units; squares of shorter lengths leave the range of double
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Bounds the sum of a frame's roundings: some thirty of 2^-53 by count, 3e-15.
-constexpr double roundings = 1e-13;
 
 /// Sets the axes of a face without altitude, and the normals of its slanted edges.
 void set_flat(one_lane::FaceFrames& face, const Vector& along, const Vector& across, double normal_along,
@@ -69,7 +67,7 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
         if (!(face.height > 0) || !(across.squaredNorm() > 0.5) || !(std::abs(across.dot(along)) < 1e-12))
             set_flat(face, along, any_perpendicular(along), 0, 1);
     }
-    frame.turn = !frame.is_box && face.altitude > 0 ? roundings * frame.base_length() / face.altitude : infinite;
+    frame.turn = !frame.is_box && face.altitude > 0 ? turn_of(&face) : infinite;
     set_directions(frame);
     return frame;
 }

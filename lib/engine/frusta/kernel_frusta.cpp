@@ -3,11 +3,13 @@
 
 #include "core/parallel.hpp"
 #include "device/in_flight.hpp"
+#include "frusta/gaps.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -18,6 +20,7 @@ namespace {
 
 // An upper estimate for one core; it limits the work of a launch.
 constexpr double seconds_per_fan_item = CLSDF_FAN_ITEM * 1e-6;
+constexpr double seconds_per_gap_item = CLSDF_FAN_ITEM * 1e-5;
 
 /// Room for the point sites of most meshes: one of 240 faces needs one on a noisy scan, one of 1600 on a smooth one.
 std::size_t spare_records(std::size_t faces) {
@@ -25,8 +28,8 @@ std::size_t spare_records(std::size_t faces) {
 }
 
 /// The shortest side that is not taken for a sliver's, in units; the same for all lattices, up to their unit.
-double least_length(const Mesh& mesh, const LatticeView& lattice) {
-    return 1e-30 * mesh.box().longest_side() / lattice.unit;
+double least_length(const Box& box, const LatticeView& lattice) {
+    return 1e-30 * box.longest_side() / lattice.unit;
 }
 
 class KernelFrusta {
@@ -42,7 +45,7 @@ public:
         frusta_->positions = ordered_positions(topology_, mesh.vertices());
         frusta_->slopes.resize(count_);
         view_ = lattice != nullptr ? *lattice : view_of(mesh.box());
-        least_length_ = least_length(mesh, view_);
+        least_length_ = least_length(box_, view_);
         faces_.names = names;
         faces_.positions = job.input(frusta_, frusta_->positions, "vertices");
         faces_.slopes = job.shares_memory() ? job.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE)
@@ -57,7 +60,10 @@ public:
 
     MadeFrusta make() {
         enqueue_slopes();
-        if (!sources_->of_kernels->fan_items.empty()) enqueue_fans();
+        if (!sources_->of_kernels->fan_items.empty()) {
+            enqueue_fans();
+            enqueue_gaps();
+        }
         complete();
         std::optional<PreparedMesh> records;
         if (records_of_ != nullptr) records = finish_records();
@@ -92,6 +98,22 @@ private:
                              static_cast<cl_uint>(begin), static_cast<cl_uint>(end), cl_double{1 / view_.unit},
                              *sources_->fan_items, *sources_->fan_words, *faces_.names->triangles, *faces_.positions,
                              *signs_, *vertex_answers_);
+                  });
+    }
+
+    /// The host's own test of vertices that the kernel above leaves open. On a processor the host is as fast.
+    void enqueue_gaps() const {
+        const LatticeView lattice = view_of(box_);
+        if (job_.tools.programs.mesh_lanes() != 1 || lattice.unit < std::numeric_limits<double>::min()) return;
+        cl::Kernel kernel(job_.tools.programs.mesh_records, "vertex_gaps");
+        ShortLaunches(job_.tools.context, {})
+            .over(sources_->of_kernels->fan_items.size(), seconds_per_gap_item,
+                  [&](std::size_t begin, std::size_t end) {
+                      launch(job_.tools.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
+                             face_lattice(lattice), cl_double{least_length(box_, lattice)},
+                             cl_double{gap_scale(lattice)}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
+                             *sources_->fan_items, *sources_->fan_words, *faces_.names->triangles, *sources_->opposite,
+                             *faces_.positions, *vertex_answers_);
                   });
     }
 

@@ -120,6 +120,14 @@ private:
     UninitializedVector<std::uint32_t> fans_;  // corners, packed, as in OneRings
 };
 
+std::uint32_t opposite_word(const MeshTopology& topology, const FaceEdges& edges, std::size_t k) {
+    if (edges.marks[k] == edge_open) return CLSDF_NO_VERTEX;
+    if (edges.marks[k] != 0) return CLSDF_UNPAIRED_EDGE;
+    const Corner across = Corner::unpack(edges.across[k]);
+    return topology.faces.triangles[across.face][previous_of_three(across.vertex)] | across.vertex
+                                                                                         << CLSDF_OPPOSITE_EDGE;
+}
+
 }  // namespace
 
 KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(3 * topology.order.size()) {
@@ -131,12 +139,7 @@ KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(3 * topo
             std::uint8_t all = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 all |= edges.marks[k];
-                if (edges.marks[k] != 0) {
-                    opposite[3 * face + k] = CLSDF_NO_VERTEX;
-                    continue;
-                }
-                const Corner across = Corner::unpack(edges.across[k]);
-                opposite[3 * face + k] = topology.faces.triangles[across.face][previous_of_three(across.vertex)];
+                opposite[3 * face + k] = opposite_word(topology, edges, k);
             }
             if ((all & ~edge_open) != 0) irregular.push_back(static_cast<std::uint32_t>(face));
         }

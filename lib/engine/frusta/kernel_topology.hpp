@@ -14,8 +14,9 @@ namespace clsdf::engine {
 /// A mesh's topology as the kernels that make polyhedra read it (kernels/frusta/mesh_records.cl), and what they leave
 /// out.
 struct KernelTopology {
-    /// Three of each face: the vertex of the other face that lies opposite to edge k; CLSDF_NO_VERTEX unless the edge
-    /// has exactly two faces, of one orientation.
+    /// Three of each face: the vertex of the other face that lies opposite to edge k, and which edge of that face it is
+    /// (CLSDF_OPPOSITE_EDGE). CLSDF_NO_VERTEX for an open edge; CLSDF_UNPAIRED_EDGE for others unless the edge has
+    /// exactly two faces, of one orientation.
     UninitializedVector<std::uint32_t> opposite;
     UninitializedVector<std::uint32_t> fan_words;  ///< see FanItem
     std::vector<FanItem> fan_items;

@@ -10,7 +10,7 @@
 #pragma GCC system_header
 #endif
 
-/// kernels/frusta/face_frames.h, compiled by the host with one lane.
+/// kernels/frusta/face_frames.h and gap_test.h, compiled by the host with one lane.
 namespace clsdf::engine::one_lane {
 
 using namespace kernel_language;
@@ -19,6 +19,7 @@ using namespace kernel_language;
 #define __global
 #define __private
 #include "face_frames.h"
+#include "gap_test.h"
 #undef LANES
 #undef __global
 #undef __private

@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "frusta/one_lane.hpp"
+#include "mesh/expansions.hpp"
 #include "mesh/predicates.hpp"
 
 #include <algorithm>
@@ -14,7 +15,12 @@ namespace clsdf::engine {
 
 int side_of_plane(const MeshFaces& faces, std::uint32_t first, const Corner& second) {
     const auto& [a, b, c] = faces.corners(first);
-    return orientation(a, b, c, faces.position(faces.triangles[second.face][previous_of_three(second.vertex)]));
+    const Vec3& p = faces.position(faces.triangles[second.face][previous_of_three(second.vertex)]);
+    const std::array<Vec3, 4> points{a, b, c, p};
+    return expansions::are_exact(points)
+               ? expansions::orientation_in_space(expansions::vector(a), expansions::vector(b), expansions::vector(c),
+                                                  expansions::vector(p))
+               : orientation(a, b, c, p);
 }
 
 void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
@@ -33,16 +39,6 @@ constexpr EdgeSlope open_edge{CLSDF_OPEN_SLOPE, CLSDF_OPEN_SLOPE};
 void set_slope(MeasuredFace& measured, std::uint32_t edge, const EdgeSlope& slope) {
     measured.slopes.above[edge] = slope.above;
     measured.slopes.below[edge] = slope.below;
-}
-
-/// The tangent of half the angle by which the wedge between two faces exceeds a straight one, on the side where it
-/// does. The faces' unit inward directions at the edge.
-float wedge_slope(const Vector& first, const Vector& second) {
-    const Vector apart = first - second, together = first + second;
-    const double squared_apart = dot(apart, apart);
-    // Folded pairs must not divide by zero: programs may trap that.
-    const double slope = std::sqrt(dot(together, together)) / std::sqrt(squared_apart > 0 ? squared_apart : 1);
-    return std::min(CLSDF_OPEN_SLOPE, widened(slope));
 }
 
 /// Each face shares its wedges with the next faces in either direction around the edge. Faces folded onto each other
@@ -142,26 +138,19 @@ void FaceMeasures::set_pair(const Corner& edge, MeasuredFace& measured) const {
     const Corner other = Corner::unpack(edges_[edge.face].across[edge.vertex]);
     const TriangleFrame& own = measured.frame;
     const TriangleFrame across = faces_.frame(other.face);
-    const Vector &first = own.inwards[edge.vertex], &second = across.inwards[other.vertex];
-    const Vector apart = first - second;
-    const bool is_folded = folded(dot(apart, apart));
-    const double sine = dot(second, own.normal), turn = own.turn + across.turn;
-    int side = (sine > turn ? 1 : 0) - (sine < -turn ? 1 : 0);
-    if (side == 0 || is_folded) side = side_of_plane(faces_, edge.face, other);
-
+    one_lane::FacePair pair = face_pair(vectors_of(own.inwards[edge.vertex]), vectors_of(across.inwards[other.vertex]),
+                                        vectors_of(own.normal), own.turn + across.turn);
+    if (pair.side == 0) pair.side = side_of_plane(faces_, edge.face, other);
+    double above = 0, below = 0;
     std::uint8_t& marks = measured.marks[edge.vertex];
-    if ((marks & edge_unoriented) == 0 && side != 0) marks |= side < 0 ? edge_convex : edge_concave;
-    EdgeSlope slope{0, 0};
+    std::uint32_t added = set_pair_slopes(pair, &above, &below);
+    if ((marks & edge_unoriented) != 0) added &= ~std::uint32_t{edge_convex | edge_concave};
     if (own.is_box || across.is_box) {
-        marks |= edge_at_box;
-        if (own.is_box) slope = open_edge;
-    } else if (is_folded) {
-        marks |= edge_open | edge_folded;
-        slope = open_edge;
-    } else {
-        (side < 0 ? slope.above : slope.below) = side != 0 ? wedge_slope(first, second) : 0;
+        added = (added & (edge_convex | edge_concave)) | edge_at_box;
+        above = below = own.is_box ? CLSDF_OPEN_SLOPE : 0;
     }
-    set_slope(measured, edge.vertex, slope);
+    marks = static_cast<std::uint8_t>(marks | added);
+    set_slope(measured, edge.vertex, {static_cast<float>(above), static_cast<float>(below)});
 }
 
 }  // namespace clsdf::engine

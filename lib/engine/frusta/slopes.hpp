@@ -33,7 +33,7 @@ inline float widened(double x) {
 }
 
 /// Two faces whose inward directions differ by less than this angle are folded onto each other.
-inline constexpr double fold_angle = 1e-6;
+inline constexpr double fold_angle = CLSDF_FOLD_ANGLE;
 
 /// `squared_apart`: the square of the distance of their unit inward directions at the edge.
 inline bool folded(double squared_apart) {
@@ -47,24 +47,12 @@ void lean(const TriangleFrame& frame, FaceSlopes& slopes);
 /// above (the edge is concave seen from above), -1 below, 0 in it. Exact for the coordinates as given.
 int side_of_plane(const MeshFaces& faces, std::uint32_t first, const Corner& second);
 
-/// The parts of the planes at a face's edge, above the face and below it.
-struct LateralPlane {
-    Vector normal;  ///< of the face
-    Vector inward;  ///< unit vector in the face's plane, perpendicular to the edge
-    float above;    ///< slopes
-    float below;
-};
-
 /// A face, and the data of its edges that follow from positions.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays are left unset until all cores fill them
 struct MeasuredFace {
     TriangleFrame frame;
     FaceSlopes slopes;
     std::array<std::uint8_t, 3> marks;  ///< EdgeMark, also those that follow from the vertices' indices
-
-    LateralPlane plane(std::uint32_t edge) const {
-        return {frame.normal, frame.inwards[edge], slopes.above[edge], slopes.below[edge]};
-    }
 };
 
 /// Measures faces one by one. Each face at an edge takes the angle up to the bisector with the next face on that side,

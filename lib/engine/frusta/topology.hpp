@@ -3,6 +3,7 @@
 #include <clsdf/mesh.hpp>
 
 #include "core/large_memory.hpp"
+#include "face_sources.h"
 #include "frusta/face_order.hpp"
 #include "mesh/one_rings.hpp"
 
@@ -16,14 +17,15 @@ namespace clsdf::engine {
 
 /// Properties of an edge, as its end vertices see it; several may hold.
 enum EdgeMark : std::uint8_t {
-    edge_convex = 1,        ///< of two faces that run along it in opposite directions, by the exact orientation of
-    edge_concave = 2,       ///< the coordinates as given; neither: flat
-    edge_open = 4,          ///< one face, or two folded onto each other: no plane cuts there
-    edge_non_manifold = 8,  ///< three faces or more; in a part of a mesh, those of the whole count
+    edge_convex =
+        CLSDF_MARK_CONVEX,  ///< of two faces that run along it in opposite directions, by the exact orientation of
+    edge_concave = CLSDF_MARK_CONCAVE,  ///< the coordinates as given; neither: flat
+    edge_open = CLSDF_MARK_OPEN,        ///< one face, or two folded onto each other: no plane cuts there
+    edge_non_manifold = 8,              ///< three faces or more; in a part of a mesh, those of the whole count
     edge_unoriented =
         16,            ///< two faces that run along it the same way: what is convex for one is concave for the other
     edge_at_box = 32,  ///< one of its faces is so degenerate that its polyhedron is a box
-    edge_folded = 64,  ///< open because its two faces are folded onto each other
+    edge_folded = CLSDF_MARK_FOLDED,  ///< open because its two faces are folded onto each other
 };
 
 /// Data of the edges of a face; edge k runs from the face's vertex k to the next.
