@@ -28,7 +28,7 @@
 #define CLSDF_VERTEX_IS_OPEN 2u    // its faces may leave directions out: the host decides
 // A direction that a face rejects by less lies within a quarter of the slack of its polyhedron (docs/method.md, 'Gaps
 // at saddle vertices'): 1e-3 + 2e-5 d is four times d times this or more, for every distance d in units.
-#define REJECTION_MARGIN 5.0e-6
+#define CLSDF_REJECTION_MARGIN 5.0e-6
 // Vertices of a fan item, the stride of their numbers, and the most faces around one.
 #define CLSDF_FAN_ITEM 256
 #define CLSDF_FAN_STRIDE 32
@@ -45,13 +45,15 @@ typedef struct FaceLattice {
     double per_unit;    // 1 / unit
 } FaceLattice;
 
-// Up to CLSDF_FAN_ITEM vertices with equally many faces, all of which are one closed fan of one orientation. Blocks of
+// Up to CLSDF_FAN_ITEM vertices with equally many faces. These are one closed fan of one orientation, in
+// counter-clockwise order; or, at a border, they have open edges and edges of two faces of one orientation. Blocks of
 // CLSDF_FAN_STRIDE vertices follow each other. A block holds a corner of all its vertices at a time: the faces of each
-// vertex, counter-clockwise, and which of its three corners lies there (4 face + corner).
+// vertex, and which of its three corners lies there (4 face + corner).
 typedef struct FanItem {
     clsdf_uint32 offset;  // of the first block, in words
     clsdf_uint32 count;
     clsdf_uint32 faces;  // around each vertex
+    clsdf_uint32 is_border;
 } FanItem;
 
 #ifndef __OPENCL_VERSION__

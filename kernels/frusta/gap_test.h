@@ -281,7 +281,7 @@ INLINE bool add_rejections(__private GapVertex* vertex, uint faces, uint edge) {
                 __private const FacePlanes* const face = vertex->faces + vertex->order[i];
                 const bool above = (dot_in_order(face->normal, middle) >= 0.0) == (other_side == 0);
                 if (!add_condition(&vertex->search,
-                                   difference(rejection(face, edge, above), product(REJECTION_MARGIN, middle))))
+                                   difference(rejection(face, edge, above), product(CLSDF_REJECTION_MARGIN, middle))))
                     return false;
             }
         if (vertex->search.is_undecided || 2.0 * dot_in_order(middle, vertex->search.direction) > 1.0) break;

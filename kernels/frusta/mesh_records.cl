@@ -194,6 +194,10 @@ __kernel void vertex_fans(uint begin, uint end, double per_unit, __global const 
     const uint last = item.count;
 #endif
     __global uchar* const answers = all_answers + (size_t)number * CLSDF_FAN_ITEM;
+    if (item.is_border) {  // they have no gap, but may be saddles by the exact kinds of their edges
+        for (uint i = first; i < last; ++i) answers[i] = CLSDF_VERTEX_IS_OPEN;
+        return;
+    }
     uint queue[2 * LANES], queued = 0;
     for (uint i = first; i < last; i += LANES) {
         uint numbers[LANES];
@@ -222,7 +226,8 @@ __kernel void vertex_fans(uint begin, uint end, double per_unit, __global const 
 }
 
 #if LANES == 1
-// Decides the vertices of items that vertex_fans left open. Those that stay open have a gap, or are beyond this kernel.
+// Decides the vertices of items that vertex_fans left open. Those that stay open have a gap, or a face that the host
+// measures: one that is nearly degenerate, or shares an edge with such a face or with two others.
 __kernel void vertex_gaps(FaceLattice lattice, double least_length, double per_unit, uint begin, uint end,
                           __global const FanItem* items, __global const uint* words, __global const uint* triangles,
                           __global const uint* opposite, __global const double* positions,

@@ -11,7 +11,7 @@
 // Vectors of steeper slopes, at sharp edges, would be longer than ten.
 #define STEEPEST_SLOPE 8.0
 // A direction that is rejected by less counts as covered: the margin but for the rounding of the conditions.
-#define SURE_MARGIN (0.99 * REJECTION_MARGIN)
+#define SURE_MARGIN (0.99 * CLSDF_REJECTION_MARGIN)
 
 // Vertices with equally many faces, each of which is a closed fan, counter-clockwise. Face f lies between the edges f
 // and f + 1.

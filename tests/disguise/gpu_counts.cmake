@@ -90,7 +90,7 @@ foreach(call first_call second_transform)
   of(launches ${call} launches)
   of(waits ${call} blocking_waits)
   of(pageable ${call} pageable_bytes)
-  if(commands GREATER 70 OR launches GREATER 24 OR waits GREATER 4 OR pageable GREATER 65536)
+  if(commands GREATER 70 OR launches GREATER 25 OR waits GREATER 4 OR pageable GREATER 65536)
     message(SEND_ERROR "${call}: ${commands} commands beside ${pieces} pieces of the field, ${launches} launches, "
                        "${waits} waits, ${pageable} bytes of memory that is not pinned")
   endif()

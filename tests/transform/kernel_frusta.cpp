@@ -7,6 +7,7 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -29,6 +30,8 @@ struct BothFrusta {
     std::shared_ptr<const engine::MeshTopology> topology;
     engine::Frusta host;
     engine::Frusta kernels;
+    std::vector<std::uint32_t> left{};  // vertices that the kernels left to the host
+    bool is_of_gpu = false;
 };
 
 template <class Value>
@@ -55,6 +58,8 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     BOOST_TEST(are_same(again.frusta->slopes, slopes));
     BOOST_TEST(again.frusta->sites.size() == made.frusta->sites.size());
     both.kernels = *made.frusta;
+    both.left = made.left.vertices;
+    both.is_of_gpu = programs.mesh_lanes() == 1;
     return both;
 }
 
@@ -83,6 +88,14 @@ void check_sites(const BothFrusta& both) {
     BOOST_TEST(both.kernels.saddle_vertices <= both.host.saddle_vertices);
     BOOST_TEST(both.kernels.saddle_vertices >= both.host.saddle_vertices * 4 / 5);
     BOOST_TEST(both.kernels.boxes == both.host.boxes);
+}
+
+/// Without every n-th triangle.
+Mesh with_holes(const Mesh& mesh, std::size_t n) {
+    std::vector<Triangle> triangles;
+    for (std::size_t i = 0; i < mesh.triangles().size(); ++i)
+        if (i % n != 0) triangles.push_back(mesh.triangles()[i]);
+    return {mesh.vertices(), std::move(triangles), mesh.name() + " with holes"};
 }
 
 /// Every triangle in four, `times` times; new vertices lie in their edges' middles, moved by `noise` of the edge.
@@ -170,6 +183,28 @@ BOOST_AUTO_TEST_CASE(kernels_make_the_frusta_of_the_host) {
             sites += both.kernels.sites.size();
             check_slopes(both);
             check_sites(both);
+        }
+    }
+    BOOST_TEST(sites > 0U);
+}
+
+BOOST_AUTO_TEST_CASE(a_gpu_leaves_vertices_with_a_gap_alone_to_the_host) {
+    const std::array meshes{subdivided(make_shape("cube"), 4, 0, 1),        // most edges are exactly flat
+                            subdivided(make_shape("torus"), 1, 1e-15, 4),   // up to rounding
+                            subdivided(make_shape("sphere2"), 3, 0.02, 2),  // saddles at every other vertex
+                            subdivided(make_shape("sphere2"), 3, 0.1, 5),   // with gaps
+                            shifted(subdivided(make_shape("sphere2"), 3, 0.1, 5), {1e9, 0, 0}),
+                            with_holes(subdivided(make_shape("sphere2"), 3, 0.02, 6), 13)};
+    std::size_t sites = 0;
+    for (const Mesh& mesh : meshes) {
+        BOOST_TEST_CONTEXT(mesh.name() << ", " << mesh.triangles().size() << " triangles") {
+            const BothFrusta both =
+                both_frusta(mesh, Grid::around(mesh, 48, Band::symmetric(0.05 * mesh.box().longest_side())));
+            std::vector<std::uint32_t> gaps;
+            for (const auto& site : both.host.sites) gaps.push_back(site.vertex);
+            BOOST_TEST(std::ranges::includes(both.left, gaps));
+            if (both.is_of_gpu) BOOST_TEST(both.left == gaps, boost::test_tools::per_element());
+            sites += gaps.size();
         }
     }
     BOOST_TEST(sites > 0U);

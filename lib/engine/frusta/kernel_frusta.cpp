@@ -67,7 +67,7 @@ public:
         complete();
         std::optional<PreparedMesh> records;
         if (records_of_ != nullptr) records = finish_records();
-        return {std::move(frusta_), std::move(faces_), std::move(records)};
+        return {std::move(frusta_), std::move(faces_), std::move(records), std::move(left_)};
     }
 
 private:
@@ -101,7 +101,7 @@ private:
                   });
     }
 
-    /// The host's own test of vertices that the kernel above leaves open. On a processor the host is as fast.
+    /// The host's test of the vertices that are left open so far. A processor's host is as fast.
     void enqueue_gaps() const {
         const LatticeView lattice = view_of(box_);
         if (job_.tools.programs.mesh_lanes() != 1 || lattice.unit < std::numeric_limits<double>::min()) return;

@@ -31,6 +31,7 @@ struct MadeFrusta {
     std::shared_ptr<const Frusta> frusta;
     DeviceFaces faces;
     std::optional<PreparedMesh> records{};  ///< for the lattice, if there is one
+    LeftToHost left{};                      ///< decisions that the host has made
 };
 
 /// The frusta of a mesh with these faces: made by kernels, and completed by the host, exactly. One wait for the device.

@@ -41,7 +41,7 @@ Numbers answered_faces(std::span<const std::uint8_t> answers) {
     });
 }
 
-/// Files the vertices of closed fans by the number of their faces.
+/// Files the vertices of closed fans and of borders by the number of their faces.
 class FanFiling {
 public:
     explicit FanFiling(const MeshTopology& topology)
@@ -51,15 +51,17 @@ public:
         for_each_index(kinds_.size(), [&](std::size_t vertex) { kinds_[vertex] = kind_of(vertex); });
         UninitializedVector<std::uint32_t> sorted(kinds_.size());
         const std::vector<std::uint32_t> first = bucket_sort(
-            kinds_.size(), CLSDF_FAN_FACES + 1, [&](std::size_t vertex) { return kinds_[vertex]; },
+            kinds_.size(), first_border_kind + CLSDF_FAN_FACES + 1, [&](std::size_t vertex) { return kinds_[vertex]; },
             [&](std::size_t vertex, std::size_t place) { sorted[place] = static_cast<std::uint32_t>(vertex); });
         result.irregular_vertices.assign(sorted.begin() + first[irregular], sorted.begin() + first[irregular + 1]);
         std::vector<std::uint32_t> firsts;  // of each item, in `sorted`
         std::size_t words = 0;
-        for (std::uint32_t faces = 3; faces <= CLSDF_FAN_FACES; ++faces)
-            for (std::uint32_t begin = first[faces]; begin < first[faces + 1]; begin += CLSDF_FAN_ITEM) {
-                const std::uint32_t size = std::min<std::uint32_t>(CLSDF_FAN_ITEM, first[faces + 1] - begin);
-                result.fan_items.push_back({static_cast<std::uint32_t>(words), size, faces});
+        for (std::uint32_t kind = irregular + 1; kind <= first_border_kind + CLSDF_FAN_FACES; ++kind)
+            for (std::uint32_t begin = first[kind]; begin < first[kind + 1]; begin += CLSDF_FAN_ITEM) {
+                const std::uint32_t size = std::min<std::uint32_t>(CLSDF_FAN_ITEM, first[kind + 1] - begin);
+                const bool is_border = kind > first_border_kind;
+                const std::uint32_t faces = is_border ? kind - first_border_kind : kind;
+                result.fan_items.push_back({static_cast<std::uint32_t>(words), size, faces, is_border ? 1U : 0U});
                 firsts.push_back(begin);
                 words += chunk_count(size, CLSDF_FAN_STRIDE) * CLSDF_FAN_STRIDE * faces;
             }
@@ -73,17 +75,19 @@ public:
     }
 
 private:
-    /// The kinds of vertices beside those of fans, whose kind is the number of their faces.
-    enum : std::uint8_t { regular_border, irregular };
+    /// The kinds of vertices beside those of closed fans, whose kind is the number of their faces. Of borders it is
+    /// that number and first_border_kind.
+    enum : std::uint8_t { regular_border, irregular, first_border_kind = CLSDF_FAN_FACES };
 
     std::uint8_t kind_of(std::size_t vertex) {
         const std::size_t count = topology_.rings.size(vertex);
         if (count >= 3 && count <= CLSDF_FAN_FACES && walk(vertex, count)) return static_cast<std::uint8_t>(count);
-        return is_regular_border(vertex, count) ? regular_border : irregular;
+        return kind_of_border(vertex, count);
     }
 
-    /// Whether a vertex is at an open edge, hence without a gap, and has not the two edges of a saddle vertex.
-    bool is_regular_border(std::size_t vertex, std::size_t count) const {
+    /// A vertex at an open edge has no gap. It is regular if it has not the two other edges of a saddle vertex. Lists
+    /// the corners of others.
+    std::uint8_t kind_of_border(std::size_t vertex, std::size_t count) {
         std::uint8_t marks = 0;
         std::size_t uses = 0;  // of edges with two faces: two each
         for (std::size_t i = 0; i < count; ++i) {
@@ -94,7 +98,12 @@ private:
                 uses += edges.marks[k] == 0 ? 1U : 0U;
             }
         }
-        return marks == edge_open && uses < 4;
+        if (marks != edge_open) return irregular;
+        if (uses < 4) return regular_border;
+        if (count > CLSDF_FAN_FACES) return irregular;
+        for (std::size_t i = 0; i < count; ++i)
+            fans_[topology_.rings.start(vertex) + i] = topology_.rings.corner(vertex, i).packed();
+        return static_cast<std::uint8_t>(first_border_kind + count);
     }
 
     /// Whether the faces are one closed fan; lists its corners, counter-clockwise, if the ring has its own.
@@ -117,7 +126,7 @@ private:
 
     const MeshTopology& topology_;
     UninitializedVector<std::uint8_t> kinds_;  // of each vertex
-    UninitializedVector<std::uint32_t> fans_;  // corners, packed, as in OneRings
+    UninitializedVector<std::uint32_t> fans_;  // corners of vertices of items, packed, as in OneRings
 };
 
 std::uint32_t opposite_word(const MeshTopology& topology, const FaceEdges& edges, std::size_t k) {

@@ -23,7 +23,7 @@ struct KernelTopology {
     /// Ascending: faces with an edge of three faces or more, of two of different orientations, or from a vertex to
     /// itself.
     std::vector<std::uint32_t> irregular_faces;
-    /// Ascending: vertices that are in no fan, and may leave a gap or be saddle vertices.
+    /// Ascending: vertices that are in no item, and may leave a gap or be saddle vertices.
     std::vector<std::uint32_t> irregular_vertices;
 
     explicit KernelTopology(const MeshTopology& topology);
