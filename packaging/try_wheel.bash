@@ -8,6 +8,7 @@ system=$2
 env=/opt/clsdf-env
 work=/opt/clsdf-try
 homes=/opt/clsdf-homes
+view=/opt/clsdf-sources
 user=1234
 
 fail() {
@@ -28,6 +29,10 @@ no_index() { $env/bin/pip --disable-pip-version-check -q --no-cache-dir "$@"; }
 rm -rf $env $work $homes
 mkdir -p $work $homes/usual $homes/read-only $homes/noexec
 chown $user:$user $work $homes/usual
+# /tmp, which is hidden below, may have the sources.
+mkdir -p $view
+mount --bind "$sources" $view
+sources=$view
 mount -t tmpfs -o ro none $homes/read-only
 mount -t tmpfs -o noexec,uid=$user,gid=$user none $homes/noexec
 if [ "$system" = bare ]; then
@@ -99,5 +104,6 @@ fi
 
 no_index uninstall -y clsdf
 find $env | sort | diff $work.before - || fail "uninstalling left these files, or took them"
-umount $homes/read-only $homes/noexec
+umount $homes/read-only $homes/noexec $view
+rmdir $view
 rm -rf $env $work $work.before $homes
