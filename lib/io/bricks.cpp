@@ -24,7 +24,7 @@ namespace {
 /// Eight flags, bytes of 0 or 1, as eight bits.
 std::uint64_t bits_of(const std::uint8_t* flags) {
     std::uint64_t bytes = 0;
-    std::memcpy(&bytes, flags, sizeof bytes);
+    for (unsigned i = 0; i < 8; ++i) bytes |= std::uint64_t{flags[i]} << 8 * i;
     return bytes * 0x0102040810204080U >> 56;
 }
 

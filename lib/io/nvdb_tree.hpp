@@ -27,8 +27,8 @@ inline constexpr unsigned log_upper_bricks = Upper::log_side - Leaf::log_side;
 /// The order of a tree's leaves: by upper nodes, by lower nodes, by leaves, each in the order x, y, z with z fastest.
 bool precedes(const Brick& one, const Brick& other);
 
-/// A leaf's samples in its own order, z fastest, without those that have a value of many: what is kept of a leaf until
-/// its place in the file is known.
+/// A leaf's samples in its own order, z fastest, without the distances beyond the band. So leaves are kept until their
+/// places in the file are known.
 struct PackedLeaf {
     LeafMasks masks;                               ///< samples in neither have the background
     std::array<float, Leaf::sample_count> values;  ///< of the active samples, one after the other
