@@ -7,12 +7,57 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
 
 namespace clsdf {
+
+namespace {
+
+/// Eight flags, bytes of 0 or 1, as eight bits.
+std::uint64_t bits_of(const std::uint8_t* flags) {
+    std::uint64_t bytes = 0;
+    for (unsigned i = 0; i < 8; ++i) bytes |= std::uint64_t{flags[i]} << 8 * i;
+    return bytes * 0x0102040810204080U >> 56;
+}
+
+}  // namespace
+
+LeafMasks leaf_masks(const float* ordered, const Fill& fill, const BrickPart& part) {
+    const auto outside = std::bit_cast<std::uint32_t>(fill.outside), inside = std::bit_cast<std::uint32_t>(fill.inside);
+    // No sample is beyond a band without end.
+    const auto has_outside = static_cast<std::uint8_t>(std::isfinite(fill.outside)),
+               has_inside = static_cast<std::uint8_t>(std::isfinite(fill.inside));
+    // Loops that compilers turn into vectors.
+    std::array<std::uint8_t, brick_samples> is_inside, is_active;  // NOLINT: all are set
+    for (std::size_t i = 0; i < brick_samples; ++i) {
+        const auto bits = std::bit_cast<std::uint32_t>(ordered[i]);
+        const auto of_inside = static_cast<std::uint8_t>(has_inside & static_cast<std::uint8_t>(bits == inside));
+        const auto of_outside = static_cast<std::uint8_t>(has_outside & static_cast<std::uint8_t>(bits == outside));
+        is_inside[i] = of_inside;
+        is_active[i] = static_cast<std::uint8_t>(1 ^ (of_inside | of_outside));
+    }
+    std::uint64_t of_grid = 0;
+    for (std::int64_t y = part.begin[1]; y < part.end[1]; ++y)
+        for (std::int64_t z = part.begin[2]; z < part.end[2]; ++z) of_grid |= std::uint64_t{1} << (8 * y + z);
+    LeafMasks masks;
+    for (auto x = static_cast<std::size_t>(part.begin[0]); x < static_cast<std::size_t>(part.end[0]); ++x) {
+        for (std::size_t y = 0; y < 8; ++y) {
+            masks.active[x] |= bits_of(is_active.data() + 64 * x + 8 * y) << 8 * y;
+            masks.inside[x] |= bits_of(is_inside.data() + 64 * x + 8 * y) << 8 * y;
+        }
+        masks.active[x] &= of_grid;
+        masks.inside[x] &= of_grid;
+    }
+    return masks;
+}
 
 void check_indices(const std::string& path, const Grid& grid, const char* reader) {
     constexpr std::int64_t end = std::int64_t{1} << 31;

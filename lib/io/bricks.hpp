@@ -60,6 +60,24 @@ inline BrickKind kind_of(const BrickPart& part, const float* distance, const Fil
     return !is_uniform ? BrickKind::values : fill.is_outside(first) ? BrickKind::outside : BrickKind::inside;
 }
 
+/// The samples of a leaf that are active, and those that are beyond the band and inside. A mask has a word for each x,
+/// with bit 8 y + z.
+struct LeafMasks {
+    using Mask = std::array<std::uint64_t, 8>;
+    Mask active{};
+    Mask inside{};
+};
+
+/// The samples of a brick, x fastest, in the order of a leaf: see place_in_leaf().
+inline void order_as_leaf(const float* samples, float* ordered) {
+    for (std::size_t z = 0; z < 8; ++z)
+        for (std::size_t y = 0; y < 8; ++y)
+            for (std::size_t x = 0; x < 8; ++x) ordered[64 * x + 8 * y + z] = samples[64 * z + 8 * y + x];
+}
+
+/// ordered: the samples of a leaf. Those beyond the grid are in neither mask.
+LeafMasks leaf_masks(const float* ordered, const Fill& fill, const BrickPart& part);
+
 /// Programs compute with the background, the value outside of all leaves and tiles, so it must be finite. It is the
 /// half width outside; if the band has no end there, it is the largest distance.
 class Background {

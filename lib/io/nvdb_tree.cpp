@@ -79,41 +79,60 @@ void for_each_node(const BrickBox& box, unsigned log_bricks, const Function& f) 
             for (std::int32_t z = begin[2]; z <= box.upper[2]; z += step) f(Brick{x, y, z});
 }
 
-/// The summary of a leaf whose values and mask are set; sets the box of its active values.
-Summary summarise(Leaf& leaf, const Int3& origin) {
-    Summary summary;
+/// Sets least, greatest, count, average and squares from the active values of a leaf. Sums have eight parts, which
+/// compilers add together in vectors.
+void add_values(std::span<const float> values, Summary& summary) {
+    constexpr std::size_t parts = 8;
+    std::array<float, parts> least{}, greatest{};
+    least.fill(summary.least);
+    greatest.fill(summary.greatest);
+    std::array<double, parts> sums{};
+    std::array<std::uint32_t, parts> finite{};
+    const auto each = [&](const auto& take) {
+        std::size_t i = 0;
+        for (; i + parts <= values.size(); i += parts)
+            for (std::size_t part = 0; part < parts; ++part) take(values[i + part], part);
+        for (std::size_t part = 0; i + part < values.size(); ++part) take(values[i + part], part);
+    };
+    each([&](float value, std::size_t part) {
+        least[part] = value < least[part] ? value : least[part];
+        greatest[part] = value > greatest[part] ? value : greatest[part];
+        const bool is_finite = value - value == 0;
+        sums[part] += is_finite ? static_cast<double>(value) : 0.0;
+        finite[part] += is_finite ? 1U : 0U;
+    });
+    double sum = 0;
+    for (std::size_t part = 0; part < parts; ++part) {
+        summary.least = std::min(summary.least, least[part]);
+        summary.greatest = std::max(summary.greatest, greatest[part]);
+        summary.finite_count += finite[part];
+        sum += sums[part];
+    }
+    summary.count = values.size();
+    if (summary.finite_count > 0) summary.average = sum / static_cast<double>(summary.finite_count);
+    std::array<double, parts> squares{};
+    each([&](float value, std::size_t part) {
+        const double difference = static_cast<double>(value) - summary.average;
+        squares[part] += value - value == 0 ? difference * difference : 0.0;
+    });
+    for (const double part : squares) summary.squares += part;
+}
+
+/// Sets the box of a leaf's active samples.
+void set_box(const Int3& origin, Leaf& leaf, Summary& summary) {
     std::uint64_t all_rows = 0;
     int least_x = Leaf::side, greatest_x = -1;
-    double sum = 0;
-    for (std::size_t x = 0; x < leaf.active.size(); ++x) {
-        const std::uint64_t row = leaf.active[x];
+    for (int x = 0; x < Leaf::side; ++x) {
+        const std::uint64_t row = leaf.active[static_cast<std::size_t>(x)];
         if (row == 0) continue;
         all_rows |= row;
-        least_x = std::min(least_x, static_cast<int>(x));
-        greatest_x = static_cast<int>(x);
-        summary.count += static_cast<std::uint64_t>(std::popcount(row));
-        for (std::uint64_t rest = row; rest != 0; rest &= rest - 1) {
-            const float value = leaf.values[x * 64 + static_cast<std::size_t>(std::countr_zero(rest))];
-            summary.least = value < summary.least ? value : summary.least;
-            summary.greatest = value > summary.greatest ? value : summary.greatest;
-            if (!std::isfinite(value)) continue;
-            sum += static_cast<double>(value);
-            ++summary.finite_count;
-        }
+        least_x = std::min(least_x, x);
+        greatest_x = x;
     }
-    if (summary.count == 0) {
+    if (all_rows == 0) {
         leaf.box_lower = origin;
-        return summary;
+        return;
     }
-    if (summary.finite_count > 0) summary.average = sum / static_cast<double>(summary.finite_count);
-    for (std::size_t x = 0; x < leaf.active.size(); ++x)
-        for (std::uint64_t rest = leaf.active[x]; rest != 0; rest &= rest - 1) {
-            const float value = leaf.values[x * 64 + static_cast<std::size_t>(std::countr_zero(rest))];
-            if (!std::isfinite(value)) continue;
-            const double difference = static_cast<double>(value) - summary.average;
-            summary.squares += difference * difference;
-        }
-
     // A bit of a row is 8 y + z.
     std::uint64_t columns = all_rows | all_rows >> 32;
     columns |= columns >> 16;
@@ -127,28 +146,23 @@ Summary summarise(Leaf& leaf, const Int3& origin) {
     }
     leaf.box_lower = summary.box.lower;
     leaf.flags = has_active_box;
-    return summary;
 }
 
-/// `values` are x fastest; those beyond the grid are replaced by the background.
-Summary make_leaf(const Brick& brick, const float* values, const Grid& grid, const TreeFill& fill, Leaf& leaf) {
-    const Int3 origin = first_sample(brick);
-    std::array<std::size_t, 3> begin{}, end{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int64_t first = grid.first[axis] - origin[axis];
-        begin[axis] = static_cast<std::size_t>(std::clamp<std::int64_t>(first, 0, Leaf::side));
-        end[axis] = static_cast<std::size_t>(std::clamp<std::int64_t>(first + grid.size[axis], 0, Leaf::side));
-    }
-    leaf = Leaf{};
+Summary make_leaf(const Brick& brick, const PackedLeaf& packed, const TreeFill& fill, Leaf& leaf) {
+    std::memset(&leaf, 0, offsetof(Leaf, values));
     leaf.values.fill(fill.background);
-    for (std::size_t z = begin[2]; z < end[2]; ++z)
-        for (std::size_t y = begin[1]; y < end[1]; ++y)
-            for (std::size_t x = begin[0]; x < end[0]; ++x) {
-                const float value = values[x + 8 * y + 64 * z];
-                leaf.values[64 * x + 8 * y + z] = value;
-                leaf.active[x] |= std::uint64_t{!fill.beyond.is_beyond(value)} << (8 * y + z);
-            }
-    const Summary summary = summarise(leaf, origin);
+    leaf.active = packed.masks.active;
+    const float* next = packed.values.data();
+    for (std::size_t x = 0; x < leaf.active.size(); ++x) {
+        float* const row = leaf.values.data() + 64 * x;
+        for (std::uint64_t rest = packed.masks.inside[x]; rest != 0; rest &= rest - 1)
+            row[std::countr_zero(rest)] = fill.beyond.inside;
+        for (std::uint64_t rest = packed.masks.active[x]; rest != 0; rest &= rest - 1)
+            row[std::countr_zero(rest)] = *next++;
+    }
+    Summary summary;
+    add_values({packed.values.data(), next}, summary);
+    set_box(first_sample(brick), leaf, summary);
     leaf.statistics = summary.statistics(fill.background);
     return summary;
 }
@@ -219,6 +233,24 @@ void append_bytes(std::vector<std::byte>& bytes, const Value& value) {
 }
 
 }  // namespace
+
+std::size_t PackedLeaf::count() const {
+    std::size_t sum = 0;
+    for (const std::uint64_t row : masks.active) sum += static_cast<std::size_t>(std::popcount(row));
+    return sum;
+}
+
+void pack_leaf(const Index3& brick, const float* samples, const Grid& grid, const Fill& beyond, PackedLeaf& packed) {
+    std::array<float, Leaf::sample_count> ordered;  // NOLINT(cppcoreguidelines-pro-type-member-init): all are set
+    order_as_leaf(samples, ordered.data());
+    packed.masks = leaf_masks(ordered.data(), beyond, BrickPart(brick, grid));
+    float* next = packed.values.data();
+    for (std::size_t x = 0; x < packed.masks.active.size(); ++x) {
+        const float* const row = ordered.data() + 64 * x;
+        for (std::uint64_t rest = packed.masks.active[x]; rest != 0; rest &= rest - 1)
+            *next++ = row[std::countr_zero(rest)];
+    }
+}
 
 bool precedes(const Brick& one, const Brick& other) {
     for (const unsigned log : {log_upper_bricks, log_lower_bricks, 0U})
@@ -318,16 +350,14 @@ void TreeWriter::plan_upper(const Brick& first) {
     if (!is_tile) uppers_.push_back(upper);
 }
 
-void TreeWriter::append(std::span<const float* const> bricks) {
-    std::vector<Leaf> made(std::min(batch, bricks.size()));
+void TreeWriter::append(std::span<const PackedLeaf> packed) {
+    std::vector<Leaf> made(std::min(batch, packed.size()));
     std::vector<Summary> summaries(made.size());
-    for (std::size_t begin = 0; begin < bricks.size(); begin += batch) {
-        const std::size_t count = std::min(batch, bricks.size() - begin);
+    for (std::size_t begin = 0; begin < packed.size(); begin += batch) {
+        const std::size_t count = std::min(batch, packed.size() - begin);
         for_each_index(
             count,
-            [&](std::size_t i) {
-                summaries[i] = make_leaf(leaves_[appended_ + i], bricks[begin + i], field_.grid, fill_, made[i]);
-            },
+            [&](std::size_t i) { summaries[i] = make_leaf(leaves_[appended_ + i], packed[begin + i], fill_, made[i]); },
             16);
         file_.write(std::as_bytes(std::span(made).first(count)));
         for (std::size_t i = 0; i < count; ++i, ++appended_) {

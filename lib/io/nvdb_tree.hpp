@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/files.hpp"
+#include "io/bricks.hpp"
 #include "io/level_set.hpp"
 #include "io/nvdb_layout.hpp"
 
@@ -25,6 +26,20 @@ inline constexpr unsigned log_upper_bricks = Upper::log_side - Leaf::log_side;
 
 /// The order of a tree's leaves: by upper nodes, by lower nodes, by leaves, each in the order x, y, z with z fastest.
 bool precedes(const Brick& one, const Brick& other);
+
+/// A leaf's samples in its own order, z fastest, without the distances beyond the band. So leaves are kept until their
+/// places in the file are known.
+struct PackedLeaf {
+    LeafMasks masks;                               ///< samples in neither have the background
+    std::array<float, Leaf::sample_count> values;  ///< of the active samples, one after the other
+
+    std::size_t count() const;  ///< of active samples
+    /// The bytes of the masks and of so many values.
+    static constexpr std::size_t bytes(std::size_t count) { return sizeof(masks) + count * sizeof(float); }
+};
+
+/// samples: of the brick, x fastest. Those beyond the grid are neither active nor inside.
+void pack_leaf(const Index3& brick, const float* samples, const Grid& grid, const Fill& beyond, PackedLeaf& packed);
 
 /// The sign of the bricks that have no leaf: a brick is a tile that is inside, or the background.
 class InsideTiles {
@@ -73,8 +88,8 @@ public:
 
     const std::vector<Brick>& leaves() const { return leaves_; }
 
-    /// The samples of the next leaves, 512 of each, x fastest. Those beyond the grid are ignored.
-    void append(std::span<const float* const> bricks);
+    /// The samples of the next leaves.
+    void append(std::span<const PackedLeaf> packed);
 
     /// Writes everything else. All leaves must have been appended. The file is not committed.
     void finish();

@@ -25,7 +25,6 @@ namespace clsdf {
 namespace {
 
 using namespace nvdb;
-using BrickValues = std::array<float, brick_samples>;  // x fastest
 
 Brick brick_at(const Index3& sample) {
     Brick brick{};
@@ -77,7 +76,7 @@ private:
     std::unordered_map<Brick, Bits, Hash> bits_;
 };
 
-/// Keeps bricks in an unfinished file until finish(), because the leaves have another order in the final one.
+/// Keeps packed leaves in an unfinished file until finish(), because the leaves have another order in the final one.
 class NvdbWriter : public SparseFormatWriter {
 public:
     NvdbWriter(const std::string& path, const FieldDescription& field)
@@ -85,25 +84,33 @@ public:
 
     void append(const SparseSlab& slab) override {
         background_.add(slab);
-        const std::span<const float> distance = slab.values.distance();
-        std::vector<BrickKind> kinds(slab.bricks.size());
-        for_each_index(
-            kinds.size(),
-            [&](std::size_t i) {
-                kinds[i] = kind_of(BrickPart(slab.bricks[i], field_.grid), distance.data() + i * brick_samples, fill_);
-            },
-            64);
-        for (std::size_t i = 0; i < kinds.size();) {
-            const Brick brick = brick_at(slab.bricks[i]);
-            if (kinds[i] == BrickKind::inside) inside_.add(brick, 1);
-            if (kinds[i] != BrickKind::values) {
-                ++i;
-                continue;
+        constexpr std::size_t batch = 1024;
+        const std::size_t bricks = slab.bricks.size();
+        std::vector<PackedLeaf> packed(std::min(batch, bricks));
+        std::vector<BrickKind> kinds(packed.size());
+        std::vector<std::byte> bytes;
+        for (std::size_t begin = 0; begin < bricks; begin += batch) {
+            const std::size_t count = std::min(batch, bricks - begin);
+            for_each_index(
+                count,
+                [&](std::size_t i) {
+                    const Index3& brick = slab.bricks[begin + i];
+                    const float* const values = slab.values.distance().data() + (begin + i) * brick_samples;
+                    kinds[i] = kind_of(BrickPart(brick, field_.grid), values, fill_);
+                    if (kinds[i] == BrickKind::values) pack_leaf(brick, values, field_.grid, fill_, packed[i]);
+                },
+                16);
+            bytes.clear();
+            for (std::size_t i = 0; i < count; ++i) {
+                const Brick brick = brick_at(slab.bricks[begin + i]);
+                if (kinds[i] == BrickKind::inside) inside_.add(brick, 1);
+                if (kinds[i] != BrickKind::values) continue;
+                const std::size_t values = packed[i].count();
+                leaves_.push_back({brick, static_cast<std::uint16_t>(values), spill_.size() + bytes.size()});
+                const auto kept = std::as_bytes(std::span(&packed[i], 1)).first(PackedLeaf::bytes(values));
+                bytes.insert(bytes.end(), kept.begin(), kept.end());
             }
-            const std::size_t begin = i;
-            for (; i < kinds.size() && kinds[i] == BrickKind::values; ++i)
-                leaves_.push_back({brick_at(slab.bricks[i]), static_cast<std::uint32_t>(leaves_.size())});
-            spill_.append(std::as_bytes(distance.subspan(begin * brick_samples, (i - begin) * brick_samples)));
+            spill_.append(bytes);
         }
         for (const BrickRun& run : slab.inside) inside_.add(brick_at(run.first), run.count);
     }
@@ -115,19 +122,18 @@ public:
         for (const StoredLeaf& leaf : leaves_) bricks.push_back(leaf.brick);
         TreeWriter tree(file_, path_, field_, {fill_, background_.value()}, std::move(bricks), inside_);
         constexpr std::size_t batch = 1024;
-        std::vector<BrickValues> values(std::min(batch, leaves_.size()));
-        std::vector<const float*> places;
-        for (const BrickValues& brick : values) places.push_back(brick.data());
+        std::vector<PackedLeaf> packed(std::min(batch, leaves_.size()));
         for (std::size_t begin = 0; begin < leaves_.size(); begin += batch) {
             const std::size_t count = std::min(batch, leaves_.size() - begin);
             for_each_index(
                 count,
                 [&](std::size_t i) {
-                    spill_.read(std::uint64_t{leaves_[begin + i].number} * sizeof(BrickValues),
-                                std::as_writable_bytes(std::span(values[i])));
+                    const StoredLeaf& leaf = leaves_[begin + i];
+                    spill_.read(leaf.offset,
+                                std::as_writable_bytes(std::span(&packed[i], 1)).first(PackedLeaf::bytes(leaf.values)));
                 },
                 64);
-            tree.append(std::span(places).first(count));
+            tree.append(std::span(packed).first(count));
         }
         tree.finish();
         file_.commit();
@@ -136,7 +142,8 @@ public:
 private:
     struct StoredLeaf {
         Brick brick;
-        std::uint32_t number;  ///< in the order of arrival; a tree has at most 2^32 leaves
+        std::uint16_t values;  ///< that are active
+        std::uint64_t offset;  ///< of its PackedLeaf in the unfinished file
     };
 
     std::string path_;

@@ -19,6 +19,7 @@
 #include <cstring>
 #include <span>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 namespace clsdf::vdb {
@@ -91,16 +92,21 @@ private:
         leaf->allocate();
         Value* const room = leaf->buffer().data();
         if (!part.is_whole()) std::fill_n(room, brick_samples, background_);
-        // A leaf's samples lie side by side along z, and its mask has a word for each x.
-        std::array<openvdb::Index64, brick_side> active{};
-        part.all_rows([&](std::size_t sample, std::size_t count) {
-            const std::size_t x = sample % 8, place = sample / 8 % 8 * 8 + sample / 64;
-            for (std::size_t i = x; i < x + count; ++i, ++sample) {
-                std::memcpy(&room[i * 64 + place], values + sample * sizeof(Value), sizeof(Value));
-                active[i] |= openvdb::Index64{!fill_.is_beyond(distance[sample])} << place;
-            }
-            return true;
-        });
+        std::array<float, brick_samples> ordered;  // NOLINT(cppcoreguidelines-pro-type-member-init): all are set
+        order_as_leaf(distance, ordered.data());
+        const LeafMasks::Mask active = leaf_masks(ordered.data(), fill_, part).active;
+        bool is_filled = false;
+        if constexpr (std::is_same_v<Value, float>) {  // these are the distances
+            is_filled = part.is_whole();
+            if (is_filled) std::ranges::copy(ordered, room);
+        }
+        if (!is_filled)
+            part.all_rows([&](std::size_t sample, std::size_t count) {
+                const std::size_t x = sample % 8, place = sample / 8 % 8 * 8 + sample / 64;
+                for (std::size_t i = x; i < x + count; ++i, ++sample)
+                    std::memcpy(&room[i * 64 + place], values + sample * sizeof(Value), sizeof(Value));
+                return true;
+            });
         typename Leaf::NodeMaskType mask;
         for (openvdb::Index i = 0; i < active.size(); ++i) mask.template getWord<openvdb::Index64>(i) = active[i];
         leaf->setValueMask(mask);
