@@ -23,3 +23,6 @@ set_tests_properties(radix_sort_long PROPERTIES ENVIRONMENT CLSDF_SORT_BITS=24 L
 
 clsdf_test(binary_tree ${CMAKE_CURRENT_LIST_DIR}/binary_tree.cpp)
 target_link_libraries(test_binary_tree PRIVATE clsdf::reference OpenCL::OpenCL)
+
+clsdf_test(expansions ${CMAKE_CURRENT_LIST_DIR}/expansions.cpp)
+target_link_libraries(test_expansions PRIVATE clsdf::reference OpenCL::OpenCL)
