@@ -7,6 +7,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
+#include <clsdf/point_plan.hpp>
 #include <clsdf/sparse.hpp>
 #include <clsdf/sparse_plan.hpp>
 #include <clsdf/topology.hpp>
@@ -252,6 +253,20 @@ public:
     /// A plan of the blocks, as requests with the same bytes, which it keeps: over 200 bytes of host memory each.
     Plan plan(const BlockSet& blocks, const CallOptions& call = {}) const;
 
+    /// A plan for at most `count` points at a time, as query() has them, in memory of the device. Its own memory is
+    /// bounded: about 200 bytes a point, of at most 2^20 points, which are computed at once. Blocks; makes every
+    /// buffer.
+    ///
+    /// The signs are decided on the device, by sums and products of doubles that are exact while no coordinate of a
+    /// vertex, unless it is 0, is smaller than 2^-300 units or greater than 2^300. A unit is the greatest power of two
+    /// not above 1/256 of the longest side of the mesh's box. Other meshes are refused.
+    ///
+    /// Throws Error(invalid_argument) for no points or 2^32 and more, for a `half_width` as query() does, and for a
+    /// mesh with such a coordinate; Error(unsupported) for a restricted transform; Error(out_of_memory, device_failure,
+    /// wrong_results or cancelled).
+    PointPlan plan_points(std::size_t count, double half_width, OutputSet outputs = Output::distance,
+                          const CallOptions& call = {}) const;
+
     /// The statistics().device_bytes of such a plan, which is made and given back: takes its time and its memory.
     std::size_t plan_bytes(std::span<const Request> requests, const CallOptions& call = {}) const;
     std::size_t plan_bytes(const BlockSet& blocks, const CallOptions& call = {}) const;
@@ -281,6 +296,7 @@ public:
 private:
     friend class Plan;
     friend class SparsePlan;
+    friend class PointPlan;
     friend struct detail::TransformAccess;
     struct State;
     explicit DistanceTransform(std::unique_ptr<State> state);
