@@ -69,6 +69,8 @@ typedef struct SignFaces {
     clsdf_uint32 has_counts;          // its faces do not all count once
     clsdf_uint32 loops;               // of open edges that count
     clsdf_uint32 is_backward;         // rays must run towards -x
+    clsdf_uint32 are_moderate;        // each coordinate is 0, or of a size from 2^-60 to 2^40
+    clsdf_uint32 padding;
 } SignFaces;
 
 // Where values of a target go, in bytes.
@@ -88,7 +90,7 @@ typedef struct OpenPoint {
 static_assert(sizeof(PointSource) == 32 && sizeof(PointLimits) == 48 && sizeof(PointUnits) == 32);
 static_assert(sizeof(PointExtent) == 64 && offsetof(PointExtent, unusable) == 48);
 static_assert(sizeof(PointCells) == 56 && offsetof(PointCells, unusable) == 32 && offsetof(PointCells, open) == 48);
-static_assert(sizeof(SignFaces) == 48 && offsetof(SignFaces, has_sign) == 24);
+static_assert(sizeof(SignFaces) == 56 && offsetof(SignFaces, has_sign) == 24);
 static_assert(sizeof(ValuePlaces) == 24);
 static_assert(sizeof(OpenPoint) == 32);
 }  // namespace clsdf

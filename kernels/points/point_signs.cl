@@ -75,8 +75,8 @@ INLINE bool visit_leaf(__private const CrossedMesh* mesh, uint leaf, __private c
 }
 
 // Visits the leaves that the ray's box overlaps, until one has the point on a face.
-static bool visit_leaves(__private const CrossedMesh* mesh, __private const Ray* ray, bool is_crossed,
-                         __private Crossings* crossings) {
+OUT_OF_LINE bool visit_leaves(__private const CrossedMesh* mesh, __private const Ray* ray, bool is_crossed,
+                              __private Crossings* crossings) {
     if (mesh->tree.levels == 1) return visit_leaf(mesh, 0, ray, is_crossed, crossings);
     uint numbers[CLSDF_TREE_LEVELS + 1], waiting[CLSDF_TREE_LEVELS + 1];  // of a level, and its children
     for (uint level = mesh->tree.levels, number = 0;;) {
@@ -98,7 +98,8 @@ static bool visit_leaves(__private const CrossedMesh* mesh, __private const Ray*
 
 // What makes of the crossings towards -x the winding number, rounded to an integer, a half up. corners: of the loops of
 // open edges, in units. begins: of each loop, and the end.
-static int rounded_part_of_film(double3 p, uint loops, __global const double* corners, __global const uint* begins) {
+OUT_OF_LINE int rounded_part_of_film(double3 p, uint loops, __global const double* corners,
+                                     __global const uint* begins) {
     Turns turns = no_turns();
     for (uint loop = 0; loop < loops; ++loop) {
         const uint begin = begins[loop], end = begins[loop + 1];
@@ -119,6 +120,42 @@ static int rounded_part_of_film(double3 p, uint loops, __global const double* co
     return rounded_turns(turns);
 }
 
+// Sets `at` to the point in units, or to another one that lies on the same side of all faces, edges and lines; false if
+// exact arithmetic does not suffice.
+//
+// Coordinates that are too small for it are multiplied by one power of two. A predicate is f = f0 + n t, where t are
+// these coordinates, and f0 and n follow from the others. If the others are 0 or at least 2^-60, and at most 2^40, they
+// are multiples of 2^-112, and f0 is 0 or at least 2^-336. With |t| < 2^-424 the second part is less than that: so its
+// size does not matter, only its sign, which the factor leaves as it is. The greatest one becomes 2^-511 or more.
+INLINE bool find_decidable(double3 p, SignFaces faces, __private double3* at) {
+    const double3 units = p * faces.per_unit;  // exact in the range of exact arithmetic
+    *at = units;
+#define IS_EXACT(axis) (p.axis == 0.0 || (units.axis != 0.0 && is_in_exact_range(units.axis)))
+    if (IS_EXACT(x) && IS_EXACT(y) && IS_EXACT(z)) return true;
+#undef IS_EXACT
+    if (!faces.are_moderate || faces.loops != 0) return false;
+    const double coordinates[3] = {units.x, units.y, units.z}, callers[3] = {p.x, p.y, p.z};
+    double enlarged[3], least = INFINITY, most = 0.0;  // by 2^500: no bits are lost
+    for (int axis = 0; axis < 3; ++axis) {
+        const double size = fabs(coordinates[axis]);
+        enlarged[axis] = 0.0;
+        if (callers[axis] == 0.0 || (size >= 0x1p-60 && size <= 0x1p40)) continue;
+        if (!(size < 0x1p-424)) return false;
+        enlarged[axis] = callers[axis] * 0x1p500 * faces.per_unit;
+        const double enlarged_size = fabs(enlarged[axis]);
+        least = LESSER(enlarged_size, least);
+        most = GREATER(enlarged_size, most);
+    }
+    if (most > least * 0x1p90) return false;
+    // most 2^exponent is in [2^-511, 2^-510).
+    const int exponent = 512 - (int)(as_ulong(most) >> 52);
+    const double factor = as_double((ulong)(1023 + exponent) << 52);
+    at->x = enlarged[0] != 0.0 ? enlarged[0] * factor : units.x;
+    at->y = enlarged[1] != 0.0 ? enlarged[1] * factor : units.y;
+    at->z = enlarged[2] != 0.0 ? enlarged[2] * factor : units.z;
+    return true;
+}
+
 // Open points [begin, end) of a list of cells->open, which is in no order. in_units, places and squared: by the order
 // of points. sign_positions: in place of `positions` for crossings. Points that stay open are listed in `left`.
 __kernel void decide_open_points(PointSource source, __global const uchar* memory, SignFaces faces, PointTree tree,
@@ -134,9 +171,7 @@ __kernel void decide_open_points(PointSource source, __global const uchar* memor
     const uint i = open[k];
     const double3 p = position_of(source, memory, places[i]), from = vload3(i, in_units);
     Ray ray;
-    // A product with a power of two is exact in this range.
-    ray.from = p * faces.per_unit;
-    if (!is_in_exact_range(ray.from.x) || !is_in_exact_range(ray.from.y) || !is_in_exact_range(ray.from.z)) {
+    if (!find_decidable(p, faces, &ray.from)) {
         left[atomic_inc(&cells->left)] = i;
         return;
     }

@@ -233,6 +233,17 @@ bool DistanceTransform::State::stay_on_device(const InputArray& points, const Ou
     });
 }
 
+namespace {
+
+void refuse_unusable(const std::array<points::UnusablePoints, 2>& unusable, const points::UsableRange& range) {
+    for (const points::UnusablePoints& of_kind : unusable) {
+        const points::UnusablePoints& other = unusable[of_kind.are_finite ? 0 : 1];
+        if (of_kind.count > 0 && (other.count == 0 || of_kind.first < other.first)) points::refuse(of_kind, range);
+    }
+}
+
+}  // namespace
+
 CallStatistics DistanceTransform::State::query_on_device(const InputArray& points, double half_width, OutputSet outputs,
                                                          const OutputTargets& targets, const CallOptions& call,
                                                          std::string& warning) {
@@ -270,28 +281,28 @@ CallStatistics DistanceTransform::State::query_on_device(const InputArray& point
                     are_measured = false;
                     run.emplace(tools(), most);
                 }
+                if (!are_measured && call.refuse_unusable_points) {  // before anything is written
+                    found = points::measured_points(tools(), *run, asked, usable, *inputs().mesh);
+                    refuse_unusable(points::unusable_points(tools(), asked, found), range);
+                    are_measured = true;
+                }
                 count = std::min(run->most(), asked.count - begin);
                 const targets::DeviceTargets of_part(targets::targets_from(targets, begin), targets::row_of(count),
                                                      context());
                 packed.make_room(*pool, of_part, count);
                 const points::PointTimes taken = points::query_points(
                     tools(), inputs(), *run, {asked.part(begin, count), usable, are_measured ? nullptr : &asked},
-                    half_width, packed.buffers_for(of_part), found,
-                    running.between(share(begin), share(begin + count)));
+                    half_width, packed.buffers_for(of_part),
+                    [&](const engine::Launches& launches) { packed.enqueue_copies(launches, tools(), of_part, count); },
+                    found, running.between(share(begin), share(begin + count)));
                 are_measured = true;
-                packed.enqueue_copies(engine::Launches(context().queue(), run->kernels()), tools(), of_part, count);
                 return taken;
             });
             statistics.sign_seconds += times.sign;
             statistics.field_seconds += times.nearest;
         }
         const std::array<points::UnusablePoints, 2> unusable = points::unusable_points(tools(), asked, found);
-        for (const points::UnusablePoints& of_kind : unusable) {
-            const points::UnusablePoints& other = unusable[of_kind.are_finite ? 0 : 1];
-            if (call.refuse_unusable_points && of_kind.count > 0 && (other.count == 0 || of_kind.first < other.first))
-                points::refuse(of_kind, range);
-            statistics.unusable_points += of_kind.count;
-        }
+        for (const points::UnusablePoints& of_kind : unusable) statistics.unusable_points += of_kind.count;
         warning = points::warning_of(unusable, asked.count, range, half_width);
         pool->trim();
         statistics.device_bytes = pool->peak();

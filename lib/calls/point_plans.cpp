@@ -274,15 +274,18 @@ void DistanceTransform::State::plan_points(PointPlan::State& made, const CallOpt
                                by_group ? checks::PointKernels::of_all : checks::PointKernels::of_plans),
          running);
     const Stopwatch watch;
-    const bool is_new = !made.run;
+    // A search by another body takes other memory.
+    const bool needs_memory = !made.run || made.programs.body != programs.body;
     points::PointInputs inputs;
+    std::optional<points::PointRun> run;
+    points::PackedOutputs packed;
     const auto make = [&] {
+        run.reset();
         context.run_or_drain([&] {
             inputs = planned_point_inputs(made.outputs);
-            if (!is_new) return;
-            made.run.reset();
-            made.run.emplace(made.tools(), std::min(made.count, points::most_points));
-            made.packed.make_room(*pool, made.outputs, made.run->most());
+            if (!needs_memory) return;
+            run.emplace(tools(), std::min(made.count, points::most_points));
+            packed.make_room(*pool, made.outputs, run->most());
         });
     };
     calls::with_remedies(&running, {forgetting()}, make);
@@ -292,6 +295,10 @@ void DistanceTransform::State::plan_points(PointPlan::State& made, const CallOpt
     device::guarded([&] { context.queue().finish(); });
     made.programs = programs;
     made.inputs = std::move(inputs);
+    if (needs_memory) {
+        made.run.emplace(std::move(*run));
+        made.packed = std::move(packed);
+    }
     CallStatistics& statistics = running.statistics;
     statistics.triangles = kept_mesh->mesh().triangles().size();
     statistics.polyhedra_seconds = watch.seconds();

@@ -183,7 +183,6 @@ void finish_left(const engine::Launches& launches, const engine::DeviceTools& to
     enqueue_outputs(launches, tools, inputs,
                     engine::Finishing(inputs.mesh->lattice, inputs.sites, inputs.is_inside_out),
                     {total, *in_units, *places, *faces}, false, *device_signs, half_width, outputs);
-    queue.finish();
 }
 
 /// Looks up points of the host that are all usable, by way of memory of the device.
@@ -197,7 +196,8 @@ PointTimes query_uploaded(const engine::DeviceTools& tools, const PointInputs& i
     const DevicePoints on_device = packed_points(*positions, points.size());
     PointRun run(tools, points.size());
     PointCells found{};
-    return query_points(tools, inputs, run, {on_device, everywhere, &on_device}, half_width, outputs, found, between);
+    return query_points(tools, inputs, run, {on_device, everywhere, &on_device}, half_width, outputs, {}, found,
+                        between);
 }
 
 }  // namespace
@@ -232,9 +232,20 @@ PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inp
     return times;
 }
 
+PointCells measured_points(const engine::DeviceTools& tools, PointRun& run, const DevicePoints& all,
+                           const PointLimits& usable, const engine::PointMesh& mesh) {
+    PointCells found{};
+    tools.context.run_or_drain([&] {
+        run.enqueue_measure(engine::Launches(tools.queue(), run.kernels()), tools, all, usable, mesh);
+        tools.queue().enqueueReadBuffer(run.cells(), CL_TRUE, 0, sizeof found, &found);
+    });
+    return found;
+}
+
 PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inputs, PointRun& run,
                         const DeviceBatch& batch, double half_width, const engine::OutputBuffers& outputs,
-                        PointCells& found, const std::function<void(double)>& between) {
+                        const std::function<void(const engine::Launches&)>& copy, PointCells& found,
+                        const std::function<void(double)>& between) {
     PointTimes times;
     if (batch.points.count == 0) return times;
     tools.context.run_or_drain([&] {
@@ -242,9 +253,14 @@ PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inp
         const engine::Launches launches(tools.queue(), run.kernels());
         if (batch.all != nullptr) run.enqueue_measure(launches, tools, *batch.all, batch.usable, *inputs.mesh);
         run.enqueue(launches, tools, inputs, {batch.points, batch.usable, half_width, outputs}, between);
+        if (copy) copy(launches);
         tools.queue().enqueueReadBuffer(run.cells(), CL_TRUE, 0, sizeof found, &found);
         const Stopwatch sign_watch;
-        if (found.left > 0) finish_left(launches, tools, inputs, run, batch.points, found.left, half_width, outputs);
+        if (found.left > 0) {
+            finish_left(launches, tools, inputs, run, batch.points, found.left, half_width, outputs);
+            if (copy) copy(launches);
+            tools.queue().finish();
+        }
         times.sign = sign_watch.seconds();
         times.nearest = watch.seconds() - times.sign;
     });

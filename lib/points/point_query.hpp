@@ -24,6 +24,10 @@ PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inp
                         double half_width, const targets::HostArrays& arrays,
                         const std::function<void(double)>& between);
 
+/// Measures points, and waits for what is found.
+PointCells measured_points(const engine::DeviceTools& tools, PointRun& run, const DevicePoints& all,
+                           const PointLimits& usable, const engine::PointMesh& mesh);
+
 /// Points in memory of the device, of which at most most_points are computed at once.
 struct DeviceBatch {
     DevicePoints points;
@@ -33,9 +37,11 @@ struct DeviceBatch {
 
 /// The same into packed arrays of the device, which hold the outputs when it returns. The host sees only those points
 /// whose sign neither their nearest faces, nor the mesh's box, nor exact predicates of kernels tell. Waits once, unless
-/// there are such points. found: the points that are not usable.
+/// there are such points. copy, which may be empty, enqueues what follows the outputs. found: the points that are not
+/// usable.
 PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inputs, PointRun& run,
                         const DeviceBatch& batch, double half_width, const engine::OutputBuffers& outputs,
-                        PointCells& found, const std::function<void(double)>& between);
+                        const std::function<void(const engine::Launches&)>& copy, PointCells& found,
+                        const std::function<void(double)>& between);
 
 }  // namespace clsdf::points

@@ -4,7 +4,10 @@
 #include "core/parallel.hpp"
 #include "mesh/expansions.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -12,13 +15,26 @@ namespace clsdf::points {
 
 namespace {
 
-/// Positions in units, whose division by a power of two rounds none that is in range.
+/// Positions in units, whose division by a power of two rounds none that is in range, and makes no other one 0.
 UninitializedVector<Vec3> in_units(std::span<const Vec3> positions, double unit) {
     UninitializedVector<Vec3> result(positions.size());
     for_each_index(positions.size(), [&](std::size_t i) {
-        for (std::size_t axis = 0; axis < 3; ++axis) result[i][axis] = positions[i][axis] / unit;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double given = positions[i][axis], scaled = given / unit;
+            result[i][axis] = scaled == 0 && given != 0 ? std::numeric_limits<double>::denorm_min() : scaled;
+        }
     });
     return result;
+}
+
+/// As SignFaces::are_moderate.
+bool are_moderate(std::span<const Vec3> positions) {
+    return std::ranges::all_of(positions, [](const Vec3& p) {
+        return std::ranges::all_of(p, [](double coordinate) {
+            const double size = std::abs(coordinate);
+            return size == 0 || (size >= 0x1p-60 && size <= 0x1p40);
+        });
+    });
 }
 
 }  // namespace
@@ -38,6 +54,7 @@ DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::
     faces.per_unit = 1 / unit;
     faces.lower_x = mesh.box.lower[0];
     faces.upper_x = mesh.box.upper[0];
+    faces.are_moderate = are_moderate(positions) && are_moderate(sign_positions);
     faces.has_sign = rule != SignRule::none;
     faces.is_backward = mesh.is_part || boundary != nullptr;
     faces.is_parity = rule == SignRule::parity;

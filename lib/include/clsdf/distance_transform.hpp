@@ -189,10 +189,10 @@ public:
     /// distance +0. A voxel, as a measure, is 1/256 of the longest side of the mesh's box, or 1 if that has no extent.
     ///
     /// The points and each array may be memory of the host or of the device, and may share a buffer. Outputs may lie on
-    /// the points, which are read first. An array has points.count items, packed or strides[0] bytes apart. Memory of
-    /// the device is mapped: if the device has its own memory, points and outputs pass through the host, which sorts
-    /// the points. Until the call returns, no other command or call may write to an array's buffer between the array's
-    /// first and last byte.
+    /// the points, which are read first. An array has points.count items, packed or strides[0] bytes apart. On a GPU
+    /// more than 96 points stay in memory of the device if all arrays are there and no output lies on the points, but
+    /// for a short list at most. Otherwise memory of the device is mapped. Until the call returns, no other command or
+    /// call may write to an array's buffer between the array's first and last byte.
     ///
     /// A result depends on the point, `half_width` and the mesh's positions: not on other points, their order or
     /// number, not on threads, and not on the device if its arithmetic is that of IEEE 754. The first call prepares the
