@@ -4,10 +4,13 @@
 #include "benchmarks/meshes.hpp"
 #include "benchmarks/method.hpp"
 
+#include "device/context.hpp"
+
 #include <clsdf/reference.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <random>
@@ -158,6 +161,36 @@ public:
         });
     }
 
+    /// From memory of the device to memory of the device: by queries, or by runs of a plan.
+    void add_on_device(const PointCost& cost, std::span<const Vec3> points, bool by_plan) {
+        const device::Context& context = device::context_of(device_);
+        const std::size_t bytes = points.size() * sizeof(float);
+        cl::Buffer from, to;
+        device::guarded([&] {
+            // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): it is read only
+            from = cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, points.size_bytes(),
+                              const_cast<Vec3*>(points.data()));
+            to = cl::Buffer(context.context(), CL_MEM_READ_WRITE, bytes);
+        });
+        const InputArray positions(from(), ElementType::float64, points.size());
+        std::optional<PointPlan> plan;
+        if (by_plan) plan = transform_->plan_points(points.size(), no_limit);
+        const auto ask = [&](std::span<const Vec3>, std::span<float>) {
+            if (!plan) {
+                transform_->query(positions, no_limit, to());
+                return;
+            }
+            cl_event done = nullptr;
+            plan->enqueue(nullptr, positions, to(), {}, &done);
+            device::guarded([&] { cl::Event(done).wait(); });
+        };
+        const auto fetch = [&] {
+            device::guarded([&] { context.queue().enqueueReadBuffer(to, CL_TRUE, 0, bytes, distance_.data()); });
+        };
+        measure(
+            ask, cost, points, options_.repetitions, [] {}, fetch);
+    }
+
     std::vector<PointCost> take() { return std::move(costs_); }
 
 private:
@@ -166,8 +199,10 @@ private:
         transform_.emplace(device_, mesh_);
     }
 
-    void measure(const auto& query, PointCost cost, std::span<const Vec3> points, std::size_t repetitions,
-                 const auto& prepare) {
+    /// fetch: brings the results to distance_.
+    void measure(
+        const auto& query, PointCost cost, std::span<const Vec3> points, std::size_t repetitions, const auto& prepare,
+        const std::function<void()>& fetch = [] {}) {
         cost.points = points.size();
         const std::size_t of_call = points.size() / cost.calls;
         std::vector<double> seconds, processor;
@@ -185,6 +220,7 @@ private:
         }
         cost.seconds = spread_of(seconds);
         cost.processor_seconds = spread_of(processor);
+        fetch();
         judge_.look_at(points, std::span(distance_).first(points.size()), transform_->sign() != SignRule::none, cost);
         costs_.push_back(std::move(cost));
     }
@@ -221,6 +257,14 @@ std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, co
     measurements.add_ours(many, maker.uniform(million / thousand * thousand));
     measurements.add_ours({"first", "uniform, with a transform that has prepared nothing"}, maker.uniform(thousand),
                           true);
+    for (const bool by_plan : {false, true}) {
+        const std::string by = by_plan ? ", by a run of a plan" : ", by a query";
+        const char* const suffix = by_plan ? " plan" : " device";
+        measurements.add_on_device({std::string("uniform") + suffix, "uniform, in memory of the device" + by},
+                                   maker.uniform(million), by_plan);
+        measurements.add_on_device({std::string("near") + suffix, "near, in memory of the device" + by},
+                                   maker.near(million), by_plan);
+    }
     return measurements.take();
 }
 

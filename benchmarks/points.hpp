@@ -33,7 +33,8 @@ struct PointCost {
 
 /// Signed distances at points without a limit, by a transform that has been used before: uniform in the mesh's box and
 /// 10% around it, near the surface, along rays, and in many small calls; and the first call of a transform. Beside the
-/// first three, the same points by Embree's point query with pseudonormals, if it is built in.
+/// first three, the same points by Embree's point query with pseudonormals, if it is built in. The first two also from
+/// memory of the device to memory of the device, by a query and by a run of a plan.
 std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, const MeasureOptions& options,
                                       bool is_quick);
 

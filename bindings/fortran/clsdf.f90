@@ -25,7 +25,7 @@ module clsdf
   private
 
   public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_transform, &
-      clsdf_kept_memory, clsdf_plan, clsdf_sparse_plan, clsdf_sparse_buffers, clsdf_device_sparse_counts, &
+      clsdf_kept_memory, clsdf_plan, clsdf_point_plan, clsdf_sparse_plan, clsdf_sparse_buffers, clsdf_device_sparse_counts, &
       clsdf_field, clsdf_sparse_field, clsdf_thread_limit
   public :: clsdf_array, clsdf_pinned, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, &
       clsdf_grid, clsdf_region, clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, &
@@ -71,6 +71,8 @@ module clsdf
       CLSDF_SIGN_NONE = 3, CLSDF_SIGN_SOLID_ANGLE = 4
   !> The place of a box.
   integer(c_int32_t), parameter, public :: CLSDF_WITHIN = 0, CLSDF_INSIDE = 1, CLSDF_OUTSIDE = 2, CLSDF_BEYOND = 3
+  !> What became of a point of a plan's run.
+  integer(c_int32_t), parameter, public :: CLSDF_FOUND = 0, CLSDF_NOT_FINITE = 1, CLSDF_TOO_FAR = 2, CLSDF_SIGN_OPEN = 3
   integer(c_int32_t), parameter, public :: CLSDF_GPU = 0, CLSDF_PROCESSOR = 1, CLSDF_ACCELERATOR = 2, &
       CLSDF_OTHER_DEVICE = 3
   !> How a device was found: OpenCL's loader lists it; of the driver that the package contains; of a GPU's driver in the
@@ -533,6 +535,23 @@ module clsdf
     final :: sparse_plan_end
   end type
 
+  !> Points that are looked up again and again, in memory of the device.
+  type :: clsdf_point_plan
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure :: create => point_plan_create
+    procedure :: enqueue => point_plan_enqueue
+    procedure :: update => point_plan_update
+    procedure :: count => point_plan_count
+    procedure :: sign => point_plan_sign
+    procedure :: statistics => point_plan_statistics
+    procedure :: is_set => point_plan_is_set
+    procedure :: release => point_plan_release
+    procedure, private :: point_plan_assign
+    generic :: assignment(=) => point_plan_assign
+    final :: point_plan_end
+  end type
+
   ! ---- Fields in the library's memory ----
 
   type :: clsdf_field
@@ -786,8 +805,8 @@ module clsdf
       import
       type(c_ptr), value :: devices
     end subroutine
-    ! REPEATED FOR device=mesh | device=transform | device=plan | device=sparse_plan | device=field |
-    !     device=sparse_field | device=thread_limit
+    ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan |
+    !     device=sparse_plan | device=field | device=sparse_field | device=thread_limit
 
     subroutine c_device_retain(device) bind(C, name="clsdf_device_retain")
       import
@@ -825,6 +844,15 @@ module clsdf
     subroutine c_plan_release(plan) bind(C, name="clsdf_plan_release")
       import
       type(c_ptr), value :: plan
+    end subroutine
+
+    subroutine c_point_plan_retain(point_plan) bind(C, name="clsdf_point_plan_retain")
+      import
+      type(c_ptr), value :: point_plan
+    end subroutine
+    subroutine c_point_plan_release(point_plan) bind(C, name="clsdf_point_plan_release")
+      import
+      type(c_ptr), value :: point_plan
     end subroutine
 
     subroutine c_sparse_plan_retain(sparse_plan) bind(C, name="clsdf_sparse_plan_retain")
@@ -1609,6 +1637,47 @@ module clsdf
       integer(c_int32_t), intent(out) :: rule
     end function
     function c_sparse_plan_statistics(plan, statistics) bind(C, name="clsdf_sparse_plan_statistics") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, statistics
+    end function
+    function c_point_plan_create(transform, count, half_width, outputs, call, plan) &
+        bind(C, name="clsdf_point_plan_create") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      integer(c_int64_t), value :: count
+      real(c_double), value :: half_width
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), intent(out) :: plan
+    end function
+    function c_point_plan_enqueue(plan, queue, points, targets, target_count, status, wait_list, wait_count, done) &
+        bind(C, name="clsdf_point_plan_enqueue") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, queue, status, wait_list, done
+      type(clsdf_c_array), intent(in) :: points
+      type(clsdf_c_target), intent(in) :: targets(*)
+      integer(c_int64_t), value :: target_count, wait_count
+    end function
+    function c_point_plan_update(plan, transform, call) bind(C, name="clsdf_point_plan_update") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, transform, call
+    end function
+    function c_point_plan_count(plan, count) bind(C, name="clsdf_point_plan_count") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_point_plan_sign(plan, rule) bind(C, name="clsdf_point_plan_sign") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan
+      integer(c_int32_t), intent(out) :: rule
+    end function
+    function c_point_plan_statistics(plan, statistics) bind(C, name="clsdf_point_plan_statistics") result(value)
       import
       integer(c_int32_t) :: value
       type(c_ptr), value :: plan, statistics
@@ -4529,6 +4598,93 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  !> A plan for at most `count` points at a time. Blocks.
+  subroutine point_plan_create(self, transform, count, half_width, outputs, options, stat, errmsg)
+    class(clsdf_point_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    integer(c_int64_t), intent(in) :: count
+    real(c_double), intent(in) :: half_width
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call self%release()
+    call clsdf_finish(c_point_plan_create(transform%handle, count, without_limit(half_width), &
+        clsdf_outputs_mask(outputs), options_for_c(given, options), self%handle), stat, errmsg)
+  end subroutine
+
+  !> Enqueues the search for points on a cl_command_queue (c_null_ptr: the device's own) after the events. Never blocks.
+  !> Points, targets and `outcome` are buffers: clsdf_array(buffer, CLSDF_FLOAT64, count=n). `outcome` gets a byte of each
+  !> point: CLSDF_FOUND, or why it has no distance. `done` gets the cl_event of the end, which the caller releases.
+  subroutine point_plan_enqueue(self, points, targets, outcome, queue, wait_list, done, stat, errmsg)
+    class(clsdf_point_plan), intent(inout) :: self
+    type(clsdf_array), intent(in) :: points
+    type(clsdf_target), intent(in) :: targets(:)
+    type(clsdf_array), intent(in), optional :: outcome
+    type(c_ptr), intent(in), optional :: queue
+    type(c_ptr), intent(in), target, optional :: wait_list(:)
+    type(c_ptr), intent(out), target, optional :: done
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr), allocatable, target :: events(:)
+    type(clsdf_c_target) :: c(size(targets))
+    type(clsdf_c_target), target :: of_outcome(1)
+    type(clsdf_c_array) :: from
+    type(c_ptr) :: outcome_for_c
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    outcome_for_c = c_null_ptr
+    call list_events(wait_list, events)
+    call rows_for_c(points, 'points', from, status)
+    if (status == CLSDF_OK) call clsdf_targets_of_samples(targets, [from%count], 1, c, status)
+    if (status == CLSDF_OK .and. present(outcome)) then
+      ! A byte of each point, as a site is.
+      call clsdf_targets_of_samples([clsdf_target(CLSDF_SITE, outcome)], [from%count], 1, of_outcome, status)
+      outcome_for_c = c_loc(of_outcome(1)%array)
+    end if
+    if (status == CLSDF_OK) status = c_point_plan_enqueue(self%handle, queue_of(queue), from, c, &
+        size(c, kind=c_int64_t), outcome_for_c, first_of(events), size(events, kind=c_int64_t), place_of(done))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Prepares the next runs for the present positions of the transform. Blocks.
+  subroutine point_plan_update(self, transform, options, stat, errmsg)
+    class(clsdf_point_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call clsdf_finish(c_point_plan_update(self%handle, transform%handle, options_for_c(given, options)), stat, errmsg)
+  end subroutine
+
+  !> The most points of a run.
+  function point_plan_count(self, stat, errmsg) result(count)
+    class(clsdf_point_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: count
+    call clsdf_finish(c_point_plan_count(self%handle, count), stat, errmsg)
+  end function
+
+  function point_plan_sign(self, stat, errmsg) result(rule)
+    class(clsdf_point_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: rule
+    call clsdf_finish(c_point_plan_sign(self%handle, rule), stat, errmsg)
+  end function
+
+  !> Of making or updating it.
+  function point_plan_statistics(self, stat, errmsg) result(statistics)
+    class(clsdf_point_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_statistics), target :: statistics
+    call clsdf_finish(c_point_plan_statistics(self%handle, statistics_for_c(statistics)), stat, errmsg)
+  end function
+
   function plan_sign(self, stat, errmsg) result(rule)
     class(clsdf_plan), intent(in) :: self
     integer, intent(out), optional :: stat
@@ -5406,7 +5562,7 @@ contains
     call self%release()
   end subroutine
 
-  ! REPEATED FOR device=mesh | device=transform | device=plan | device=sparse_plan | device=field
+  ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan | device=sparse_plan | device=field
 
   elemental function device_is_set(self) result(is_set)
     class(clsdf_device), intent(in) :: self
@@ -5434,6 +5590,12 @@ contains
     is_set = c_associated(self%handle)
   end function
 
+  elemental function point_plan_is_set(self) result(is_set)
+    class(clsdf_point_plan), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
   elemental function sparse_plan_is_set(self) result(is_set)
     class(clsdf_sparse_plan), intent(in) :: self
     logical :: is_set
@@ -5448,7 +5610,8 @@ contains
 
   ! END
 
-  ! REPEATED FOR device=mesh | device=transform | device=plan | device=sparse_plan | device=field | device=thread_limit
+  ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan |
+  !     device=sparse_plan | device=field | device=thread_limit
 
   subroutine device_release(self)
     class(clsdf_device), intent(inout) :: self
@@ -5533,6 +5696,27 @@ contains
 
   impure elemental subroutine plan_end(self)
     type(clsdf_plan), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  subroutine point_plan_release(self)
+    class(clsdf_point_plan), intent(inout) :: self
+    call c_point_plan_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine point_plan_assign(left, right)
+    class(clsdf_point_plan), intent(inout) :: left
+    type(clsdf_point_plan), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_point_plan_retain(right%handle)
+    left%handle = right%handle
+    call c_point_plan_release(before)
+  end subroutine
+
+  impure elemental subroutine point_plan_end(self)
+    type(clsdf_point_plan), intent(inout) :: self
     call self%release()
   end subroutine
 

@@ -5,37 +5,13 @@
 #include "finish.h"
 #include "hilbert_curve.h"
 #include "point_order.h"
+#include "point_source.h"
 #include "point_tree.h"
 
 #pragma OPENCL FP_CONTRACT OFF
 
 #define ITEMS 64  // of a group that joins extents
 #define GROUP_THAT_JOINS __attribute__((reqd_work_group_size(ITEMS, 1, 1)))
-
-// A coordinate. A float is a double of the same value, also below the normal floats, which a device may flush.
-static inline double coordinate(PointSource source, __global const uchar* memory, uint point, int axis) {
-    __global const uchar* at = memory + (source.first + (long)point * source.stride + axis * source.component);
-    if (source.is_double) return *(__global const double*)at;
-    const uint bits = *(__global const uint*)at;
-    if ((bits & 0x7F800000u) != 0) return (double)as_float(bits);
-    const double small = (double)(bits & 0x7FFFFFu) * 0x1.0p-149;
-    return bits >> 31 ? -small : small;
-}
-
-static inline double3 position_of(PointSource source, __global const uchar* memory, uint point) {
-    return (double3)(coordinate(source, memory, point, 0), coordinate(source, memory, point, 1),
-                     coordinate(source, memory, point, 2));
-}
-
-// False for a point that is not a number.
-static inline bool is_within(PointLimits limits, double3 p) {
-    return p.x >= limits.lower[0] && p.x <= limits.upper[0] && p.y >= limits.lower[1] && p.y <= limits.upper[1] &&
-           p.z >= limits.lower[2] && p.z <= limits.upper[2];
-}
-
-static inline bool is_finite(double3 p) {
-    return fabs(p.x) < INFINITY && fabs(p.y) < INFINITY && fabs(p.z) < INFINITY;
-}
 
 // Extents. ------------------------------------------------------------------------------------------------------------
 
@@ -132,11 +108,12 @@ static inline uint cell_of(double x, double lower, double scale) {
     return (uint)(int)LESSER(positive, CURVE_CELLS - 1.0);
 }
 
-// The place of each point on the curve. A point that is not usable counts as the first cell.
+// The place of each point on the curve. A point that is not usable counts as the first cell. No point is open yet.
 __kernel void keys_of_points(PointSource source, uint count, PointLimits usable, __global const uchar* memory,
-                             __global const PointCells* cells, __global uint* keys) {
+                             __global PointCells* cells, __global uint* keys) {
     const uint i = get_global_id(0);
     if (i >= count) return;
+    if (i == 0) cells->open = cells->left = 0;
     const double3 p = position_of(source, memory, i);
     const double scale = cells->scale;
     keys[i] = is_within(usable, p)
@@ -145,11 +122,9 @@ __kernel void keys_of_points(PointSource source, uint count, PointLimits usable,
                   : 0;
 }
 
-// The points in their order, in units; the origin if a point is not usable. first_place: where the results of the
-// first of the caller's points go. places: those of each point's.
-__kernel void gather_points(PointSource source, uint count, PointLimits usable, PointUnits units, uint first_place,
-                            __global const uchar* memory, __global const uint* order, __global double* points,
-                            __global uint* places) {
+// The points in their order, in units; the origin if a point is not usable.
+__kernel void gather_points(PointSource source, uint count, PointLimits usable, PointUnits units,
+                            __global const uchar* memory, __global const uint* order, __global double* points) {
     const uint i = get_global_id(0);
     if (i >= count) return;
     const uint point = order[i];
@@ -158,41 +133,35 @@ __kernel void gather_points(PointSource source, uint count, PointLimits usable, 
     points[3 * (size_t)i] = is_usable ? (p.x - units.origin[0]) / units.unit : 0.0;
     points[3 * (size_t)i + 1] = is_usable ? (p.y - units.origin[1]) / units.unit : 0.0;
     points[3 * (size_t)i + 2] = is_usable ? (p.z - units.origin[2]) / units.unit : 0.0;
-    places[i] = first_place + point;
 }
 
 // Signs. --------------------------------------------------------------------------------------------------------------
 
 // Points without a sign: those outside of `limits` are outside; those farther than nearly_on_surface, in units, are,
-// too, if no point is inside (all_outside). The others are open, 1. has_signs: points that are not
-// CLSDF_POINT_UNDECIDED are left out.
+// too, if no point is inside (all_outside). The others are open, and listed. has_signs: points that are not
+// CLSDF_POINT_UNDECIDED are left out. are_left: no kernel decides them. places: the point of each place in the order.
 __kernel void find_open_points(PointSource source, uint count, PointLimits limits, uint all_outside,
-                               double nearly_on_surface, uint first_place, uint has_signs, __global const uchar* memory,
+                               double nearly_on_surface, uint has_signs, uint are_left, __global const uchar* memory,
                                __global const uint* places, __global const double* squared, __global uchar* signs,
-                               __global uint* open) {
+                               volatile __global PointCells* cells, __global uint* open) {
     const uint i = get_global_id(0);
-    if (i >= count) return;
-    bool is_open = !has_signs || signs[i] == CLSDF_POINT_UNDECIDED;
-    if (is_open) {
-        const bool is_outside = !is_within(limits, position_of(source, memory, places[i] - first_place)) ||
-                                (all_outside && !(sqrt(squared[i]) < nearly_on_surface));
-        signs[i] = is_outside ? CLSDF_POINT_OUTSIDE : CLSDF_POINT_UNDECIDED;
-        is_open = !is_outside;
-    }
-    open[i] = is_open;
+    if (i >= count || (has_signs && signs[i] != CLSDF_POINT_UNDECIDED)) return;
+    const bool is_outside = !is_within(limits, position_of(source, memory, places[i])) ||
+                            (all_outside && !(sqrt(squared[i]) < nearly_on_surface));
+    signs[i] = is_outside ? CLSDF_POINT_OUTSIDE : CLSDF_POINT_UNDECIDED;
+    if (!is_outside) open[atomic_inc(are_left ? &cells->left : &cells->open)] = i;
 }
 
-// Lists the open points, in their order. starts: the prefix sums of `open`.
-__kernel void list_open_points(PointSource source, uint count, uint first_place, __global const uchar* memory,
-                               __global const uint* starts, __global const double* points, __global const uint* places,
-                               __global const uint* faces, __global const double* squared,
-                               __global OpenPoint* open_points, __global double* open_in_units,
-                               __global uint* open_places, __global uint* open_faces) {
-    const uint i = get_global_id(0);
-    if (i >= count) return;
-    const uint to = starts[i];
-    if (starts[i + 1] == to) return;
-    const double3 p = position_of(source, memory, places[i] - first_place);
+// The open points of a list, for the host.
+__kernel void gather_open_points(PointSource source, uint count, __global const uchar* memory,
+                                 __global const uint* left, __global const double* points, __global const uint* places,
+                                 __global const uint* faces, __global const double* squared,
+                                 __global OpenPoint* open_points, __global double* open_in_units,
+                                 __global uint* open_places, __global uint* open_faces) {
+    const uint to = get_global_id(0);
+    if (to >= count) return;
+    const uint i = left[to];
+    const double3 p = position_of(source, memory, places[i]);
     OpenPoint point;
     point.position[0] = p.x;
     point.position[1] = p.y;
@@ -204,25 +173,49 @@ __kernel void list_open_points(PointSource source, uint count, uint first_place,
     open_faces[to] = faces[i];
 }
 
-// Points that are not usable. -----------------------------------------------------------------------------------------
+// Points without a result. --------------------------------------------------------------------------------------------
 
-// Their outputs: every bit is set, but of the distance. That is `within` if the point is finite and has_limit, else not
-// a number.
-__kernel void leave_unusable_points(PointSource source, uint count, PointLimits usable, uint has_limit, double within,
-                                    uint first_place, __global const uchar* memory,
-                                    __global const Polyhedron* polyhedra, __global float* distance,
-                                    FINISHING_PARAMETERS) {
+// The outputs of points that are not usable and, if leaves_open, of those whose sign is open: every bit is set, but of
+// the distance. That is `within` if the point is finite, but too far, and has_limit, else not a number. has_status: the
+// status of every point goes to `status`.
+__kernel void mark_points(PointSource source, uint count, PointLimits usable, uint has_limit, double within,
+                          uint leaves_open, uint has_status, ValuePlaces of_status, __global const uchar* memory,
+                          __global const uint* places, __global const uchar* signs, __global uchar* status,
+                          __global const Polyhedron* polyhedra, __global float* distance, FINISHING_PARAMETERS) {
     const uint i = get_global_id(0);
     if (i >= count) return;
-    const double3 p = position_of(source, memory, i);
-    if (is_within(usable, p)) return;
+    const uint place = places[i];
+    const double3 p = position_of(source, memory, place);
+    uint result = CLSDF_STATUS_FOUND;
+    if (!is_within(usable, p))
+        result = is_finite(p) ? CLSDF_STATUS_TOO_FAR : CLSDF_STATUS_NOT_FINITE;
+    else if (leaves_open && signs[i] == CLSDF_POINT_UNDECIDED)
+        result = CLSDF_STATUS_SIGN_OPEN;
+    if (has_status) status[of_status.first + (long)place * of_status.stride] = (uchar)result;
+    if (result == CLSDF_STATUS_FOUND) return;
     SET_FINISHING(finishing)
-    const size_t place = (size_t)first_place + i;
-    const bool is_number = has_limit && is_finite(p);
+    const bool is_number = has_limit && result == CLSDF_STATUS_TOO_FAR;
     if (IS_DOUBLE(&finishing, distance)) {
         finishing.of_distance[place] = is_number ? within : as_double((ulong)0x7FF8000000000000ul);
     } else {
         ((__global uint*)distance)[place] = is_number ? as_uint((float)within) : 0x7FC00000u;
     }
     leave_sample(&finishing, place);
+}
+
+// Packed values of the points to a target with strides. value_bytes: 1, 4 or 8.
+__kernel void store_values(uint count, uint components, uint value_bytes, ValuePlaces to, __global const uchar* from,
+                           __global uchar* target) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    __global uchar* at = target + (to.first + (long)i * to.stride);
+    for (uint c = 0; c < components; ++c, at += to.component_stride) {
+        const size_t number = (size_t)i * components + c;
+        if (value_bytes == 8)
+            *(__global ulong*)at = ((__global const ulong*)from)[number];
+        else if (value_bytes == 4)
+            *(__global uint*)at = ((__global const uint*)from)[number];
+        else
+            *at = from[number];
+    }
 }

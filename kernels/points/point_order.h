@@ -9,6 +9,12 @@
 #define CLSDF_POINT_TOO_FAR 0
 #define CLSDF_POINT_NOT_FINITE 1
 
+// What became of a point: the values of PointStatus (clsdf/point_plan.hpp).
+#define CLSDF_STATUS_FOUND 0
+#define CLSDF_STATUS_NOT_FINITE 1
+#define CLSDF_STATUS_TOO_FAR 2
+#define CLSDF_STATUS_SIGN_OPEN 3
+
 #ifndef __OPENCL_VERSION__
 namespace clsdf {
 #endif
@@ -42,13 +48,37 @@ typedef struct PointExtent {
     clsdf_uint32 first[2];
 } PointExtent;
 
-// The cells of the curve, and the unusable points of all.
+// The cells of the curve, and the unusable points of all. Of the points that are computed at once, how many have a sign
+// by neither their nearest face nor the mesh's box, and how many of them kernels leave open.
 typedef struct PointCells {
     double lower[3];
     double scale;  // cells per length
     clsdf_uint32 unusable[2];
     clsdf_uint32 first[2];
+    clsdf_uint32 open;
+    clsdf_uint32 left;
 } PointCells;
+
+// The surface that decides signs, beside its arrays (lib/points/sign_faces.hpp). Lengths are in units.
+typedef struct SignFaces {
+    double per_unit;          // units per length: a power of two
+    double lower_x, upper_x;  // of the mesh
+    clsdf_uint32 has_sign;    // 0: no point is inside
+    clsdf_uint32 is_parity;
+    clsdf_uint32 has_sign_positions;  // the surface has other positions than the mesh
+    clsdf_uint32 has_counts;          // its faces do not all count once
+    clsdf_uint32 loops;               // of open edges that count
+    clsdf_uint32 is_backward;         // rays must run towards -x
+    clsdf_uint32 are_moderate;        // each coordinate is 0, or of a size from 2^-60 to 2^40
+    clsdf_uint32 padding;
+} SignFaces;
+
+// Where values of a target go, in bytes.
+typedef struct ValuePlaces {
+    clsdf_int64 first;
+    clsdf_int64 stride;            // from a point to the next one
+    clsdf_int64 component_stride;  // from a component to the next one
+} ValuePlaces;
 
 // A point whose sign the host decides.
 typedef struct OpenPoint {
@@ -59,7 +89,9 @@ typedef struct OpenPoint {
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(PointSource) == 32 && sizeof(PointLimits) == 48 && sizeof(PointUnits) == 32);
 static_assert(sizeof(PointExtent) == 64 && offsetof(PointExtent, unusable) == 48);
-static_assert(sizeof(PointCells) == 48 && offsetof(PointCells, unusable) == 32);
+static_assert(sizeof(PointCells) == 56 && offsetof(PointCells, unusable) == 32 && offsetof(PointCells, open) == 48);
+static_assert(sizeof(SignFaces) == 56 && offsetof(SignFaces, has_sign) == 24);
+static_assert(sizeof(ValuePlaces) == 24);
 static_assert(sizeof(OpenPoint) == 32);
 }  // namespace clsdf
 #endif

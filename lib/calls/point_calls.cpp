@@ -1,3 +1,4 @@
+#include "calls/point_plans.hpp"
 #include "calls/transform_state.hpp"
 #include "core/large_memory.hpp"
 #include "core/outputs.hpp"
@@ -8,6 +9,7 @@
 #include "points/device_points.hpp"
 #include "points/face_sides.hpp"
 #include "points/few_points.hpp"
+#include "points/packed_outputs.hpp"
 #include "points/point_query.hpp"
 #include "points/point_signs.hpp"
 #include "points/usable_points.hpp"
@@ -31,7 +33,10 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
     return calls::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
         points::PointInputs inputs;
         inputs.mesh = kept_points->tree();
-        if (programs.body == KernelBody::by_group && !on_host) inputs.tree = kept_points->fitted_tree();
+        if (programs.body == KernelBody::by_group && !on_host) {
+            inputs.tree = kept_points->fitted_tree();
+            inputs.sign_faces = kept_points->sign_faces(sign);
+        }
         const bool has_room = !on_host && !points_are_short_of_memory;
         const bool are_many =
             has_room && points::is_scan_worthwhile(programs, count, kept_mesh->mesh().triangles().size());
@@ -205,25 +210,42 @@ std::vector<calls::Remedy> DistanceTransform::State::remedies_for_points(std::si
 bool DistanceTransform::State::stay_on_device(const InputArray& points, const OutputTargets& targets) const {
     if (programs.body != KernelBody::by_group || context().capabilities().is_processor || points.device == nullptr ||
         points.count <= points::most_few_points || points.count >= std::numeric_limits<cl_uint>::max() ||
-        kept_mesh->restriction() != nullptr)
+        kept_mesh->restriction() != nullptr ||
+        !std::ranges::all_of(targets.all(), [](const OutputTarget& target) { return target.array.device != nullptr; }))
         return false;
     const auto is_allowed = [](cl_mem memory, cl_mem_flags forbidding) {
         return (cl::Buffer(memory, true).getInfo<CL_MEM_FLAGS>() & forbidding) == 0;
     };
     return device::guarded([&] {
-        // The outputs of some points may lie on others.
-        const cl_mem from = targets::place_of(points.device, 0).memory();
-        return is_allowed(points.device, CL_MEM_WRITE_ONLY) &&
-               std::ranges::all_of(targets.all(), [&](const OutputTarget& target) {
-                   return target.array.device != nullptr && target.array.host == nullptr &&
-                          is_allowed(target.array.device, CL_MEM_READ_ONLY) &&
-                          targets::place_of(target.array.device, 0).memory() != from;
-               });
+        if (!is_allowed(points.device, CL_MEM_WRITE_ONLY) ||
+            !std::ranges::all_of(targets.all(), [&](const OutputTarget& target) {
+                return is_allowed(target.array.device, CL_MEM_READ_ONLY);
+            }))
+            return false;
+        const targets::DeviceTargets on_device(targets::targets_from(targets, 0), targets::row_of(points.count),
+                                               context());
+        std::vector<targets::WrittenArray> written;
+        on_device.add_written(0, written);
+        targets::refuse_overlap(written);
+        calls::check_device_points(context(), points);
+        // The outputs of some points may lie on others: then the points are copied first.
+        return !calls::may_overlap(points, on_device);
     });
 }
 
+namespace {
+
+void refuse_unusable(const std::array<points::UnusablePoints, 2>& unusable, const points::UsableRange& range) {
+    for (const points::UnusablePoints& of_kind : unusable) {
+        const points::UnusablePoints& other = unusable[of_kind.are_finite ? 0 : 1];
+        if (of_kind.count > 0 && (other.count == 0 || of_kind.first < other.first)) points::refuse(of_kind, range);
+    }
+}
+
+}  // namespace
+
 CallStatistics DistanceTransform::State::query_on_device(const InputArray& points, double half_width, OutputSet outputs,
-                                                         const targets::DeviceTargets& targets, const CallOptions& call,
+                                                         const OutputTargets& targets, const CallOptions& call,
                                                          std::string& warning) {
     const KeepsBudget keeps_budget(*this);
     calls::RunningCall running{call};
@@ -243,33 +265,45 @@ CallStatistics DistanceTransform::State::query_on_device(const InputArray& point
         const auto inputs = [&] { return inputs_of_many(outputs, asked.count, running); };
         inputs();  // what it makes is kept
         statistics.polyhedra_seconds = watch.seconds();
-        std::size_t most = points::most_points;
+        std::size_t most = std::min(points::most_points, asked.count);
         const std::vector<calls::Remedy> remedies = remedies_for_points(most);
-        const device::BufferPool::Lease cells = calls::with_remedies(&running, remedies, [&] {
-            return points::measure_points(tools(), asked, usable, points::box_of_curve(*inputs().mesh));
-        });
-        const std::array<points::UnusablePoints, 2> unusable = points::unusable_points(tools(), asked, *cells);
-        for (const points::UnusablePoints& of_kind : unusable) {
-            const points::UnusablePoints& other = unusable[of_kind.are_finite ? 0 : 1];
-            if (call.refuse_unusable_points && of_kind.count > 0 && (other.count == 0 || of_kind.first < other.first))
-                points::refuse(of_kind, range);
-            statistics.unusable_points += of_kind.count;
-        }
-        warning = points::warning_of(unusable, asked.count, range, half_width);
         const auto share = [&](std::size_t number) {
             return static_cast<double>(number) / static_cast<double>(asked.count);
         };
+        std::optional<points::PointRun> run;
+        points::PackedOutputs packed;
+        PointCells found{};
+        bool are_measured = false;
         for (std::size_t begin = 0, count = 0; begin < asked.count; begin += count) {
             const auto times = calls::with_remedies(&running, remedies, [&] {
-                count = most = std::min(most, asked.count - begin);
-                return points::query_points(
-                    tools(), inputs(),
-                    {asked.part(begin, count), usable, *cells, statistics.unusable_points > 0, begin}, half_width,
-                    *targets.in_place, running.between(share(begin), share(begin + count)));
+                if (!run || run->most() > most) {
+                    run.reset();
+                    are_measured = false;
+                    run.emplace(tools(), most);
+                }
+                if (!are_measured && call.refuse_unusable_points) {  // before anything is written
+                    found = points::measured_points(tools(), *run, asked, usable, *inputs().mesh);
+                    refuse_unusable(points::unusable_points(tools(), asked, found), range);
+                    are_measured = true;
+                }
+                count = std::min(run->most(), asked.count - begin);
+                const targets::DeviceTargets of_part(targets::targets_from(targets, begin), targets::row_of(count),
+                                                     context());
+                packed.make_room(*pool, of_part, count);
+                const points::PointTimes taken = points::query_points(
+                    tools(), inputs(), *run, {asked.part(begin, count), usable, are_measured ? nullptr : &asked},
+                    half_width, packed.buffers_for(of_part),
+                    [&](const engine::Launches& launches) { packed.enqueue_copies(launches, tools(), of_part, count); },
+                    found, running.between(share(begin), share(begin + count)));
+                are_measured = true;
+                return taken;
             });
             statistics.sign_seconds += times.sign;
             statistics.field_seconds += times.nearest;
         }
+        const std::array<points::UnusablePoints, 2> unusable = points::unusable_points(tools(), asked, found);
+        for (const points::UnusablePoints& of_kind : unusable) statistics.unusable_points += of_kind.count;
+        warning = points::warning_of(unusable, asked.count, range, half_width);
         pool->trim();
         statistics.device_bytes = pool->peak();
     }
@@ -280,16 +314,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
                                              const CallOptions& call) const {
     return with_host_memory("for the points; give fewer at once", [&] {
         State& state = this->state();
-        if (!(half_width >= 0))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("points are looked up within the half width {}, which must be 0 or more; infinity "
-                                    "is no limit",
-                                    half_width));
-        if (std::isfinite(half_width) && half_width > static_cast<double>(std::numeric_limits<float>::max()))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("points are looked up within the half width {}, which is beyond the floats that "
-                                    "distances are given in; infinity is no limit",
-                                    half_width));
+        calls::check_half_width(half_width);
         check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
         if (points.count == 0) {  // vectors without elements have no memory
             calls::RunningCall{call}.report({.fraction = 1});
@@ -305,20 +330,12 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
         memory.add(points, "points");
         targets::add_targets(targets, points.count, memory);
         if (state.stay_on_device(points, targets)) {
-            const targets::DeviceTargets on_device = device::guarded([&] {
-                return targets::DeviceTargets(targets, targets::row_of(points.count), device::context_of(state.device));
-            });
-            if (on_device.can_be_in_place()) {
-                std::vector<targets::WrittenArray> written;
-                device::guarded([&] { on_device.add_written(0, written); });
-                targets::refuse_overlap(written);
-                targets::wait_for(device::context_of(state.device), call.wait_list);
-                std::string warning;
-                const CallStatistics statistics = state.query_on_device(
-                    points, std::abs(half_width), targets::outputs_of(targets), on_device, call, warning);
-                if (call.log && !warning.empty()) call.log(warning);
-                return statistics.published();
-            }
+            targets::wait_for(device::context_of(state.device), call.wait_list);
+            std::string warning;
+            const CallStatistics statistics = state.query_on_device(
+                points, std::abs(half_width), targets::outputs_of(targets), targets, call, warning);
+            if (call.log && !warning.empty()) call.log(warning);
+            return statistics.published();
         }
         memory.map(call.wait_list);
         const PositionArray positions(memory.on_host(points));

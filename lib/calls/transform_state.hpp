@@ -175,8 +175,11 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     bool stay_on_device(const InputArray& points, const OutputTargets& targets) const;
     /// By the device, of which the host sees a short list. warning: about points that are not usable.
     CallStatistics query_on_device(const InputArray& points, double half_width, OutputSet outputs,
-                                   const targets::DeviceTargets& targets, const CallOptions& call,
-                                   std::string& warning);
+                                   const OutputTargets& targets, const CallOptions& call, std::string& warning);
+
+    // point_plans.cpp
+    /// Gives a plan of points the inputs at the present positions, and its memory if it has none.
+    void plan_points(PointPlan::State& made, const CallOptions& call);
 
     struct WindingInputs {
         std::shared_ptr<const engine::PointMesh> tree;
@@ -210,7 +213,9 @@ private:
 
     /// For a query of `count` points. on_host: the host answers it.
     points::PointInputs point_inputs(OutputSet outputs, std::size_t count, bool on_host);
-    /// The same for the device, whose search is tested.
+    /// For plans of points: all that may be needed. Throws Error(invalid_argument) if kernels cannot decide signs.
+    points::PointInputs planned_point_inputs(OutputSet outputs);
+    /// For queries by the device, whose search is tested.
     points::PointInputs inputs_of_many(OutputSet outputs, std::size_t count, calls::RunningCall& running);
     /// The same for the host, after the checks of the call. Waits for other calls only if something is to be made.
     points::PointInputs inputs_of_few(points::UsablePoints& asked, double half_width, OutputSet outputs,

@@ -258,6 +258,11 @@ std::optional<std::string> sparse_difference(const engine::Workshop& workshop, e
 // Points: more than a work-group sorts.
 constexpr std::size_t looked_up_together = 2500;
 
+/// Whether the device orders the points and counts crossings.
+bool is_by_device(const engine::Programs& programs, PointKernels kernels) {
+    return programs.body == KernelBody::by_group || kernels == PointKernels::of_plans;
+}
+
 /// Looks up the samples of known fields as points: those of the first lattice without a limit, with signs by crossings;
 /// those of the second within a limit, with signs by the sides of faces, and from records that are made from kept
 /// frusta. The first has points that are as near to more faces than a list holds.
@@ -266,7 +271,7 @@ std::optional<std::string> point_difference(const Device& device, const engine::
                                             PointKernels kernels) {
     const bool are_scanned = kernels == PointKernels::of_many;
     constexpr double limit = 2.5;
-    const bool are_ordered = programs.body == KernelBody::by_group;  // on the device
+    const bool are_ordered = is_by_device(programs, kernels);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     for (const bool from_kept_frusta : {false, true}) {
         const KnownField known = from_kept_frusta ? KnownField({.on_surface = true}).within(limit)
@@ -276,9 +281,10 @@ std::optional<std::string> point_difference(const Device& device, const engine::
         points::KeptPoints kept(kept_mesh);
         points::PointInputs inputs;
         inputs.mesh = kept.tree();
-        if (are_ordered) inputs.tree = kept.fitted_tree();
         inputs.has_deep_stack = kernels == PointKernels::of_deep_trees;
         inputs.sign = SignRule::nonzero;
+        if (programs.body == KernelBody::by_group) inputs.tree = kept.fitted_tree();
+        if (are_ordered) inputs.sign_faces = kept.sign_faces(inputs.sign);
         if (are_scanned) inputs.scanned = kept.scanned_mesh();
         inputs.sites = kept_mesh.sites(true, true);
         if (from_kept_frusta) inputs.sides = kept.face_sides(inputs.sign, true);
@@ -351,16 +357,19 @@ TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& j
 }
 
 TestSubject point_subject(const Device& device, const engine::Programs& programs, PointKernels kernels) {
-    const bool are_ordered = programs.body == KernelBody::by_group;  // on the device
     TestSubject subject;
     subject.name =
         fmt::format("{} {}points{}", device::name_of(programs.body), kernels == PointKernels::of_many ? "many " : "",
-                    kernels == PointKernels::of_deep_trees ? " in deep trees" : "");
+                    kernels == PointKernels::of_deep_trees ? " in deep trees"
+                    : kernels == PointKernels::of_plans    ? " of plans"
+                                                           : "");
     std::vector<engine::LazyProgram> needed{programs.points};
-    if (are_ordered) {
+    if (is_by_device(programs, kernels))
+        needed.insert(needed.end(), {programs.radix_sort, programs.point_order, programs.point_signs});
+    if (programs.body == KernelBody::by_group) {
         const bool are_deep = kernels == PointKernels::of_deep_trees;
-        needed.insert(needed.end(), {programs.scan, programs.radix_sort, programs.point_order, programs.binary_tree,
-                                     are_deep ? programs.nearest_deep : programs.nearest});
+        needed.insert(needed.end(),
+                      {programs.scan, programs.binary_tree, are_deep ? programs.nearest_deep : programs.nearest});
     }
     if (kernels == PointKernels::of_many) needed.insert(needed.end(), {programs.mesh_records, programs.point_scan});
     subject.steps = needed.size();

@@ -32,9 +32,9 @@ std::vector<FieldKernels> kernels_of(const engine::Workshop& workshop, const eng
 
 TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& job, FieldKernels kernels);
 
-/// The kernels of points that are tested together: those that every query runs, those of many points, or those of a
-/// GPU in a tree that is deeper than engine::stack_entries.
-enum class PointKernels { of_all, of_many, of_deep_trees };
+/// The kernels of points that are tested together: those that every query runs, those of many points, those of a GPU in
+/// a tree that is deeper than engine::stack_entries, or those by which a processor runs plans of points.
+enum class PointKernels { of_all, of_many, of_deep_trees, of_plans };
 
 TestSubject point_subject(const Device& device, const engine::Programs& programs, PointKernels kernels);
 

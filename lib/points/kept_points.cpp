@@ -45,6 +45,13 @@ std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_f
         [&] { return face_sides_.get_or([&] { return find_face_sides(kept_mesh_.tools(), *tree(), sign); }); });
 }
 
+std::shared_ptr<const DeviceSignFaces> KeptPoints::sign_faces(SignRule sign) {
+    return kept_mesh_.prepare([&] {
+        return sign_faces_.get_or(
+            [&] { return make_sign_faces(kept_mesh_.tools(), *tree(), sign, kept_mesh_.boundary().get()); });
+    });
+}
+
 std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
     const std::scoped_lock lock(mutex_);
     PointInputs inputs;

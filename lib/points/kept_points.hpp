@@ -4,6 +4,7 @@
 #include "points/face_sides.hpp"
 #include "points/point_query.hpp"
 #include "points/point_scan.hpp"
+#include "points/sign_faces.hpp"
 #include "tree/binary_tree.hpp"
 #include "tree/point_mesh.hpp"
 
@@ -21,6 +22,7 @@ namespace clsdf::points {
 ///                                                        boxes have become twice as large
 ///     GPUs' tree     + positions                         once points are asked for, for the body by_group
 ///     face sides     + sign rule                         once about as many points are asked for
+///     sign faces     + sign rule                         once points in memory of the device are asked for
 ///     scanned mesh   + frusta                            once many points are asked for
 ///
 /// For one thread at a time.
@@ -43,6 +45,9 @@ public:
     /// null for a part of a mesh, and if open edges count. The sign rule is the same in all calls.
     std::shared_ptr<const FaceSides> face_sides(SignRule sign, bool is_found);
 
+    /// The surface that decides signs, for kernels. The sign rule is the same in all calls. Throws as tree().
+    std::shared_ptr<const DeviceSignFaces> sign_faces(SignRule sign);
+
     /// The inputs of few points that remember() was called with, if they suffice for the outputs and are still kept.
     /// For any number of threads, also beside the one that calls the others.
     std::optional<PointInputs> inputs_of_few(OutputSet outputs) const;
@@ -63,6 +68,7 @@ private:
     Kept<engine::DividedFaces> divided_faces_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};
     Kept<engine::FittedTree> fitted_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<ScannedMesh> scanned_mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<DeviceSignFaces> sign_faces_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<FaceSides> face_sides_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
 
     /// See remember().

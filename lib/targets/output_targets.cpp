@@ -114,6 +114,26 @@ Grid row_of(std::size_t count, std::size_t first) {
     return row;
 }
 
+OutputTargets targets_from(const OutputTargets& targets, std::size_t first) {
+    const Grid one = row_of(1);
+    OutputTargets result;
+    for (const OutputTarget& given : targets.all()) {
+        const OutputInfo& row = info_of(given.output);
+        OutputArray& target = result[given.output];
+        target = given.array;
+        OutputArray of_one = given.array;
+        resolve_type(row, of_one);
+        resolve_strides(row, one, of_one);
+        target.offset = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(target.offset) +
+                                                 static_cast<std::ptrdiff_t>(first) * of_one.strides[0]);
+        const auto packed = static_cast<std::ptrdiff_t>(sample_bytes(row, is_in_double(of_one)));
+        const bool is_packed =
+            of_one.strides[0] == packed && (row.components == 1 || of_one.component_stride == width_of(of_one.type));
+        target.strides = {is_packed ? 0 : of_one.strides[0], 0, 0};
+    }
+    return result;
+}
+
 namespace {
 
 /// visit(row, target, range, is_packed) for targets in memory of the device, whose types and strides are set.
@@ -243,7 +263,6 @@ void check_memory(const OutputInfo& row, const cl::Memory& memory, const device:
 
 DeviceTargets::DeviceTargets(const OutputTargets& given, const Grid& grid, const device::Context& context)
     : targets(target_arrays(given)), size(grid.size) {
-    engine::OutputBuffers buffers;
     const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
     for_each_output(
         [&](const OutputInfo& row, OutputArray& target, HostArray& array, cl::Buffer& buffer) {
@@ -264,15 +283,15 @@ DeviceTargets::DeviceTargets(const OutputTargets& given, const Grid& grid, const
             range_of(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
             array = {true, is_in_double(target), nullptr};
             if (array.in_double) buffers.in_double |= bit_of(row);
-            if (!why_not_in_place.empty()) return;
-            if (!is_packed)
-                why_not_in_place = fmt::format("{} has strides", row.name);
-            else if (target.offset % alignment != 0)
-                why_not_in_place = fmt::format("{} begins at byte {} of its buffer, which is no multiple of {}",
-                                               row.name, target.offset, alignment);
-            else
+            if (is_packed && target.offset % alignment == 0) {
                 buffer =
                     buffer_from(memory, target.offset, grid.sample_count() * sample_bytes(row, is_in_double(target)));
+                return;
+            }
+            if (!why_not_in_place.empty()) return;
+            why_not_in_place = is_packed ? fmt::format("{} begins at byte {} of its buffer, which is no multiple of {}",
+                                                       row.name, target.offset, alignment)
+                                         : fmt::format("{} has strides", row.name);
         },
         targets, arrays, buffers);
     if (why_not_in_place.empty()) in_place = buffers;

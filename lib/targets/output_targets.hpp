@@ -54,6 +54,9 @@ struct HostTargets {
 
 /// Points are stored as the samples of a grid of one row, from number `first` on.
 Grid row_of(std::size_t count, std::size_t first = 0);
+/// The targets of points from number `first` on. Strides along the row that leave no room are as if they were not
+/// given.
+OutputTargets targets_from(const OutputTargets& targets, std::size_t first);
 /// Adds what the targets of points take of device memory to what is mapped. Throws as HostTargets does.
 void add_targets(const OutputTargets& targets, std::size_t points, MappedMemory& memory);
 /// The same targets when that is mapped, all in memory of the host.
@@ -73,7 +76,8 @@ struct DeviceTargets {
     TargetArrays targets;  ///< with all types and strides set; empty for outputs that are not asked for
     HostArrays arrays;     ///< which outputs are asked for, and the elements that are computed, without memory
     Index3 size{};
-    std::optional<engine::OutputBuffers> in_place;  ///< if the device can write a packed field there
+    engine::OutputBuffers buffers;                  ///< those that the device can write packed samples to
+    std::optional<engine::OutputBuffers> in_place;  ///< the same, if that is all of them
     std::string why_not_in_place;  ///< the name of the output that needs a copy, and why; empty if none does
 };
 

@@ -199,7 +199,8 @@ BOOST_AUTO_TEST_CASE(points_have_speeds_and_no_errors) {
         BOOST_TEST(row["wrong_signs"] == 0);
         BOOST_TEST(row["max_error_voxels"].get<double>() < 1e-4);  // 2 ulp of 256 voxels
     }
-    const std::vector<std::string> expected = {"uniform", "near", "rays", "calls", "first"};
+    const std::vector<std::string> expected = {"uniform",        "near",        "rays",         "calls",    "first",
+                                               "uniform device", "near device", "uniform plan", "near plan"};
     BOOST_TEST(names == expected, boost::test_tools::per_element());
 }
 

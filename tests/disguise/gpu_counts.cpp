@@ -1,6 +1,6 @@
 // Counts the calls and bytes of W1 on a GPU: the first call of a transform, one of a kept transform, the first call of
-// a second transform on the same Device, many patches in one call, and points and results in memory of the device; and
-// the work of the searches for the nearest triangles of points (scripts/gpu-counts).
+// a second transform on the same Device, many patches in one call, a query of points in memory of the device, and a run
+// of a plan for them; and the work of the searches for the nearest triangles of points (scripts/gpu-counts).
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/tuning.hpp>
@@ -24,6 +24,7 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -39,7 +40,7 @@ constexpr double band_of_longest_side = 0.1;
 constexpr unsigned compute_units = 132;  // as an H100 has
 constexpr std::size_t patch_count = 512;
 constexpr std::int64_t patch_side = 20;
-constexpr std::size_t point_count = 100'000;
+constexpr std::size_t point_count = 1'000'000;
 constexpr std::size_t searched_count = 4'000;
 constexpr double points_within = 0.012;  // of the longest side, on each axis
 constexpr double points_around = 0.1;    // of the box of uniform ones
@@ -92,14 +93,16 @@ struct Result {
     disguise::Counts second;
     disguise::Counts patches;
     disguise::Counts points;
+    disguise::Counts point_plan;
     SearchWorks near, uniform;
 
-    std::array<std::pair<const char*, const disguise::Counts*>, 5> calls() const {
+    std::array<std::pair<const char*, const disguise::Counts*>, 6> calls() const {
         return {{{"first_call", &first},
                  {"kept_transform", &kept},
                  {"second_transform", &second},
                  {"patches", &patches},
-                 {"points", &points}}};
+                 {"points", &points},
+                 {"point_plan", &point_plan}}};
     }
     std::size_t patch_bytes = 0;
     TransformStatistics statistics;
@@ -204,9 +207,10 @@ SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec
     return works;
 }
 
-/// The second call of two, from buffers to buffers.
-disguise::Counts query_on_device(const Device& device, const DistanceTransform& transform,
-                                 const std::vector<Vec3>& points) {
+/// The second query of two from buffers to buffers, and the second run of a plan, without the wait for its end.
+void look_up_on_device(const Device& device, const DistanceTransform& transform, const std::vector<Vec3>& points,
+                       Result& result) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
     const auto buffer = [&](cl_mem_flags flags, std::size_t bytes, const void* values) {
         const auto release = [](cl_mem memory) { clReleaseMemObject(memory); };
         return std::unique_ptr<std::remove_pointer_t<cl_mem>, decltype(release)>(
@@ -218,10 +222,19 @@ disguise::Counts query_on_device(const Device& device, const DistanceTransform& 
     const InputArray positions(from.get(), ElementType::float64, points.size());
     const OutputTargets targets{{Output::distance, OutputArray(distance.get())},
                                 {Output::gradient, OutputArray(gradient.get())}};
-    transform.query(positions, std::numeric_limits<double>::infinity(), targets);
+    transform.query(positions, infinity, targets);
     disguise::restart();
-    transform.query(positions, std::numeric_limits<double>::infinity(), targets);
-    return disguise::counts();
+    transform.query(positions, infinity, targets);
+    result.points = disguise::counts();
+    PointPlan plan = transform.plan_points(points.size(), infinity, Output::gradient);
+    cl_event first = nullptr, second = nullptr;
+    plan.enqueue(nullptr, positions, targets, {}, &first);
+    disguise::restart();
+    plan.enqueue(nullptr, positions, targets, std::span(&first, 1), &second);
+    result.point_plan = disguise::counts();
+    clWaitForEvents(1, &second);
+    clReleaseEvent(first);
+    clReleaseEvent(second);
 }
 
 Result measure(const std::string& path) {
@@ -260,7 +273,7 @@ Result measure(const std::string& path) {
     transform.compute(requests);
     result.patches = disguise::counts();
     result.patch_bytes = samples.size() * sizeof(float);
-    result.points = query_on_device(device, transform, points_near(mesh));
+    look_up_on_device(device, transform, points_near(mesh), result);
     result.near = search(device, mesh, points_near(mesh));
     result.uniform = search(device, mesh, uniform_points(mesh));
 

@@ -7,7 +7,7 @@ endfunction()
 foreach(name counterexamples shapes bands grids accuracy double_distances topology sign_surface open_meshes ties extremes determinism plans calls
              outputs bodies slabs streams launches hostile_callers kernel_frusta plain_opencl
              slender_polyhedra self_test stages requests same_bytes points nearest_by_group classify restricted
-             callers_memory shared_memory promises runs overlap blocks arrays sparse sparse_files sparse_plans)
+             callers_memory point_plans shared_memory promises runs overlap blocks arrays sparse sparse_files sparse_plans)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
 endforeach()
 foreach(name double_distances extremes outputs self_test promises sparse)

@@ -123,6 +123,12 @@ typedef int32_t clsdf_status;
 #define CLSDF_OUTSIDE 2 /* the same, and all are outside */
 #define CLSDF_BEYOND 3  /* the same, of a mesh without a sign */
 
+/* What became of a point of a plan's run. */
+#define CLSDF_FOUND 0
+#define CLSDF_NOT_FINITE 1 /* the distance is NaN; there is no triangle */
+#define CLSDF_TOO_FAR 2    /* the distance is the half width, or NaN if that is infinite; there is no triangle */
+#define CLSDF_SIGN_OPEN 3  /* exact arithmetic did not suffice: NaN, no triangle; clsdf_query() has the sign */
+
 #define CLSDF_GPU 0
 #define CLSDF_PROCESSOR 1
 #define CLSDF_ACCELERATOR 2
@@ -170,6 +176,7 @@ typedef struct clsdf_mesh clsdf_mesh;                 /* a checked mesh, a copy 
 typedef struct clsdf_transform clsdf_transform;       /* the distance to a mesh, on a device */
 typedef struct clsdf_plan clsdf_plan;                 /* boxes that are computed again and again */
 typedef struct clsdf_sparse_plan clsdf_sparse_plan;   /* a sparse field that is computed again and again */
+typedef struct clsdf_point_plan clsdf_point_plan;     /* points that are looked up again and again */
 typedef struct clsdf_field clsdf_field;               /* a field in the library's memory */
 typedef struct clsdf_sparse_field clsdf_sparse_field; /* a sparse field in the library's memory */
 typedef struct clsdf_points clsdf_points;             /* points read from a file */
@@ -188,6 +195,8 @@ CLSDF_API void clsdf_plan_retain(clsdf_plan* plan);
 CLSDF_API void clsdf_plan_release(clsdf_plan* plan);
 CLSDF_API void clsdf_sparse_plan_retain(clsdf_sparse_plan* plan);
 CLSDF_API void clsdf_sparse_plan_release(clsdf_sparse_plan* plan);
+CLSDF_API void clsdf_point_plan_retain(clsdf_point_plan* plan);
+CLSDF_API void clsdf_point_plan_release(clsdf_point_plan* plan);
 CLSDF_API void clsdf_field_retain(clsdf_field* field);
 CLSDF_API void clsdf_field_release(clsdf_field* field);
 CLSDF_API void clsdf_sparse_field_retain(clsdf_sparse_field* field);
@@ -1052,6 +1061,31 @@ CLSDF_API clsdf_status clsdf_sparse_plan_request(const clsdf_sparse_plan* plan, 
 CLSDF_API clsdf_status clsdf_sparse_plan_sign(const clsdf_sparse_plan* plan, int32_t* rule);
 /* Of making or updating it. */
 CLSDF_API clsdf_status clsdf_sparse_plan_statistics(const clsdf_sparse_plan* plan, clsdf_statistics* statistics);
+
+/* A plan of points: at most `count` of them at a time, in memory of the device. Its own memory is about 200 bytes a
+ * point, of at most 2^20 points. With index base 1 the triangle is CLSDF_UNSUPPORTED. A mesh with a coordinate that is
+ * not 0 and, in units of about 1/256 of its longest side, smaller than 2^-300 or greater than 2^300 is
+ * CLSDF_INVALID_ARGUMENT. */
+CLSDF_API clsdf_status clsdf_point_plan_create(const clsdf_transform* transform, int64_t count, double half_width,
+                                               uint32_t outputs, const clsdf_call_options* call,
+                                               clsdf_point_plan** plan);
+/* Enqueues the search for points on a cl_command_queue (null: the device's own) after the events. Never blocks, and
+ * nothing comes to the host; the bytes are those of clsdf_query(). Points, targets and status are buffers of the
+ * device's context, of any offset and strides, one target for each output of the plan. status, which may be null: a
+ * byte of each point, CLSDF_FOUND or why it has no distance. *done as of clsdf_plan_enqueue(). */
+CLSDF_API clsdf_status clsdf_point_plan_enqueue(clsdf_point_plan* plan, void* queue, const clsdf_array* points,
+                                                const clsdf_target* targets, int64_t target_count,
+                                                const clsdf_array* status, void* const* wait_list, int64_t wait_count,
+                                                void** done);
+/* Prepares the next runs for the present positions of the transform, which made the plan or has its device, and has its
+ * index base. Blocks. After an error the plan is as it was. */
+CLSDF_API clsdf_status clsdf_point_plan_update(clsdf_point_plan* plan, const clsdf_transform* transform,
+                                               const clsdf_call_options* call);
+/* The most points of a run. */
+CLSDF_API clsdf_status clsdf_point_plan_count(const clsdf_point_plan* plan, int64_t* count);
+CLSDF_API clsdf_status clsdf_point_plan_sign(const clsdf_point_plan* plan, int32_t* rule);
+/* Of making or updating it. */
+CLSDF_API clsdf_status clsdf_point_plan_statistics(const clsdf_point_plan* plan, clsdf_statistics* statistics);
 
 /* ---- Fields in the library's memory ---- */
 

@@ -14,6 +14,8 @@ const char* name_of(Kind kind) noexcept {
             return "transform";
         case Kind::plan:
             return "plan";
+        case Kind::point_plan:
+            return "plan of points";
         case Kind::field:
             return "field";
         case Kind::points:

@@ -8,6 +8,7 @@
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/plan.hpp>
+#include <clsdf/point_plan.hpp>
 #include <clsdf/sparse.hpp>
 #include <clsdf/sparse_plan.hpp>
 
@@ -35,6 +36,7 @@ enum class Kind : std::uint64_t {
     sparse_field,
     sparse_writer,
     sparse_plan,
+    point_plan,
 };
 
 const char* name_of(Kind kind) noexcept;
@@ -124,6 +126,15 @@ struct clsdf_sparse_plan : clsdf::c::Counted<clsdf_sparse_plan> {
     std::int32_t index_base;
 
     clsdf_sparse_plan(clsdf::SparsePlan plan_in, std::int32_t index_base_in)
+        : plan(std::move(plan_in)), index_base(index_base_in) {}
+};
+
+struct clsdf_point_plan : clsdf::c::Counted<clsdf_point_plan> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::point_plan;
+    clsdf::PointPlan plan;
+    std::int32_t index_base;
+
+    clsdf_point_plan(clsdf::PointPlan plan_in, std::int32_t index_base_in)
         : plan(std::move(plan_in)), index_base(index_base_in) {}
 };
 

@@ -292,3 +292,50 @@ clsdf_status clsdf_sparse_plan_sign(const clsdf_sparse_plan* plan, std::int32_t*
 clsdf_status clsdf_sparse_plan_statistics(const clsdf_sparse_plan* plan, clsdf_statistics* statistics) {
     return guarded([&] { c::write_given(c::as_c(of(plan).plan.statistics()), statistics, "clsdf_statistics"); });
 }
+
+clsdf_status clsdf_point_plan_create(const clsdf_transform* transform, std::int64_t count, double half_width,
+                                     std::uint32_t outputs, const clsdf_call_options* call, clsdf_point_plan** plan) {
+    return made(plan, "plan", [&] {
+        const clsdf_transform& self = of(transform);
+        const Call caller(call);
+        const OutputSet wanted = c::outputs_of(outputs);
+        c::check_base(self.index_base, wanted);
+        return new clsdf_point_plan(self.transform.plan_points(c::count_of(count, "count"), half_width, wanted, caller),
+                                    self.index_base);
+    });
+}
+
+clsdf_status clsdf_point_plan_enqueue(clsdf_point_plan* plan, void* queue, const clsdf_array* points,
+                                      const clsdf_target* targets, std::int64_t target_count, const clsdf_array* status,
+                                      void* const* wait_list, std::int64_t wait_count, void** done) {
+    return enqueued(done, [&] {
+        clsdf_point_plan& self = of(plan);
+        const InputArray from = c::input_of(points, "points");
+        const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, from.count);
+        const OutputArray status_to = status != nullptr ? c::output_of(status, "status", from.count) : OutputArray();
+        enqueue(wait_list, wait_count, done, [&](std::span<const cl_event> events, cl_event* end) {
+            self.plan.enqueue(static_cast<cl_command_queue>(queue), from, to, events, end, status_to);
+        });
+    });
+}
+
+clsdf_status clsdf_point_plan_update(clsdf_point_plan* plan, const clsdf_transform* transform,
+                                     const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        const auto& [self, from] = of_one_base(plan, transform);
+        self.update(from, caller);
+    });
+}
+
+clsdf_status clsdf_point_plan_count(const clsdf_point_plan* plan, std::int64_t* count) {
+    return guarded([&] { given(count, "count") = static_cast<std::int64_t>(of(plan).plan.count()); });
+}
+
+clsdf_status clsdf_point_plan_sign(const clsdf_point_plan* plan, std::int32_t* rule) {
+    return guarded([&] { given(rule, "rule") = static_cast<std::int32_t>(of(plan).plan.sign()); });
+}
+
+clsdf_status clsdf_point_plan_statistics(const clsdf_point_plan* plan, clsdf_statistics* statistics) {
+    return guarded([&] { c::write_given(c::as_c(of(plan).plan.statistics()), statistics, "clsdf_statistics"); });
+}

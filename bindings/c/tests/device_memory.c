@@ -23,6 +23,68 @@ static cl_mem buffer_of(size_t bytes, const void* content) {
     return memory;
 }
 
+/* A plan of points, from and to particles: positions of three doubles, a distance, and a status. */
+static void check_point_plan(const clsdf_transform* transform) {
+    enum { COUNT = 300 };
+    struct {
+        double position[3];
+        float distance;
+        uint8_t status, padding[3];
+    } particles[COUNT];
+    double points[COUNT][3];
+    float expected[COUNT];
+    clsdf_array from, status;
+    clsdf_target target;
+    clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
+    clsdf_point_plan* plan;
+    cl_mem memory;
+    cl_event event;
+    void* done;
+    int64_t count;
+    int32_t rule;
+    int i, axis;
+    memset(particles, 0, sizeof particles);
+    for (i = 0; i < COUNT; ++i)
+        for (axis = 0; axis < 3; ++axis)
+            points[i][axis] = particles[i].position[axis] = (i * (7 + axis) % COUNT) / 100.0 - 1.5;
+    points[5][1] = particles[5].position[1] = NAN;
+    OK(clsdf_query_distance(transform, points[0], COUNT, HUGE_VAL, expected));
+    memory = buffer_of(sizeof particles, particles);
+    from = clsdf_buffer_array(CLSDF_FLOAT64, memory, COUNT);
+    from.strides[0] = sizeof particles[0];
+    target = clsdf_buffer_target(CLSDF_DISTANCE, CLSDF_FLOAT32, memory);
+    target.array.offset = 24;
+    target.array.strides[0] = sizeof particles[0];
+    status = clsdf_buffer_array(CLSDF_UINT8, memory, COUNT);
+    status.offset = 28;
+    status.strides[0] = sizeof particles[0];
+    FAILS(CLSDF_INVALID_ARGUMENT, "0 points", clsdf_point_plan_create(transform, 0, 1, 0, NULL, &plan));
+    OK(clsdf_point_plan_create(transform, COUNT, HUGE_VAL, 0, NULL, &plan));
+    OK(clsdf_point_plan_count(plan, &count));
+    OK(clsdf_point_plan_sign(plan, &rule));
+    OK(clsdf_point_plan_statistics(plan, &statistics));
+    CHECK(count == COUNT && rule == CLSDF_SIGN_NONZERO && statistics.device_bytes > 0);
+    OK(clsdf_point_plan_update(plan, transform, NULL));
+    OK(clsdf_point_plan_enqueue(plan, NULL, &from, &target, 1, &status, NULL, 0, &done));
+    event = done;
+    OK(clsdf_point_plan_enqueue(plan, queue, &from, &target, 1, NULL, &done, 1, &done));
+    clReleaseEvent(event);
+    event = done;
+    CHECK(clWaitForEvents(1, &event) == CL_SUCCESS);
+    clReleaseEvent(event);
+    CHECK(clEnqueueReadBuffer(queue, memory, CL_TRUE, 0, sizeof particles, particles, 0, NULL, NULL) == CL_SUCCESS);
+    for (i = 0; i < COUNT; ++i) {
+        CHECK(particles[i].status == (i == 5 ? CLSDF_NOT_FINITE : CLSDF_FOUND));
+        CHECK(memcmp(&particles[i].distance, &expected[i], sizeof expected[i]) == 0);
+    }
+    done = plan;
+    FAILS(CLSDF_INVALID_ARGUMENT, "may lie on the points",
+          clsdf_point_plan_enqueue(plan, queue, &from, (target.array.offset = 0, &target), 1, NULL, NULL, 0, &done));
+    CHECK(done == NULL);
+    clsdf_point_plan_release(plan);
+    clReleaseMemObject(memory);
+}
+
 static void check_read(cl_mem memory, size_t offset, const float* expected, size_t count) {
     float* values = allocate(count * sizeof *values);
     CHECK(clEnqueueReadBuffer(queue, memory, CL_TRUE, offset, count * sizeof *values, values, 0, NULL, NULL) ==
@@ -182,6 +244,7 @@ int main(void) {
     array = clsdf_buffer_array(CLSDF_FLOAT64, at, 2);
     target.array.offset = 0;
     OK(clsdf_query(transform, &array, HUGE_VAL, &target, 1, NULL, NULL));
+    check_point_plan(transform);
 
     /* Index base 1 on the device. */
     arrays.index_base = 1;

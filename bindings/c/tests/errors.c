@@ -15,6 +15,7 @@ static void check_null(void) {
     clsdf_mesh* mesh = NULL;
     clsdf_transform* transform = NULL;
     clsdf_plan* plan = NULL;
+    clsdf_point_plan* point_plan = NULL;
     clsdf_field* field = NULL;
     clsdf_points* points = NULL;
     clsdf_thread_limit* limit = NULL;
@@ -34,6 +35,7 @@ static void check_null(void) {
     clsdf_mesh_retain(NULL), clsdf_mesh_release(NULL);
     clsdf_transform_retain(NULL), clsdf_transform_release(NULL);
     clsdf_plan_retain(NULL), clsdf_plan_release(NULL);
+    clsdf_point_plan_retain(NULL), clsdf_point_plan_release(NULL);
     clsdf_field_retain(NULL), clsdf_field_release(NULL);
     clsdf_points_retain(NULL), clsdf_points_release(NULL);
     clsdf_thread_limit_retain(NULL), clsdf_thread_limit_release(NULL);
@@ -129,6 +131,12 @@ static void check_null(void) {
     NULL_FAILS(clsdf_plan_statistics(NULL, NULL));
     NULL_FAILS(clsdf_plan_request_count(NULL, &count));
     NULL_FAILS(clsdf_plan_request(NULL, 0, NULL, NULL, NULL, 0, NULL));
+    NULL_FAILS(clsdf_point_plan_create(NULL, 1, 1, 0, NULL, &point_plan));
+    NULL_FAILS(clsdf_point_plan_enqueue(NULL, NULL, &array, &target, 1, NULL, NULL, 0, NULL));
+    NULL_FAILS(clsdf_point_plan_update(NULL, NULL, NULL));
+    NULL_FAILS(clsdf_point_plan_count(NULL, &count));
+    NULL_FAILS(clsdf_point_plan_sign(NULL, &number));
+    NULL_FAILS(clsdf_point_plan_statistics(NULL, NULL));
     NULL_FAILS(clsdf_field_create(NULL, 0, &field));
     NULL_FAILS(clsdf_field_describe(NULL, NULL));
     NULL_FAILS(clsdf_field_outputs(NULL, NULL));
@@ -139,8 +147,8 @@ static void check_null(void) {
     NULL_FAILS(clsdf_points_write(NULL, 1, NULL, 0, "x.csv", 0));
     NULL_FAILS(clsdf_points_check_path(NULL));
     FAILS(CLSDF_INVALID_ARGUMENT, "threads", clsdf_limit_threads(0, &limit));
-    CHECK(device == NULL && mesh == NULL && transform == NULL && plan == NULL && field == NULL && points == NULL &&
-          limit == NULL && devices == NULL);
+    CHECK(device == NULL && mesh == NULL && transform == NULL && plan == NULL && point_plan == NULL && field == NULL &&
+          points == NULL && limit == NULL && devices == NULL);
 }
 
 static void check_wrong_handles(const clsdf_device* device, const clsdf_mesh* mesh) {

@@ -44,6 +44,7 @@ program plans
   type(clsdf_grid) :: grid, part
   type(clsdf_band) :: band, own_band
   type(clsdf_plan) :: plan, copy
+  type(clsdf_point_plan) :: point_plan
   type(clsdf_request) :: requests(2)
   type(clsdf_block_set) :: blocks
   type(clsdf_statistics) :: statistics
@@ -126,6 +127,7 @@ program plans
   call transform%compute(grid, band, [clsdf_target(CLSDF_DISTANCE, buffer, CLSDF_FLOAT32), &
       clsdf_target(CLSDF_TRIANGLE, buffer, CLSDF_UINT32)], stat=stat, errmsg=errmsg)
   call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'index base')
+  call point_plans()
   call plan%release()
   call copy%release()
   call plan%enqueue(stat=stat, errmsg=errmsg)
@@ -199,6 +201,48 @@ contains
     call plan%release()
     call plan%enqueue(buffers, stat=stat, errmsg=errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'sparse plan is null')
+  end subroutine
+
+  !> Points and results in one buffer, one after the other.
+  subroutine point_plans()
+    integer(8), parameter :: count = 200
+    real(8), target :: points(3, count), back(3, count), with_room(4*count)
+    real(4), target :: distances(count)
+    real(4), target :: in_buffer(count)
+    integer(1), target :: outcome(count)
+    type(c_ptr), target :: event(1)
+    type(c_ptr) :: memory
+    integer(8) :: i
+    points = reshape([(0.01d0*mod(i*37, 101_8) - 0.5d0, i=1, 3*count)], [3_8, count])
+    with_room(:3*count) = reshape(points, [3*count])
+    with_room(3*count + 1:) = 0
+    call transform%query(clsdf_array(points), 0.3d0, [clsdf_target(CLSDF_DISTANCE, distances)])
+    memory = create_buffer(context, ior(1_8, 32_8), int(30*count, c_size_t), c_loc(with_room), status)
+    call check(status == 0, 'a buffer of points')
+    call point_plan%create(transform, count, 0.3d0)
+    call check(point_plan%is_set() .and. point_plan%count() == count, 'a plan of points')
+    call check(point_plan%sign() == transform%sign(), 'its sign')
+    statistics = point_plan%statistics()
+    call check(statistics%device_bytes > 0, 'its statistics')
+    call point_plan%update(transform)
+    call point_plan%enqueue(clsdf_array(memory, CLSDF_FLOAT64, count=count), &
+        [clsdf_target(CLSDF_DISTANCE, memory, CLSDF_FLOAT32, offset=24*count)], &
+        clsdf_array(memory, CLSDF_UINT8, count=count, offset=28*count), queue, done=event(1))
+    status = read_buffer(queue, memory, 1, int(0, c_size_t), int(24*count, c_size_t), c_loc(back), 1, c_loc(event), &
+        c_null_ptr)
+    status = read_buffer(queue, memory, 1, int(24*count, c_size_t), int(4*count, c_size_t), c_loc(in_buffer), 0, &
+        c_null_ptr, c_null_ptr)
+    status = read_buffer(queue, memory, 1, int(28*count, c_size_t), int(count, c_size_t), c_loc(outcome), 0, &
+        c_null_ptr, c_null_ptr)
+    call check(all(back == points), 'the points stay')
+    call check(all(in_buffer == distances), 'distances of a plan of points')
+    call check(all(outcome == CLSDF_FOUND), 'the outcome of points')
+    status = release_event(event(1))
+    call point_plan%enqueue(clsdf_array(memory, CLSDF_FLOAT64, count=count + 1), &
+        [clsdf_target(CLSDF_DISTANCE, memory, CLSDF_FLOAT32)], stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'at most 200 points')
+    call point_plan%release()
+    status = release_buffer(memory)
   end subroutine
 
   subroutine halves()

@@ -22,7 +22,7 @@ from ._values import Blocks, Points
 from ._field import Field
 from ._files import FieldWriter, read_field, write_field
 from ._pictures import Picture, slice_picture
-from ._plan import Plan, SparsePlan
+from ._plan import Plan, PointPlan, PointStatus, SparsePlan
 from ._shared import SharedArray
 from ._sparse import SparseField, read_sparse_field
 from ._transform import BoxPlace, Region, Request, Transform
@@ -58,6 +58,8 @@ __all__ = [
     "OutputFailure",
     "Picture",
     "Plan",
+    "PointPlan",
+    "PointStatus",
     "Points",
     "Region",
     "Request",

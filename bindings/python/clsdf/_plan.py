@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -148,6 +149,73 @@ class SparsePlan:
             self._plan.update_field(
                 transform._body, own_grid, own_band, self._plan.outputs, (bricks, runs), show
             )
+
+
+class PointPlan:
+    """What Transform.plan_points() made. It may outlive the transform. Threads take turns. Needs pyopencl, but for arrays
+    in memory of CUDA."""
+
+    def __init__(self, plan: _core.PlanOfPoints) -> None:
+        self._plan = plan
+
+    def __repr__(self) -> str:
+        return f"<clsdf.PointPlan: {self.count} points, {self.device_bytes} bytes of the device, sign {self.sign}>"
+
+    @property
+    def count(self) -> int:
+        """The most points of a run."""
+        return self._plan.count
+
+    @property
+    def device_bytes(self) -> int:
+        """Device memory of the plan, beside what the transform keeps."""
+        return self._plan.device_bytes
+
+    @property
+    def sign(self) -> str:
+        """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
+        return self._plan.sign
+
+    def enqueue(
+        self, points: Any, *, out: Any, status: Any = None, queue: Any = None, wait_for: Iterable[Any] | None = None
+    ) -> Any:
+        """Enqueues the search for points; never blocks, and nothing comes to the host.
+
+        points: a pyopencl array (n, 3) of float32 or float64, of any strides, with at most `count` points. out: pyopencl
+            arrays (n,), and (n, 3) of vectors: a dictionary by names of outputs, or the array of the distance. Or arrays
+            in memory of CUDA, as of Plan.enqueue(). status: an array (n,) of uint8, whose values are PointStatus: what
+            became of each point.
+        queue: a pyopencl.CommandQueue of the device's context; None: the device's own. wait_for: pyopencl events.
+
+        Returns the pyopencl.Event of the end, and the arrays must outlive the run; None with arrays in memory of CUDA,
+        whose streams follow the run. Raises clsdf.Error: invalid_argument for too many points, for outputs that the plan
+        was not made with, for arrays that overlap or are of another shape, context or device; unsupported for other
+        types.
+        """
+        event = self._plan.enqueue(queue, points, _arrays(out), status, None if wait_for is None else list(wait_for))
+        if event == 0:
+            return None
+        import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
+        return pyopencl.Event.from_int_ptr(event, retain=False)
+
+    def update(self, transform: Transform, *, progress: Progress = None) -> None:
+        """Prepares the next runs for the present positions of the transform. Blocks."""
+        with shown(progress) as show:
+            self._plan.update(transform._body, show)
+
+
+class PointStatus(enum.IntEnum):
+    """What became of a point of a PointPlan's run."""
+
+    FOUND = 0
+    #: the distance is NaN; there is no triangle
+    NOT_FINITE = 1
+    #: the distance is `within`, or NaN without a limit; there is no triangle
+    TOO_FAR = 2
+    #: exact arithmetic did not suffice for the sign: the distance is NaN, and there is no triangle. Only some points may be
+    #: left so that have a coordinate which is not zero and smaller than 2^-300 of the mesh. query() has their sign.
+    SIGN_OPEN = 3
 
 
 def _arrays(out: Any) -> dict[str, Any]:

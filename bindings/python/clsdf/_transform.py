@@ -22,7 +22,7 @@ from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, par
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
 from ._field import Field
-from ._plan import Plan, SparsePlan
+from ._plan import Plan, PointPlan, SparsePlan
 from ._sparse import SparseField
 
 
@@ -881,6 +881,19 @@ class Transform:
             return SparsePlan(
                 _core.sparse_plan(self._body, own_grid, own_band, wanted(outputs), (bricks, runs), show)
             )
+
+    def plan_points(
+        self, count: int, outputs: Outputs = "distance", *, within: float | None = math.inf, progress: Progress = None
+    ) -> PointPlan:
+        """Prepares the search for at most `count` points at a time that stay in the memory of the device, without
+        blocking. outputs: as of field(). within: as of query(). The results have the bytes of query().
+
+        The plan's own memory is about 200 bytes a point, of at most 2^20 points. Raises clsdf.Error (invalid_argument)
+        for a mesh with a coordinate that is not 0 and, in units of about 1/256 of its longest side, smaller than 2^-300
+        or greater than 2^300; unsupported for a restricted transform.
+        """
+        with shown(progress) as show:
+            return PointPlan(_core.plan_of_points(self._body, count, _limit(within), wanted(outputs), show))
 
     def plan_bytes(self, requests: Iterable[Request], *, progress: Progress = None) -> int:
         """The device_bytes of a plan of these requests, which is made and given back: takes its time and its memory."""

@@ -1,6 +1,7 @@
 #include "body.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <memory>
@@ -24,19 +25,34 @@ std::unique_ptr<PlanRequests> new_requests(RequestList list, std::unique_ptr<cud
     return std::unique_ptr<PlanRequests>(new PlanRequests{std::move(list), Owner<cuda::Arrays>(cuda.release())});
 }
 
-/// A plan of the library for Python's threads, which take turns.
-class PyPlan {
+/// A plan of the library for Python's threads, which take turns. Its end waits for the runs.
+template <typename LibraryPlan>
+class TakingTurns {
 public:
-    PyPlan(PyDevice device, Plan plan, std::unique_ptr<PlanRequests> requests)
-        : device_(std::move(device)), requests_(std::move(requests)), plan_(new Plan(std::move(plan))) {}
+    explicit TakingTurns(LibraryPlan plan) : plan_(new LibraryPlan(std::move(plan))) {}
 
     /// Calls the function with the plan, without the GIL.
     template <typename Function>
     auto use(Function function) const {
-        const AtWork work(this, "plan");
+        const AtWork work(plan_.get(), "plan");
         const nb::gil_scoped_release no_gil;
         const std::lock_guard lock(*mutex_);
         return function(*plan_);
+    }
+
+private:
+    Owner<LibraryPlan> plan_;
+    std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
+};
+
+class PyPlan {
+public:
+    PyPlan(PyDevice device, Plan plan, std::unique_ptr<PlanRequests> requests)
+        : device_(std::move(device)), requests_(std::move(requests)), plan_(std::move(plan)) {}
+
+    template <typename Function>
+    auto use(Function function) const {
+        return plan_.use(std::move(function));
     }
 
     /// In a function of use() alone: another thread may change them.
@@ -49,8 +65,22 @@ public:
 private:
     PyDevice device_;
     std::unique_ptr<PlanRequests> requests_;
-    Owner<Plan> plan_;  // its end waits for the runs, which write to the arrays
-    std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
+    TakingTurns<Plan> plan_;  // its runs write to the arrays
+};
+
+class PyPointPlan {
+public:
+    PyPointPlan(PyDevice device, PointPlan plan) : device_(std::move(device)), plan_(std::move(plan)) {}
+
+    template <typename Function>
+    auto use(Function function) const {
+        return plan_.use(std::move(function));
+    }
+    const PyDevice& device() const { return device_; }
+
+private:
+    PyDevice device_;
+    TakingTurns<PointPlan> plan_;
 };
 
 PyPlan plan_of_grid(const Body& body, const Grid& grid, const Band& band, const std::vector<std::string>& outputs,
@@ -83,12 +113,35 @@ std::vector<cuda::Stream> streams_of(const RequestList& requests) {
     return streams;
 }
 
+cl_command_queue handle_of(nb::handle queue) {
+    return queue.is_none() ? nullptr : std::bit_cast<cl_command_queue>(nb::cast<std::uintptr_t>(queue.attr("int_ptr")));
+}
+
+/// run(events, event of the end), after the streams of arrays in memory of CUDA, which wait for it. `shared`: of these
+/// arrays; null: there are none. Returns whether there are some.
+template <typename Run>
+bool run_after_streams(cuda::Arrays* shared, cl_command_queue queue, const std::vector<cl_event>& events,
+                       cuda::ClEvent& done, const Run& run) {
+    if (shared == nullptr) {
+        run(events);
+        return false;
+    }
+    try {
+        const cuda::ClEvent acquired = shared->acquire(queue, events);
+        run(acquired.list());
+        shared->release(done.list());
+    } catch (...) {
+        shared->abandon();
+        throw;
+    }
+    return true;
+}
+
 // The event of the end as a number, which the caller owns; 0 if arrays are in memory of CUDA, whose streams wait for
 // it.
 std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional<RequestList>& outputs,
                        nb::handle wait_for) {
-    const auto own =
-        queue.is_none() ? nullptr : std::bit_cast<cl_command_queue>(nb::cast<std::uintptr_t>(queue.attr("int_ptr")));
+    const auto own = handle_of(queue);
     const std::vector<cl_event> events = events_of(wait_for);
     Arrays arrays(&plan.device());
     std::vector<OutputTargets> targets;
@@ -113,25 +166,12 @@ std::uintptr_t enqueue(const PyPlan& plan, nb::handle queue, const std::optional
             const nb::gil_scoped_acquire gil;
             shared->follow(streams_of(plan.requests().list));
         }
-        const auto run = [&](std::span<const cl_event> before) {
+        return run_after_streams(shared, own, events, done, [&](std::span<const cl_event> before) {
             if (outputs.has_value())
                 of.enqueue(own, targets, before, done.put());
             else
                 of.enqueue(own, before, done.put());
-        };
-        if (shared == nullptr) {
-            run(events);
-            return false;
-        }
-        try {
-            const cuda::ClEvent acquired = shared->acquire(own, events);
-            run(acquired.list());
-            shared->release(done.list());
-        } catch (...) {
-            shared->abandon();
-            throw;
-        }
-        return true;
+        });
     });
     return is_of_cuda ? 0 : std::bit_cast<std::uintptr_t>(done.release());
 }
@@ -163,27 +203,19 @@ void update_requests(PyPlan& plan, const Body& body, const RequestList& requests
     });
 }
 
-/// A plan of a sparse field for Python's threads, which take turns.
 class PySparsePlan {
 public:
-    PySparsePlan(PyDevice device, SparsePlan plan)
-        : device_(std::move(device)), plan_(new SparsePlan(std::move(plan))) {}
+    PySparsePlan(PyDevice device, SparsePlan plan) : device_(std::move(device)), plan_(std::move(plan)) {}
 
-    /// Calls the function with the plan, without the GIL.
     template <typename Function>
     auto use(Function function) const {
-        const AtWork work(this, "plan");
-        const nb::gil_scoped_release no_gil;
-        const std::lock_guard lock(*mutex_);
-        return function(*plan_);
+        return plan_.use(std::move(function));
     }
-
     const PyDevice& device() const { return device_; }
 
 private:
     PyDevice device_;
-    Owner<SparsePlan> plan_;
-    std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
+    TakingTurns<SparsePlan> plan_;
 };
 
 using Room = std::pair<std::size_t, std::size_t>;  // bricks and runs
@@ -232,8 +264,7 @@ InputArray integers(Arrays& arrays, nb::handle array, const std::string& name, c
 // outputs, and "counts", "bricks" and "inside".
 std::uintptr_t enqueue_sparse(const PySparsePlan& plan, nb::handle queue, const ArraysByName& out,
                               nb::handle wait_for) {
-    const auto own =
-        queue.is_none() ? nullptr : std::bit_cast<cl_command_queue>(nb::cast<std::uintptr_t>(queue.attr("int_ptr")));
+    const auto own = handle_of(queue);
     const std::vector<cl_event> events = events_of(wait_for);
     Arrays arrays(&plan.device());
     const SparseCounts room = plan.use([](const SparsePlan& of) { return of.room(); });
@@ -263,20 +294,8 @@ std::uintptr_t enqueue_sparse(const PySparsePlan& plan, nb::handle queue, const 
     const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
     cuda::ClEvent done;
     const bool is_of_cuda = plan.use([&](SparsePlan& of) {
-        cuda::Arrays* const shared = of_call.get();
-        if (shared == nullptr) {
-            of.enqueue(own, to, events, done.put());
-            return false;
-        }
-        try {
-            const cuda::ClEvent acquired = shared->acquire(own, events);
-            of.enqueue(own, to, acquired.list(), done.put());
-            shared->release(done.list());
-        } catch (...) {
-            shared->abandon();
-            throw;
-        }
-        return true;
+        return run_after_streams(of_call.get(), own, events, done,
+                                 [&](std::span<const cl_event> before) { of.enqueue(own, to, before, done.put()); });
     });
     return is_of_cuda ? 0 : std::bit_cast<std::uintptr_t>(done.release());
 }
@@ -296,6 +315,46 @@ void update_sparse_field(PySparsePlan& plan, const Body& body, const Grid& grid,
     body.read([&](const DistanceTransform& transform) {
         const nb::gil_scoped_acquire gil;
         plan.use([&](SparsePlan& of) { of.update(transform, request, {room.first, room.second}, call.options()); });
+    });
+}
+
+PyPointPlan plan_of_points(const Body& body, std::size_t count, double within, const std::vector<std::string>& outputs,
+                           nb::object progress) {
+    OutputSet wanted;
+    for (const std::string& name : outputs) wanted.insert(output_named(name).output);
+    const Call call(std::move(progress));
+    return PyPointPlan(body.device(), body.read([&](const DistanceTransform& transform) {
+        return transform.plan_points(count, within, wanted, call.options());
+    }));
+}
+
+/// As enqueue(). status: None, or an array of bytes.
+std::uintptr_t enqueue_points(const PyPointPlan& plan, nb::handle queue, nb::handle points, const ArraysByName& outputs,
+                              nb::handle status, nb::handle wait_for) {
+    const auto own = handle_of(queue);
+    const std::vector<cl_event> events = events_of(wait_for);
+    Arrays arrays(&plan.device());
+    InputArray asked = arrays.triples(points, "points");
+    const std::vector<std::int64_t> shape{static_cast<std::int64_t>(asked.count)};
+    std::array<OutputTargets, 2> targets{arrays.outputs(outputs, shape)};
+    // A byte of each point, as a site is.
+    if (!status.is_none()) targets[1] = arrays.output(status, info_of(Output::site), shape);
+    arrays.place({&asked}, targets);
+    const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
+    cuda::ClEvent done;
+    const bool is_of_cuda = plan.use([&](PointPlan& of) {
+        return run_after_streams(of_call.get(), own, events, done, [&](std::span<const cl_event> before) {
+            of.enqueue(own, asked, targets[0], before, done.put(), targets[1][Output::distance]);
+        });
+    });
+    return is_of_cuda ? 0 : std::bit_cast<std::uintptr_t>(done.release());
+}
+
+void update_points(PyPointPlan& plan, const Body& body, nb::object progress) {
+    const Call call(std::move(progress));
+    body.read([&](const DistanceTransform& transform) {
+        const nb::gil_scoped_acquire gil;
+        plan.use([&](PointPlan& of) { of.update(transform, call.options()); });
     });
 }
 
@@ -348,6 +407,23 @@ void add_plans(nb::module_& module) {
         });
     module.def("sparse_plan", &sparse_plan, nb::arg("body"), nb::arg("grid"), nb::arg("band"), nb::arg("outputs"),
                nb::arg("room"), nb::arg("progress").none());
+    nb::class_<PyPointPlan>(module, "PlanOfPoints", "A PointPlan of the library; clsdf.PointPlan is its Python face.")
+        .def("enqueue", &enqueue_points, nb::arg("queue").none(), nb::arg("points"), nb::arg("outputs"),
+             nb::arg("status").none(), nb::arg("wait_for").none())
+        .def("update", &update_points, nb::arg("body"), nb::arg("progress").none())
+        .def_prop_ro("sign",
+                     [](const PyPointPlan& plan) {
+                         return std::string(name_of(plan.use([](const PointPlan& of) { return of.sign(); })));
+                     })
+        .def_prop_ro("count",
+                     [](const PyPointPlan& plan) { return plan.use([](const PointPlan& of) { return of.count(); }); })
+        .def_prop_ro("device_bytes",
+                     [](const PyPointPlan& plan) {
+                         return plan.use([](const PointPlan& of) { return of.statistics().device_bytes; });
+                     })
+        .def_prop_ro("device", [](const PyPointPlan& plan) { return plan.device(); });
+    module.def("plan_of_points", &plan_of_points, nb::arg("body"), nb::arg("count"), nb::arg("within"),
+               nb::arg("outputs"), nb::arg("progress").none());
     module.def("plan_of_grid", &plan_of_grid, nb::arg("body"), nb::arg("grid"), nb::arg("band"), nb::arg("outputs"),
                nb::arg("progress").none());
     module.def("plan_of_requests", &plan_of_requests, nb::arg("body"), nb::arg("requests"), nb::arg("progress").none());

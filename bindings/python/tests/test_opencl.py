@@ -115,6 +115,43 @@ def test_a_plan_of_requests_follows_the_body(solid, there, body, queue):
     assert np.array_equal(large[0].get(), moving.field(grid, band=band).distance)
 
 
+def test_a_plan_of_points_stays_on_the_device(solid, body, queue, points):
+    moving = clsdf.Transform(solid, device=queue)
+    points = np.vstack([points, [[np.nan, 0, 0]]])
+    # Points and distances as a program has them: the fields of a particle.
+    particles = np.zeros((len(points), 4))
+    particles[:, :3] = points
+    there = cl.array.to_device(queue, particles)
+    out = {"distance": there[:, 3], "triangle": cl.array.zeros(queue, len(points), np.uint32)}
+    status = cl.array.zeros(queue, len(points), np.uint8)
+    plan = moving.plan_points(len(points), "distance triangle", within=0.5)
+    assert plan.count == len(points) and plan.sign == "nonzero" and plan.device_bytes > 0
+    assert str(len(points)) in repr(plan)
+
+    def check(of):
+        expected = of.query(points, "distance triangle", within=0.5, dtype="float64")
+        assert np.array_equal(there.get()[:, 3], expected.distance, equal_nan=True)
+        assert np.array_equal(out["triangle"].get(), expected.triangle)
+
+    event = plan.enqueue(there[:, :3], out=out, status=status, queue=queue)
+    assert isinstance(event, cl.Event)
+    event.wait()
+    with pytest.warns(clsdf.MeshWarning):
+        check(body)
+    assert (status.get()[:-1] == clsdf.PointStatus.FOUND).all() and status.get()[-1] == clsdf.PointStatus.NOT_FINITE
+    moving.set_motion(np.eye(3), (0.1, 0, 0))
+    plan.update(moving)
+    plan.enqueue(there[:, :3], out=out, wait_for=[event]).wait()
+    with pytest.warns(clsdf.MeshWarning):
+        check(moving)
+    with pytest.raises(clsdf.Error, match="may lie on the points"):
+        plan.enqueue(there[:, :3], out={**out, "distance": there[:, 0]})
+    with pytest.raises(clsdf.Error, match="triangle has no target"):
+        plan.enqueue(there[:, :3], out=there[:, 3])
+    with pytest.raises(clsdf.Error, match="takes 0 points"):
+        moving.plan_points(0)
+
+
 def test_a_callback_may_not_use_its_plan(solid, queue):
     body = clsdf.Transform(solid, device=queue)  # which has compiled nothing yet
     grid = body.grid(16)

@@ -84,13 +84,15 @@ ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
 }
 
 std::vector<ProgramSource> ProgramSources::every_source() const {
-    std::vector<ProgramSource> sources{scan_source(),   coarse_lists_source(), sign_sweep_source(),   fill_source(),
-                                       points_source(), store_source(),        mesh_records_source(), order_source()};
+    std::vector<ProgramSource> sources{scan_source(),         coarse_lists_source(), sign_sweep_source(),
+                                       fill_source(),         points_source(),       store_source(),
+                                       mesh_records_source(), radix_sort_source(),   point_order_source(),
+                                       point_signs_source(),  order_source()};
     if (body == KernelBody::by_vector)
         sources.push_back(point_scan_source());
     else
-        sources.insert(sources.end(), {radix_sort_source(), point_order_source(), binary_tree_source(),
-                                       nearest_source(stack_entries), nearest_source(deep_stack_entries)});
+        sources.insert(sources.end(),
+                       {binary_tree_source(), nearest_source(stack_entries), nearest_source(deep_stack_entries)});
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
     return sources;
 }
@@ -124,6 +126,7 @@ Programs::Programs(device::Context& context, KernelBody asked)
       order{&context, order_source()},
       points{&context, points_source()},
       point_order{&context, point_order_source()},
+      point_signs{&context, point_signs_source()},
       binary_tree{&context, binary_tree_source()},
       nearest{&context, nearest_source(stack_entries)},
       nearest_deep{&context, nearest_source(deep_stack_entries)},

@@ -42,7 +42,6 @@ struct ProgramSources {
     ProgramSource scan_source() const {
         return {body == KernelBody::by_group ? "scan_by_group.cl" : "scan.cl", common_options(lanes)};
     }
-    /// For the body by_group alone.
     ProgramSource radix_sort_source() const {
         return {"radix_sort.cl", common_options(lanes) + " -DGROUP=" + std::to_string(group_size)};
     }
@@ -55,8 +54,9 @@ struct ProgramSources {
     /// Lanes of its vectors of doubles.
     std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
     ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
-    /// The order of points on the device. For the body by_group alone, as radix_sort.
+    /// The order of points in memory of the device, and their signs.
     ProgramSource point_order_source() const { return {"point_order.cl", common_options(lanes)}; }
+    ProgramSource point_signs_source() const { return {"point_signs.cl", common_options(lanes)}; }
     /// The tree that GPUs search, and the search, with a stack of so many entries. For the body by_group alone.
     ProgramSource binary_tree_source() const { return {"binary_tree.cl", common_options(lanes)}; }
     ProgramSource nearest_source(std::size_t stack) const {
@@ -99,7 +99,7 @@ struct LazyProgram {
 /// are not shared between threads.
 struct Programs : ProgramSources {
     LazyProgram scan;
-    LazyProgram radix_sort;  ///< of the body by_group
+    LazyProgram radix_sort;
     LazyProgram coarse_lists;
     LazyProgram sign_sweep;
     LazyProgram fill;
@@ -107,7 +107,8 @@ struct Programs : ProgramSources {
     LazyProgram store;         ///< copies boxes to targets with strides
     LazyProgram order;         ///< puts the bricks of a sparse field in order
     LazyProgram points;        ///< looks up points anywhere, but for the body by_group; their outputs
-    LazyProgram point_order;   ///< of the body by_group: the order of points
+    LazyProgram point_order;   ///< the order of points in memory of the device
+    LazyProgram point_signs;   ///< and their signs
     LazyProgram binary_tree;   ///< of the body by_group: the tree that it searches
     LazyProgram nearest;       ///< and the search
     LazyProgram nearest_deep;  ///< in a tree that is deeper than stack_entries

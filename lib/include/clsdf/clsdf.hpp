@@ -14,6 +14,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
+#include <clsdf/point_plan.hpp>
 #include <clsdf/sparse.hpp>
 #include <clsdf/sparse_plan.hpp>
 #include <clsdf/topology.hpp>

@@ -7,6 +7,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
+#include <clsdf/point_plan.hpp>
 #include <clsdf/sparse.hpp>
 #include <clsdf/sparse_plan.hpp>
 #include <clsdf/topology.hpp>
@@ -188,10 +189,10 @@ public:
     /// distance +0. A voxel, as a measure, is 1/256 of the longest side of the mesh's box, or 1 if that has no extent.
     ///
     /// The points and each array may be memory of the host or of the device, and may share a buffer. Outputs may lie on
-    /// the points, which are read first. An array has points.count items, packed or strides[0] bytes apart. Memory of
-    /// the device is mapped: if the device has its own memory, points and outputs pass through the host, which sorts
-    /// the points. Until the call returns, no other command or call may write to an array's buffer between the array's
-    /// first and last byte.
+    /// the points, which are read first. An array has points.count items, packed or strides[0] bytes apart. On a GPU
+    /// more than 96 points stay in memory of the device if all arrays are there and no output lies on the points, but
+    /// for a short list at most. Otherwise memory of the device is mapped. Until the call returns, no other command or
+    /// call may write to an array's buffer between the array's first and last byte.
     ///
     /// A result depends on the point, `half_width` and the mesh's positions: not on other points, their order or
     /// number, not on threads, and not on the device if its arithmetic is that of IEEE 754. The first call prepares the
@@ -252,6 +253,20 @@ public:
     /// A plan of the blocks, as requests with the same bytes, which it keeps: over 200 bytes of host memory each.
     Plan plan(const BlockSet& blocks, const CallOptions& call = {}) const;
 
+    /// A plan for at most `count` points at a time, as query() has them, in memory of the device. Its own memory is
+    /// bounded: about 200 bytes a point, of at most 2^20 points, which are computed at once. Blocks; makes every
+    /// buffer.
+    ///
+    /// The signs are decided on the device, by sums and products of doubles that are exact while no coordinate of a
+    /// vertex, unless it is 0, is smaller than 2^-300 units or greater than 2^300. A unit is the greatest power of two
+    /// not above 1/256 of the longest side of the mesh's box. Other meshes are refused.
+    ///
+    /// Throws Error(invalid_argument) for no points or 2^32 and more, for a `half_width` as query() does, and for a
+    /// mesh with such a coordinate; Error(unsupported) for a restricted transform; Error(out_of_memory, device_failure,
+    /// wrong_results or cancelled).
+    PointPlan plan_points(std::size_t count, double half_width, OutputSet outputs = Output::distance,
+                          const CallOptions& call = {}) const;
+
     /// The statistics().device_bytes of such a plan, which is made and given back: takes its time and its memory.
     std::size_t plan_bytes(std::span<const Request> requests, const CallOptions& call = {}) const;
     std::size_t plan_bytes(const BlockSet& blocks, const CallOptions& call = {}) const;
@@ -281,6 +296,7 @@ public:
 private:
     friend class Plan;
     friend class SparsePlan;
+    friend class PointPlan;
     friend struct detail::TransformAccess;
     struct State;
     explicit DistanceTransform(std::unique_ptr<State> state);

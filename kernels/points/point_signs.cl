@@ -1,0 +1,201 @@
+// The signs of points that neither their nearest faces nor the mesh's box tell: whether they lie on the surface, and
+// the crossings of a ray along x. The rules are those of the host (lib/points/point_signs.cpp). Every decision is exact
+// (expansions.h), so the signs are the same; a point whose coordinates are out of range of that stays open.
+
+#include "point_order.h"
+#include "point_source.h"
+#include "point_tree.h"
+#include "ray_side.h"
+#include "simd.h"
+#include "solid_angle.h"
+
+#pragma OPENCL FP_CONTRACT OFF
+
+// The surface and its tree. Positions are in units, from the origin of the caller's coordinates.
+typedef struct CrossedMesh {
+    PointTree tree;
+    __global const PointNode* nodes;  // from level 2 on
+    __global const uint* triangles;   // numbers of vertices
+    __global const double* positions;
+    uint faces_are_counted;
+    __global const char* counts;  // how often each face counts for the sign, if that is not always once
+} CrossedMesh;
+
+typedef struct Ray {
+    double3 from;
+    float lower[3], upper[3];  // a box around it, in units from the lattice's origin
+    bool is_forward;           // towards +x
+} Ray;
+
+typedef struct Crossings {
+    int winding;
+    uint count;
+} Crossings;
+
+INLINE uint overlapped_children(__global const PointNode* node, __private const Ray* ray) {
+    uint bits = 0;
+    for (uint i = 0; i < CLSDF_TREE_WIDTH; ++i) {
+        bool is_met = true;
+        for (int axis = 0; axis < 3; ++axis)
+            is_met = is_met && node->lower[axis][i] <= ray->upper[axis] && node->upper[axis][i] >= ray->lower[axis];
+        bits |= (uint)is_met << i;
+    }
+    return bits;
+}
+
+INLINE bool is_beyond(double a, double b, double c, double lower, double upper) {
+    return (a < lower && b < lower && c < lower) || (a > upper && b > upper && c > upper);
+}
+
+// Whether a face of a leaf has the point on it. If not, the crossings of its faces are added.
+INLINE bool visit_leaf(__private const CrossedMesh* mesh, uint leaf, __private const Ray* ray, bool is_crossed,
+                       __private Crossings* crossings) {
+    const double3 p = ray->from;
+    const uint first = leaf * CLSDF_TREE_WIDTH, end = min(first + CLSDF_TREE_WIDTH, mesh->tree.faces);
+    for (uint face = first; face < end; ++face) {
+        const int counts = mesh->faces_are_counted && is_crossed ? mesh->counts[face] : 1;
+        if (counts == 0) continue;
+        const double3 a = vload3(mesh->triangles[3 * (size_t)face], mesh->positions),
+                      b = vload3(mesh->triangles[3 * (size_t)face + 1], mesh->positions),
+                      c = vload3(mesh->triangles[3 * (size_t)face + 2], mesh->positions);
+        if (is_beyond(a.y, b.y, c.y, p.y, p.y) || is_beyond(a.z, b.z, c.z, p.z, p.z)) continue;
+        const double lower_x = is_crossed && !ray->is_forward ? -INFINITY : p.x,
+                     upper_x = is_crossed && ray->is_forward ? INFINITY : p.x;
+        if (is_beyond(a.x, b.x, c.x, lower_x, upper_x)) continue;
+        if (!is_crossed) {
+            if (is_on_face(a, b, c, p)) return true;
+            continue;
+        }
+        const int crossing = crossing_of_ray(a, b, c, p, ray->is_forward);
+        if (crossing == 0) continue;
+        crossings->winding += counts * crossing;
+        ++crossings->count;
+    }
+    return false;
+}
+
+// Visits the leaves that the ray's box overlaps, until one has the point on a face.
+OUT_OF_LINE bool visit_leaves(__private const CrossedMesh* mesh, __private const Ray* ray, bool is_crossed,
+                              __private Crossings* crossings) {
+    if (mesh->tree.levels == 1) return visit_leaf(mesh, 0, ray, is_crossed, crossings);
+    uint numbers[CLSDF_TREE_LEVELS + 1], waiting[CLSDF_TREE_LEVELS + 1];  // of a level, and its children
+    for (uint level = mesh->tree.levels, number = 0;;) {
+        numbers[level] = number;
+        waiting[level] =
+            overlapped_children(mesh->nodes + (mesh->tree.first[level - 1] - mesh->tree.count[0]) + number, ray);
+        for (;;) {
+            while (waiting[level] == 0)
+                if (++level > mesh->tree.levels) return false;
+            number = numbers[level] * CLSDF_TREE_WIDTH + lowest_bit(waiting[level]);
+            waiting[level] &= waiting[level] - 1;
+            if (number >= mesh->tree.count[level - 2]) continue;
+            if (level > 2) break;
+            if (visit_leaf(mesh, number, ray, is_crossed, crossings)) return true;
+        }
+        --level;
+    }
+}
+
+// What makes of the crossings towards -x the winding number, rounded to an integer, a half up. corners: of the loops of
+// open edges, in units. begins: of each loop, and the end.
+OUT_OF_LINE int rounded_part_of_film(double3 p, uint loops, __global const double* corners,
+                                     __global const uint* begins) {
+    Turns turns = no_turns();
+    for (uint loop = 0; loop < loops; ++loop) {
+        const uint begin = begins[loop], end = begins[loop + 1];
+        double3 at = vload3(begin, corners);
+        const SeenVertex first = seen_vertex(at.x - p.x, at.y - p.y, at.z - p.z, at.y - p.y, at.z - p.z);
+        SeenVertex from = first;
+        for (uint i = begin; i < end; ++i) {
+            const double3 next = vload3(i + 1 < end ? i + 1 : begin, corners);
+            const SeenVertex to =
+                i + 1 < end ? seen_vertex(next.x - p.x, next.y - p.y, next.z - p.z, next.y - p.y, next.z - p.z) : first;
+            const double re = edge_re(from, to), im = edge_im(from, to);
+            const int side = re < 0.0 ? (displaced_side(at, next, p) > 0 ? 1 : -1) : 0;
+            turns = turned(turns, re, im, side);
+            from = to;
+            at = next;
+        }
+    }
+    return rounded_turns(turns);
+}
+
+// Sets `at` to the point in units, or to another one that lies on the same side of all faces, edges and lines; false if
+// exact arithmetic does not suffice.
+//
+// Coordinates that are too small for it are multiplied by one power of two. A predicate is f = f0 + n t, where t are
+// these coordinates, and f0 and n follow from the others. If the others are 0 or at least 2^-60, and at most 2^40, they
+// are multiples of 2^-112, and f0 is 0 or at least 2^-336. With |t| < 2^-424 the second part is less than that: so its
+// size does not matter, only its sign, which the factor leaves as it is. The greatest one becomes 2^-511 or more.
+INLINE bool find_decidable(double3 p, SignFaces faces, __private double3* at) {
+    const double3 units = p * faces.per_unit;  // exact in the range of exact arithmetic
+    *at = units;
+#define IS_EXACT(axis) (p.axis == 0.0 || (units.axis != 0.0 && is_in_exact_range(units.axis)))
+    if (IS_EXACT(x) && IS_EXACT(y) && IS_EXACT(z)) return true;
+#undef IS_EXACT
+    if (!faces.are_moderate || faces.loops != 0) return false;
+    const double coordinates[3] = {units.x, units.y, units.z}, callers[3] = {p.x, p.y, p.z};
+    double enlarged[3], least = INFINITY, most = 0.0;  // by 2^500: no bits are lost
+    for (int axis = 0; axis < 3; ++axis) {
+        const double size = fabs(coordinates[axis]);
+        enlarged[axis] = 0.0;
+        if (callers[axis] == 0.0 || (size >= 0x1p-60 && size <= 0x1p40)) continue;
+        if (!(size < 0x1p-424)) return false;
+        enlarged[axis] = callers[axis] * 0x1p500 * faces.per_unit;
+        const double enlarged_size = fabs(enlarged[axis]);
+        least = LESSER(enlarged_size, least);
+        most = GREATER(enlarged_size, most);
+    }
+    if (most > least * 0x1p90) return false;
+    // most 2^exponent is in [2^-511, 2^-510).
+    const int exponent = 512 - (int)(as_ulong(most) >> 52);
+    const double factor = as_double((ulong)(1023 + exponent) << 52);
+    at->x = enlarged[0] != 0.0 ? enlarged[0] * factor : units.x;
+    at->y = enlarged[1] != 0.0 ? enlarged[1] * factor : units.y;
+    at->z = enlarged[2] != 0.0 ? enlarged[2] * factor : units.z;
+    return true;
+}
+
+// Open points [begin, end) of a list of cells->open, which is in no order. in_units, places and squared: by the order
+// of points. sign_positions: in place of `positions` for crossings. Points that stay open are listed in `left`.
+__kernel void decide_open_points(PointSource source, __global const uchar* memory, SignFaces faces, PointTree tree,
+                                 double nearly_on_surface, uint begin, uint end, __global const PointNode* nodes,
+                                 __global const uint* triangles, __global const double* positions,
+                                 __global const double* sign_positions, __global const char* counts,
+                                 __global const double* corners, __global const uint* begins,
+                                 __global const double* in_units, __global const uint* places,
+                                 __global const double* squared, __global const uint* open,
+                                 volatile __global PointCells* cells, __global uchar* signs, __global uint* left) {
+    const uint k = begin + (uint)get_global_id(0);
+    if (k >= end || k >= cells->open) return;
+    const uint i = open[k];
+    const double3 p = position_of(source, memory, places[i]), from = vload3(i, in_units);
+    Ray ray;
+    if (!find_decidable(p, faces, &ray.from)) {
+        left[atomic_inc(&cells->left)] = i;
+        return;
+    }
+    const double at[3] = {from.x, from.y, from.z};
+    for (int axis = 0; axis < 3; ++axis) {
+        const float nearest = (float)at[axis], rounding = fabs(nearest) * 2.4e-7f;
+        ray.lower[axis] = nearest - rounding;
+        ray.upper[axis] = nearest + rounding;
+    }
+    ray.is_forward = !faces.is_backward && p.x - faces.lower_x > faces.upper_x - p.x;
+    CrossedMesh mesh = {tree, nodes, triangles, positions, faces.has_counts, counts};
+    Crossings crossings = {0, 0};
+    if (sqrt(squared[i]) < nearly_on_surface && visit_leaves(&mesh, &ray, false, &crossings)) {
+        signs[i] = CLSDF_POINT_ON_SURFACE;
+        return;
+    }
+    signs[i] = CLSDF_POINT_OUTSIDE;
+    if (!faces.has_sign) return;
+    if (faces.has_sign_positions) mesh.positions = sign_positions;
+    if (ray.is_forward)
+        ray.upper[0] = INFINITY;
+    else
+        ray.lower[0] = -INFINITY;
+    visit_leaves(&mesh, &ray, true, &crossings);
+    if (faces.loops != 0) crossings.winding += rounded_part_of_film(ray.from, faces.loops, corners, begins);
+    if (faces.is_parity ? (crossings.count & 1u) != 0 : crossings.winding != 0) signs[i] = CLSDF_POINT_INSIDE;
+}

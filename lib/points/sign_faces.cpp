@@ -1,0 +1,81 @@
+#include "points/sign_faces.hpp"
+
+#include "core/large_memory.hpp"
+#include "core/parallel.hpp"
+#include "mesh/expansions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace clsdf::points {
+
+namespace {
+
+/// Positions in units, whose division by a power of two rounds none that is in range, and makes no other one 0.
+UninitializedVector<Vec3> in_units(std::span<const Vec3> positions, double unit) {
+    UninitializedVector<Vec3> result(positions.size());
+    for_each_index(positions.size(), [&](std::size_t i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double given = positions[i][axis], scaled = given / unit;
+            result[i][axis] = scaled == 0 && given != 0 ? std::numeric_limits<double>::denorm_min() : scaled;
+        }
+    });
+    return result;
+}
+
+/// As SignFaces::are_moderate.
+bool are_moderate(std::span<const Vec3> positions) {
+    return std::ranges::all_of(positions, [](const Vec3& p) {
+        return std::ranges::all_of(p, [](double coordinate) {
+            const double size = std::abs(coordinate);
+            return size == 0 || (size >= 0x1p-60 && size <= 0x1p40);
+        });
+    });
+}
+
+}  // namespace
+
+DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::PointMesh& mesh, SignRule rule,
+                                const OpenBoundary* boundary) {
+    const double unit = mesh.lattice.unit;
+    const auto upload = [&](const auto& values) {
+        return device::uploaded(tools.context, tools.pool, values, "the surface that decides signs");
+    };
+    DeviceSignFaces result;
+    const UninitializedVector<Vec3> positions = in_units(mesh.positions, unit);
+    const UninitializedVector<Vec3> sign_positions = in_units(mesh.sign_positions, unit);
+    result.are_exact = expansions::are_exact(positions) && expansions::are_exact(sign_positions);
+    if (!result.are_exact) return result;
+    SignFaces& faces = result.faces;
+    faces.per_unit = 1 / unit;
+    faces.lower_x = mesh.box.lower[0];
+    faces.upper_x = mesh.box.upper[0];
+    faces.are_moderate = are_moderate(positions) && are_moderate(sign_positions);
+    faces.has_sign = rule != SignRule::none;
+    faces.is_backward = mesh.is_part || boundary != nullptr;
+    faces.is_parity = rule == SignRule::parity;
+    result.triangles = upload(mesh.topology->faces.triangles);
+    result.positions = upload(positions);
+    if (!sign_positions.empty()) {
+        faces.has_sign_positions = 1;
+        result.sign_positions = upload(sign_positions);
+    }
+    if (!mesh.sign_counts.empty()) {
+        faces.has_counts = 1;
+        result.counts = upload(mesh.sign_counts);
+    }
+    if (boundary != nullptr && !boundary->empty()) {
+        std::vector<std::uint32_t> begins(boundary->begins.begin(), boundary->begins.end());
+        faces.loops = static_cast<clsdf_uint32>(begins.size() - 1);
+        result.corner_count = boundary->corners.size();
+        result.corners = upload(in_units(boundary->corners, unit));
+        result.begins = upload(begins);
+    }
+    return result;
+}
+
+}  // namespace clsdf::points
