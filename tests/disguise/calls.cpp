@@ -35,11 +35,13 @@ using namespace clsdf::disguise;
 // clNAME(parameters), which returns a code, or an object by way of an error.
 #define CLSDF_PASS(name, parameters, ...)                  \
     cl_int name parameters {                               \
+        const InCall in_call;                              \
         if (const cl_int code = begin(#name)) return code; \
         return CLSDF_NEXT(name)(__VA_ARGS__);              \
     }
 #define CLSDF_PASS_OBJECT(type, name, parameters, ...)                     \
     type name parameters {                                                 \
+        const InCall in_call;                                              \
         if (const cl_int code = begin(#name)) return refused(code, error); \
         return CLSDF_NEXT(name)(__VA_ARGS__);                              \
     }
@@ -102,12 +104,14 @@ CLSDF_PASS(clEnqueueBarrierWithWaitList,
 
 cl_int clBuildProgram(cl_program program, cl_uint count_of_devices, const cl_device_id* devices, const char* options,
                       void(CL_CALLBACK* notify)(cl_program, void*), void* user) {
+    const InCall in_call;
     if (const cl_int code = begin("clBuildProgram")) return code;
     count([](Counts& counts) { ++counts.programs_built; });
     return CLSDF_NEXT(clBuildProgram)(program, count_of_devices, devices, options, notify, user);
 }
 
 cl_kernel clCreateKernel(cl_program program, const char* name, cl_int* error) {
+    const InCall in_call;
     if (const cl_int code = begin("clCreateKernel")) return refused(code, error);
     const cl_kernel kernel = CLSDF_NEXT(clCreateKernel)(program, name, error);
     forget_arguments(kernel);
@@ -115,18 +119,21 @@ cl_kernel clCreateKernel(cl_program program, const char* name, cl_int* error) {
 }
 
 cl_int clSetKernelArg(cl_kernel kernel, cl_uint index, std::size_t bytes, const void* value) {
+    const InCall in_call;
     if (const cl_int code = begin("clSetKernelArg")) return code;
     note_argument(kernel, index, bytes, value);
     return CLSDF_NEXT(clSetKernelArg)(kernel, index, bytes, value);
 }
 
 cl_int clFinish(cl_command_queue queue) {
+    const InCall in_call;
     if (const cl_int code = begin("clFinish")) return code;
     count_wait();
     return CLSDF_NEXT(clFinish)(queue);
 }
 
 cl_int clWaitForEvents(cl_uint events, const cl_event* list) {
+    const InCall in_call;
     if (const cl_int code = begin("clWaitForEvents")) return code;
     if (events == 1 && is_pinned_read(list[0]))
         count([](Counts& counts) { ++counts.pinned_reads; });
@@ -137,6 +144,7 @@ cl_int clWaitForEvents(cl_uint events, const cl_event* list) {
 
 cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, std::size_t offset,
                            std::size_t bytes, void* target, cl_uint waits, const cl_event* wait_list, cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueReadBuffer")) return code;
     if (const cl_int code = use(buffer)) return code;
     if (blocking != CL_FALSE) count_wait();
@@ -152,6 +160,7 @@ cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocki
 cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, std::size_t offset,
                             std::size_t bytes, const void* source, cl_uint waits, const cl_event* wait_list,
                             cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueWriteBuffer")) return code;
     if (const cl_int code = use(buffer)) return code;
     if (blocking != CL_FALSE) count_wait();
@@ -164,6 +173,7 @@ cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool block
 cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void* pattern, std::size_t pattern_bytes,
                            std::size_t offset, std::size_t bytes, cl_uint waits, const cl_event* wait_list,
                            cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueFillBuffer")) return code;
     if (const cl_int code = use(buffer)) return code;
     count_command();
@@ -175,6 +185,7 @@ cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void* pa
 cl_int clEnqueueCopyBuffer(cl_command_queue queue, cl_mem from, cl_mem to, std::size_t from_offset,
                            std::size_t to_offset, std::size_t bytes, cl_uint waits, const cl_event* wait_list,
                            cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueCopyBuffer")) return code;
     for (cl_mem buffer : {from, to})
         if (const cl_int code = use(buffer)) return code;
@@ -186,6 +197,7 @@ cl_int clEnqueueCopyBuffer(cl_command_queue queue, cl_mem from, cl_mem to, std::
 cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const std::size_t* offsets,
                               const std::size_t* items, const std::size_t* group, cl_uint waits,
                               const cl_event* wait_list, cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueNDRangeKernel")) return code;
     if (is_gpu()) {
         if (group != nullptr && product(dimensions, group) > largest_group) return CL_INVALID_WORK_GROUP_SIZE;
@@ -197,4 +209,22 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
     return CLSDF_NEXT(clEnqueueNDRangeKernel)(queue, kernel, dimensions, offsets, items, group, waits, wait_list,
                                               event);
 }
+
+// Calls that are neither counted nor fail.
+#define CLSDF_PASS_UNCOUNTED(name, type) \
+    cl_int name(type object) {           \
+        const InCall in_call;            \
+        return CLSDF_NEXT(name)(object); \
+    }
+CLSDF_PASS_UNCOUNTED(clRetainMemObject, cl_mem)
+CLSDF_PASS_UNCOUNTED(clRetainEvent, cl_event)
+CLSDF_PASS_UNCOUNTED(clReleaseEvent, cl_event)
+CLSDF_PASS_UNCOUNTED(clRetainKernel, cl_kernel)
+CLSDF_PASS_UNCOUNTED(clReleaseKernel, cl_kernel)
+CLSDF_PASS_UNCOUNTED(clRetainProgram, cl_program)
+CLSDF_PASS_UNCOUNTED(clReleaseProgram, cl_program)
+CLSDF_PASS_UNCOUNTED(clRetainCommandQueue, cl_command_queue)
+CLSDF_PASS_UNCOUNTED(clReleaseCommandQueue, cl_command_queue)
+CLSDF_PASS_UNCOUNTED(clRetainContext, cl_context)
+CLSDF_PASS_UNCOUNTED(clReleaseContext, cl_context)
 }

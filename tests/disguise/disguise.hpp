@@ -84,13 +84,20 @@ struct Counts {
     std::uint64_t first_uses = 0;      ///< commands that are the first to use a buffer of a GPU
     std::uint64_t allocated_bytes = 0;
     std::uint64_t programs_built = 0;
-    std::string failed;  ///< the first call that failed on purpose; empty: none
+    std::uint64_t host_ns = 0;  ///< see time_host()
+    std::string failed;         ///< the first call that failed on purpose; empty: none
 };
 
 /// The counts since restart().
 Counts counts();
 /// Resets the counts and the numbers of calls, and sets the calls that fail.
 void restart(const Fault& fault = {});
+
+/// Counts, from now to end_host_time(), the processor time of the calling thread between calls of OpenCL: from the
+/// return of one to the begin of the next, without the clock's own cost. Other threads are not counted: the caller
+/// holds oneTBB to one. To be called after restart().
+void time_host();
+void end_host_time();
 
 /// Counts as one line of JSON.
 std::string to_json(const Counts& counts);

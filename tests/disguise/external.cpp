@@ -143,17 +143,20 @@ cl_int hand_over(bool is_acquired, cl_command_queue queue, cl_uint count, const 
 
 cl_int acquire(cl_command_queue queue, cl_uint count, const cl_mem* buffers, cl_uint waits, const cl_event* wait_list,
                cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueAcquireExternalMemObjectsKHR")) return code;
     return hand_over(true, queue, count, buffers, waits, wait_list, event);
 }
 
 cl_int release(cl_command_queue queue, cl_uint count, const cl_mem* buffers, cl_uint waits, const cl_event* wait_list,
                cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueReleaseExternalMemObjectsKHR")) return code;
     return hand_over(false, queue, count, buffers, waits, wait_list, event);
 }
 
 Semaphore* create_semaphore(cl_context context, const Properties* properties, cl_int* error) {
+    const InCall in_call;
     if (const cl_int code = begin("clCreateSemaphoreWithPropertiesKHR")) return refused(code, error);
     bool is_binary = false, is_exported = false;
     for (const Properties* at = properties; at != nullptr && *at != 0;) {
@@ -182,6 +185,7 @@ cl_int release_semaphore(Semaphore* semaphore) {
 
 cl_int semaphore_handle(Semaphore* semaphore, cl_device_id, cl_uint type, std::size_t size, void* value,
                         std::size_t* needed) {
+    const InCall in_call;
     if (const cl_int code = begin("clGetSemaphoreHandleForTypeKHR")) return code;
     if (semaphore == nullptr) return invalid_semaphore;
     if (type != opaque_semaphore || (value != nullptr && size < sizeof(int))) return CL_INVALID_VALUE;
@@ -198,6 +202,7 @@ cl_int semaphore_handle(Semaphore* semaphore, cl_device_id, cl_uint type, std::s
 /// The queue goes on when the semaphore has been signalled, and it is not signalled then.
 cl_int wait_semaphores(cl_command_queue queue, cl_uint count, Semaphore* const* semaphores, const cl_ulong*,
                        cl_uint waits, const cl_event* wait_list, cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueWaitSemaphoresKHR")) return code;
     if (count == 0 || semaphores == nullptr) return CL_INVALID_VALUE;
     std::vector<cl_event> before(wait_list, wait_list + waits);
@@ -245,6 +250,7 @@ void CL_CALLBACK signal(cl_event event, cl_int, void* payload) {
 
 cl_int signal_semaphores(cl_command_queue queue, cl_uint count, Semaphore* const* semaphores, const cl_ulong*,
                          cl_uint waits, const cl_event* wait_list, cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueSignalSemaphoresKHR")) return code;
     if (count == 0 || semaphores == nullptr) return CL_INVALID_VALUE;
     cl_event reached = nullptr;
@@ -308,6 +314,7 @@ extern "C" {
 
 cl_mem clCreateBufferWithProperties(cl_context context, const Properties* properties, cl_mem_flags flags,
                                     std::size_t bytes, void* host, cl_int* error) {
+    const InCall in_call;
     if (const cl_int code = begin("clCreateBufferWithProperties")) return refused(code, error);
     if (!has_memory() || properties == nullptr || *properties == 0)
         return CLSDF_NEXT(clCreateBufferWithProperties)(context, properties, flags, bytes, host, error);

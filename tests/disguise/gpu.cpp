@@ -144,6 +144,7 @@ using namespace clsdf::disguise;
 extern "C" {
 
 cl_int clGetPlatformIDs(cl_uint room, cl_platform_id* platforms, cl_uint* found) {
+    const InCall in_call;
     if (const cl_int code = begin("clGetPlatformIDs")) return code;
     if (!record().settings.without_platforms) return CLSDF_NEXT(clGetPlatformIDs)(room, platforms, found);
     constexpr cl_int no_platform = -1001;  // CL_PLATFORM_NOT_FOUND_KHR
@@ -153,6 +154,7 @@ cl_int clGetPlatformIDs(cl_uint room, cl_platform_id* platforms, cl_uint* found)
 
 cl_int clGetPlatformInfo(cl_platform_id platform, cl_platform_info name, std::size_t size, void* value,
                          std::size_t* needed) {
+    const InCall in_call;
     if (const cl_int code = begin("clGetPlatformInfo")) return code;
     if (record().settings.pocl_3_0)
         if (const std::string_view text = platform_of_pocl_3_0(name); !text.empty())
@@ -162,6 +164,7 @@ cl_int clGetPlatformInfo(cl_platform_id platform, cl_platform_info name, std::si
 }
 
 cl_int clGetDeviceInfo(cl_device_id device, cl_device_info name, std::size_t size, void* value, std::size_t* needed) {
+    const InCall in_call;
     if (const cl_int code = begin("clGetDeviceInfo")) return code;
     const bool pocl_3_0 = record().settings.pocl_3_0;
     if (pocl_3_0 && name == CL_DEVICE_NAME) return answer("pthread-AMD EPYC", size, value, needed);
@@ -183,6 +186,7 @@ cl_int clGetDeviceInfo(cl_device_id device, cl_device_info name, std::size_t siz
 
 cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id* devices_found,
                       cl_uint* found) {
+    const InCall in_call;
     if (const cl_int code = begin("clGetDeviceIDs")) return code;
     const cl_device_type meant = is_gpu() ? undisguised(type) : type;
     if (record().settings.without_devices || (meant == 0 && type != 0)) {

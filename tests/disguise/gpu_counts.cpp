@@ -16,6 +16,7 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -23,6 +24,7 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -45,6 +47,8 @@ constexpr std::size_t searched_count = 4'000;
 constexpr double points_within = 0.012;  // of the longest side, on each axis
 constexpr double points_around = 0.1;    // of the box of uniform ones
 constexpr double megabyte = 1e6;
+constexpr int host_rounds = 3;
+constexpr double moved_by = 1e-6;  // of the longest side
 
 /// The numbers of a call, in the order in which they are shown.
 std::vector<std::pair<std::string, std::uint64_t>> numbers_of(const disguise::Counts& counts) {
@@ -83,6 +87,17 @@ struct SearchWorks {
     SearchWork wide_tree, binary_tree;
 };
 
+/// Processor time of the calling thread between calls of OpenCL, in nanoseconds: the least of several.
+struct HostTimes {
+    std::uint64_t first_call = UINT64_MAX;     ///< a transform, a plan and its run into memory of the device
+    std::uint64_t set_positions = UINT64_MAX;  ///< from an array of the host
+    std::uint64_t update = UINT64_MAX;         ///< of the plan, and its run
+
+    std::array<std::pair<const char*, std::uint64_t>, 3> numbers() const {
+        return {{{"first_call", first_call}, {"set_positions", set_positions}, {"update_and_run", update}}};
+    }
+};
+
 struct Result {
     std::string mesh;
     std::size_t triangles = 0;
@@ -95,6 +110,7 @@ struct Result {
     disguise::Counts points;
     disguise::Counts point_plan;
     SearchWorks near, uniform;
+    HostTimes host_ns;
 
     std::array<std::pair<const char*, const disguise::Counts*>, 6> calls() const {
         return {{{"first_call", &first},
@@ -237,6 +253,44 @@ void look_up_on_device(const Device& device, const DistanceTransform& transform,
     clReleaseEvent(second);
 }
 
+HostTimes measure_host(const Device& device, const Mesh& mesh, const Grid& grid, const Band& band) {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    const auto release = [](cl_mem memory) { clReleaseMemObject(memory); };
+    const std::unique_ptr<std::remove_pointer_t<cl_mem>, decltype(release)> target(
+        clCreateBuffer(device.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float), nullptr, nullptr));
+    const auto timed = [](std::uint64_t& least, const auto& work) {
+        disguise::restart();
+        disguise::time_host();
+        work();
+        disguise::end_host_time();
+        least = std::min(least, disguise::counts().host_ns);
+    };
+    HostTimes times;
+    for (int round = 0; round < host_rounds; ++round) {
+        std::optional<DistanceTransform> transform;
+        std::optional<Plan> plan;
+        const auto run = [&] {
+            plan->enqueue(device.queue(), target.get());
+            clFinish(device.queue());
+        };
+        timed(times.first_call, [&] {
+            transform.emplace(device, mesh);
+            plan.emplace(transform->plan(grid, band));
+            run();
+        });
+        std::vector<Vec3> positions = mesh.vertices();
+        for (int step = 0; step < 2; ++step) {  // the first one keeps the first positions
+            for (Vec3& position : positions) position[0] += moved_by * mesh.box().longest_side();
+            timed(times.set_positions, [&] { transform->set_positions(positions); });
+            timed(times.update, [&] {
+                plan->update(*transform);
+                run();
+            });
+        }
+    }
+    return times;
+}
+
 Result measure(const std::string& path) {
     disguise::set({.gpu = true, .compute_units = compute_units});
     const Mesh mesh = read_mesh(path);
@@ -277,6 +331,7 @@ Result measure(const std::string& path) {
     result.near = search(device, mesh, points_near(mesh));
     result.uniform = search(device, mesh, uniform_points(mesh));
 
+    result.host_ns = measure_host(device, mesh, result.grid, result.band);
     result.statistics = transform.compute(result.grid, result.band, distance, {.count_work = true});
     return result;
 }
@@ -299,6 +354,7 @@ void print_json(const Result& result) {
         for (const auto& [tree, work] :
              {std::pair("wide_tree", works.wide_tree), std::pair("binary_tree", works.binary_tree)})
             for (const auto& [number, value] : work.numbers()) json["search"][name][tree][number] = value;
+    for (const auto& [step, time] : result.host_ns.numbers()) json["host_ns"][step] = time;
     const TransformStatistics& statistics = result.statistics;
     json["band_samples"] = statistics.work->band_samples;
     json["evaluations_per_band_sample"] = result.per_band_sample(statistics.work->lanes_evaluated);
@@ -329,7 +385,9 @@ void print_text(const Result& result) {
     fmt::print("\n{:<28} {:.2f}\n{:<28} {:.2f}\n", "evaluations_per_band_sample",
                result.per_band_sample(result.statistics.work->lanes_evaluated), "covered_per_band_sample",
                result.per_band_sample(result.statistics.work->samples_covered));
-    fmt::print("\n{:<28} {:>14} {:>14} {:>14} {:>14}\n{:<28}", "", "near", "", "uniform", "", "");
+    fmt::print("\n{:<28}", "host_ns");
+    for (const auto& [step, time] : result.host_ns.numbers()) fmt::print(" {} {}", step, time);
+    fmt::print("\n\n{:<28} {:>14} {:>14} {:>14} {:>14}\n{:<28}", "", "near", "", "uniform", "", "");
     for (int i = 0; i < 2; ++i) fmt::print(" {:>14} {:>14}", "wide tree", "binary tree");
     fmt::print("\n");
     const std::array works{result.near.wide_tree, result.near.binary_tree, result.uniform.wide_tree,

@@ -242,6 +242,7 @@ using namespace clsdf::disguise;
 extern "C" {
 
 cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, std::size_t bytes, void* host, cl_int* error) {
+    const InCall in_call;
     if (const cl_int code = begin("clCreateBuffer")) return refused(code, error);
     const cl_mem buffer = is_gpu() ? create_on_gpu(context, flags, bytes, host, error)
                                    : CLSDF_NEXT(clCreateBuffer)(context, flags, bytes, host, error);
@@ -259,6 +260,7 @@ cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, std::size_t bytes,
 
 cl_mem clCreateSubBuffer(cl_mem buffer, cl_mem_flags flags, cl_buffer_create_type type, const void* region,
                          cl_int* error) {
+    const InCall in_call;
     if (const cl_int code = begin("clCreateSubBuffer")) return refused(code, error);
     const cl_mem part = CLSDF_NEXT(clCreateSubBuffer)(buffer, flags, type, region, error);
     if (std::byte* const host = host_memory_of(buffer); host != nullptr && part != nullptr)
@@ -271,6 +273,7 @@ cl_mem clCreateSubBuffer(cl_mem buffer, cl_mem_flags flags, cl_buffer_create_typ
 }
 
 cl_int clReleaseMemObject(cl_mem buffer) {
+    const InCall in_call;
     check_out(buffer);
     return CLSDF_NEXT(clReleaseMemObject)(buffer);
 }
@@ -278,6 +281,7 @@ cl_int clReleaseMemObject(cl_mem buffer) {
 void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags flags,
                          std::size_t offset, std::size_t bytes, cl_uint waits, const cl_event* wait_list,
                          cl_event* event, cl_int* error) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueMapBuffer")) return refused(code, error);
     if (const cl_int code = use(buffer)) return refused(code, error);
     count_command();
@@ -290,6 +294,7 @@ void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking
 
 cl_int clEnqueueUnmapMemObject(cl_command_queue queue, cl_mem buffer, void* mapped, cl_uint waits,
                                const cl_event* wait_list, cl_event* event) {
+    const InCall in_call;
     if (const cl_int code = begin("clEnqueueUnmapMemObject")) return code;
     count_command();
     if (is_gpu()) return unmap_on_gpu(queue, buffer, mapped, waits, wait_list, event);

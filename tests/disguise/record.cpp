@@ -3,10 +3,14 @@
 #include <nlohmann/json.hpp>
 
 #include <fcntl.h>
+#include <time.h>
 #include <unistd.h>
+#include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <string_view>
+#include <thread>
 
 namespace clsdf::disguise {
 
@@ -62,6 +66,65 @@ Record* record_of_environment() {
 }
 
 }  // namespace
+
+namespace {
+
+/// The host's time on a thread. Calls may be nested: one in a callback, say.
+struct HostTime {
+    int depth = 0;
+    std::uint64_t since = 0;  ///< when the latest call returned
+};
+thread_local HostTime host_time;
+std::atomic<std::thread::id> timed_thread{};
+
+std::uint64_t processor_time() {
+    timespec time{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000U + static_cast<std::uint64_t>(time.tv_nsec);
+}
+
+/// The least of a few: what a look at the clock takes, from within.
+std::uint64_t cost_of_clock() {
+    static const std::uint64_t cost = [] {
+        std::uint64_t least = UINT64_MAX;
+        for (int i = 0; i < 100; ++i) {
+            const std::uint64_t begin = processor_time();
+            least = std::min(least, processor_time() - begin);
+        }
+        return least;
+    }();
+    return cost;
+}
+
+bool is_timed() {
+    return timed_thread.load(std::memory_order_relaxed) == std::this_thread::get_id();
+}
+
+void add_host_time() {
+    const std::uint64_t time = processor_time() - host_time.since, cost = cost_of_clock();
+    count([&](Counts& counts) { counts.host_ns += time > cost ? time - cost : 0; });
+}
+
+}  // namespace
+
+InCall::InCall() {
+    if (host_time.depth++ == 0 && is_timed()) add_host_time();
+}
+
+InCall::~InCall() {
+    if (--host_time.depth == 0 && is_timed()) host_time.since = processor_time();
+}
+
+void time_host() {
+    cost_of_clock();
+    timed_thread = std::this_thread::get_id();
+    host_time.since = processor_time();
+}
+
+void end_host_time() {
+    if (is_timed()) add_host_time();
+    timed_thread = std::thread::id();
+}
 
 Record& record() {
     static Record* const only = record_of_environment();
@@ -127,6 +190,7 @@ std::string to_json(const Counts& counts) {
     json["first_uses"] = counts.first_uses;
     json["allocated_bytes"] = counts.allocated_bytes;
     json["programs_built"] = counts.programs_built;
+    if (counts.host_ns > 0) json["host_ns"] = counts.host_ns;
     json["all_calls"] = counts.all_calls;
     if (!counts.failed.empty()) json["failed"] = counts.failed;
     json["calls"] = counts.calls;

@@ -34,6 +34,15 @@ struct Record {
 /// Never destroyed: the driver's threads may outlive it.
 Record& record();
 
+/// The time of a call of OpenCL, which is not the host's: made first in each function that takes the place of one.
+class InCall {
+public:
+    InCall();
+    InCall(const InCall&) = delete;
+    InCall& operator=(const InCall&) = delete;
+    ~InCall();
+};
+
 /// Counts a call. Returns the code that it is to fail with, or CL_SUCCESS.
 cl_int begin(const char* call);
 
