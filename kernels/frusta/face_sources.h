@@ -29,6 +29,7 @@
 // A direction that a face rejects by less lies within a quarter of the slack of its polyhedron (docs/method.md, 'Gaps
 // at saddle vertices'): 1e-3 + 2e-5 d is four times d times this or more, for every distance d in units.
 #define CLSDF_REJECTION_MARGIN 5.0e-6
+#define CLSDF_VERTEX_IS_IRREGULAR 4u  // and open: no fan or border of few faces, which kernels do not look at
 // Vertices of a fan item, the stride of their numbers, and the most faces around one.
 #define CLSDF_FAN_ITEM 256
 #define CLSDF_FAN_STRIDE 32

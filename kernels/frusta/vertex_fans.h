@@ -23,8 +23,8 @@ typedef struct Fans {
     Vectors middle;  // mean of the normals
 } Fans;
 
-// The fans of `places`: where the words of LANES vertices begin (FanItem).
-INLINE void load_fans(uint faces, __global const uint* words, __private const uint* places,
+// The fans of `places`: where the words of LANES vertices begin, each `stride` words after the one before (FanItem).
+INLINE void load_fans(uint faces, __global const uint* words, __private const uint* places, uint stride,
                       __global const uint* triangles, __global const double* positions, __global const float* signs,
                       double per_unit, __private Fans* fans) {
     uint corners[LANES], vertices[LANES];
@@ -32,8 +32,7 @@ INLINE void load_fans(uint faces, __global const uint* words, __private const ui
     Vectors centre;
     for (uint f = 0; f < faces; ++f) {
 #pragma unroll
-        for (uint lane = 0; lane < LANES; ++lane)
-            corners[lane] = LOAD(uint, words + places[lane] + CLSDF_FAN_STRIDE * f);
+        for (uint lane = 0; lane < LANES; ++lane) corners[lane] = LOAD(uint, words + places[lane] + stride * f);
         if (f == 0) {
 #pragma unroll
             for (uint lane = 0; lane < LANES; ++lane)

@@ -104,7 +104,7 @@ INLINE uint gap_answer(FaceArrays arrays, double per_unit, uint faces, __global 
     uint order[CLSDF_FAN_FACES], marks = 0;
     const uint starts[2] = {0, faces};
     for (uint f = 0; f < faces; ++f) {
-        const uint corner = words[CLSDF_FAN_STRIDE * f], face = corner >> 2, leaving = corner & 3;
+        const uint corner = words[f], face = corner >> 2, leaving = corner & 3;
         MeasuredFace measured;
         if (!measure_face(arrays, face, &measured)) return CLSDF_VERTEX_IS_OPEN;
         planes[f].normal = measured.normal;

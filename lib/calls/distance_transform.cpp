@@ -63,7 +63,7 @@ Device DistanceTransform::device() const {
 Box DistanceTransform::box() const {
     State& state = this->state();
     const std::scoped_lock lock(state.mutex);
-    return state.kept_mesh->mesh().box();
+    return state.kept_mesh->box();
 }
 DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions) const {
     return with_host_memory("to restrict the transform", [&] {
@@ -76,6 +76,10 @@ void DistanceTransform::set_positions(const InputArray& positions, const CallOpt
         check_array(positions, ArrayKind::positions, "positions", ErrorCode::invalid_argument);
         targets::MappedMemory memory(device::context_of(state.device));
         memory.add(positions, "positions");
+        if (positions.device != nullptr) {
+            targets::wait_for(device::context_of(state.device), call.wait_list);
+            if (state.set_positions_on_device(positions)) return;
+        }
         memory.map(call.wait_list);
         const PositionArray array(memory.on_host(positions));
         std::vector<Vec3> copy;

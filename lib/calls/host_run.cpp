@@ -298,7 +298,7 @@ CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request
     std::vector<engine::Job> jobs;
     const auto targets = calls::targets_of(requests, host_targets(jobs, call.count_work));
     const std::vector<Batch> batches =
-        calls::batches_of(std::span<const engine::Job>(jobs), std::span(targets), kept_mesh->mesh().box());
+        calls::batches_of(std::span<const engine::Job>(jobs), std::span(targets), kept_mesh->box());
     const HostRun::Store store = [&](const Slab& slab, const Gathering& gathered, const targets::HostArrays& values) {
         const std::vector<std::size_t>& chosen = slab.batch->requests;
         gathered.for_each_box([&](std::size_t n, const Grid& box, std::size_t start) {

@@ -77,7 +77,7 @@ void DistanceTransform::State::plan(calls::PlanState& made, std::span<const engi
     const std::scoped_lock lock(mutex);
     calls::RunningCall running{call};
     running.throw_if_stopped();
-    made.divide(jobs, targets, kept_mesh->mesh().box());
+    made.divide(jobs, targets, kept_mesh->box());
     if (made.has_copies()) test(calls::stored_boxes_subject(device, programs), running);
     for (const calls::Batch& batch : made.batches()) compile(batch.job, running);
     made.sign = sign;

@@ -38,12 +38,11 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
             inputs.sign_faces = kept_points->sign_faces(sign);
         }
         const bool has_room = !on_host && !points_are_short_of_memory;
-        const bool are_many =
-            has_room && points::is_scan_worthwhile(programs, count, kept_mesh->mesh().triangles().size());
+        const bool are_many = has_room && points::is_scan_worthwhile(programs, count, kept_mesh->face_count());
         if (are_many) inputs.scanned = kept_points->scanned_mesh();
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
-                sign, has_room && points::are_sides_worthwhile(points_asked, kept_mesh->mesh().triangles().size()));
+                sign, has_room && points::are_sides_worthwhile(points_asked, kept_mesh->face_count()));
         const NormalsNeeded normals = normals_for(outputs);
         inputs.sites = kept_mesh->sites(engine::names_sites(outputs), normals.are_needed || inputs.sides != nullptr);
         inputs.sign = sign;
@@ -109,7 +108,7 @@ points::PointInputs DistanceTransform::State::inputs_of_few(points::UsablePoints
     }
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    check(kept_mesh->mesh().box());  // before anything is made
+    check(kept_mesh->box());  // before anything is made
     context().begin_call();
     pool->restart_peak();
     const Stopwatch watch;
@@ -145,14 +144,14 @@ CallStatistics DistanceTransform::State::query_many(points::UsablePoints& asked,
     const KeepsBudget keeps_budget(*this);
     calls::RunningCall running{call};
     CallStatistics& statistics = running.statistics;
-    statistics.triangles = kept_mesh->mesh().triangles().size();
+    statistics.triangles = kept_mesh->face_count();
     {
         const std::scoped_lock lock(mutex);
         context().begin_call();
         running.throw_if_stopped();
-        find_usable(asked, kept_mesh->mesh().box(), half_width);  // before anything is made
+        find_usable(asked, kept_mesh->box(), half_width);  // before anything is made
         test(checks::point_subject(device, programs, checks::PointKernels::of_all), running);
-        if (points::is_scan_worthwhile(programs, asked.points().size(), kept_mesh->mesh().triangles().size()))
+        if (points::is_scan_worthwhile(programs, asked.points().size(), kept_mesh->face_count()))
             test(checks::point_subject(device, programs, checks::PointKernels::of_many), running);
         pool->restart_peak();
         const Stopwatch watch;
@@ -250,9 +249,9 @@ CallStatistics DistanceTransform::State::query_on_device(const InputArray& point
     const KeepsBudget keeps_budget(*this);
     calls::RunningCall running{call};
     CallStatistics& statistics = running.statistics;
-    statistics.triangles = kept_mesh->mesh().triangles().size();
+    statistics.triangles = kept_mesh->face_count();
     const points::DevicePoints asked = points::points_in(points);
-    const points::UsableRange range = points::usable_range(kept_mesh->mesh().box());
+    const points::UsableRange range = points::usable_range(kept_mesh->box());
     const PointLimits usable = points::limits_of(range.limits);
     {
         const std::scoped_lock lock(mutex);

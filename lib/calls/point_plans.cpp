@@ -300,7 +300,7 @@ void DistanceTransform::State::plan_points(PointPlan::State& made, const CallOpt
         made.packed = std::move(packed);
     }
     CallStatistics& statistics = running.statistics;
-    statistics.triangles = kept_mesh->mesh().triangles().size();
+    statistics.triangles = kept_mesh->face_count();
     statistics.polyhedra_seconds = watch.seconds();
     statistics.device_bytes = made.own_bytes();
     made.published = statistics.published();
@@ -315,7 +315,7 @@ points::PointInputs DistanceTransform::State::planned_point_inputs(OutputSet out
                     fmt::format("{} has a coordinate that is not 0 and, in units of {}, smaller than 2^-300 or greater "
                                 "than 2^300: a plan of points cannot decide signs then; set such coordinates to 0, or "
                                 "ask with query()",
-                                kept_mesh->mesh().name(), inputs.mesh->lattice.unit));
+                                kept_mesh->name(), inputs.mesh->lattice.unit));
     if (programs.body == KernelBody::by_group) inputs.tree = kept_points->fitted_tree();
     if (sign != SignRule::none) inputs.sides = kept_points->face_sides(sign, true);
     const NormalsNeeded normals = normals_for(outputs);

@@ -377,7 +377,7 @@ CallStatistics DistanceTransform::State::compute_sparse(std::span<const engine::
     std::vector<targets::HostArrays> arrays;
     for (const engine::Job& job : jobs) arrays.push_back(targets::arrays_for(job.outputs));
     const std::vector<Batch> batches =
-        calls::batches_of(jobs, std::span<const targets::HostArrays>(arrays), kept_mesh->mesh().box());
+        calls::batches_of(jobs, std::span<const targets::HostArrays>(arrays), kept_mesh->box());
     double cost = 0, done = 0;
     for (const Batch& batch : batches) cost += batch.cost;
     CallStatistics total;

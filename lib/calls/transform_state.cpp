@@ -1,6 +1,7 @@
 #include "calls/transform_state.hpp"
 
 #include "mesh/topology.hpp"
+#include "mesh/triples.hpp"
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
 
@@ -30,15 +31,33 @@ engine::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> m
 
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
-    : engine::Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)),
-      topology(describe_vertices(mesh)),
-      vertices(mesh, topology.coincident_vertices > 0) {
+    : engine::Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)), vertices(mesh) {
+    std::optional<engine::MadeTopology> made = make_topology(mesh, call);
+    std::vector<std::uint32_t> first;
+    if (made) {
+        const TopologyResults& found = made->results;
+        topology.unused_vertices = mesh.vertices().size() - found.used_vertices;
+        topology.coincident_vertices = found.used_vertices - found.different_vertices;
+        if (made->has_equal_vertices()) first = made->read_first_equal({tools()});
+    } else {
+        first = first_equal_vertices(mesh.vertices());
+        topology = describe_vertices(mesh, first);
+    }
+    if (topology.coincident_vertices > 0) vertices = engine::Vertices(mesh, first);
     kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh),
                                                    engine::KeptMesh::Options{programs, method, options.kept_bytes});
     kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
-    const engine::MeshTopology& of_mesh = kept_mesh->topology();
-    SignSurface surface =
-        describe_edges(kept_mesh->mesh(), of_mesh.faces.triangles, of_mesh.edges.are_paired, options.sign, topology);
+    SignSurface surface;
+    if (!made) {
+        const engine::MeshTopology& of_mesh = kept_mesh->topology();
+        surface = describe_edges(kept_mesh->mesh(), of_mesh.faces.triangles, of_mesh.edges.are_paired, options.sign,
+                                 topology);
+    } else if (made->topology->are_paired) {
+        describe_paired_edges(kept_mesh->mesh(), made->is_one_part(), made->encloses_negative_volume(), topology);
+    } else {  // edges have to be counted, so a good order of the faces is worth little
+        surface = describe_edges(kept_mesh->mesh(), kept_mesh->mesh().triangles(), false, options.sign, topology);
+    }
+    if (made) kept_mesh->set_topology(std::move(*made), engine::Vertices::numbers(first));
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
     OpenLoops open_loops = std::move(surface.open_loops);
@@ -46,6 +65,21 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
     surface.open_loops = {};
     if (sign != SignRule::none) kept_mesh->set_sign_surface(std::move(surface));
     if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
+}
+
+std::optional<engine::MadeTopology> DistanceTransform::State::make_topology(const Mesh& mesh,
+                                                                            const CallOptions& call) const {
+    if (method || !engine::suits_device_topology(tools(), mesh)) return std::nullopt;
+    context().begin_call();
+    calls::RunningCall running{call};
+    test(checks::topology_subject(*this), running);
+    try {
+        return engine::make_device_topology({tools()}, mesh);
+    } catch (const Error& error) {
+        // The host needs no memory of the device.
+        if (error.code() != ErrorCode::out_of_memory) throw;
+        return std::nullopt;
+    }
 }
 
 DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
@@ -112,13 +146,36 @@ void DistanceTransform::State::require_whole() const {
 }
 
 void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
+    move_by([&] {
+        kept_mesh->move(std::move(positions));
+        return true;
+    });
+}
+
+bool DistanceTransform::State::set_positions_on_device(const InputArray& positions) {
+    const std::scoped_lock lock(mutex);
+    require_whole();
+    if (positions.type != ElementType::float64) return false;
+    context().begin_call();
+    const Steps steps = steps_of(positions);
+    constexpr auto width = static_cast<std::ptrdiff_t>(sizeof(double));
+    return move_by([&] {
+        return kept_mesh->move(engine::DevicePositions{cl::Buffer(positions.device, true), positions.count,
+                                                       positions.offset / sizeof(double), steps.triple / width,
+                                                       steps.number / width});
+    });
+}
+
+template <class Move>
+bool DistanceTransform::State::move_by(const Move& move) {
     std::vector<Vec3> before;
     if (first_positions.empty()) before = kept_mesh->mesh().vertices();
-    kept_mesh->move(std::move(positions));
+    if (!move()) return false;
     points_asked = 0;
     points_are_short_of_memory = false;
     if (first_positions.empty()) first_positions = std::move(before);
     plans.clear();
+    return true;
 }
 
 void DistanceTransform::State::test(const checks::TestSubject& subject, calls::RunningCall& running) const {

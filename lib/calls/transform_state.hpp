@@ -42,10 +42,12 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     std::unique_ptr<State> restricted(std::vector<Region> regions);
 
     void set_positions(std::span<const Vec3> positions);
+    /// From memory of the device, which need not come to the host. Returns false, and has done nothing, if it must.
+    bool set_positions_on_device(const InputArray& positions);
     void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
     FieldDescription description_of(const Grid& grid, const Band& band) const {
-        return {grid, band, sign, kept_mesh->mesh().name()};
+        return {grid, band, sign, kept_mesh->name()};
     }
     /// The job of what is asked for. Throws if it is refused, whatever the device does.
     engine::Job check(engine::JobKey asked) const;
@@ -205,10 +207,15 @@ private:
     State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
           std::unique_ptr<engine::KeptMesh> own_mesh);
 
+    /// The topology of a mesh by kernels, which are tested; nothing if the host makes it.
+    std::optional<engine::MadeTopology> make_topology(const Mesh& mesh, const CallOptions& call) const;
     /// Throws Error(unsupported) if the transform is restricted: its vertices are not the caller's.
     void require_whole() const;
     /// For the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
+    /// Returns what move() returns: whether it has moved the kept mesh.
+    template <class Move>
+    bool move_by(const Move& move);
     void test(const checks::TestSubject& subject, calls::RunningCall& running) const;
 
     /// For a query of `count` points. on_host: the host answers it.

@@ -1,6 +1,7 @@
 #include "checks/self_test.hpp"
 
 #include "checks/known_field.hpp"
+#include "checks/known_topology.hpp"
 #include "core/tuning_variables.hpp"
 #include "device/in_flight.hpp"
 #include "lattice/layout_of.hpp"
@@ -327,8 +328,10 @@ TestSubject field_subject(const engine::Workshop& workshop, const engine::Job& j
     TestSubject subject;
     subject.name = fmt::format("{} {}{}{}", device::name_of(programs.body), method ? method->name() : "bricks",
                                engine::options_of(variant), names_of_kernels[static_cast<std::size_t>(kernels)]);
-    subject.steps =
-        (are_first ? engine::Programs::field_programs + (method ? method->step_count() : 1) : 0) + 2 * kinds.size();
+    subject.steps = (are_first ? programs.field_programs + (programs.mesh_lanes() == 1 ? 1 : 0) +
+                                     (method ? method->step_count() : 1)
+                               : 0) +
+                    2 * kinds.size();
     subject.build = [&device, &programs, method, variant](const device::BuildWatch& watch) {
         device::Context& context = device::context_of(device);
         std::vector<cl::Program> all = programs.of_fields(watch);
@@ -380,6 +383,19 @@ TestSubject point_subject(const Device& device, const engine::Programs& programs
     };
     subject.difference = [&device, &programs, kernels](const device::BuildWatch&) {
         return point_difference(device, programs, kernels);
+    };
+    return subject;
+}
+
+TestSubject topology_subject(const engine::Workshop& workshop) {
+    TestSubject subject;
+    subject.name = fmt::format("{} topology", device::name_of(workshop.programs.body));
+    subject.steps = 2;
+    subject.build = [&workshop](const device::BuildWatch& watch) -> std::vector<cl::Program> {
+        return {workshop.programs.radix_sort.get(watch), workshop.programs.mesh_topology.get(watch)};
+    };
+    subject.difference = [&workshop](const device::BuildWatch&) {
+        return topology_difference({workshop.tools()}, mesh_of_known_topology());
     };
     return subject;
 }

@@ -38,6 +38,9 @@ enum class PointKernels { of_all, of_many, of_deep_trees, of_plans };
 
 TestSubject point_subject(const Device& device, const engine::Programs& programs, PointKernels kernels);
 
+/// The kernels that make a mesh's topology on a GPU.
+TestSubject topology_subject(const engine::Workshop& workshop);
+
 /// Builds the programs and, the first time on this device and driver version, tests them. Returns whether they were
 /// tested here. Throws Error(wrong_results) that says what differs; with tuning_variable("CLSDF_SELF_TEST") "0" nothing
 /// is computed.

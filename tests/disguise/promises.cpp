@@ -279,7 +279,7 @@ BOOST_AUTO_TEST_CASE(a_field_is_read_into_pinned_memory_of_the_caller_at_once) {
 }
 
 BOOST_AUTO_TEST_CASE(a_first_call_waits_for_open_vertices_lists_and_the_field_only) {
-    compute(mesh(), grid(), band());  // programs are built and tested
+    DistanceTransform(test_device(), mesh()).compute(grid(), band());  // programs are built and tested
     std::vector<float> distance(grid().sample_count());
     disguise::restart();
     DistanceTransform transform(test_device(), mesh());
@@ -287,12 +287,14 @@ BOOST_AUTO_TEST_CASE(a_first_call_waits_for_open_vertices_lists_and_the_field_on
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.programs_built == 0U);
-    // The three waits of docs/gpu.md, and the read of a field too small for pinned memory, which blocks after the last
+    // The four waits of docs/gpu.md, and the read of a field too small for pinned memory, which blocks after the last
     // of them.
-    BOOST_TEST(counts.blocking_waits <= 4U);
-    // 40 bytes a triangle and 24 a vertex (a record would be 280), and the ends of the lists of fans, the order of the
-    // coarse lists, and the records that the host writes.
-    BOOST_TEST(counts.bytes_up <= 40 * mesh().triangles().size() + 24 * mesh().vertices().size() + 16384);
+    BOOST_TEST(counts.blocking_waits <= 5U);
+    BOOST_TEST(counts.launches <= 64U);
+    // The mesh's arrays, the order of the coarse lists, and the slopes and the records that the host writes.
+    BOOST_TEST(counts.bytes_up <= 12 * mesh().triangles().size() + 24 * mesh().vertices().size() + 65536);
+    // The field, and little of the mesh.
+    BOOST_TEST(counts.bytes_down <= distance.size() * sizeof(float) + 112 * mesh().triangles().size() / 2 + 65536);
     BOOST_TEST(counts.kernels.contains("face_slopes"));
     BOOST_TEST(!counts.kernels.contains("face_records"));
 }
@@ -301,9 +303,6 @@ BOOST_AUTO_TEST_CASE(vertices_that_move_go_to_the_device_and_nothing_else_of_the
     DistanceTransform transform(test_device(), mesh());
     std::vector<float> distance(grid().sample_count());
     transform.compute(grid(), band(), distance);
-    // The first change of positions sends what the kernels know of the triangles once more.
-    transform.set_positions(mesh().vertices());
-    transform.compute(grid(), band(), distance);
     disguise::restart();
     transform.set_positions(mesh().vertices());
     transform.compute(grid(), band(), distance);
@@ -311,6 +310,38 @@ BOOST_AUTO_TEST_CASE(vertices_that_move_go_to_the_device_and_nothing_else_of_the
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.bytes_up <= 24 * mesh().vertices().size() + 4096);
     BOOST_TEST(counts.blocking_waits <= 4U);
+}
+
+BOOST_AUTO_TEST_CASE(positions_in_memory_of_the_device_do_not_come_to_the_host) {
+    const Mesh moved = scaled(mesh(), 1.01);
+    DistanceTransform transform(test_device(), mesh()), expected(test_device(), moved);
+    transform.compute(grid(), band());
+    std::vector<Vec3> numbers = moved.vertices();  // in every other place, after the first one
+    std::vector<Vec3> places(2 * numbers.size() + 1, {-7, -7, -7});
+    for (std::size_t i = 0; i < numbers.size(); ++i) places[2 * i + 1] = numbers[i];
+    const device::Context& context = device::context_of(test_device());
+    const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, places.size() * sizeof(Vec3),
+                            places.data());
+    InputArray positions(memory(), ElementType::float64, numbers.size());
+    positions.offset = sizeof(Vec3);
+    positions.strides[0] = 2 * sizeof(Vec3);
+    disguise::restart();
+    transform.set_positions(positions);
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    BOOST_TEST(counts.bytes_up == 0U);
+    BOOST_TEST(counts.bytes_down <= 256U);
+    BOOST_TEST(counts.blocking_waits <= 1U);
+    BOOST_TEST(transform.box().upper[0] == moved.box().upper[0]);
+    // The host reads them back when it needs them: for few points, say.
+    const auto same = [](const Field& a, const Field& b) { return std::ranges::equal(a.distance(), b.distance()); };
+    BOOST_TEST(same(transform.compute(grid(), band()), expected.compute(grid(), band())));
+    const std::vector<Vec3> few{{0, 0, 0}, {1, 2, 3}, mesh().vertices()[5]};
+    BOOST_TEST(same(query(transform, few), query(expected, few)));
+    // What is not finite is told by the host.
+    context.queue().enqueueFillBuffer(memory, std::nan(""), 0, places.size() * sizeof(Vec3));
+    check_throws(ErrorCode::invalid_mesh, {"is not finite"}, [&] { transform.set_positions(positions); });
+    BOOST_TEST(same(transform.compute(grid(), band()), expected.compute(grid(), band())));
 }
 
 // The lengths of the lists change in each step, but their buffers are an eighth longer than they need to be. So a step
@@ -511,13 +542,13 @@ BOOST_AUTO_TEST_CASE(a_plan_of_a_sparse_field_neither_waits_nor_moves_what_it_ha
 
 // Drivers that allocate a buffer at its first use would fail when a plan is enqueued.
 BOOST_AUTO_TEST_CASE(a_lack_of_memory_appears_when_a_plan_is_made) {
-    const DistanceTransform transform(test_device(), mesh());
     const DeviceMemory memory(test_device().context(), grid().sample_count());
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
     device::context_of(test_device()).arena().release();
     disguise::Settings settings = as_gpu;
     settings.memory = 0;
     disguise::set(settings);
+    const DistanceTransform transform(test_device(), mesh());  // the host makes the topology
     check_throws(ErrorCode::out_of_memory, {"CL_MEM_OBJECT_ALLOCATION_FAILURE", "smaller part"},
                  [&] { pool->lease(1000, "test"); });
     BOOST_TEST(!pool->lease_if_it_fits(1000, "test"));

@@ -26,3 +26,6 @@ target_link_libraries(test_binary_tree PRIVATE clsdf::reference OpenCL::OpenCL)
 
 clsdf_test(expansions ${CMAKE_CURRENT_LIST_DIR}/expansions.cpp)
 target_link_libraries(test_expansions PRIVATE clsdf::reference OpenCL::OpenCL)
+
+clsdf_test(mesh_topology ${CMAKE_CURRENT_LIST_DIR}/mesh_topology.cpp)
+target_link_libraries(test_mesh_topology PRIVATE clsdf::reference clsdf::io OpenCL::OpenCL)

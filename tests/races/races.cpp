@@ -5,6 +5,7 @@
 #include "support/point_contract.hpp"
 #include "support/random_meshes.hpp"
 
+#include "checks/known_topology.hpp"
 #include "checks/self_test.hpp"
 #include "device/buffer_pool.hpp"
 #include "device/context.hpp"
@@ -158,6 +159,16 @@ BOOST_AUTO_TEST_CASE(keys_in_several_tiles_are_sorted) {
     engine::sort_by_keys({context, pool, programs}, *on_device, keys.size(), 12, *sorted);
     context.queue().enqueueReadBuffer(*sorted, CL_TRUE, 0, keys.size() * sizeof(cl_uint), order.data());
     BOOST_TEST(std::ranges::is_sorted(order, {}, [&](std::uint32_t i) { return std::pair(keys[i], i); }));
+}
+
+// Two tiles of corners, and edges of all kinds.
+BOOST_AUTO_TEST_CASE(a_topology_is_that_of_the_host) {
+    device::Context& context = device::context_of(test_device());
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
+    const engine::Programs programs(context, KernelBody::by_group);
+    Mesh mesh = together({make_shape("sphere3"), unwelded(cube(2)), fins(), moebius_strip(20)}, "edges of all kinds");
+    const auto difference = checks::topology_difference({{context, pool, programs}}, mesh);
+    BOOST_TEST(!difference.has_value(), difference.value_or(""));
 }
 
 BOOST_AUTO_TEST_CASE(methods_of_the_papers) {

@@ -1,4 +1,5 @@
 #include "frusta/kernel_frusta.hpp"
+#include "frusta/host_part.hpp"
 #include "lattice/layout_of.hpp"
 #include "launch/programs.hpp"
 #include "polyhedra/awkward_meshes.hpp"
@@ -48,11 +49,21 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     both.host = engine::make_frusta(*both.topology, mesh.vertices());
     const engine::DeviceSetUp job{context, pool, programs};
     const auto names = std::make_shared<const engine::DeviceFaces::Names>(device_names(job, both.topology));
-    const auto sources = std::make_shared<const engine::FrustaSources>(job, *both.topology);
+    const auto make = [&](const engine::LatticeView* lattice) {
+        if (job.shares_memory())
+            return frusta_by_kernels(job, names, std::make_shared<const engine::FrustaSources>(job, *both.topology),
+                                     mesh, lattice);
+        engine::MadeFrusta made = frusta_by_kernels(
+            job, device_topology(job, names, *both.topology),
+            job.upload(ordered_positions(*both.topology, mesh.vertices()), "vertices"), mesh.box(),
+            [&]() -> const engine::MeshTopology& { return *both.topology; }, lattice);
+        if (made.faces.part) fill(job, made.faces, *made.frusta);
+        return made;
+    };
     const engine::LatticeView lattice = engine::lattice_of(grid);
     // Without records, too: the same. The device has the slopes that the host has.
-    const engine::MadeFrusta again = frusta_by_kernels(job, names, sources, mesh, nullptr);
-    engine::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh, &lattice);
+    const engine::MadeFrusta again = make(nullptr);
+    engine::MadeFrusta made = make(&lattice);
     const auto slopes = read<engine::FaceSlopes>(context, *made.faces.slopes, both.topology->order.size());
     BOOST_TEST(are_same(made.frusta->slopes, slopes));
     BOOST_TEST(are_same(again.frusta->slopes, slopes));

@@ -249,8 +249,22 @@ void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions)
         mesh.set_positions(std::move(positions));  // which finds what is wrong
         return;
     }
+    move(mesh, without_negative_zeros(all.box), std::move(positions));
+}
+
+void move(Mesh& mesh, const Box& box, std::vector<Vec3> positions) {
     clsdf::detail::MeshAccess::set_positions(mesh, std::move(positions));
-    clsdf::detail::MeshAccess::set_box(mesh, without_negative_zeros(all.box));
+    move(mesh, box);
+}
+
+void move(Mesh& mesh, const Box& box) {
+    clsdf::detail::MeshAccess::set_box(mesh, box);
+}
+
+void set_ordered_positions(Mesh& mesh, const MeshTopology& topology, std::span<const Vec3> ordered) {
+    std::vector<Vec3> positions = mesh.vertices();
+    for_each_index(ordered.size(), [&](std::size_t i) { positions[topology.faces.vertices[i]] = ordered[i]; });
+    clsdf::detail::MeshAccess::set_positions(mesh, std::move(positions));
 }
 
 }  // namespace clsdf::engine

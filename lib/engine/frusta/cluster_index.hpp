@@ -74,5 +74,10 @@ MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopolog
 
 /// As mesh.set_positions(), without a look at the triangles. `topology`: the mesh's.
 void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions);
+/// The same of finite positions of the vertices in use, whose box is known; or of their box alone.
+void move(Mesh& mesh, const Box& box, std::vector<Vec3> positions);
+void move(Mesh& mesh, const Box& box);
+/// The positions that belong to the box, of the vertices in use. `ordered`: as the topology numbers them.
+void set_ordered_positions(Mesh& mesh, const MeshTopology& topology, std::span<const Vec3> ordered);
 
 }  // namespace clsdf::engine

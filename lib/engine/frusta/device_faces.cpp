@@ -22,7 +22,7 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const Latti
             const std::size_t first = begin * record_group, last = end * record_group;
             launch(job.tools.context.queue(), kernel, job.items_of(last - first), face_lattice(lattice),
                    static_cast<cl_uint>(first), static_cast<cl_uint>(last),
-                   static_cast<cl_uint>(faces.names->face_count()), static_cast<cl_uint>(job.item_faces()),
+                   static_cast<cl_uint>(faces.names->face_count), static_cast<cl_uint>(job.item_faces()),
                    *group_numbers, *faces.names->triangles, *faces.positions, *faces.slopes, *faces.names->names,
                    records);
         });
@@ -39,7 +39,8 @@ DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const Me
         names[face] = topology->order[face] | (topology->edges.is_non_manifold(face) ? CLSDF_NAME_NON_MANIFOLD : 0U);
     });
     auto triangles = job.input(topology, topology->faces.triangles, "triangles");
-    return {std::move(topology), std::move(triangles), filling.finish()};
+    const std::size_t vertex_count = topology->faces.vertices.size();
+    return {count, vertex_count, std::move(topology), std::move(triangles), filling.finish()};
 }
 
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
@@ -70,14 +71,14 @@ void WrittenRecords::add_faces(const RecordRange& range, std::size_t record) {
 void WrittenRecords::add_sites(const RecordRange& range, std::size_t record) {
     const std::size_t size = range.end - range.begin, first = sites_.size();
     sites_.resize(first + size);
-    write_site_records(topology_, frusta_, lattice_, range.begin, std::span(sites_).subspan(first, size));
+    write_site_records(from_.topology, from_.frusta, lattice_, range.begin, std::span(sites_).subspan(first, size));
     for (std::size_t i = 0; i < size; ++i) site_places_.push_back(static_cast<cl_uint>(record + i));
 }
 
 void WrittenRecords::place(const DeviceSetUp& job, const cl::Buffer& records) const {
     std::vector<Polyhedron> faces(written_faces_.size());
     for_each_index(faces.size(), [&](std::size_t i) {
-        write_face_record(topology_, frusta_, lattice_, written_faces_[i], faces[i]);
+        write_face_record(from_.topology, from_.frusta, lattice_, from_.number_of(written_faces_[i]), faces[i]);
     });
     place_items(job, faces, face_places_, records);
     place_items(job, sites_, site_places_, records);
@@ -94,11 +95,11 @@ bool is_plain(const Mesh& mesh, const LatticeView& lattice) {
     return std::isfinite(1 / lattice.unit) && lattice.unit <= 1e20 * greatest_side;
 }
 
-PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const MeshTopology& topology,
+PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const WrittenFaces& from,
                                const Frusta& frusta, const LatticeView& lattice, std::span<const RecordRange> of_faces,
                                std::span<const RecordRange> of_sites) {
     constexpr std::size_t group = record_group;
-    WrittenRecords written(topology, frusta, lattice, frusta.slivers);
+    WrittenRecords written(from, lattice, frusta.slivers);
     std::vector<cl_uint> groups;
     for (const RecordRange& range : of_faces) {
         written.add_faces(range, groups.size() * group);
@@ -113,7 +114,7 @@ PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
         prepared.record_count += range.end - range.begin;
     }
     prepared.polyhedra = job.tools.pool->lease(prepared.record_count * sizeof(Polyhedron), "polyhedra");
-    set_counts(topology, frusta, prepared);
+    set_counts(faces.names->face_count, frusta, prepared);
     device::guarded([&] {
         if (!groups.empty()) enqueue_faces(job, faces, lattice, groups, *prepared.polyhedra);
         written.place(job, *prepared.polyhedra);

@@ -10,6 +10,7 @@
 #include "launch/device_tools.hpp"
 #include "launch/programs.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -17,6 +18,8 @@
 #include <vector>
 
 namespace clsdf::engine {
+
+struct HostPart;
 
 /// An upper estimate of a core's time for the record or the slopes of a face; it limits the work of a launch.
 inline constexpr double seconds_per_face = 1e-6;
@@ -62,17 +65,19 @@ struct DeviceSetUp {
 struct DeviceFaces {
     /// The data that moving vertices leave as they are.
     struct Names {
-        std::shared_ptr<const MeshTopology> topology;
-        device::BufferPool::Lease triangles;  ///< Triangle, numbers of vertices as in MeshTopology::faces
-        device::BufferPool::Lease names;      ///< see face_sources.h
+        std::size_t face_count = 0;
+        std::size_t vertex_count = 0;
+        std::shared_ptr<const MeshTopology> topology;  ///< whose arrays are shared; null if a GPU has made the names
+        device::BufferPool::Lease triangles;           ///< Triangle, numbers of vertices as in MeshTopology::faces
+        device::BufferPool::Lease names;               ///< see face_sources.h
 
-        std::size_t face_count() const { return topology->order.size(); }
         std::size_t device_bytes() const { return triangles.bytes() + names.bytes(); }
     };
 
     std::shared_ptr<const Names> names;
-    device::BufferPool::Lease positions;  ///< Vec3 of each vertex
-    device::BufferPool::Lease slopes;     ///< FaceSlopes of each face
+    device::BufferPool::Lease positions;     ///< Vec3 of each vertex
+    device::BufferPool::Lease slopes;        ///< FaceSlopes of each face
+    std::shared_ptr<const HostPart> part{};  ///< null if the host has the topology and the frusta of the whole mesh
 
     /// Without the names.
     std::size_t device_bytes() const { return positions.bytes() + slopes.bytes(); }
@@ -99,13 +104,25 @@ void place_items(const DeviceSetUp& job, const std::vector<T>& written, const st
     place_words(job, *values, *numbers, places.size(), sizeof(T) / sizeof(cl_uint), items);
 }
 
+/// The faces that the host writes records of: those of a mesh, or of a part of it.
+struct WrittenFaces {
+    const MeshTopology& topology;
+    const Frusta& frusta;                      ///< with the point sites of the whole mesh
+    std::span<const std::uint32_t> of_part{};  ///< ascending: the faces' numbers in the whole; empty if it is that
+
+    /// The number of a face of the whole mesh. It must be one of these.
+    std::size_t number_of(std::uint32_t face) const {
+        if (of_part.empty()) return face;
+        return static_cast<std::size_t>(std::ranges::lower_bound(of_part, face) - of_part.begin());
+    }
+};
+
 /// Records that the host writes into those on the device: of faces that are nearly degenerate, and of point sites.
 class WrittenRecords {
 public:
-    /// `faces`: those of the host, ascending.
-    WrittenRecords(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
-                   std::span<const std::uint32_t> faces)
-        : topology_(topology), frusta_(frusta), lattice_(lattice), faces_(faces) {}
+    /// `faces`: those of the host, ascending, by their numbers in the whole mesh.
+    WrittenRecords(const WrittenFaces& from, const LatticeView& lattice, std::span<const std::uint32_t> faces)
+        : from_(from), lattice_(lattice), faces_(faces) {}
 
     /// Adds a range of faces, whose records begin at `record`. The last face of the mesh fills up its
     /// group.
@@ -116,8 +133,7 @@ public:
     void place(const DeviceSetUp& job, const cl::Buffer& records) const;
 
 private:
-    const MeshTopology& topology_;
-    const Frusta& frusta_;
+    WrittenFaces from_;
     const LatticeView& lattice_;
     std::span<const std::uint32_t> faces_;
     std::vector<std::uint32_t> written_faces_;
@@ -127,7 +143,8 @@ private:
 };
 
 /// The records of ranges of faces, each of which begins with a group (record_group), and of point sites.
-PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const MeshTopology& topology,
+/// `frusta`: of the whole mesh, of which only the counts and the slivers are looked at.
+PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const WrittenFaces& from,
                                const Frusta& frusta, const LatticeView& lattice, std::span<const RecordRange> of_faces,
                                std::span<const RecordRange> of_sites);
 

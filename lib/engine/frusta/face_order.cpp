@@ -22,9 +22,7 @@ std::uint32_t cell(double place, double last) {
 
 UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh) {
     const std::size_t count = mesh.triangles().size();
-    // Bits of a coordinate and of a digit; a code has up to 30. Fewer bits suffice for few triangles, and are sorted
-    // faster.
-    const unsigned bits = count <= std::size_t{1} << 17 ? 8 : 10;
+    const unsigned bits = morton_bits(count);
     const double longest = mesh.box().longest_side(), cells = 1u << bits;
     const double scale = longest > 0 ? cells / (3 * longest) : 0;
     const Vector lower = 3 * to_vector(mesh.box().lower);

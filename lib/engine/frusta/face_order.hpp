@@ -23,6 +23,12 @@ struct OrderedFaces {
     UninitializedVector<std::uint32_t> vertices;  ///< the mesh's index of each
 };
 
+/// Bits of a cell's number on an axis of that order, a digit of a sort. Fewer bits suffice for few faces, and are
+/// sorted faster.
+constexpr unsigned morton_bits(std::size_t faces) {
+    return faces <= std::size_t{1} << 17 ? 8 : 10;
+}
+
 /// `order`: the mesh's index of each face. Throws Error(unsupported) for 2^30 faces or more.
 OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> order);
 

@@ -4,6 +4,7 @@
 #include "core/parallel.hpp"
 #include "device/in_flight.hpp"
 #include "frusta/gaps.hpp"
+#include "frusta/host_part.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 
@@ -19,8 +20,8 @@ namespace clsdf::engine {
 namespace {
 
 // An upper estimate for one core; it limits the work of a launch.
-constexpr double seconds_per_fan_item = CLSDF_FAN_ITEM * 1e-6;
-constexpr double seconds_per_gap_item = CLSDF_FAN_ITEM * 1e-5;
+constexpr double seconds_per_fan = 1e-6;
+constexpr double seconds_per_gap = 1e-5;
 
 /// Room for the point sites of most meshes: one of 240 faces needs one on a noisy scan, one of 1600 on a smooth one.
 std::size_t spare_records(std::size_t faces) {
@@ -32,49 +33,81 @@ double least_length(const Box& box, const LatticeView& lattice) {
     return 1e-30 * box.longest_side() / lattice.unit;
 }
 
+/// What the kernels write, and their launches.
 class KernelFrusta {
 public:
-    KernelFrusta(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
-                 std::shared_ptr<const FrustaSources> sources, const Mesh& mesh, const LatticeView* lattice)
+    KernelFrusta(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names, const Box& box,
+                 const LatticeView* lattice)
         : job_(job),
-          sources_(std::move(sources)),
-          topology_(*names->topology),
-          box_(mesh.box()),
-          count_(names->face_count()),
-          records_of_(lattice) {
-        frusta_->positions = ordered_positions(topology_, mesh.vertices());
-        frusta_->slopes.resize(count_);
-        view_ = lattice != nullptr ? *lattice : view_of(mesh.box());
-        least_length_ = least_length(box_, view_);
+          box_(box),
+          count_(names->face_count),
+          records_of_(lattice),
+          view_(lattice != nullptr ? *lattice : view_of(box)),
+          least_length_(least_length(box, view_)) {
         faces_.names = names;
-        faces_.positions = job.input(frusta_, frusta_->positions, "vertices");
-        faces_.slopes = job.shares_memory() ? job.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE)
-                                            : job.tools.pool->lease(slope_bytes(), "slopes of the polyhedra");
         signs_ = job.tools.pool->lease(3 * count_ * sizeof(float), "signs of the edges");
         face_answers_ = job.tools.pool->lease(count_, "answers about faces");
-        vertex_answers_ = job.tools.pool->lease(vertex_answer_bytes(), "answers about vertices");
         if (lattice != nullptr)
             records_ = job.tools.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron),
                                              "polyhedra");
     }
 
-    MadeFrusta make() {
-        enqueue_slopes();
-        if (!sources_->of_kernels->fan_items.empty()) {
-            enqueue_fans();
-            enqueue_gaps();
+    MadeFrusta make(const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh) {
+        const MeshTopology& topology = *faces_.names->topology;
+        frusta_->positions = ordered_positions(topology, mesh.vertices());
+        frusta_->slopes.resize(count_);
+        faces_.positions = job_.input(frusta_, frusta_->positions, "vertices");
+        faces_.slopes =
+            job_.shares_memory() ? job_.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE) : lease_slopes();
+        lease_vertex_answers(sources->of_kernels->fan_items.size() * CLSDF_FAN_ITEM);
+        enqueue_slopes(*sources->opposite);
+        if (!sources->of_kernels->fan_items.empty()) enqueue_fans(*sources);
+        complete(topology, [&](const Answers& answers) {
+            return sources->of_kernels->left_to_host(topology, answers.of_faces, answers.of_vertices);
+        });
+        return finish({topology, *frusta_});
+    }
+
+    MadeFrusta make(const DeviceTopology& topology, device::BufferPool::Lease positions,
+                    const std::function<const MeshTopology&()>& on_host) {
+        faces_.positions = std::move(positions);
+        faces_.slopes = lease_slopes();
+        lease_vertex_answers(topology.vertex_count());
+        enqueue_slopes(*topology.opposite);
+        enqueue_ring_fans(topology);
+        std::optional<HostPart> part = host_part(job_, topology, {*face_answers_, *vertex_answers_, *faces_.positions});
+        if (!part) {
+            const MeshTopology& whole = on_host();
+            frusta_->positions = UninitializedVector<Vec3>(topology.vertex_count());
+            frusta_->slopes.resize(count_);
+            job_.tools.context.read(job_.tools.queue(), *faces_.positions, 0, frusta_->positions.size() * sizeof(Vec3),
+                                    reinterpret_cast<std::byte*>(frusta_->positions.data()));
+            complete(whole, [&](const Answers& answers) {
+                return left_by_answers(whole, answers.of_faces, answers.of_vertices);
+            });
+            return finish({whole, *frusta_});
         }
-        complete();
-        std::optional<PreparedMesh> records;
-        if (records_of_ != nullptr) records = finish_records();
-        return {std::move(frusta_), std::move(faces_), std::move(records), std::move(left_)};
+        complete(*part);
+        faces_.part = std::make_shared<const HostPart>(std::move(*part));
+        return finish({faces_.part->topology, faces_.part->frusta, faces_.part->faces});
     }
 
 private:
-    std::size_t slope_bytes() const { return count_ * sizeof(FaceSlopes); }
-    std::size_t vertex_answer_bytes() const { return sources_->of_kernels->fan_items.size() * CLSDF_FAN_ITEM; }
+    struct Answers {
+        std::vector<std::uint8_t> of_faces, of_vertices;
+    };
 
-    void enqueue_slopes() const {
+    std::size_t slope_bytes() const { return count_ * sizeof(FaceSlopes); }
+    device::BufferPool::Lease lease_slopes() const {
+        return job_.tools.pool->lease(slope_bytes(), "slopes of the polyhedra");
+    }
+
+    void lease_vertex_answers(std::size_t count) {
+        vertex_answer_count_ = count;
+        vertex_answers_ = job_.tools.pool->lease(count, "answers about vertices");
+    }
+
+    void enqueue_slopes(const cl::Buffer& opposite) const {
         cl::Kernel kernel(job_.tools.programs.mesh_records, "face_slopes");
         const std::size_t all = in_record_groups(count_);
         const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
@@ -84,48 +117,56 @@ private:
                 launch(job_.tools.context.queue(), kernel, job_.items_of(last - begin * unit), face_lattice(view_),
                        cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
                        static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()), *faces_.names->triangles,
-                       *sources_->opposite, *faces_.positions, *faces_.names->names, *faces_.slopes, *signs_,
-                       *face_answers_, *records_);
+                       opposite, *faces_.positions, *faces_.names->names, *faces_.slopes, *signs_, *face_answers_,
+                       *records_);
             });
     }
 
-    void enqueue_fans() const {
+    void enqueue_fans(const FrustaSources& sources) const {
         cl::Kernel kernel(job_.tools.programs.mesh_records, "vertex_fans");
         ShortLaunches(job_.tools.context, {})
-            .over(sources_->of_kernels->fan_items.size(), seconds_per_fan_item,
+            .over(sources.of_kernels->fan_items.size(), CLSDF_FAN_ITEM * seconds_per_fan,
                   [&](std::size_t begin, std::size_t end) {
                       launch(job_.tools.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
-                             static_cast<cl_uint>(begin), static_cast<cl_uint>(end), cl_double{1 / view_.unit},
-                             *sources_->fan_items, *sources_->fan_words, *faces_.names->triangles, *faces_.positions,
-                             *signs_, *vertex_answers_);
+                             static_cast<cl_uint>(begin), cl_double{1 / view_.unit}, *sources.fan_items,
+                             *sources.fan_words, *faces_.names->triangles, *faces_.positions, *signs_,
+                             *vertex_answers_);
                   });
     }
 
-    /// The host's test of the vertices that are left open so far. A processor's host is as fast.
-    void enqueue_gaps() const {
+    /// The fans of vertices, and the host's test of those that are left open.
+    void enqueue_ring_fans(const DeviceTopology& topology) const {
+        const cl::CommandQueue& queue = job_.tools.context.queue();
+        const auto words = job_.tools.pool->lease(3 * count_ * sizeof(cl_uint), "faces around vertices");
+        const ShortLaunches launches(job_.tools.context, {});
+        cl::Kernel fans(job_.tools.programs.mesh_records, "ring_fans");
+        launches.over(topology.vertex_count(), seconds_per_fan, [&](std::size_t begin, std::size_t end) {
+            launch(queue, fans, {end - begin}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
+                   cl_double{1 / view_.unit}, *topology.starts, *topology.corners, *topology.edges, *topology.edges,
+                   *faces_.names->triangles, *faces_.positions, *signs_, *words, *vertex_answers_);
+        });
         const LatticeView lattice = view_of(box_);
-        if (job_.tools.programs.mesh_lanes() != 1 || lattice.unit < std::numeric_limits<double>::min()) return;
-        cl::Kernel kernel(job_.tools.programs.mesh_records, "vertex_gaps");
-        ShortLaunches(job_.tools.context, {})
-            .over(sources_->of_kernels->fan_items.size(), seconds_per_gap_item,
-                  [&](std::size_t begin, std::size_t end) {
-                      launch(job_.tools.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
-                             face_lattice(lattice), cl_double{least_length(box_, lattice)},
-                             cl_double{gap_scale(lattice)}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
-                             *sources_->fan_items, *sources_->fan_words, *faces_.names->triangles, *sources_->opposite,
-                             *faces_.positions, *vertex_answers_);
-                  });
+        if (lattice.unit < std::numeric_limits<double>::min()) return;
+        cl::Kernel gaps(job_.tools.programs.mesh_records, "vertex_gaps");
+        launches.over(topology.vertex_count(), seconds_per_gap, [&](std::size_t begin, std::size_t end) {
+            launch(queue, gaps, {end - begin}, face_lattice(lattice), cl_double{least_length(box_, lattice)},
+                   cl_double{gap_scale(lattice)}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
+                   *topology.starts, *words, *faces_.names->triangles, *topology.opposite, *faces_.positions,
+                   *vertex_answers_);
+        });
     }
 
     /// Waits for the kernels. Then the slopes are complete, here and on the device.
-    void complete() {
+    template <class LeftBy>
+    void complete(const MeshTopology& topology, const LeftBy& left_by) {
         const cl::CommandQueue& queue = job_.tools.context.queue();
         struct Read {
             std::shared_ptr<Frusta> frusta;
-            std::vector<std::uint8_t> face_answers, vertex_answers;
+            Answers answers;
         };
-        device::InFlight<Read> read(job_.tools.context, {frusta_, std::vector<std::uint8_t>(count_),
-                                                         std::vector<std::uint8_t>(vertex_answer_bytes())});
+        device::InFlight<Read> read(
+            job_.tools.context,
+            {frusta_, {std::vector<std::uint8_t>(count_), std::vector<std::uint8_t>(vertex_answer_count_)}});
         read.begin();
         // After an error, too: a driver keeps a buffer that is mapped.
         const auto unmap = [&](void* memory) {
@@ -140,9 +181,10 @@ private:
             void* to;
             std::size_t bytes;
         };
+        std::vector<std::uint8_t>& of_vertices = read->answers.of_vertices;
         const std::array<Copy, 3> copies{{{*faces_.slopes, frusta_->slopes.data(), in_place ? 0 : slope_bytes()},
-                                          {*vertex_answers_, read->vertex_answers.data(), read->vertex_answers.size()},
-                                          {*face_answers_, read->face_answers.data(), count_}}};
+                                          {*vertex_answers_, of_vertices.data(), of_vertices.size()},
+                                          {*face_answers_, read->answers.of_faces.data(), count_}}};
         const auto is_pinned = [&](const Copy& copy) {
             return job_.tools.context.capabilities().has_own_memory && copy.bytes > device::PinnedCopies::least_bytes;
         };
@@ -156,45 +198,76 @@ private:
             if (is_pinned(copy))
                 job_.tools.context.read(queue, copy.from, 0, copy.bytes, static_cast<std::byte*>(copy.to));
         read.end();
-        left_ = sources_->of_kernels->left_to_host(topology_, read->face_answers, read->vertex_answers);
-        complete_frusta(topology_, box_, left_, *frusta_);
-        if (in_place) return;
+        left_ = left_by(read->answers);
+        complete_frusta(topology, box_, left_, *frusta_);
+        if (!in_place) place_slopes(*frusta_, left_.faces);
+    }
+
+    /// Completes the frusta of the part, and the whole's by them.
+    void complete(HostPart& part) {
+        complete_frusta(part.topology, box_, part.left, part.frusta);
+        const auto in_whole = [](std::span<const std::uint32_t> numbers, const std::vector<std::uint32_t>& of_whole) {
+            std::vector<std::uint32_t> result;
+            for (const std::uint32_t number : numbers) result.push_back(of_whole[number]);
+            return result;
+        };
+        left_ = {in_whole(part.left.faces, part.faces), in_whole(part.left.vertices, part.vertices),
+                 part.left.saddles_elsewhere};
+        frusta_->slivers = in_whole(part.frusta.slivers, part.faces);
+        frusta_->sites = part.frusta.sites;
+        for (SiteFrustum& site : frusta_->sites) {
+            site.vertex = part.vertices[site.vertex];
+            site.face = part.faces[site.face];
+        }
+        frusta_->saddle_vertices = part.frusta.saddle_vertices;
+        frusta_->boxes = part.frusta.boxes;
+        place_slopes(part.frusta, part.left.faces);
+    }
+
+    /// Enqueues the way of slopes that the host has found to the device. `faces`: the numbers of left_.faces among
+    /// these frusta.
+    void place_slopes(const Frusta& frusta, std::span<const std::uint32_t> faces) const {
         std::vector<FaceSlopes> written;
-        for (const std::uint32_t face : left_.faces) written.push_back(frusta_->slopes[face]);
+        for (const std::uint32_t face : faces) written.push_back(frusta.slopes[face]);
         place_items(job_, written, left_.faces, *faces_.slopes);
+    }
+
+    MadeFrusta finish(const WrittenFaces& from) {
+        std::optional<PreparedMesh> records;
+        if (records_of_ != nullptr) records = finish_records(from);
+        return {std::move(frusta_), std::move(faces_), std::move(records), std::move(left_)};
     }
 
     /// Completes the records: those of faces that the host has measured and of point sites are written after the
     /// kernel's.
-    PreparedMesh finish_records() {
+    PreparedMesh finish_records(const WrittenFaces& from) {
         const Frusta& frusta = *frusta_;
         const RecordRange faces{0, count_}, sites{0, frusta.sites.size()};
         const std::size_t first_site = in_record_groups(count_), end = first_site + sites.end;
         const bool has_room = end * sizeof(Polyhedron) <= records_.bytes();
         if (!has_room || left_.faces.size() > count_ / 64)  // else the kernel makes them again, of all slopes
-            return records_on_device(job_, faces_, topology_, frusta, *records_of_, {&faces, 1}, {&sites, 1});
-        WrittenRecords written(topology_, frusta, *records_of_, left_.faces);
+            return records_on_device(job_, faces_, from, frusta, *records_of_, {&faces, 1}, {&sites, 1});
+        WrittenRecords written(from, *records_of_, left_.faces);
         written.add_faces(faces, 0);
         written.add_sites(sites, first_site);
         written.place(job_, *records_);
         PreparedMesh prepared;
-        set_counts(topology_, frusta, prepared);
+        set_counts(count_, frusta, prepared);
         prepared.record_count = end;
         prepared.polyhedra = std::move(records_);
         return prepared;
     }
 
     const DeviceSetUp& job_;
-    std::shared_ptr<const FrustaSources> sources_;
-    const MeshTopology& topology_;
     Box box_;
     std::size_t count_;
     const LatticeView* records_of_;
     LatticeView view_;
-    double least_length_ = 0;
+    double least_length_;
     std::shared_ptr<Frusta> frusta_ = std::make_shared<Frusta>();
     DeviceFaces faces_;
-    LeftToHost left_;
+    std::size_t vertex_answer_count_ = 0;
+    LeftToHost left_;  // by numbers of the whole mesh
     device::BufferPool::Lease signs_, face_answers_, vertex_answers_, records_;
 };
 
@@ -207,15 +280,37 @@ FrustaSources::FrustaSources(const DeviceSetUp& job, const MeshTopology& topolog
     fan_items = job.input(of_kernels, of_kernels->fan_items, "items of vertices");
 }
 
-bool suits_kernels(const MeshTopology& topology) {
+bool suits_kernels(std::size_t faces) {
     constexpr std::size_t most = std::size_t{1} << 28;  // numbers of words have 32 bits
-    return !topology.order.empty() && topology.order.size() <= most;
+    return faces > 0 && faces <= most;
 }
 
 MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
                              const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
                              const LatticeView* lattice) {
-    return device::guarded([&] { return KernelFrusta(job, names, sources, mesh, lattice).make(); });
+    return device::guarded([&] { return KernelFrusta(job, names, mesh.box(), lattice).make(sources, mesh); });
+}
+
+MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const DeviceTopology& topology,
+                             device::BufferPool::Lease positions, const Box& box,
+                             const std::function<const MeshTopology&()>& on_host, const LatticeView* lattice) {
+    return device::guarded(
+        [&] { return KernelFrusta(job, topology.names, box, lattice).make(topology, std::move(positions), on_host); });
+}
+
+void fill(const DeviceSetUp& job, const DeviceFaces& faces, Frusta& frusta) {
+    UninitializedVector<Vec3> positions(faces.names->vertex_count);
+    UninitializedVector<FaceSlopes> slopes(faces.names->face_count);
+    const auto read = [&](const cl::Buffer& from, auto& to) {
+        job.tools.context.read(job.tools.queue(), from, 0, to.size() * sizeof(to[0]),
+                               reinterpret_cast<std::byte*>(to.data()));
+    };
+    job.tools.context.run_or_drain([&] {
+        read(*faces.positions, positions);
+        read(*faces.slopes, slopes);
+    });
+    frusta.positions = std::move(positions);
+    frusta.slopes = std::move(slopes);
 }
 
 }  // namespace clsdf::engine

@@ -32,6 +32,12 @@ Numbers collected(std::size_t count, std::size_t chunk, const Function& f) {
     return all;
 }
 
+/// Whether an edge has three faces or more, or two of different orientations, or runs from a vertex to itself.
+bool is_irregular(const FaceEdges& edges) {
+    const auto& [a, b, c] = edges.marks;
+    return ((a | b | c) & ~edge_open) != 0;
+}
+
 /// The faces with an answer.
 Numbers answered_faces(std::span<const std::uint8_t> answers) {
     constexpr std::size_t chunk = 1U << 16;
@@ -139,20 +145,23 @@ std::uint32_t opposite_word(const MeshTopology& topology, const FaceEdges& edges
 
 }  // namespace
 
-KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(3 * topology.order.size()) {
-    constexpr std::size_t chunk = 4096;
-    const std::size_t count = topology.order.size();
-    irregular_faces = collected(count, chunk, [&](std::size_t begin, std::size_t end, Numbers& irregular) {
-        for (std::size_t face = begin; face < end; ++face) {
-            const FaceEdges& edges = topology.edges.faces[face];
-            std::uint8_t all = 0;
-            for (std::size_t k = 0; k < 3; ++k) {
-                all |= edges.marks[k];
-                opposite[3 * face + k] = opposite_word(topology, edges, k);
-            }
-            if ((all & ~edge_open) != 0) irregular.push_back(static_cast<std::uint32_t>(face));
+UninitializedVector<std::uint32_t> opposite_words(const MeshTopology& topology) {
+    UninitializedVector<std::uint32_t> opposite(3 * topology.order.size());
+    for_each_index(topology.order.size(), [&](std::size_t face) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            opposite[3 * face + k] = opposite_word(topology, topology.edges.faces[face], k);
         }
     });
+    return opposite;
+}
+
+KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(opposite_words(topology)) {
+    constexpr std::size_t chunk = 1U << 16;
+    irregular_faces =
+        collected(topology.order.size(), chunk, [&](std::size_t begin, std::size_t end, Numbers& irregular) {
+            for (std::size_t face = begin; face < end; ++face)
+                if (is_irregular(topology.edges.faces[face])) irregular.push_back(static_cast<std::uint32_t>(face));
+        });
     FanFiling(topology).run(*this);
 }
 
@@ -184,6 +193,19 @@ LeftToHost KernelTopology::left_to_host(const MeshTopology& topology, std::span<
     left.vertices.insert(left.vertices.end(), irregular_vertices.begin(), irregular_vertices.end());
     std::sort(left.vertices.begin(), left.vertices.end());
     left.saddles_elsewhere = saddles;
+    return left;
+}
+
+LeftToHost left_by_answers(const MeshTopology& topology, std::span<const std::uint8_t> face_answers,
+                           std::span<const std::uint8_t> vertex_answers) {
+    LeftToHost left;
+    for (std::uint32_t face = 0; face < face_answers.size(); ++face) {
+        if (face_answers[face] != 0 || is_irregular(topology.edges.faces[face])) left.faces.push_back(face);
+    }
+    for (std::uint32_t vertex = 0; vertex < vertex_answers.size(); ++vertex) {
+        if ((vertex_answers[vertex] & CLSDF_VERTEX_IS_OPEN) != 0) left.vertices.push_back(vertex);
+        if (vertex_answers[vertex] == CLSDF_VERTEX_IS_SADDLE) ++left.saddles_elsewhere;
+    }
     return left;
 }
 

@@ -11,13 +11,15 @@
 
 namespace clsdf::engine {
 
+/// Three of each face: the vertex of the other face that lies opposite to edge k, and which edge of that face it is
+/// (CLSDF_OPPOSITE_EDGE). CLSDF_NO_VERTEX for an open edge; CLSDF_UNPAIRED_EDGE for others unless the edge has exactly
+/// two faces, of one orientation.
+UninitializedVector<std::uint32_t> opposite_words(const MeshTopology& topology);
+
 /// A mesh's topology as the kernels that make polyhedra read it (kernels/frusta/mesh_records.cl), and what they leave
 /// out.
 struct KernelTopology {
-    /// Three of each face: the vertex of the other face that lies opposite to edge k, and which edge of that face it is
-    /// (CLSDF_OPPOSITE_EDGE). CLSDF_NO_VERTEX for an open edge; CLSDF_UNPAIRED_EDGE for others unless the edge has
-    /// exactly two faces, of one orientation.
-    UninitializedVector<std::uint32_t> opposite;
+    UninitializedVector<std::uint32_t> opposite;   ///< opposite_words()
     UninitializedVector<std::uint32_t> fan_words;  ///< see FanItem
     std::vector<FanItem> fan_items;
     /// Ascending: faces with an edge of three faces or more, of two of different orientations, or from a vertex to
@@ -34,5 +36,9 @@ struct KernelTopology {
 
     std::size_t host_bytes() const;
 };
+
+/// The same from answers by vertex. saddles_elsewhere counts those that have no other answer.
+LeftToHost left_by_answers(const MeshTopology& topology, std::span<const std::uint8_t> face_answers,
+                           std::span<const std::uint8_t> vertex_answers);
 
 }  // namespace clsdf::engine

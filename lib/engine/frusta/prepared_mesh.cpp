@@ -35,9 +35,9 @@ RecordSelection select_records(const device::Context& context, const NearRecords
     return selection;
 }
 
-void set_counts(const MeshTopology& topology, const Frusta& frusta, PreparedMesh& prepared) {
-    prepared.triangle_count = topology.order.size();
-    prepared.polyhedron_count = topology.order.size() + frusta.sites.size();
+void set_counts(std::size_t faces, const Frusta& frusta, PreparedMesh& prepared) {
+    prepared.triangle_count = faces;
+    prepared.polyhedron_count = faces + frusta.sites.size();
     prepared.saddle_vertices = frusta.saddle_vertices;
     prepared.point_sites = frusta.sites.size();
     prepared.boxes = frusta.boxes;
@@ -76,7 +76,7 @@ PreparedMesh records_by_host(const DeviceTools& tools, const MeshTopology& topol
         record += end - begin;
     }
     PreparedMesh prepared;
-    set_counts(topology, frusta, prepared);
+    set_counts(topology.order.size(), frusta, prepared);
     prepared.record_count = count;
     prepared.polyhedra = filling.finish();
     return prepared;

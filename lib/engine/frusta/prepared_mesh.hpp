@@ -59,7 +59,7 @@ struct RecordSelection {
 RecordSelection select_records(const device::Context& context, const NearRecords& kept, const NearRecords& near);
 
 /// Sets the numbers that belong to the whole mesh.
-void set_counts(const MeshTopology& topology, const Frusta& frusta, PreparedMesh& prepared);
+void set_counts(std::size_t faces, const Frusta& frusta, PreparedMesh& prepared);
 
 /// The records of ranges of faces, each of which begins with a group (record_group), and of point sites, by
 /// the host: for any lattice.

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace clsdf::engine {
@@ -109,6 +110,13 @@ struct MeshTopology {
     explicit MeshTopology(const Mesh& mesh);
     /// In another order: the mesh's index of each face.
     MeshTopology(const Mesh& mesh, UninitializedVector<std::uint32_t> order);
+    /// Of parts that were made elsewhere.
+    MeshTopology(UninitializedVector<std::uint32_t> order_in, OrderedFaces faces_in, OneRings rings_in,
+                 PairedEdges edges_in)
+        : order(std::move(order_in)),
+          faces(std::move(faces_in)),
+          rings(std::move(rings_in)),
+          edges(std::move(edges_in)) {}
 
     std::size_t host_bytes() const;
 };

@@ -51,6 +51,10 @@ struct ProgramSources {
     ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(1)}; }
     ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
     ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(mesh_lanes())}; }
+    /// For the body by_group alone, as radix_sort.
+    ProgramSource mesh_topology_source() const {
+        return {"mesh_topology.cl", common_options(lanes) + " -DGROUP=" + std::to_string(group_size)};
+    }
     /// Lanes of its vectors of doubles.
     std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
     ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
@@ -104,15 +108,16 @@ struct Programs : ProgramSources {
     LazyProgram sign_sweep;
     LazyProgram fill;
     LazyProgram mesh_records;
-    LazyProgram store;         ///< copies boxes to targets with strides
-    LazyProgram order;         ///< puts the bricks of a sparse field in order
-    LazyProgram points;        ///< looks up points anywhere, but for the body by_group; their outputs
-    LazyProgram point_order;   ///< the order of points in memory of the device
-    LazyProgram point_signs;   ///< and their signs
-    LazyProgram binary_tree;   ///< of the body by_group: the tree that it searches
-    LazyProgram nearest;       ///< and the search
-    LazyProgram nearest_deep;  ///< in a tree that is deeper than stack_entries
-    LazyProgram point_scan;    ///< the scan of many points, by vectors
+    LazyProgram mesh_topology;  ///< of the body by_group
+    LazyProgram store;          ///< copies boxes to targets with strides
+    LazyProgram order;          ///< puts the bricks of a sparse field in order
+    LazyProgram points;         ///< looks up points anywhere, but for the body by_group; their outputs
+    LazyProgram point_order;    ///< the order of points in memory of the device
+    LazyProgram point_signs;    ///< and their signs
+    LazyProgram binary_tree;    ///< of the body by_group: the tree that it searches
+    LazyProgram nearest;        ///< and the search
+    LazyProgram nearest_deep;   ///< in a tree that is deeper than stack_entries
+    LazyProgram point_scan;     ///< the scan of many points, by vectors
 
     /// Programs that every field needs.
     static constexpr std::size_t field_programs = 5;

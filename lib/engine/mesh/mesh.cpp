@@ -147,9 +147,6 @@ std::uint64_t Mesh::hash() const {
     return hash;
 }
 
-namespace {
-
-/// The mesh with only those vertices that stand for themselves. first: for each vertex the one that stands for it.
 Mesh merged(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
     std::vector<Vec3> vertices;
     std::vector<std::uint32_t> new_index(first.size());
@@ -163,8 +160,6 @@ Mesh merged(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
         for (std::uint32_t& index : triangle) index = new_index[first[index]];
     return Mesh(std::move(vertices), std::move(triangles), mesh.name());
 }
-
-}  // namespace
 
 Mesh weld(const Mesh& mesh) {
     return merged(mesh, first_equal_vertices(mesh.vertices()));

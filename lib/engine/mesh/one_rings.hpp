@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace clsdf {
@@ -40,6 +41,9 @@ class OneRings {
 public:
     /// Throws Error(unsupported) for more than most_faces.
     OneRings(std::span<const Triangle> triangles, std::size_t vertex_count);
+    /// start: of each vertex in `corners`, packed, and the end of the last.
+    OneRings(std::vector<std::uint32_t> start, UninitializedVector<std::uint32_t> corners)
+        : start_(std::move(start)), corners_(std::move(corners)) {}
 
     std::size_t vertex_count() const { return start_.size() - 1; }
 
@@ -56,6 +60,10 @@ public:
         const auto end = corners_.begin() + start_[vertex + 1];
         return static_cast<std::size_t>(std::lower_bound(begin, end, corner.packed()) - begin);
     }
+
+    /// As the constructor takes them.
+    const std::vector<std::uint32_t>& starts() const { return start_; }
+    const UninitializedVector<std::uint32_t>& corners() const { return corners_; }
 
     std::size_t bytes() const { return (start_.size() + corners_.size()) * sizeof(std::uint32_t); }
 

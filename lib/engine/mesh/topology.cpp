@@ -198,29 +198,51 @@ void report_first_edges(std::vector<UnbalancedEdge> edges, std::span<const Trian
 
 }  // namespace
 
+namespace {
+
+/// Six times a volume, and the sum of the magnitudes of its terms.
+struct Volume {
+    double sum = 0;
+    double magnitude = 0;
+
+    friend Volume operator+(const Volume& a, const Volume& b) { return {a.sum + b.sum, a.magnitude + b.magnitude}; }
+};
+
+/// Of faces [begin, end), divided by halves down to leaves of 64: an order that GPUs sum in, too
+/// (kernels/frusta/mesh_topology.cl).
+template <class TriangleOf>
+Volume volume_of(const LocalFrame& frame, const TriangleOf& triangle_of, std::size_t begin, std::size_t end) {
+    if (end - begin > volume_leaf) {
+        const std::size_t middle = begin + (end - begin) / 2;
+        return volume_of(frame, triangle_of, begin, middle) + volume_of(frame, triangle_of, middle, end);
+    }
+    Volume volume;
+    for (std::size_t t = begin; t != end; ++t) frame.add_volume(triangle_of(t), volume.sum, volume.magnitude);
+    return volume;
+}
+
+}  // namespace
+
+bool is_negative_volume(double sum, double magnitude, std::size_t faces) {
+    const double rounding = static_cast<double>(faces + 16) * std::numeric_limits<double>::epsilon();
+    return sum < -rounding * magnitude;
+}
+
 bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface) {
     const LocalFrame frame(mesh);
-    struct Volume {
-        double sum = 0;
-        double magnitude = 0;
-    };
-    constexpr std::size_t grain = 4096;
+    constexpr std::size_t grain = 4096;  // ranges are divided by halves, too
     const auto sum_of = [&](const auto& triangle_of) {
         return reduce_ranges(
             mesh.triangles().size(), grain, Volume{},
-            [&](std::size_t begin, std::size_t end, Volume part) {
-                for (std::size_t t = begin; t != end; ++t) frame.add_volume(triangle_of(t), part.sum, part.magnitude);
-                return part;
+            [&](std::size_t begin, std::size_t end, const Volume& before) {
+                return before + volume_of(frame, triangle_of, begin, end);
             },
-            [](const Volume& a, const Volume& b) {
-                return Volume{a.sum + b.sum, a.magnitude + b.magnitude};
-            });
+            std::plus<>());
     };
     const std::vector<Triangle>& given = mesh.triangles();
     const Volume volume = surface.is_mesh() ? sum_of([&](std::size_t t) -> const Triangle& { return given[t]; })
                                             : sum_of([&](std::size_t t) { return surface.triangle(given[t], t); });
-    const double rounding = static_cast<double>(mesh.triangles().size() + 16) * std::numeric_limits<double>::epsilon();
-    return volume.sum < -rounding * volume.magnitude;
+    return is_negative_volume(volume.sum, volume.magnitude, given.size());
 }
 
 namespace {
@@ -474,25 +496,31 @@ OpenLoops open_loops_of(const Mesh& mesh, const SignSurface& surface) {
     return loops_of(count_edges(triangles, mesh.vertices().size()));
 }
 
-Topology describe_vertices(const Mesh& mesh) {
+Topology describe_vertices(const Mesh& mesh, std::span<const std::uint32_t> first) {
     Topology report;
-    count_vertices(mesh.triangles(), first_equal_vertices(mesh.vertices()), report);
+    count_vertices(mesh.triangles(), first, report);
     return report;
 }
 
 SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, SignRule asked,
                            Topology& report) {
-    SignSurface surface;
     if (are_paired) {
-        report.closed = report.balanced = true;
-        report.inside_out = encloses_negative_volume(mesh);
-    } else {
-        surface = describe_edges(mesh, mesh.triangles(), asked, report);
+        describe_paired_edges(mesh, is_one_part(neighbours, mesh.vertices().size()), encloses_negative_volume(mesh),
+                              report);
+        return {};
     }
+    SignSurface surface = describe_edges(mesh, mesh.triangles(), asked, report);
     report.parts = report.balanced ? 1 : 0;
     if (report.balanced && (!surface.is_mesh() || !is_one_part(neighbours, mesh.vertices().size())))
         describe_parts(mesh, triangles_of(mesh.triangles(), surface), report);
     return surface;
+}
+
+void describe_paired_edges(const Mesh& mesh, bool is_one_part, bool encloses_negative_volume, Topology& report) {
+    report.closed = report.balanced = true;
+    report.inside_out = encloses_negative_volume;
+    report.parts = 1;
+    if (!is_one_part) describe_parts(mesh, mesh.triangles(), report);
 }
 
 DescribedMesh describe_mesh(const Mesh& mesh, SignRule asked) {

@@ -15,14 +15,21 @@ namespace clsdf {
 /// 2^32 - 1 vertices.
 std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices);
 
+/// The mesh with only those vertices that stand for themselves. first: for each vertex the one that stands for it.
+Mesh merged(const Mesh& mesh, const std::vector<std::uint32_t>& first);
+
 /// Whether a closed surface encloses a volume that is negative by more than its rounding error: its faces look inwards.
 bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface = {});
+
+/// The same of sums over all faces: LocalFrame::add_volume(), by halves down to leaves of so many faces.
+inline constexpr std::size_t volume_leaf = 64;
+bool is_negative_volume(double sum, double magnitude, std::size_t faces);
 
 /// The open edges of a mesh whose vertices are all different, or of a surface of it.
 OpenLoops open_loops_of(const Mesh& mesh, const SignSurface& surface);
 
-/// The first half of describe_topology(): the counts of vertices.
-Topology describe_vertices(const Mesh& mesh);
+/// The first half of describe_topology(): the counts of vertices. first: first_equal_vertices().
+Topology describe_vertices(const Mesh& mesh, std::span<const std::uint32_t> first);
 
 /// The second half, for a mesh whose vertices are all different, with the surface that decides the sign. The mesh has
 /// its first positions. are_paired: each edge is known to have two faces, which run along it in opposite directions;
@@ -31,6 +38,10 @@ Topology describe_vertices(const Mesh& mesh);
 /// edges is looked at if the rule may become solid_angle.
 SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, SignRule asked,
                            Topology& report);
+
+/// The same of a mesh each of whose edges has two faces, which run along it in opposite directions. is_one_part: all
+/// faces are joined over vertices.
+void describe_paired_edges(const Mesh& mesh, bool is_one_part, bool encloses_negative_volume, Topology& report);
 
 /// A mesh with its first positions, and what decides its sign.
 struct DescribedMesh {

@@ -6,6 +6,7 @@
 #include "core/parallel.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/mesh_arrays.hpp"
+#include "mesh/topology.hpp"
 
 #include <fmt/format.h>
 
@@ -41,13 +42,19 @@ void check_rotation(const std::array<Vec3, 3>& rotation) {
 
 }  // namespace
 
-Vertices::Vertices(Mesh& mesh, bool are_equal) : count_(mesh.vertices().size()) {
-    if (!are_equal) return;
-    Mesh one_of_each = weld(mesh);
+Vertices::Vertices(Mesh& mesh, const std::vector<std::uint32_t>& first) : Vertices(mesh) {
+    Mesh one_of_each = merged(mesh, first);
     welded_.assign(count_, no_vertex);
     for (std::size_t t = 0; t < mesh.triangles().size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) welded_[mesh.triangles()[t][k]] = one_of_each.triangles()[t][k];
     mesh = std::move(one_of_each);
+}
+
+std::vector<std::uint32_t> Vertices::numbers(const std::vector<std::uint32_t>& first) {
+    std::vector<std::uint32_t> numbers(first.size());
+    std::uint32_t next = 0;
+    for (std::size_t i = 0; i < first.size(); ++i) numbers[i] = first[i] == i ? next++ : numbers[first[i]];
+    return numbers;
 }
 
 std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positions) const {

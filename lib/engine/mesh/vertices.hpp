@@ -16,8 +16,15 @@ namespace clsdf::engine {
 /// vertices that are equal but not one would be open ones: exact, but slow.
 class Vertices {
 public:
-    /// If vertices are equal (`are_equal`), merges them, and drops those that no triangle uses.
-    Vertices(Mesh& mesh, bool are_equal);
+    /// All vertices of the mesh.
+    explicit Vertices(const Mesh& mesh) : count_(mesh.vertices().size()) {}
+    /// Merges vertices that are equal, and drops those that no triangle uses. `first`: first_equal_vertices() of the
+    /// mesh.
+    Vertices(Mesh& mesh, const std::vector<std::uint32_t>& first);
+
+    /// The number of each of the caller's vertices here, whether a triangle uses it or not. `first`: as above; empty if
+    /// they are the same.
+    static std::vector<std::uint32_t> numbers(const std::vector<std::uint32_t>& first);
 
     /// New positions of the transform's mesh from those of the caller's. Throws Error(invalid_argument) if their number
     /// is another one, or if vertices that count as one move apart.

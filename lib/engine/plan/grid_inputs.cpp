@@ -85,13 +85,13 @@ private:
         if (near) inputs.sweep_selection = engine::select_triangles(kept_mesh_.context(), *near);
     }
 
-    std::size_t all_faces() { return kept_mesh_.topology().order.size(); }
+    std::size_t all_faces() const { return kept_mesh_.face_count(); }
     const NearRecords& kept_ranges() { return kept_mesh_.kept_ranges(lattice_); }
 
     /// The part of the mesh that the grid needs, for its coarse bricks' lists or for its rows' crossings; nothing if
     /// that is more than half of the `faces` that there are.
     std::optional<NearRecords> near_box(const Box& box, std::size_t faces) {
-        if (kept_mesh_.options().is_whole || !is_small(share_of(kept_mesh_.mesh().box(), box))) return std::nullopt;
+        if (kept_mesh_.options().is_whole || !is_small(share_of(kept_mesh_.box(), box))) return std::nullopt;
         NearRecords near = kept_mesh_.index().near(box);
         if (!is_small(static_cast<double>(near.face_count) / static_cast<double>(faces))) return std::nullopt;
         return near;

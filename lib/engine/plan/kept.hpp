@@ -40,7 +40,7 @@ template <class T>
 class Kept final : public KeptValue {
 public:
     /// all: the list that this is added to; it must not be used any more when this is destroyed. also_forget: is called
-    /// when the value is forgotten.
+    /// before the value is forgotten.
     Kept(KeptValues& all, MadeOf made_of_in, UsedBy used_by_in = UsedBy::grids, std::function<void()> also_forget = {})
         : KeptValue(made_of_in, used_by_in), also_forget_(std::move(also_forget)) {
         all.push_back(this);
@@ -72,8 +72,8 @@ public:
     }
     bool is_in_use() const override { return value_.use_count() > 1; }
     void forget() override {
-        value_.reset();
         if (also_forget_) also_forget_();
+        value_.reset();
     }
 
 private:

@@ -1,6 +1,7 @@
 #include "plan/kept_mesh.hpp"
 
 #include "finish/sites.hpp"
+#include "frusta/host_part.hpp"
 #include "lattice/layout_of.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/topology.hpp"
@@ -51,7 +52,7 @@ std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPoo
     return prepare([&] {
         Restriction restriction(std::move(regions));
         MeshPart part =
-            part_of(mesh_, sign_surface(), topology(), frusta(), restriction.near(index(), sign, sign_surface_gap()));
+            part_of(mesh(), sign_surface(), topology(), frusta(), restriction.near(index(), sign, sign_surface_gap()));
         restriction.numbers = std::move(part.triangles);
         restriction.sample = surface_sample(topology(), frusta());
         std::unique_ptr<KeptMesh> kept_mesh(
@@ -75,11 +76,61 @@ Job KeptMesh::checked(JobKey asked, SignRule sign) const {
     return job;
 }
 
+const Mesh& KeptMesh::mesh() {
+    if (!has_old_positions_) return mesh_;
+    UninitializedVector<Vec3> ordered(topology().faces.vertices.size());
+    context_.run_or_drain([&] {
+        context_.read(context_.queue(), **positions_, 0, ordered.size() * sizeof(Vec3),
+                      reinterpret_cast<std::byte*>(ordered.data()));
+    });
+    set_ordered_positions(mesh_, topology(), ordered);
+    has_old_positions_ = false;
+    return mesh_;
+}
+
 void KeptMesh::move(std::vector<Vec3> positions) {
-    topology();  // of the first positions
-    engine::move(mesh_, *topology_, std::move(positions));
+    if (const auto moved = moved_on_device(positions, positions.size())) {
+        engine::move(mesh_, moved->box, std::move(positions));
+        has_old_positions_ = false;
+        return;
+    }
+    topology();                                             // of the first positions
+    engine::move(mesh_, *topology_, std::move(positions));  // which finds what is wrong
+    forget_positions();
+}
+
+bool KeptMesh::move(const DevicePositions& positions) {
+    if (!sign_surface().vertices.empty()) return false;
+    const auto moved = moved_on_device(positions, positions.count);
+    if (!moved) return false;
+    engine::move(mesh_, moved->box);
+    has_old_positions_ = true;
+    return true;
+}
+
+template <class Positions>
+std::optional<MovedVertices> KeptMesh::moved_on_device(const Positions& positions, std::size_t count) {
+    if (!device_topology_ || !numbers_.empty() || count != mesh_.vertices().size()) return std::nullopt;
+    context_.begin_call();
+    MovedVertices moved;
+    try {
+        moved = move_vertices(set_up(), *device_topology_, positions);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::out_of_memory) throw;
+        return std::nullopt;
+    }
+    if (!moved.are_finite) return std::nullopt;
+    forget_positions();
+    positions_.set(std::make_shared<const device::BufferPool::Lease>(std::move(moved.positions)));
+    return moved;
+}
+
+void KeptMesh::forget_positions() {
+    is_moving_ = true;
     has_moved_ = true;
+    has_old_positions_ = false;
     forget_if([](const KeptValue& value) { return value.made_of == MadeOf::positions; });
+    is_moving_ = false;
 }
 
 void KeptMesh::refuse_memory() const {
@@ -89,11 +140,31 @@ void KeptMesh::refuse_memory() const {
 }
 
 std::shared_ptr<const MeshTopology> KeptMesh::shared_topology() {
-    return topology_.get_or([&] { return MeshTopology(mesh_); });
+    return topology_.get_or(
+        [&] { return device_topology_ ? device_topology_->read(set_up(), numbers_) : MeshTopology(mesh_); });
+}
+
+void KeptMesh::set_topology(MadeTopology made, std::span<const std::uint32_t> numbers) {
+    numbers_.assign(numbers.begin(), numbers.end());
+    // Of other meshes another surface may decide the sign.
+    if (made.topology->are_paired)
+        encloses_negative_volume_.set(std::make_shared<const bool>(made.encloses_negative_volume()));
+    positions_.set(std::make_shared<const device::BufferPool::Lease>(std::move(made.positions)));
+    names_.set(made.topology->names);
+    device_topology_.set(std::move(made.topology));
+}
+
+const Frusta& KeptMesh::counted_frusta() {
+    if (!frusta_) make_frusta(nullptr);
+    return *frusta_;
 }
 
 const Frusta& KeptMesh::frusta() {
-    if (!frusta_) make_frusta(nullptr);
+    counted_frusta();
+    if (partial_frusta_) {
+        fill(set_up(), *faces_, *partial_frusta_);
+        partial_frusta_.reset();
+    }
     return *frusta_;
 }
 
@@ -102,13 +173,23 @@ const std::shared_ptr<const DeviceFaces::Names>& KeptMesh::names() {
 }
 
 std::optional<PreparedMesh> KeptMesh::make_frusta(const LatticeView* lattice) {
-    if (!suits_kernels(topology())) {
-        frusta_.get_or([&] { return engine::make_frusta(topology(), mesh_.vertices()); });
+    if (!suits_kernels(face_count())) {
+        frusta_.get_or([&] { return engine::make_frusta(topology(), mesh().vertices()); });
         return std::nullopt;
     }
     const DeviceSetUp job = set_up();
-    frusta_sources_.get_or([&] { return FrustaSources(job, topology()); });
-    MadeFrusta made = frusta_by_kernels(job, names(), frusta_sources_.get(), mesh_, lattice);
+    MadeFrusta made = [&] {
+        if (job.shares_memory()) {
+            frusta_sources_.get_or([&] { return FrustaSources(job, topology()); });
+            return frusta_by_kernels(job, names(), frusta_sources_.get(), mesh(), lattice);
+        }
+        device_topology_.get_or([&] { return device_topology(job, names(), topology()); });
+        positions_.get_or([&] { return job.upload(ordered_positions(topology(), mesh().vertices()), "vertices"); });
+        return frusta_by_kernels(
+            job, *device_topology_, {nullptr, **positions_, 0}, mesh_.box(),
+            [this]() -> const MeshTopology& { return topology(); }, lattice);
+    }();
+    partial_frusta_ = made.faces.part ? made.frusta : nullptr;
     frusta_.set(std::move(made.frusta));
     faces_.set(std::make_shared<const DeviceFaces>(std::move(made.faces)));
     if (!has_moved_) frusta_sources_.forget();
@@ -120,9 +201,14 @@ const ClusterIndex& KeptMesh::index() {
 }
 
 std::shared_ptr<const DeviceFaces> KeptMesh::device_faces(const LatticeView& lattice) {
-    if (options_.method || !suits_kernels(topology()) || !is_plain(mesh_, lattice)) return nullptr;
-    frusta();
+    if (options_.method || !suits_kernels(face_count()) || !is_plain(mesh_, lattice)) return nullptr;
+    counted_frusta();
     return faces_.get_or([&] { return engine::device_faces(set_up(), names(), frusta_.get()); });
+}
+
+WrittenFaces KeptMesh::written_faces(const DeviceFaces& faces) {
+    if (faces.part) return {faces.part->topology, faces.part->frusta, faces.part->faces};
+    return {topology(), frusta()};
 }
 
 PreparedMesh KeptMesh::all_records(const LatticeView& lattice) {
@@ -133,7 +219,8 @@ PreparedMesh KeptMesh::all_records(const LatticeView& lattice) {
 
 PreparedMesh KeptMesh::records(const LatticeView& lattice, const NearRecords& ranges) {
     if (const auto faces = device_faces(lattice))
-        return records_on_device(set_up(), *faces, topology(), frusta(), lattice, ranges.faces, ranges.sites);
+        return records_on_device(set_up(), *faces, written_faces(*faces), *frusta_, lattice, ranges.faces,
+                                 ranges.sites);
     return records_by_host(tools(), topology(), frusta(), lattice, ranges.faces, ranges.sites);
 }
 
@@ -150,7 +237,7 @@ Lattice& KeptMesh::lattice(const Grid& grid) {
 }
 
 NearRecords KeptMesh::all_ranges() {
-    const std::size_t faces = topology().order.size(), sites = frusta().sites.size();
+    const std::size_t faces = face_count(), sites = counted_frusta().sites.size();
     return {{{0, faces}}, {{0, sites}}, faces, sites};
 }
 
@@ -167,8 +254,11 @@ SurfacePoints KeptMesh::points_of(const LatticeView& view) {
 
 SweepMesh KeptMesh::sweep_mesh(const Job& job) {
     const auto faces = device_faces(job.lattice);
-    return make_sweep_mesh(set_up(), job.grid, job.lattice, mesh_, sign_surface(), boundary().get(), names(),
-                           faces.get());
+    const bool by_host =
+        !sign_surface().is_mesh() || faces == nullptr || !is_within_sweep(mesh_, job.grid, job.lattice);
+    return make_sweep_mesh(
+        set_up(), job.grid, job.lattice, by_host ? mesh() : mesh_, sign_surface(), boundary().get(), names(),
+        [this]() -> const MeshTopology& { return topology(); }, faces.get());
 }
 
 bool KeptMesh::needs_normals(Lattice& lattice) {
@@ -181,16 +271,16 @@ bool KeptMesh::needs_normals(Lattice& lattice) {
 
 std::shared_ptr<const OpenBoundary> KeptMesh::boundary() {
     if (!open_loops_) return nullptr;
-    return boundary_.get_or([&] { return OpenBoundary(*open_loops_, mesh_.vertices()); });
+    return boundary_.get_or([&] { return OpenBoundary(*open_loops_, mesh().vertices()); });
 }
 
 std::shared_ptr<const OpenBoundary> KeptMesh::any_boundary() {
     if (open_loops_) return boundary();
-    return boundary_.get_or([&] { return OpenBoundary(open_loops_of(mesh_, sign_surface()), mesh_.vertices()); });
+    return boundary_.get_or([&] { return OpenBoundary(open_loops_of(mesh(), sign_surface()), mesh().vertices()); });
 }
 
 bool KeptMesh::encloses_negative_volume() {
-    return *encloses_negative_volume_.get_or([&] { return clsdf::encloses_negative_volume(mesh_, sign_surface()); });
+    return *encloses_negative_volume_.get_or([&] { return clsdf::encloses_negative_volume(mesh(), sign_surface()); });
 }
 
 std::shared_ptr<const DeviceSites> KeptMesh::sites(bool with_names, bool with_normals) {
@@ -199,7 +289,7 @@ std::shared_ptr<const DeviceSites> KeptMesh::sites(bool with_names, bool with_no
         if (restriction_) numbers = restriction_->numbers;
         if (with_names) site_names_.get_or([&] { return site_names(tools(), topology(), numbers); });
         if (with_normals)
-            pseudonormals_.get_or([&] { return site_normals(tools(), mesh_, sign_surface(), topology()); });
+            pseudonormals_.get_or([&] { return site_normals(tools(), mesh(), sign_surface(), topology()); });
         return std::make_shared<const DeviceSites>(DeviceSites{site_names_.get(), pseudonormals_.get(),
                                                                site_names_ ? numbers.size() : 0,
                                                                pseudonormals_ ? sign_surface().faces.size() : 0});

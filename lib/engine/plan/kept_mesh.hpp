@@ -8,6 +8,7 @@
 #include "finish/finishing.hpp"
 #include "frusta/cluster_index.hpp"
 #include "frusta/device_faces.hpp"
+#include "frusta/device_topology.hpp"
 #include "frusta/frusta.hpp"
 #include "frusta/kernel_frusta.hpp"
 #include "frusta/prepared_mesh.hpp"
@@ -25,6 +26,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace clsdf {
@@ -36,7 +38,8 @@ namespace clsdf::engine {
 /// The values that a transform keeps of its mesh. Each is made from those above it when it is needed first, and again
 /// only if one of them has changed.
 ///
-///     MeshTopology   of the triangles                    kept
+///     MeshTopology   of the triangles                    kept; if a GPU has made it, read back when the host needs it
+///     DeviceTopology the same on a GPU                   kept
 ///     Frusta, index  + positions                         kept until the vertices move
 ///     device's faces + positions                         the same
 ///     sites' names   of the triangles                    kept, once an output names sites
@@ -70,10 +73,20 @@ public:
 
     device::Context& context() const { return context_; }
     DeviceTools tools() const { return {context_, pool_, options_.programs}; }
-    const Mesh& mesh() const { return mesh_; }
+    /// With its present positions.
+    const Mesh& mesh();
+    const std::string& name() const { return mesh_.name(); }
+    const Box& box() const { return mesh_.box(); }
     const MeshTopology& topology() { return *shared_topology(); }
     std::shared_ptr<const MeshTopology> shared_topology();
     const Frusta& frusta();
+    /// The same, but their positions and slopes may be on the device alone.
+    const Frusta& counted_frusta();
+    std::size_t face_count() const { return mesh_.triangles().size(); }
+
+    /// The topology that a GPU has made of the mesh at its first positions. numbers: those of its given vertices in the
+    /// mesh; empty if they are the same. Before anything is made.
+    void set_topology(MadeTopology made, std::span<const std::uint32_t> numbers);
 
     /// The surface that decides the sign; that of the first positions serves all later ones. Without it the mesh
     /// decides.
@@ -95,6 +108,9 @@ public:
 
     /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
+    /// The same from memory of the device; the host gets the positions when it needs them. Returns false, and has done
+    /// nothing, if the host has to look at them.
+    bool move(const DevicePositions& positions);
 
     bool encloses_negative_volume();
 
@@ -166,11 +182,18 @@ private:
     /// Forgets these, the last first: before the values that they are made of, whose memory they may share.
     void forget_if(bool (*condition)(const KeptValue&));
     [[noreturn]] void refuse_memory() const;
+    /// The vertices at new positions, on the device; the values of the ones before are forgotten. Nothing, and has done
+    /// nothing, if the host has to look at the positions.
+    template <class Positions>
+    std::optional<MovedVertices> moved_on_device(const Positions& positions, std::size_t count);
+    void forget_positions();
 
     DeviceSetUp set_up() const { return {tools()}; }
     const std::shared_ptr<const DeviceFaces::Names>& names();
     /// Makes the frusta, and their records for a lattice if it is not null and kernels make them.
     std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);
+    /// The faces that the host writes records of.
+    WrittenFaces written_faces(const DeviceFaces& faces);
     /// Null if the host makes the lattice's records, and the vertices of its sweep.
     std::shared_ptr<const DeviceFaces> device_faces(const LatticeView& lattice);
     /// The records of the whole mesh.
@@ -181,21 +204,37 @@ private:
     Options options_;
     Mesh mesh_;
     bool has_moved_ = false;
-    KeptValues kept_;  // those that follow, in their order
+    bool is_moving_ = false;          ///< the values of the positions before are given up
+    bool has_old_positions_ = false;  ///< the mesh; the present ones are on the device alone
+    KeptValues kept_;                 // those that follow, in their order
     Kept<Restriction> restriction_{kept_, MadeOf::triangles};
     Kept<SignSurface> sign_surface_{kept_, MadeOf::triangles};
     Kept<OpenLoops> open_loops_{kept_, MadeOf::triangles};
     Kept<OpenBoundary> boundary_{kept_, MadeOf::positions};  // any_boundary(), if none count
     Kept<MeshTopology> topology_{kept_, MadeOf::triangles};
+    std::vector<std::uint32_t> numbers_;  // see set_topology()
     Kept<bool> encloses_negative_volume_{kept_, MadeOf::positions};
-    Kept<Frusta> frusta_{kept_, MadeOf::positions};
+    Kept<Frusta> frusta_{kept_, MadeOf::positions, UsedBy::grids, [this] { partial_frusta_.reset(); }};
+    std::shared_ptr<Frusta> partial_frusta_;  // those, as long as their positions and slopes are on the device alone
     Kept<ClusterIndex> index_{kept_, MadeOf::positions};  // a grid around the whole mesh needs none
     Kept<device::BufferPool::Lease> site_names_{kept_, MadeOf::triangles, UsedBy::both};
     Kept<device::BufferPool::Lease> pseudonormals_{kept_, MadeOf::positions, UsedBy::both};
     Kept<DeviceFaces::Names> names_{kept_, MadeOf::triangles, UsedBy::grids, [this] { faces_.forget(); }};
-    Kept<DeviceFaces> faces_{kept_, MadeOf::positions};             // which hold their names
-    Kept<FrustaSources> frusta_sources_{kept_, MadeOf::triangles};  // from the first move on
-    std::list<Lattice> lattices_;                                   // that was used last first
+    // Of GPUs: as the topology numbers the vertices. The mesh may lack them, and the faces use them.
+    Kept<device::BufferPool::Lease> positions_{kept_, MadeOf::positions, UsedBy::grids, [this] {
+                                                   if (!is_moving_) mesh();
+                                                   faces_.forget();
+                                               }};
+    // Which hold their names, and what partial frusta lack.
+    Kept<DeviceFaces> faces_{kept_, MadeOf::positions, UsedBy::grids, [this] {
+                                 if (partial_frusta_) frusta_.forget();
+                             }};
+    Kept<FrustaSources> frusta_sources_{kept_, MadeOf::triangles};  // from the first move on; of processors
+    // Of GPUs; its order is that of the first positions.
+    Kept<DeviceTopology> device_topology_{kept_, MadeOf::triangles, UsedBy::grids, [this] {
+                                              if (has_moved_) topology();
+                                          }};
+    std::list<Lattice> lattices_;  // that was used last first
 };
 
 }  // namespace clsdf::engine

@@ -121,7 +121,7 @@ device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLatt
 /// The same by a kernel, from the positions on the device. The mesh must be near sample (0, 0, 0).
 device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const SweepLattice& lattice,
                                              const DeviceFaces& faces) {
-    const std::size_t count = faces.names->topology->faces.vertices.size();
+    const std::size_t count = faces.names->vertex_count;
     auto vertices = job.tools.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
     cl::Kernel kernel(job.tools.programs.mesh_records, "sweep_vertices");
     ShortLaunches(job.tools.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
@@ -185,18 +185,19 @@ const cl::Buffer& SweepMesh::triangles() const {
 
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
                           const SignSurface& surface, const OpenBoundary* boundary,
-                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces) {
+                          const std::shared_ptr<const DeviceFaces::Names>& names,
+                          const std::function<const MeshTopology&()>& topology, const DeviceFaces* faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, view, mesh);
         SweepMesh result;
         if (surface.faces.empty())
             result.faces = names;
         else
-            result.own_triangles = triangles_of(job, surface, *names->topology);
+            result.own_triangles = triangles_of(job, surface, topology());
         result.vertices = faces != nullptr && surface.vertices.empty() && is_within_sweep(mesh, grid, view)
                               ? vertices_on_device(job, lattice, *faces)
-                              : sweep_vertices(job, lattice, mesh, surface, names->topology->faces.vertices);
-        result.triangle_count = names->face_count();
+                              : sweep_vertices(job, lattice, mesh, surface, topology().faces.vertices);
+        result.triangle_count = names->face_count;
         result.bits_y = lattice.bits_y;
         result.bits_z = lattice.bits_z;
         result.first_x = lattice.first_x;

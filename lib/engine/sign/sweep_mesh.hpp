@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 namespace clsdf::engine {
@@ -48,10 +49,11 @@ SweepSelection select_triangles(const device::Context& context, const NearRecord
 
 /// The mesh with the surface that decides its sign. Throws Error(unsupported) if it reaches farther from the grid's
 /// origin than the sweep's integers. view: of the grid's lattice. `faces`: null if the host makes the vertices.
-/// boundary: null unless open edges count.
+/// boundary: null unless open edges count. topology: is asked for if the host makes triangles or vertices.
 SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
                           const SignSurface& surface, const OpenBoundary* boundary,
-                          const std::shared_ptr<const DeviceFaces::Names>& names, const DeviceFaces* faces);
+                          const std::shared_ptr<const DeviceFaces::Names>& names,
+                          const std::function<const MeshTopology&()>& topology, const DeviceFaces* faces);
 
 /// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
 bool is_within_sweep(const Mesh& mesh, const Grid& grid, const LatticeView& view);

@@ -1,6 +1,7 @@
 #include "tree/binary_tree.hpp"
 
 #include "core/parallel.hpp"
+#include "frusta/face_order.hpp"
 #include "launch/commands.hpp"
 #include "launch/prefix_sums.hpp"
 #include "launch/programs.hpp"
@@ -16,11 +17,6 @@ namespace clsdf::engine {
 
 namespace {
 
-/// Bits of a cell's number on an axis, as morton_order() has them: finer cells make the tree deeper, not better.
-unsigned cell_bits(std::size_t faces) {
-    return faces <= std::size_t{1} << 17 ? 8 : 10;
-}
-
 /// A mesh on its way into the tree.
 class Making {
 public:
@@ -33,7 +29,8 @@ public:
           positions_(device::uploaded(tools.context, tools.pool, mesh.positions, "positions of vertices")) {
         std::copy(mesh.lattice.origin.begin(), mesh.lattice.origin.end(), lattice_.origin);
         lattice_.unit = mesh.lattice.unit;
-        const double cells = 1U << cell_bits(count_), side = longest_side();
+        // Finer cells than those of morton_order() make the tree deeper, not better.
+        const double cells = 1U << morton_bits(count_), side = longest_side();
         lattice_.cells_per_unit = side > 0 ? cells / (3 * side) : 0;
         lattice_.last_cell = cells - 1;
     }
@@ -47,7 +44,7 @@ public:
         divided.order = lease(count_ * sizeof(cl_uint), "order of the tree's faces");
         const device::BufferPool::Lease codes = lease(count_ * sizeof(cl_uint), "codes of faces");
         make_codes(divided, false, *codes);
-        sort_by_keys(tools_, *codes, count_, 3 * cell_bits(count_), *divided.order);
+        sort_by_keys(tools_, *codes, count_, 3 * morton_bits(count_), *divided.order);
         if (count_ <= CLSDF_LEAF_PLACES) {
             divided.tree.root = divided.tree.leaf;
             cl::Kernel mark(program_, "mark_only_leaf");

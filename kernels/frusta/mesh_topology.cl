@@ -1,0 +1,564 @@
+// Makes the topology of a mesh on a GPU, from the caller's arrays to the pairs of edges: the bytes of MeshTopology,
+// KernelTopology::opposite and encloses_negative_volume() of the host, whatever the order of the work-items.
+//
+// The vertices of equal coordinates share a slot of a hash table. Faces are sorted by their Morton codes, vertices are
+// numbered in the order in which the faces name them, and corners are sorted by vertex. Corner 3 p + k is vertex k of
+// the face at place p of the order. Values that begin as zeros and are joined by atomic_max are complements.
+
+#include "face_sources.h"
+#include "group_sum.h"
+#include "mesh_topology.h"
+#include "simd.h"
+#include "spread_bits.h"
+
+#pragma OPENCL FP_CONTRACT OFF
+
+// GROUP: work-items of a group, 64 or 128.
+#define GROUP_OF_KERNEL __attribute__((reqd_work_group_size(GROUP, 1, 1)))
+typedef volatile __global uint* Atomic;
+
+DEFINE_SUM_BEFORE(sum_before, uint, GROUP)
+
+// Adds the values of a group to a counter.
+static inline void count_up(uint value, __local uint* sums, Atomic counter) {
+    sum_before(value, sums);
+    if (get_local_id(0) == 0 && sums[GROUP - 1] != 0) atomic_add(counter, sums[GROUP - 1]);
+}
+
+static inline double3 position(__global const double* positions, uint vertex) {
+    return vload3(vertex, positions);
+}
+
+// Vertices of equal coordinates. --------------------------------------------------------------------------------------
+
+// The coordinates as integers, which are equal if and only if the coordinates are: adding 0.0 turns -0.0 into 0.0.
+static inline ulong3 key_of(__global const double* positions, uint vertex) {
+    return as_ulong3(position(positions, vertex) + 0.0);
+}
+
+static inline bool are_equal(ulong3 a, ulong3 b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static inline ulong mixed(ulong value) {
+    value = (value ^ value >> 32) * 0x9E3779B97F4A7C15ul;
+    return value ^ value >> 29;
+}
+
+// Files each vertex in the hash table. A slot belongs to the coordinates of the first vertex that takes it for ever,
+// and keeps the least vertex that has them.
+__kernel void file_vertices(TopologySizes sizes, __global const double* positions, Atomic words, __global uint* slots,
+                            __global TopologyResults* results) {
+    const uint vertex = get_global_id(0);
+    if (vertex >= sizes.vertices) return;
+    const ulong3 key = key_of(positions, vertex);
+    uint slot = (uint)mixed(mixed(mixed(key.x) ^ key.y) ^ key.z);
+    for (uint probe = 0; probe < CLSDF_MOST_PROBES; ++probe, ++slot) {
+        slot &= sizes.slots - 1u;
+        const Atomic entry = words + sizes.table + slot;
+        const uint before = atomic_cmpxchg(entry, 0u, ~vertex);
+        if (before != 0 && !are_equal(key, key_of(positions, ~before))) continue;
+        if (before != 0) atomic_max(entry, ~vertex);
+        slots[vertex] = slot;
+        return;
+    }
+    slots[vertex] = slot & (sizes.slots - 1u);
+    atomic_max((Atomic)&results->is_refused, 1u);
+}
+
+// The first equal vertex of each; counts those in use, and their classes.
+__kernel GROUP_OF_KERNEL void count_vertices(TopologySizes sizes, Atomic words, __global const uint* slots,
+                                             __global uint* first_equal, __global TopologyResults* results) {
+    __local uint sums[GROUP];
+    const uint vertex = get_global_id(0);
+    uint is_used = 0, is_first = 0;
+    if (vertex < sizes.vertices) {
+        const uint equal = ~words[sizes.table + slots[vertex]];
+        first_equal[vertex] = equal;
+        is_used = words[sizes.used + vertex / 32] >> vertex % 32 & 1u;
+        const uint bit = 1u << equal % 32;
+        if (is_used) is_first = (atomic_or(words + sizes.classes + equal / 32, bit) & bit) == 0;
+    }
+    count_up(is_used, sums, (Atomic)&results->used_vertices);
+    count_up(is_first, sums, (Atomic)&results->different_vertices);
+}
+
+// The order of the faces. ---------------------------------------------------------------------------------------------
+
+// Joins boxes of the work-items of a group; the first one's becomes that of all. limits: 6 GROUP numbers.
+static inline void join_boxes(__private double* box, __local double* limits) {
+    const uint item = get_local_id(0);
+    for (uint i = 0; i < 6; ++i) limits[i * GROUP + item] = box[i];
+    for (uint apart = GROUP / 2; apart > 0; apart /= 2) {
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (item >= apart) continue;
+        for (uint i = 0; i < 6; ++i) {
+            const double own = limits[i * GROUP + item], other = limits[i * GROUP + item + apart];
+            limits[i * GROUP + item] = i < 3 ? LESSER(other, own) : GREATER(other, own);
+        }
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = 0; i < 6; ++i) box[i] = limits[i * GROUP];
+}
+
+#define BOX_OF_NONE \
+    { INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY }
+
+// Marks the vertices in use, and measures a box a group.
+__kernel GROUP_OF_KERNEL void look_at_faces(TopologySizes sizes, __global const double* positions,
+                                            __global const uint* triangles, Atomic words, __global double* boxes) {
+    __local double limits[6 * GROUP];
+    double box[6] = BOX_OF_NONE;
+    for (uint face = get_global_id(0); face < sizes.faces; face += get_global_size(0))
+        for (uint k = 0; k < 3; ++k) {
+            const uint vertex = triangles[3 * (size_t)face + k];
+            atomic_or(words + sizes.used + vertex / 32, 1u << vertex % 32);
+            const double3 p = position(positions, vertex);
+            const double at[3] = {p.x, p.y, p.z};
+            for (uint axis = 0; axis < 3; ++axis) {
+                box[axis] = LESSER(at[axis], box[axis]);
+                box[3 + axis] = GREATER(at[axis], box[3 + axis]);
+            }
+        }
+    join_boxes(box, limits);
+    if (get_local_id(0) == 0)
+        for (uint i = 0; i < 6; ++i) boxes[6 * get_group_id(0) + i] = box[i];
+}
+
+// One group.
+__kernel GROUP_OF_KERNEL void join_group_boxes(uint count, __global const double* boxes,
+                                               __global TopologyResults* results) {
+    __local double limits[6 * GROUP];
+    double box[6] = BOX_OF_NONE;
+    for (uint n = get_local_id(0); n < count; n += GROUP)
+        for (uint i = 0; i < 6; ++i) {
+            const double other = boxes[6 * n + i];
+            box[i] = i < 3 ? LESSER(other, box[i]) : GREATER(other, box[i]);
+        }
+    join_boxes(box, limits);
+    if (get_local_id(0) == 0)
+        for (uint i = 0; i < 6; ++i) results->box[i] = box[i] + 0.0;  // no negative zeros
+}
+
+// Vertices that have moved: takes their positions in the order, and measures a box a group, and whether all are finite.
+// vertices: the caller's numbers. first, triple, number: the caller's array, in doubles.
+__kernel GROUP_OF_KERNEL void move_vertices(uint count, __global const uint* vertices, __global const double* given,
+                                            ulong first, long triple, long number, __global double* positions,
+                                            __global double* boxes, __global TopologyResults* results) {
+    __local double limits[6 * GROUP];
+    double box[6] = BOX_OF_NONE;
+    bool are_finite = true;
+    for (uint vertex = get_global_id(0); vertex < count; vertex += get_global_size(0)) {
+        __global const double* const from = given + (first + (ulong)(triple * (long)vertices[vertex]));
+        for (uint axis = 0; axis < 3; ++axis) {
+            const double at = from[(long)axis * number];
+            positions[3 * (size_t)vertex + axis] = at;
+            are_finite = are_finite && isfinite(at);
+            box[axis] = LESSER(at, box[axis]);
+            box[3 + axis] = GREATER(at, box[3 + axis]);
+        }
+    }
+    if (!are_finite) atomic_max((Atomic)&results->is_refused, 1u);
+    join_boxes(box, limits);
+    if (get_local_id(0) == 0)
+        for (uint i = 0; i < 6; ++i) boxes[6 * get_group_id(0) + i] = box[i];
+}
+
+static inline uint cell_of(double place, double last) {
+    const double positive = place > 0.0 ? place : 0.0;
+    return spread_bits((uint)(int)LESSER(positive, last));
+}
+
+// The codes of morton_order().
+__kernel void face_codes(TopologySizes sizes, __global const double* positions, __global const uint* triangles,
+                         __global const TopologyResults* results, __global uint* codes) {
+    const uint face = get_global_id(0);
+    if (face >= sizes.faces) return;
+    double longest = 0.0;
+    for (uint axis = 0; axis < 3; ++axis) {
+        const double side = results->box[3 + axis] - results->box[axis];
+        longest = GREATER(side, longest);
+    }
+    const double cells = (double)sizes.cells, scale = longest > 0.0 ? cells / (3.0 * longest) : 0.0;
+    const double3 a = position(positions, triangles[3 * (size_t)face]),
+                  b = position(positions, triangles[3 * (size_t)face + 1]),
+                  c = position(positions, triangles[3 * (size_t)face + 2]);
+    const double3 lower = (double3)(3.0 * results->box[0], 3.0 * results->box[1], 3.0 * results->box[2]);
+    const double3 place = scale * (((a + b) + c) - lower);
+    codes[face] =
+        cell_of(place.x, cells - 1.0) | cell_of(place.y, cells - 1.0) << 1 | cell_of(place.z, cells - 1.0) << 2;
+}
+
+// The vertices of the faces in their order, by the caller's numbers, and the first corner at each vertex. Vertices of
+// equal coordinates count as one if two of them are in use.
+__kernel void order_faces(TopologySizes sizes, __global const uint* order, __global const uint* triangles,
+                          __global const uint* first_equal, __global const TopologyResults* results,
+                          __global uint* named, Atomic words) {
+    const uint place = get_global_id(0);
+    if (place >= sizes.faces) return;
+    const bool are_merged = results->used_vertices != results->different_vertices;
+    for (uint k = 0; k < 3; ++k) {
+        const uint vertex = triangles[3 * (size_t)order[place] + k], name = are_merged ? first_equal[vertex] : vertex;
+        named[3 * (size_t)place + k] = name;
+        atomic_max(words + sizes.first_corners + name, ~(3 * place + k));
+    }
+}
+
+// Numbers of vertices. ------------------------------------------------------------------------------------------------
+
+// first_corners: of the caller's vertices.
+static inline uint is_first(uint corner, uint corners, __global const uint* named, __global const uint* first_corners) {
+    return corner < corners && first_corners[named[corner]] == ~corner ? 1u : 0u;
+}
+
+// How many corners of each tile are the first ones at their vertices. A group a tile.
+__kernel GROUP_OF_KERNEL void count_first_corners(TopologySizes sizes, __global const uint* named,
+                                                  __global const uint* words, __global uint* counts) {
+    __local uint sums[GROUP];
+    const uint begin = (uint)get_group_id(0) * CLSDF_CORNER_TILE;
+    uint count = 0;
+    for (uint i = get_local_id(0); i < CLSDF_CORNER_TILE; i += GROUP)
+        count += is_first(begin + i, 3 * sizes.faces, named, words + sizes.first_corners);
+    sum_before(count, sums);
+    if (get_local_id(0) == 0) counts[get_group_id(0)] = sums[GROUP - 1];
+}
+
+// counts: of count_first_corners(). numbers: by the caller's numbers. vertices: the caller's numbers. A group a tile.
+__kernel GROUP_OF_KERNEL void number_vertices(TopologySizes sizes, __global const uint* named,
+                                              __global const uint* words, __global const uint* counts,
+                                              __global const double* positions, __global uint* numbers,
+                                              __global uint* vertices, __global double* ordered,
+                                              __global TopologyResults* results) {
+    __local uint sums[GROUP];
+    const uint tile = get_group_id(0), begin = tile * CLSDF_CORNER_TILE;
+    uint before = 0;
+    for (uint i = get_local_id(0); i < tile; i += GROUP) before += counts[i];
+    sum_before(before, sums);
+    uint next = sums[GROUP - 1];
+    for (uint i = 0; i < CLSDF_CORNER_TILE; i += GROUP) {
+        const uint corner = begin + i + get_local_id(0);
+        const uint is_new = is_first(corner, 3 * sizes.faces, named, words + sizes.first_corners);
+        const uint number = next + sum_before(is_new, sums);
+        next += sums[GROUP - 1];
+        if (!is_new) continue;
+        const uint vertex = named[corner];
+        numbers[vertex] = number;
+        vertices[number] = vertex;
+        vstore3(position(positions, vertex), number, ordered);
+    }
+    if (tile + 1u == get_num_groups(0) && get_local_id(0) == 0) results->vertex_count = next;
+}
+
+// The triangles by the new numbers, twice: as keys of their corners, too.
+__kernel void name_corners(TopologySizes sizes, __global const uint* named, __global const uint* numbers,
+                           __global uint* triangles, __global uint* keys) {
+    const uint corner = get_global_id(0);
+    if (corner >= 3 * sizes.faces) return;
+    triangles[corner] = keys[corner] = numbers[named[corner]];
+}
+
+// The corners at each vertex, from their numbers in the order of their vertices. A vertex begins where its first corner
+// is.
+__kernel void order_corners(TopologySizes sizes, __global const uint* sorted, __global const uint* named,
+                            __global const uint* words, __global const uint* triangles,
+                            __global const TopologyResults* results, __global uint* starts, __global uint* corners) {
+    const uint place = get_global_id(0), count = 3 * sizes.faces;
+    if (place == 0) starts[results->vertex_count] = count;
+    if (place >= count) return;
+    const uint corner = sorted[place];
+    corners[place] = corner / 3 << 2 | corner % 3;
+    if (is_first(corner, count, named, words + sizes.first_corners)) starts[triangles[corner]] = place;
+}
+
+// Pairs of edges. -----------------------------------------------------------------------------------------------------
+
+static inline uint next_of(uint k) {
+    return k == 2 ? 0 : k + 1;
+}
+static inline uint previous_of(uint k) {
+    return k == 0 ? 2 : k - 1;
+}
+
+// The data of an edge that begins at a corner.
+typedef struct PairedEdge {
+    uint mark;
+    uint across;  // packed
+    bool is_too_long;
+} PairedEdge;
+
+// An edge has two faces, unless a third one is found, around the end that has fewer faces.
+static inline PairedEdge paired_edge(uint face, uint k, __global const uint* triangles, __global const uint* starts,
+                                     __global const uint* corners) {
+    PairedEdge edge = {0u, 0u, false};
+    const uint own = face << 2 | k, v = triangles[3 * (size_t)face + k], w = triangles[3 * (size_t)face + next_of(k)];
+    if (v == w) {
+        edge.mark = CLSDF_EDGE_AT_BOX;
+        return edge;
+    }
+    const bool is_at_v = starts[v + 1] - starts[v] <= starts[w + 1] - starts[w];
+    const uint at = is_at_v ? v : w, end = is_at_v ? w : v, begin = starts[at], last = starts[at + 1];
+    if (last - begin > CLSDF_MOST_RING) {
+        edge.is_too_long = true;
+        return edge;
+    }
+    uint count = 0, other = own;
+    for (uint i = begin; i < last && count <= 2; ++i) {
+        const uint around = corners[i] >> 2, j = corners[i] & 3;
+        __global const uint* const t = triangles + 3 * (size_t)around;
+        const uint leaving = around << 2 | j, arriving = around << 2 | previous_of(j);
+        if (t[next_of(j)] == end) {
+            ++count;
+            other = leaving != own ? leaving : other;
+        }
+        if (t[previous_of(j)] == end) {
+            ++count;
+            other = arriving != own ? arriving : other;
+        }
+    }
+    if (count > 2 || (count == 2 && other >> 2 == face)) {
+        edge.mark = CLSDF_EDGE_NON_MANIFOLD;
+    } else if (count == 1) {
+        edge.mark = CLSDF_EDGE_OPEN;
+    } else {
+        edge.across = other;
+        edge.mark = triangles[3 * (size_t)(other >> 2) + (other & 3)] == v ? CLSDF_EDGE_UNORIENTED : 0u;
+    }
+    return edge;
+}
+
+// across: four words a face, of which the fourth one holds the marks of its edges, a byte each: FaceEdges of
+// lib/engine/frusta/topology.hpp. opposite: see KernelTopology.
+__kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uint* triangles,
+                                         __global const uint* starts, __global const uint* corners,
+                                         __global uint* across, __global uchar* marks, __global uint* opposite,
+                                         __global TopologyResults* results) {
+    __local uint sums[GROUP];
+    const uint corner = get_global_id(0);
+    PairedEdge edge = {0u, 0u, false};
+    if (corner < 3 * sizes.faces) {
+        const uint face = corner / 3, k = corner % 3;
+        edge = paired_edge(face, k, triangles, starts, corners);
+        across[4 * (size_t)face + k] = edge.across;
+        marks[16 * (size_t)face + 12 + k] = (uchar)edge.mark;
+        const uint other = edge.across & 3;
+        opposite[corner] = edge.mark == CLSDF_EDGE_OPEN ? CLSDF_NO_VERTEX
+                           : edge.mark != 0             ? CLSDF_UNPAIRED_EDGE
+                                            : triangles[3 * (size_t)(edge.across >> 2) + previous_of(other)] |
+                                                  other << CLSDF_OPPOSITE_EDGE;
+    }
+    if (edge.is_too_long) atomic_max((Atomic)&results->is_refused, 1u);
+    count_up(edge.mark != 0, sums, (Atomic)&results->marked_edges);
+}
+
+// Parts. --------------------------------------------------------------------------------------------------------------
+
+// The lowest vertex that this one is known to be joined with. All that is read may be old: it is above all the same.
+static inline uint root_of(Atomic above, uint vertex) {
+    for (;;) {
+        const uint parent = atomic_or(above + vertex, 0u);
+        if (parent == 0) return vertex;
+        const uint next = atomic_or(above + parent - 1, 0u);
+        if (next == 0) return parent - 1;
+        atomic_cmpxchg(above + vertex, parent, next);
+        vertex = next - 1;
+    }
+}
+
+// Joins two sets of vertices; returns 1 if they were different. How many calls return 1 does not depend on their order.
+static inline uint join(Atomic above, uint a, uint b) {
+    for (;;) {
+        a = root_of(above, a);
+        b = root_of(above, b);
+        if (a == b) return 0;
+        if (atomic_cmpxchg(above + max(a, b), 0u, min(a, b) + 1) == 0) return 1;
+    }
+}
+
+// Joins the vertices of each face, and writes its name (face_sources.h).
+__kernel GROUP_OF_KERNEL void join_faces(TopologySizes sizes, __global const uint* order,
+                                         __global const uint* triangles, __global const uchar* marks, Atomic words,
+                                         __global uint* names, __global TopologyResults* results) {
+    __local uint sums[GROUP];
+    const uint face = get_global_id(0);
+    uint joined = 0, all_marks = 0;
+    if (face < sizes.faces) {
+        for (uint k = 0; k < 3; ++k) all_marks |= marks[16 * (size_t)face + 12 + k];
+        names[face] = order[face] | (all_marks & CLSDF_EDGE_NON_MANIFOLD ? CLSDF_NAME_NON_MANIFOLD : 0u);
+        __global const uint* const t = triangles + 3 * (size_t)face;
+        joined = join(words + sizes.above, t[0], t[1]) + join(words + sizes.above, t[1], t[2]);
+    }
+    count_up(joined, sums, (Atomic)&results->joined_vertices);
+    count_up((all_marks & ~CLSDF_EDGE_OPEN) != 0, sums, (Atomic)&results->irregular_faces);
+}
+
+// The enclosed volume. ------------------------------------------------------------------------------------------------
+
+// The sums of encloses_negative_volume(). The faces, in the caller's order, are divided by halves into leaves; a
+// work-item has a leaf. sums: a sum and the sum of magnitudes of each of 2^levels leaves, zeros if a larger range is a
+// leaf.
+__kernel void sum_volumes(TopologySizes sizes, uint levels, __global const double* positions,
+                          __global const uint* triangles, __global const TopologyResults* results,
+                          __global double* sums) {
+    const uint leaf = get_global_id(0);
+    if (leaf >= 1u << levels) return;
+    double centre[3], half_side = 0.0;
+    for (uint axis = 0; axis < 3; ++axis) {
+        const double lower = results->box[axis], upper = results->box[3 + axis];
+        centre[axis] = 0.5 * lower + 0.5 * upper;
+        const double half_of_axis = 0.5 * upper - 0.5 * lower;
+        half_side = GREATER(half_of_axis, half_side);
+    }
+    const double inverse = 1.0 / half_side, scale = half_side > 0.0 ? LESSER(inverse, 1e300) : 0.0;
+    uint begin = 0, end = sizes.faces;
+    for (uint level = levels; level-- > 0;) {
+        const bool is_second = leaf >> level & 1u;
+        if (end - begin <= CLSDF_VOLUME_LEAF) {
+            if (is_second) end = begin;
+            continue;
+        }
+        const uint middle = begin + (end - begin) / 2;
+        if (is_second)
+            begin = middle;
+        else
+            end = middle;
+    }
+    double sum = 0.0, magnitude = 0.0;
+    for (uint face = begin; face < end; ++face) {
+        double at[3][3];
+        for (uint corner = 0; corner < 3; ++corner) {
+            const double3 p = position(positions, triangles[3 * (size_t)face + corner]);
+            at[corner][0] = (p.x - centre[0]) * scale;
+            at[corner][1] = (p.y - centre[1]) * scale;
+            at[corner][2] = (p.z - centre[2]) * scale;
+        }
+        for (uint i = 0; i < 3; ++i) {
+            const uint j = next_of(i), k = previous_of(i);
+            const double first = at[1][j] * at[2][k], second = at[1][k] * at[2][j];
+            sum += at[0][i] * (first - second);
+            magnitude += fabs(at[0][i]) * (fabs(first) + fabs(second));
+        }
+    }
+    sums[2 * (size_t)leaf] = sum;
+    sums[2 * (size_t)leaf + 1] = magnitude;
+}
+
+// One group.
+__kernel GROUP_OF_KERNEL void join_volumes(uint levels, __global double* sums, __global TopologyResults* results) {
+    const uint leaves = 1u << levels;
+    for (uint apart = 1; apart < leaves; apart *= 2) {
+        for (uint leaf = get_local_id(0) * 2 * apart; leaf < leaves; leaf += GROUP * 2 * apart) {
+            sums[2 * (size_t)leaf] += sums[2 * (size_t)(leaf + apart)];
+            sums[2 * (size_t)leaf + 1] += sums[2 * (size_t)(leaf + apart) + 1];
+        }
+        barrier(CLK_GLOBAL_MEM_FENCE);
+    }
+    if (get_local_id(0) != 0) return;
+    results->volume[0] = sums[0];
+    results->volume[1] = sums[1];
+}
+
+// What the host decides. ----------------------------------------------------------------------------------------------
+
+// Adds a number to a list, unless its bit is set; then it is there. Returns whether the list has room for it.
+static inline bool add_once(uint number, Atomic bits, Atomic count, uint room, __global uint* list) {
+    const uint bit = 1u << number % 32;
+    if (atomic_or(bits + number / 32, bit) & bit) return true;
+    const uint place = atomic_inc(count);
+    if (place < room) list[place] = number;
+    return place < room;
+}
+
+// Whether the host finds the slopes of a face: by the kernel's answer, or because of an edge of three faces or more, of
+// two of different orientations, or from a vertex to itself.
+static inline bool is_left_face(uint face, __global const uchar* answers, __global const uchar* marks) {
+    uint all_marks = 0;
+    for (uint k = 0; k < 3; ++k) all_marks |= marks[16 * (size_t)face + 12 + k];
+    return answers[face] != 0 || (all_marks & ~CLSDF_EDGE_OPEN) != 0;
+}
+
+// Lists, in any order, the faces that the host measures. face_answers, vertex_answers: see face_sources.h. marks: as
+// pair_edges() wrote them.
+__kernel GROUP_OF_KERNEL void list_measured(ListSizes sizes, __global const uchar* face_answers,
+                                            __global const uchar* vertex_answers, __global const uchar* marks,
+                                            __global const uint* starts, __global const uint* corners, Atomic words,
+                                            __global uint* measured, __global ListCounts* counts) {
+    __local uint sums[GROUP];
+    const uint n = get_global_id(0);
+    uint is_saddle = 0;
+    bool has_room = true;
+    if (n < sizes.vertices) {
+        is_saddle = vertex_answers[n] == CLSDF_VERTEX_IS_SADDLE;
+        if (vertex_answers[n] & CLSDF_VERTEX_IS_OPEN) {
+            const uint begin = starts[n], end = starts[n + 1];
+            has_room = end - begin <= CLSDF_MOST_RING;
+            for (uint i = begin; i < end && has_room; ++i)
+                has_room =
+                    add_once(corners[i] >> 2, words + sizes.measured, (Atomic)&counts->measured, sizes.room, measured);
+        }
+    }
+    if (n < sizes.faces && is_left_face(n, face_answers, marks) &&
+        !add_once(n, words + sizes.measured, (Atomic)&counts->measured, sizes.room, measured))
+        has_room = false;
+    if (!has_room) atomic_max((Atomic)&counts->is_refused, 1u);
+    count_up(is_saddle, sums, (Atomic)&counts->saddles);
+}
+
+// What faces near what the host decides are made from. given: the caller's numbers of the vertices.
+typedef struct FaceData {
+    __global const uchar* face_answers;
+    __global const uchar* vertex_answers;
+    __global const uchar* marks;
+    __global const uint* triangles;
+    __global const uint* order;
+    __global const uint* given;
+    __global const double* positions;
+} FaceData;
+
+// Lists a face once. Returns whether the list has room for it.
+static inline bool add_near(FaceData data, uint face, Atomic bits, Atomic count, uint room, __global ListedFace* near) {
+    const uint bit = 1u << face % 32;
+    if (atomic_or(bits + face / 32, bit) & bit) return true;
+    const uint place = atomic_inc(count);
+    if (place >= room) return false;
+    uint left = is_left_face(face, data.face_answers, data.marks) ? CLSDF_LEFT_FACE : 0u;
+    for (uint k = 0; k < 3; ++k) {
+        const uint vertex = data.triangles[3 * (size_t)face + k];
+        if (data.vertex_answers[vertex] & CLSDF_VERTEX_IS_OPEN) left |= 1u << k;
+        near[place].vertices[k] = vertex;
+        near[place].given[k] = data.given[vertex];
+        vstore3(position(data.positions, vertex), 0, near[place].corners[k]);
+    }
+    near[place].left = left;
+    near[place].number = face;
+    near[place].triangle = data.order[face];
+    return true;
+}
+
+// Lists, in any order, the faces that the host measures and all faces at their edges. across, marks: as pair_edges()
+// wrote them.
+__kernel void list_near(ListSizes sizes, __global const uchar* face_answers, __global const uchar* vertex_answers,
+                        __global const uint* across, __global const uchar* marks, __global const uint* starts,
+                        __global const uint* corners, Atomic words, __global const uint* measured,
+                        __global ListCounts* counts, __global const uint* triangles, __global const uint* order,
+                        __global const uint* given, __global const double* positions, __global ListedFace* near) {
+    const FaceData data = {face_answers, vertex_answers, marks, triangles, order, given, positions};
+    const uint count = min(counts->measured, sizes.room);
+    const Atomic bits = words + sizes.near, near_count = (Atomic)&counts->near;
+    bool has_room = true;
+    for (uint n = get_global_id(0); n < count && has_room; n += get_global_size(0)) {
+        const uint face = measured[n];
+        has_room = add_near(data, face, bits, near_count, sizes.room, near);
+        for (uint k = 0; k < 3 && has_room; ++k) {
+            const uint mark = marks[16 * (size_t)face + 12 + k];
+            if (mark == 0 || mark == CLSDF_EDGE_UNORIENTED)
+                has_room = add_near(data, across[4 * (size_t)face + k] >> 2, bits, near_count, sizes.room, near);
+            if (mark != CLSDF_EDGE_NON_MANIFOLD) continue;
+            const uint vertex = triangles[3 * (size_t)face + k], bit = 1u << vertex % 32;
+            if (atomic_or(words + sizes.near_vertices + vertex / 32, bit) & bit) continue;
+            has_room = starts[vertex + 1] - starts[vertex] <= CLSDF_MOST_RING;
+            for (uint i = starts[vertex]; i < starts[vertex + 1] && has_room; ++i)
+                has_room = add_near(data, corners[i] >> 2, bits, near_count, sizes.room, near);
+        }
+    }
+    if (!has_room) atomic_max((Atomic)&counts->is_refused, 1u);
+}

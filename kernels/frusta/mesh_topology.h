@@ -1,0 +1,94 @@
+// One definition for the host and the kernels: what a GPU finds out about a mesh (mesh_topology.cl).
+#ifndef CLSDF_MESH_TOPOLOGY_H
+#define CLSDF_MESH_TOPOLOGY_H
+
+#include "polyhedron.h"
+
+// Work-groups that measure the box of a mesh, at most; corners of a work-group that numbers vertices.
+#define CLSDF_BOX_GROUPS 256
+#define CLSDF_CORNER_TILE 2048
+// Faces whose volumes are summed one after the other.
+#define CLSDF_VOLUME_LEAF 64
+// Slots of the hash table that a vertex tries, and faces around the end of an edge that has fewer: with more the
+// kernels would take too long.
+#define CLSDF_MOST_PROBES 4096
+#define CLSDF_MOST_RING 4096
+
+// EdgeMark of lib/engine/frusta/topology.hpp, as far as the kernels set them.
+#define CLSDF_EDGE_OPEN 4u
+#define CLSDF_EDGE_NON_MANIFOLD 8u
+#define CLSDF_EDGE_UNORIENTED 16u
+#define CLSDF_EDGE_AT_BOX 32u
+
+#ifndef __OPENCL_VERSION__
+namespace clsdf {
+#endif
+
+// The results that the host reads. They begin as zeros.
+typedef struct TopologyResults {
+    double box[6];                    // of the vertices in use: lower corner, upper corner
+    double volume[2];                 // sum, and sum of magnitudes: LocalFrame::add_volume()
+    clsdf_uint32 is_refused;          // 1: beyond the kernels' limits above, and all other results are undefined
+    clsdf_uint32 used_vertices;       // of the caller's
+    clsdf_uint32 different_vertices;  // the same, but those of equal coordinates count once
+    clsdf_uint32 vertex_count;        // of the mesh in its order
+    clsdf_uint32 joined_vertices;     // vertex_count minus the number of parts that share no vertex
+    clsdf_uint32 marked_edges;        // edges of faces that have a mark
+    clsdf_uint32 irregular_faces;     // faces that have an edge with another mark than CLSDF_EDGE_OPEN
+    clsdf_uint32 unused;
+} TopologyResults;
+
+// The sizes of a mesh, and where its parts of an array of words begin, all of which begin as zeros.
+typedef struct TopologySizes {
+    clsdf_uint32 vertices;  // the caller's
+    clsdf_uint32 faces;
+    clsdf_uint32 slots;          // of the hash table, a power of two
+    clsdf_uint32 cells;          // on an axis, of the Morton order
+    clsdf_uint32 table;          // the hash table: complements of vertices
+    clsdf_uint32 used;           // a bit for each vertex: in use
+    clsdf_uint32 classes;        // a bit for each vertex: a vertex in use equals it, and none before it does
+    clsdf_uint32 first_corners;  // of each vertex: the complement of the first corner there
+    clsdf_uint32 above;          // of each vertex: 1 + a lower one of its part, or 0
+} TopologySizes;
+
+// The lengths of lists of what kernels leave to the host. They begin as zeros.
+typedef struct ListCounts {
+    clsdf_uint32 measured;    // faces that the host measures: those left to it, and those around such vertices
+    clsdf_uint32 near;        // these and all faces at their edges
+    clsdf_uint32 saddles;     // saddle vertices beside those left to the host
+    clsdf_uint32 is_refused;  // 1: a list is too long, or too many faces share a vertex; the host looks at all faces
+} ListCounts;
+
+// The sizes of a mesh, where the parts of an array of words begin, all of which begin as zeros, and the room of each
+// list.
+typedef struct ListSizes {
+    clsdf_uint32 vertices;
+    clsdf_uint32 faces;
+    clsdf_uint32 measured;       // a bit for each face: it is in the list
+    clsdf_uint32 near_vertices;  // a bit for each vertex: all faces around it are in the next list
+    clsdf_uint32 near;           // a bit for each face: it is in the list
+    clsdf_uint32 room;
+} ListSizes;
+
+// A face near what the host decides.
+typedef struct ListedFace {
+    double corners[3][3];
+    clsdf_uint32 number;       // its place in the order
+    clsdf_uint32 triangle;     // the caller's number
+    clsdf_uint32 vertices[3];  // numbers in the order
+    clsdf_uint32 given[3];     // the caller's numbers
+    clsdf_uint32 left;         // bits: the host decides about vertex 0, 1, 2; about the slopes of the face
+    clsdf_uint32 unused;
+} ListedFace;
+#define CLSDF_LEFT_FACE 8u
+
+#ifndef __OPENCL_VERSION__
+static_assert(sizeof(ListCounts) == 16);
+static_assert(sizeof(ListSizes) == 24);
+static_assert(sizeof(ListedFace) == 112);
+static_assert(sizeof(TopologyResults) == 96);
+static_assert(sizeof(TopologySizes) == 36);
+}  // namespace clsdf
+#endif
+
+#endif

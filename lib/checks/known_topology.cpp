@@ -1,0 +1,172 @@
+#include "checks/known_topology.hpp"
+
+#include "device/buffer_pool.hpp"
+#include "frusta/kernel_topology.hpp"
+#include "launch/device_tools.hpp"
+#include "mesh/parts.hpp"
+#include "mesh/topology.hpp"
+#include "mesh/vertices.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <vector>
+
+namespace clsdf::checks {
+
+namespace {
+
+using Numbers = std::vector<std::uint32_t>;
+
+/// The first `count` values of a buffer.
+template <class Value>
+std::vector<Value> read(const engine::DeviceSetUp& job, const cl::Buffer& buffer, std::size_t count) {
+    std::vector<Value> values(count);
+    job.tools.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(Value), values.data());
+    return values;
+}
+
+/// Collects the first difference.
+class Comparison {
+public:
+    template <class Values, class Expected>
+    void compare(const char* what, const Values& values, const Expected& expected) {
+        if (difference_) return;
+        const std::size_t count = std::min(values.size(), expected.size());
+        for (std::size_t i = 0; i < count; ++i)
+            if (values[i] != expected[i]) {
+                difference_ = fmt::format("number {} of the {} is wrong", i, what);
+                return;
+            }
+        compare_count(what, values.size(), expected.size());
+    }
+    void compare_count(const char* what, std::size_t value, std::size_t expected) {
+        if (!difference_ && value != expected)
+            difference_ = fmt::format("there are {} {}, in place of {}", value, what, expected);
+    }
+
+    const std::optional<std::string>& difference() const { return difference_; }
+
+private:
+    std::optional<std::string> difference_;
+};
+
+/// Across the edges of all faces, and their marks.
+std::array<Numbers, 2> words_of(std::span<const engine::FaceEdges> faces) {
+    std::array<Numbers, 2> words;
+    for (const engine::FaceEdges& edges : faces) {
+        words[0].insert(words[0].end(), edges.across.begin(), edges.across.end());
+        words[1].insert(words[1].end(), edges.marks.begin(), edges.marks.end());
+    }
+    return words;
+}
+
+Numbers names_of(const engine::MeshTopology& topology) {
+    Numbers names(topology.order.begin(), topology.order.end());
+    for (std::size_t face = 0; face < names.size(); ++face)
+        if (topology.edges.is_non_manifold(face)) names[face] |= CLSDF_NAME_NON_MANIFOLD;
+    return names;
+}
+
+void compare_parts(const engine::MeshTopology& topology, const engine::MeshTopology& expected, Comparison& comparison) {
+    comparison.compare("faces in their order", topology.order, expected.order);
+    comparison.compare("triangles", topology.faces.triangles, expected.faces.triangles);
+    comparison.compare("vertices", topology.faces.vertices, expected.faces.vertices);
+    comparison.compare("places of rings", topology.rings.starts(), expected.rings.starts());
+    comparison.compare("corners of rings", topology.rings.corners(), expected.rings.corners());
+    const auto [across, marks] = words_of(topology.edges.faces);
+    const auto [expected_across, expected_marks] = words_of(expected.edges.faces);
+    comparison.compare("faces across edges", across, expected_across);
+    comparison.compare("marks of edges", marks, expected_marks);
+    comparison.compare("ends of edges of three faces", topology.edges.non_manifold_ends,
+                       expected.edges.non_manifold_ends);
+    comparison.compare_count("meshes of paired edges", topology.edges.are_paired, expected.edges.are_paired);
+}
+
+/// A torus of quadrilaterals, without the first one.
+void add_torus(std::uint32_t around, std::uint32_t across, const Vec3& centre, std::vector<Vec3>& vertices,
+               std::vector<Triangle>& triangles) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (std::uint32_t i = 0; i < around; ++i)
+        for (std::uint32_t j = 0; j < across; ++j) {
+            const double u = 2 * std::numbers::pi * i / around, v = 2 * std::numbers::pi * j / across;
+            const double radius = 3 + std::cos(v);
+            vertices.push_back(
+                {centre[0] + radius * std::cos(u), centre[1] + radius * std::sin(u), centre[2] + std::sin(v)});
+        }
+    const auto number = [&](std::uint32_t i, std::uint32_t j) { return first + i % around * across + j % across; };
+    for (std::uint32_t i = 0; i < around; ++i)
+        for (std::uint32_t j = i == 0 ? 1 : 0; j < across; ++j) {
+            triangles.push_back({number(i, j), number(i + 1, j), number(i + 1, j + 1)});
+            triangles.push_back({number(i, j), number(i + 1, j + 1), number(i, j + 1)});
+        }
+}
+
+}  // namespace
+
+Mesh mesh_of_known_topology() {
+    std::vector<Vec3> vertices{{-0.0, 0, 0}};  // equals another one, and has no use
+    std::vector<Triangle> triangles;
+    add_torus(36, 20, {0, 0, 0}, vertices, triangles);
+    add_torus(12, 9, {1, 7, -2}, vertices, triangles);
+    // Every fifth face has vertices of its own.
+    for (std::size_t face = 0; face < triangles.size(); face += 5)
+        for (std::uint32_t& vertex : triangles[face]) {
+            vertices.push_back(vertices[vertex]);
+            vertex = static_cast<std::uint32_t>(vertices.size() - 1);
+        }
+    const Triangle first = triangles[0], second = triangles[100], third = triangles[200];
+    const auto tip = static_cast<std::uint32_t>(vertices.size());
+    vertices.insert(vertices.end(), {{0, 0, 0}, {0, 0, -0.0}, {5, 0.5, 0.5}});
+    triangles.insert(triangles.end(), {{first[0], first[1], tip},        // a third face at an edge
+                                       {second[1], second[0], tip + 1},  // and one that runs along it the same way
+                                       {third[0], third[0], third[1]},
+                                       {tip, tip + 1, tip},
+                                       {tip, tip + 2, third[2]},
+                                       {tip + 2, tip, third[0]},
+                                       {tip, tip + 2, third[1]}});
+    std::swap(triangles[50][1], triangles[50][2]);  // all of its edges: two faces that run the same way
+    return {std::move(vertices), std::move(triangles), "known topology"};
+}
+
+std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, const Mesh& given) {
+    const std::optional<engine::MadeTopology> made = engine::make_device_topology(job, given);
+    if (!made) return "the mesh is refused";
+    Comparison comparison;
+    const Numbers first = first_equal_vertices(given.vertices());
+    const Topology counts = describe_vertices(given, first);
+    comparison.compare_count("unused vertices", given.vertices().size() - made->results.used_vertices,
+                             counts.unused_vertices);
+    comparison.compare_count("vertices that equal others",
+                             made->results.used_vertices - made->results.different_vertices,
+                             counts.coincident_vertices);
+    if (comparison.difference()) return comparison.difference();
+    if (made->has_equal_vertices()) comparison.compare("equal vertices", made->read_first_equal(job), first);
+    const Mesh mesh = made->has_equal_vertices() ? merged(given, first) : given;
+    const Numbers numbers = made->has_equal_vertices() ? engine::Vertices::numbers(first) : Numbers();
+    const engine::MeshTopology expected(mesh);
+    const engine::DeviceTopology& topology = *made->topology;
+    comparison.compare_count("vertices in use", topology.vertex_count(), expected.faces.vertices.size());
+    if (comparison.difference()) return comparison.difference();
+    compare_parts(topology.read(job, numbers), expected, comparison);
+    comparison.compare("opposite vertices", read<std::uint32_t>(job, *topology.opposite, 3 * topology.face_count()),
+                       engine::opposite_words(expected));
+    comparison.compare("names", read<std::uint32_t>(job, *topology.names->names, topology.face_count()),
+                       names_of(expected));
+    comparison.compare("positions", read<Vec3>(job, *made->positions, topology.vertex_count()),
+                       engine::ordered_positions(expected, mesh.vertices()));
+    comparison.compare_count("meshes in one part", made->is_one_part(),
+                             is_one_part(expected.faces.triangles, mesh.vertices().size()));
+    comparison.compare_count("meshes inside out", made->encloses_negative_volume(), encloses_negative_volume(mesh));
+    const Box& box = mesh.box();
+    comparison.compare("sides of the box", std::span(made->results.box),
+                       std::array{box.lower[0], box.lower[1], box.lower[2], box.upper[0], box.upper[1], box.upper[2]});
+    return comparison.difference();
+}
+
+}  // namespace clsdf::checks

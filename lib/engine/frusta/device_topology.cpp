@@ -1,0 +1,291 @@
+#include "frusta/device_topology.hpp"
+
+#include "core/parallel.hpp"
+#include "frusta/kernel_topology.hpp"
+#include "launch/commands.hpp"
+#include "launch/programs.hpp"
+#include "launch/radix_sort.hpp"
+#include "launch/short_launches.hpp"
+#include "mesh/topology.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <utility>
+
+namespace clsdf::engine {
+
+namespace {
+
+static_assert(edge_open == CLSDF_EDGE_OPEN && edge_non_manifold == CLSDF_EDGE_NON_MANIFOLD);
+static_assert(edge_unoriented == CLSDF_EDGE_UNORIENTED && edge_at_box == CLSDF_EDGE_AT_BOX);
+static_assert(volume_leaf == CLSDF_VOLUME_LEAF);
+static_assert(sizeof(FaceEdges) == 16 && offsetof(FaceEdges, marks) == 12);
+
+/// Words that begin as zeros: one array, one fill.
+class Zeros {
+public:
+    /// Where so many words begin.
+    cl_uint add(std::size_t words) { return static_cast<cl_uint>(std::exchange(count_, count_ + words)); }
+    std::size_t bytes() const { return count_ * sizeof(cl_uint); }
+
+private:
+    std::size_t count_ = 0;
+};
+
+/// A copy of many values on the device, which are not needed any more when it returns.
+template <class Value>
+device::BufferPool::Lease sent(const DeviceSetUp& job, const std::vector<Value>& values, const char* purpose) {
+    const std::size_t bytes = values.size() * sizeof(Value);
+    device::BufferPool::Lease copy = job.tools.pool->lease(std::max<std::size_t>(bytes, 1), purpose);
+    if (job.tools.context.write(job.tools.queue(), reinterpret_cast<const std::byte*>(values.data()), bytes, *copy))
+        return copy;
+    return job.upload(values, purpose);
+}
+
+class Making {
+public:
+    Making(const DeviceSetUp& job, const Mesh& mesh)
+        : tools_(job.tools),
+          vertices_(mesh.vertices().size()),
+          faces_(mesh.triangles().size()),
+          program_(tools_.programs.mesh_topology),
+          positions_(sent(job, mesh.vertices(), "vertices")),
+          triangles_(sent(job, mesh.triangles(), "triangles")) {}
+
+    std::optional<MadeTopology> make() {
+        begin();
+        order_faces();
+        number_vertices();
+        order_corners();
+        pair_edges();
+        sum_volumes();
+        made_.results = read_value<TopologyResults>(tools_, *zeros_);
+        if (made_.results.is_refused != 0) return std::nullopt;
+        made_.given_vertices = vertices_;
+        if (!made_.has_equal_vertices()) made_.first_equal = {};
+        topology_.are_paired = made_.results.marked_edges == 0;
+        topology_.has_irregular = made_.results.irregular_faces > 0;
+        topology_.names = std::make_shared<const DeviceFaces::Names>(
+            DeviceFaces::Names{faces_, made_.results.vertex_count, nullptr, std::move(ordered_), std::move(names_)});
+        made_.topology = std::make_shared<const DeviceTopology>(std::move(topology_));
+        return std::move(made_);
+    }
+
+private:
+    std::size_t corners() const { return 3 * faces_; }
+
+    template <class Value>
+    device::BufferPool::Lease lease(std::size_t count, const char* purpose) const {
+        return tools_.pool->lease(std::max<std::size_t>(count, 1) * sizeof(Value), purpose);
+    }
+
+    template <class... Arguments>
+    void run(const char* name, std::size_t items, const Arguments&... arguments) const {
+        cl::Kernel kernel(program_, name);
+        launch(tools_.queue(), kernel, {items, tools_.programs.group_size}, sizes_, arguments...);
+    }
+    template <class... Arguments>
+    void run_group(const char* name, const Arguments&... arguments) const {
+        cl::Kernel kernel(program_, name);
+        launch(tools_.queue(), kernel, {1, tools_.programs.group_size}, arguments...);
+    }
+
+    /// The box, the vertices in use and those of equal coordinates.
+    void begin() {
+        sizes_.vertices = static_cast<cl_uint>(vertices_);
+        sizes_.faces = static_cast<cl_uint>(faces_);
+        sizes_.slots = static_cast<cl_uint>(std::bit_ceil(2 * vertices_));
+        sizes_.cells = 1U << morton_bits(faces_);
+        Zeros zeros;
+        zeros.add(sizeof(TopologyResults) / sizeof(cl_uint));
+        sizes_.table = zeros.add(sizes_.slots);
+        sizes_.used = zeros.add(chunk_count(vertices_, 32));
+        sizes_.classes = zeros.add(chunk_count(vertices_, 32));
+        sizes_.first_corners = zeros.add(vertices_);
+        sizes_.above = zeros.add(vertices_);
+        zeros_ = tools_.pool->lease(zeros.bytes(), "tables of vertices");
+        tools_.queue().enqueueFillBuffer(*zeros_, cl_uint{0}, 0, zeros.bytes());
+
+        const std::size_t group = tools_.programs.group_size,
+                          groups = std::min<std::size_t>(chunk_count(faces_, group), CLSDF_BOX_GROUPS);
+        const auto boxes = lease<double>(6 * groups, "boxes of faces");
+        const auto slots = lease<cl_uint>(vertices_, "slots of vertices");
+        made_.first_equal = lease<cl_uint>(vertices_, "equal vertices");
+        run("file_vertices", vertices_, *positions_, *zeros_, *slots, *zeros_);
+        run("look_at_faces", groups * group, *positions_, *triangles_, *zeros_, *boxes);
+        run_group("join_group_boxes", static_cast<cl_uint>(groups), *boxes, *zeros_);
+        run("count_vertices", vertices_, *zeros_, *slots, *made_.first_equal, *zeros_);
+    }
+
+    void order_faces() {
+        const auto codes = lease<cl_uint>(faces_, "codes of faces");
+        topology_.order = lease<cl_uint>(faces_, "order of the faces");
+        run("face_codes", faces_, *positions_, *triangles_, *zeros_, *codes);
+        sort_by_keys(tools_, *codes, faces_, 3 * morton_bits(faces_), *topology_.order);
+        named_ = lease<cl_uint>(corners(), "vertices of faces");
+        run("order_faces", faces_, *topology_.order, *triangles_, *made_.first_equal, *zeros_, *named_, *zeros_);
+    }
+
+    void number_vertices() {
+        const std::size_t tiles = chunk_count(corners(), CLSDF_CORNER_TILE), group = tools_.programs.group_size;
+        const auto counts = lease<cl_uint>(tiles, "counts of vertices");
+        const auto numbers = lease<cl_uint>(vertices_, "numbers of vertices");
+        topology_.vertices = lease<cl_uint>(vertices_, "vertices of faces");
+        made_.positions = lease<Vec3>(vertices_, "vertices");
+        ordered_ = lease<Triangle>(faces_, "triangles");
+        keys_ = lease<cl_uint>(corners(), "vertices of corners");
+        run("count_first_corners", tiles * group, *named_, *zeros_, *counts);
+        run("number_vertices", tiles * group, *named_, *zeros_, *counts, *positions_, *numbers, *topology_.vertices,
+            *made_.positions, *zeros_);
+        run("name_corners", corners(), *named_, *numbers, *ordered_, *keys_);
+    }
+
+    void order_corners() {
+        const auto sorted = lease<cl_uint>(corners(), "order of corners");
+        topology_.starts = lease<cl_uint>(vertices_ + 1, "corners at vertices");
+        topology_.corners = lease<cl_uint>(corners(), "corners at vertices");
+        sort_by_keys(tools_, *keys_, corners(), static_cast<unsigned>(std::bit_width(vertices_ - 1)), *sorted);
+        run("order_corners", corners(), *sorted, *named_, *zeros_, *ordered_, *zeros_, *topology_.starts,
+            *topology_.corners);
+    }
+
+    void pair_edges() {
+        topology_.edges = lease<FaceEdges>(faces_, "edges of faces");
+        topology_.opposite = lease<Triangle>(faces_, "opposite vertices");
+        names_ = lease<cl_uint>(faces_, "numbers of the triangles");
+        run("pair_edges", corners(), *ordered_, *topology_.starts, *topology_.corners, *topology_.edges,
+            *topology_.edges, *topology_.opposite, *zeros_);
+        run("join_faces", faces_, *topology_.order, *ordered_, *topology_.edges, *zeros_, *names_, *zeros_);
+    }
+
+    void sum_volumes() const {
+        cl_uint levels = 0;
+        for (std::size_t most = faces_; most > volume_leaf; most = (most + 1) / 2) ++levels;
+        const auto sums = lease<double>(std::size_t{2} << levels, "volumes");
+        run("sum_volumes", std::size_t{1} << levels, levels, *positions_, *triangles_, *zeros_, *sums);
+        run_group("join_volumes", levels, *sums, *zeros_);
+    }
+
+    const DeviceTools& tools_;
+    std::size_t vertices_, faces_;
+    cl::Program program_;
+    TopologySizes sizes_{};
+    DeviceTopology topology_;
+    MadeTopology made_;
+    device::BufferPool::Lease positions_, triangles_;  // as given
+    device::BufferPool::Lease zeros_;                  // the results, and what sizes_ has places of
+    device::BufferPool::Lease named_, keys_, ordered_, names_;
+};
+
+}  // namespace
+
+bool MadeTopology::encloses_negative_volume() const {
+    return is_negative_volume(results.volume[0], results.volume[1], topology->face_count());
+}
+
+std::vector<std::uint32_t> MadeTopology::read_first_equal(const DeviceSetUp& job) const {
+    std::vector<std::uint32_t> first(given_vertices);
+    device::guarded([&] {
+        job.tools.context.read(job.tools.queue(), *first_equal, 0, first.size() * sizeof(first[0]),
+                               reinterpret_cast<std::byte*>(first.data()));
+    });
+    return first;
+}
+
+MeshTopology DeviceTopology::read(const DeviceSetUp& job, std::span<const std::uint32_t> numbers) const {
+    const auto copy = [&](const cl::Buffer& from, auto& to) {
+        job.tools.context.read(job.tools.queue(), from, 0, to.size() * sizeof(to[0]),
+                               reinterpret_cast<std::byte*>(to.data()));
+    };
+    UninitializedVector<std::uint32_t> of_faces(face_count()), of_corners(3 * face_count());
+    std::vector<std::uint32_t> of_vertices(vertex_count() + 1);
+    OrderedFaces faces;
+    faces.triangles = UninitializedVector<Triangle>(face_count());
+    faces.vertices = UninitializedVector<std::uint32_t>(vertex_count());
+    PairedEdges pairs;
+    pairs.faces = UninitializedVector<FaceEdges>(face_count());
+    job.tools.context.run_or_drain([&] {
+        copy(*order, of_faces);
+        copy(*names->triangles, faces.triangles);
+        copy(*vertices, faces.vertices);
+        copy(*starts, of_vertices);
+        copy(*corners, of_corners);
+        copy(*edges, pairs.faces);
+    });
+    if (!numbers.empty())
+        for (std::uint32_t& vertex : faces.vertices) vertex = numbers[vertex];
+    pairs.are_paired = are_paired;
+    if (has_irregular) {
+        std::vector<std::uint32_t>& ends = pairs.non_manifold_ends;
+        for (std::uint32_t face = 0; face < face_count(); ++face)
+            for (std::uint32_t k = 0; k < 3; ++k)
+                if (has_mark(pairs.faces, {face, k}, edge_non_manifold))
+                    ends.push_back(std::min(faces.triangles[face][k], faces.triangles[face][next_of_three(k)]));
+        std::ranges::sort(ends);
+        const auto repeated = std::ranges::unique(ends);
+        ends.erase(repeated.begin(), repeated.end());
+    }
+    return {std::move(of_faces), std::move(faces), OneRings(std::move(of_vertices), std::move(of_corners)),
+            std::move(pairs)};
+}
+
+std::size_t DeviceTopology::device_bytes() const {
+    return order.bytes() + vertices.bytes() + starts.bytes() + corners.bytes() + edges.bytes() + opposite.bytes();
+}
+
+bool suits_device_topology(const DeviceTools& tools, const Mesh& mesh) {
+    constexpr std::size_t least = 1024, most = std::size_t{1} << 28;  // the kernels number words by 32 bits
+    const device::Context::Capabilities& device = tools.context.capabilities();
+    return device.has_own_memory && !device.is_processor && tools.programs.body == KernelBody::by_group &&
+           mesh.triangles().size() >= least && mesh.triangles().size() <= most && mesh.vertices().size() <= most;
+}
+
+std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const Mesh& mesh) {
+    return device::guarded([&] { return Making(job, mesh).make(); });
+}
+
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DevicePositions& positions) {
+    const DeviceTools& tools = job.tools;
+    const std::size_t count = topology.vertex_count(), group = tools.programs.group_size,
+                      groups = std::min<std::size_t>(chunk_count(count, group), CLSDF_BOX_GROUPS);
+    return device::guarded([&] {
+        MovedVertices moved{tools.pool->lease(count * sizeof(Vec3), "vertices"), {}};
+        const auto boxes = tools.pool->lease(groups * 6 * sizeof(double), "boxes of vertices");
+        const auto results = tools.pool->lease(sizeof(TopologyResults), "box of the mesh");
+        tools.queue().enqueueFillBuffer(*results, cl_uint{0}, 0, sizeof(TopologyResults));
+        cl::Kernel move(tools.programs.mesh_topology, "move_vertices"),
+            join(tools.programs.mesh_topology, "join_group_boxes");
+        launch(tools.queue(), move, {groups * group, group}, static_cast<cl_uint>(count), *topology.vertices,
+               positions.memory, cl_ulong{positions.first}, cl_long{positions.triple}, cl_long{positions.component},
+               *moved.positions, *boxes, *results);
+        launch(tools.queue(), join, {1, group}, static_cast<cl_uint>(groups), *boxes, *results);
+        const auto found = read_value<TopologyResults>(tools, *results);
+        moved.are_finite = found.is_refused == 0;
+        std::copy(found.box, found.box + 3, moved.box.lower.begin());
+        std::copy(found.box + 3, found.box + 6, moved.box.upper.begin());
+        return moved;
+    });
+}
+
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology,
+                            const std::vector<Vec3>& positions) {
+    const device::BufferPool::Lease given = sent(job, positions, "vertices");
+    return move_vertices(job, topology, {*given, positions.size()});
+}
+
+DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+                               const MeshTopology& topology) {
+    DeviceTopology result;
+    result.names = std::move(names);
+    result.order = job.upload(topology.order, "order of the faces");
+    result.vertices = job.upload(topology.faces.vertices, "vertices of faces");
+    result.starts = job.upload(topology.rings.starts(), "corners at vertices");
+    result.corners = job.upload(topology.rings.corners(), "corners at vertices");
+    result.edges = job.upload(topology.edges.faces, "edges of faces");
+    result.opposite = job.upload(opposite_words(topology), "opposite vertices");
+    result.are_paired = topology.edges.are_paired;
+    return result;
+}
+
+}  // namespace clsdf::engine
