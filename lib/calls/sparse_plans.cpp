@@ -46,9 +46,9 @@ void DistanceTransform::State::plan(calls::SparsePlanState& made, const engine::
     calls::RunningCall running{call};
     running.throw_if_stopped();
     made.divide(job);
-    compile(job, running);
-    test(checks::field_subject(*this, job, checks::FieldKernels::of_sparse_fields), running);
-    test(calls::ordered_bricks_subject(device, programs), running);
+    compile(job, running,
+            {checks::field_subject(*this, job, checks::FieldKernels::of_sparse_fields),
+             calls::ordered_bricks_subject(device, programs)});
     made.sign = sign;
     const auto make = [&] {
         made.clear();

@@ -154,8 +154,8 @@ private:
     void start() {
         const std::scoped_lock lock(state_.mutex);
         running_.throw_if_stopped();
-        state_.compile(batch_.job, running_);
-        state_.test(checks::field_subject(state_, batch_.job, checks::FieldKernels::of_sparse_fields), running_);
+        state_.compile(batch_.job, running_,
+                       {checks::field_subject(state_, batch_.job, checks::FieldKernels::of_sparse_fields)});
         state_.pool->restart_peak();
     }
 

@@ -72,7 +72,7 @@ std::optional<engine::MadeTopology> DistanceTransform::State::make_topology(cons
     if (method || !engine::suits_device_topology(tools(), mesh)) return std::nullopt;
     context().begin_call();
     calls::RunningCall running{call};
-    test(checks::topology_subject(*this), running);
+    test({checks::topology_subject(*this)}, running);
     try {
         return engine::make_device_topology({tools()}, mesh);
     } catch (const Error& error) {
@@ -178,10 +178,15 @@ bool DistanceTransform::State::move_by(const Move& move) {
     return true;
 }
 
-void DistanceTransform::State::test(const checks::TestSubject& subject, calls::RunningCall& running) const {
-    if (context().is_tested(subject.name)) return;
-    running.compile(subject.steps,
-                    [&](const device::BuildWatch& watch) { return checks::ensure_tested(device, subject, watch); });
+void DistanceTransform::State::test(const std::vector<checks::TestSubject>& subjects,
+                                    calls::RunningCall& running) const {
+    std::size_t steps = running.step;
+    for (const checks::TestSubject& subject : subjects)
+        if (!context().is_tested(subject.name)) steps += subject.steps;
+    for (const checks::TestSubject& subject : subjects)
+        if (!context().is_tested(subject.name))
+            running.compile(
+                steps, [&](const device::BuildWatch& watch) { return checks::ensure_tested(device, subject, watch); });
 }
 
 engine::Job DistanceTransform::State::check(engine::JobKey asked) const {
@@ -216,10 +221,14 @@ CallStatistics DistanceTransform::State::compute(std::span<const Request> reques
     return on_device ? compute_on_device(requests, call) : compute_on_host(requests, call);
 }
 
-void DistanceTransform::State::compile(const engine::Job& job, calls::RunningCall& running) const {
+void DistanceTransform::State::compile(const engine::Job& job, calls::RunningCall& running,
+                                       const std::vector<checks::TestSubject>& others) const {
     context().begin_call();
+    std::vector<checks::TestSubject> subjects;
     for (const checks::FieldKernels kernels : checks::kernels_of(*this, job))
-        test(checks::field_subject(*this, job, kernels), running);
+        subjects.push_back(checks::field_subject(*this, job, kernels));
+    subjects.insert(subjects.end(), others.begin(), others.end());
+    test(subjects, running);
 }
 
 std::unique_ptr<engine::GridPlan> DistanceTransform::State::take_plan(const engine::JobKey& asked) {
