@@ -17,6 +17,13 @@
 #pragma OPENCL FP_CONTRACT OFF
 #endif
 
+// For what is rarely called and has large arrays: inlined, each call would have its own.
+#ifdef __OPENCL_VERSION__
+#define RARELY_CALLED static __attribute__((noinline))
+#else
+#define RARELY_CALLED static
+#endif
+
 #define LEAST_EXACT_COORDINATE 0x1p-300
 #define GREATEST_EXACT_COORDINATE 0x1p+300
 
@@ -57,8 +64,10 @@ static inline TwoDoubles exact_product(double a, double b) {
     return product;
 }
 
-// Six products of three numbers, each of which is two doubles.
-#define EXPANSION_DOUBLES 192
+// A product of three numbers, each of which is two doubles, and a sum without gaps: each double of that is less than
+// the last bit of the next one, so that exponents from -1074 to 1023 leave at most 40.
+#define PRODUCT_DOUBLES 32
+#define EXPANSION_DOUBLES (40 + PRODUCT_DOUBLES)
 
 // Ascending in size, none is 0.
 typedef struct Expansion {
@@ -82,8 +91,26 @@ static inline void add_both(__private Expansion* expansion, TwoDoubles sum) {
     add_double(expansion, sum.high);
 }
 
+// The same sum without gaps (Shewchuk, the first half of COMPRESS).
+static inline void close_gaps(__private Expansion* expansion) {
+    if (expansion->count == 0) return;
+    uint first = expansion->count - 1;  // of the doubles without gaps, which end where the others do
+    double high = expansion->doubles[first];
+    for (uint i = first; i-- > 0;) {
+        const TwoDoubles sum = exact_sum(high, expansion->doubles[i]);
+        high = sum.high;
+        if (sum.low == 0.0) continue;
+        expansion->doubles[first--] = high;
+        high = sum.low;
+    }
+    expansion->doubles[first] = high;
+    expansion->count -= first;
+    for (uint i = 0; first != 0 && i < expansion->count; ++i) expansion->doubles[i] = expansion->doubles[first + i];
+}
+
 // Adds a b c.
 static inline void add_product(__private Expansion* expansion, TwoDoubles a, TwoDoubles b, TwoDoubles c) {
+    close_gaps(expansion);
     for (uint i = 0; i < 8; ++i) {
         const double of_a = i & 1 ? a.high : a.low, of_b = i & 2 ? b.high : b.low, of_c = i & 4 ? c.high : c.low;
         if (of_a == 0.0 || of_b == 0.0 || of_c == 0.0) continue;
@@ -124,7 +151,7 @@ static inline ExactVector rotated(ExactVector v) {
     return v;
 }
 
-static int exact_orientation_in_space(double3 a, double3 b, double3 c, double3 d) {
+RARELY_CALLED int exact_orientation_in_space(double3 a, double3 b, double3 c, double3 d) {
     ExactVector u = exact_difference(b, a), v = exact_difference(c, a), w = exact_difference(d, a);
     Expansion sum;
     sum.count = 0;
@@ -158,7 +185,7 @@ static inline int orientation_in_space(double3 a, double3 b, double3 c, double3 
     return size == 0.0 ? 0 : exact_orientation_in_space(a, b, c, d);
 }
 
-static int exact_orientation_in_plane(double ax, double ay, double bx, double by, double cx, double cy) {
+RARELY_CALLED int exact_orientation_in_plane(double ax, double ay, double bx, double by, double cx, double cy) {
     const TwoDoubles one = {1.0, 0.0};
     Expansion sum;
     sum.count = 0;

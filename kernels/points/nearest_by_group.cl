@@ -48,37 +48,48 @@ __kernel void decide_faces(__global const uint* order, __global const Polyhedron
     squared[i] = found.squared;
 }
 
-// The data with which a search decides at once, and the nearest face.
+// The data with which a search decides at once, and the nearest face. A leaf's faces are decided when all of them have
+// been compared in float: then fewer values are alive.
 typedef struct DecidedFaces {
     NearBound bound;
     NearestFace nearest;
+    uint waiting;  // faces of this leaf that may be the nearest: a bit for each, by the place modulo CLSDF_LEAF_PLACES
     double3 point;
     __global const uint* order;
     __global const Polyhedron* polyhedra;
     __global const PointFace* faces;
 } DecidedFaces;
 
-INLINE void decide_face(uint place, PlacedDistance d, __private DecidedFaces* found) {
-    take_if_nearer(found->polyhedra, found->faces, found->order[place] & CLSDF_PLACE_FACE, found->point,
-                   &found->nearest);
-    const NearBound bound = bound_of_squared(found->nearest.squared);
-    if (bound.distance < found->bound.distance) found->bound = bound;
+INLINE void let_wait(uint place, PlacedDistance d, __private DecidedFaces* found) {
+    found->waiting |= 1u << place % CLSDF_LEAF_PLACES;
 }
 
-DEFINE_SEARCH(search_and_decide, DecidedFaces, decide_face)
+INLINE void decide_waiting(uint end, __private DecidedFaces* found) {
+    for (uint place = end - CLSDF_LEAF_PLACES; found->waiting != 0; ++place) {  // below 0 no bit is set
+        const uint bit = 1u << place % CLSDF_LEAF_PLACES;
+        if ((found->waiting & bit) == 0) continue;
+        found->waiting &= ~bit;
+        take_if_nearer(found->polyhedra, found->faces, found->order[place] & CLSDF_PLACE_FACE, found->point,
+                       &found->nearest);
+    }
+    found->bound = bound_of_squared(found->nearest.squared);
+}
 
-// The points whose list is not complete. squared: on entry the least one of the list, which bounds the search.
+DEFINE_SEARCH(search_and_decide, DecidedFaces, let_wait, decide_waiting)
+
+// The points whose list is not complete. squared: on entry the least one of the list, or the limit of the search.
 __kernel SEARCHES void search_again(BinaryTree tree, __global const BinaryNode* nodes, __global const PlacedFace* faces,
                                     __global const uint* order, __global const Polyhedron* polyhedra,
                                     __global const PointFace* all_faces, __global const double* points, uint begin,
-                                    uint end, double most, __global const uint* counts, __global uint* nearest,
+                                    uint end, __global const uint* counts, __global uint* nearest,
                                     __global double* squared) {
     __local uint stack[STACK * GROUP];
     const uint own = get_global_id(0), i = begin + own;
     if (i >= end || counts[own] <= CLSDF_LISTED_FACES) return;
     DecidedFaces found;
     found.bound = bound_of_squared(squared[i]);
-    found.nearest = none_nearest(most);
+    found.nearest = none_nearest(squared[i]);
+    found.waiting = 0;
     found.point = vload3(i, points);
     found.order = order;
     found.polyhedra = polyhedra;

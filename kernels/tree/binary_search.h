@@ -114,8 +114,9 @@ INLINE NearBound bound_of_squared(double squared) {
 }
 
 // Defines search(): the nearer child first, the other one on the stack with its distance. take(place, distance, found)
-// takes a face; found->bound is the bound. stack: local memory, an entry in each `stride` words.
-#define DEFINE_SEARCH(search, Found, take)                                                                   \
+// takes a face; found->bound is the bound. end_leaf(end, found) follows the faces of a leaf, whose places end at `end`.
+// stack: local memory, an entry in each `stride` words.
+#define DEFINE_SEARCH(search, Found, take, end_leaf)                                                         \
     INLINE void search(BinaryTree tree, __global const BinaryNode* nodes, __global const PlacedFace* faces,  \
                        TreePoint p, __local uint* stack, uint stride, __private Found* found) {              \
         uint link = tree.root, height = 0;                                                                   \
@@ -130,6 +131,7 @@ INLINE NearBound bound_of_squared(double squared) {
                     if (d.distance - d.error <= found->bound.distance) take(place, d, found);                \
                     ++place;                                                                                 \
                 } while (following != 0);                                                                    \
+                end_leaf(place, found);                                                                      \
             } else {                                                                                         \
                 COUNTED(boxes, 2);                                                                           \
                 __global const BinaryNode* node = nodes + link;                                              \
@@ -177,6 +179,7 @@ INLINE void list_face(uint place, PlacedDistance d, __private ListedFaces* found
     ++found->count;
 }
 
-DEFINE_SEARCH(search_for_list, ListedFaces, list_face)
+#define NOTHING_IS_LEFT(end, found)
+DEFINE_SEARCH(search_for_list, ListedFaces, list_face, NOTHING_IS_LEFT)
 
 #endif

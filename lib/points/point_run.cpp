@@ -151,8 +151,7 @@ void PointRun::enqueue_search(const engine::Launches& launches, const engine::De
         launches.launch(program, "decide_faces", points, *divided.order, *mesh.polyhedra, *mesh.faces, *in_units_,
                         begin, end, most, *listed_, *listed_counts_, *faces_, *squared_);
         launches.launch(program, "search_again", points, divided.tree, *tree.nodes, *tree.faces, *divided.order,
-                        *mesh.polyhedra, *mesh.faces, *in_units_, begin, end, most, *listed_counts_, *faces_,
-                        *squared_);
+                        *mesh.polyhedra, *mesh.faces, *in_units_, begin, end, *listed_counts_, *faces_, *squared_);
     };
     const std::size_t fitting = short_launches.most(seconds_per_search);
     const std::size_t together = inputs.tree ? std::min(fitting, most_listed) : fitting;

@@ -5,6 +5,9 @@
 #include <clsdf/io.hpp>
 #include <clsdf/tuning.hpp>
 
+#ifdef CLSDF_TEST_CUBQL
+#include "disguise/cubql_search.hpp"
+#endif
 #include "disguise/disguise.hpp"
 #include "support/counted_searches.hpp"
 
@@ -82,9 +85,16 @@ struct SearchWork {
     }
 };
 
-/// The searches of processors and of GPUs, both without a bound to begin with.
+/// The searches of processors, of GPUs and, if it is there, of cuBQL, all without a bound to begin with.
 struct SearchWorks {
     SearchWork wide_tree, binary_tree;
+    std::optional<SearchWork> cubql;
+
+    std::vector<std::pair<const char*, SearchWork>> all() const {
+        std::vector<std::pair<const char*, SearchWork>> works{{"wide_tree", wide_tree}, {"binary_tree", binary_tree}};
+        if (cubql) works.emplace_back("cubql", *cubql);
+        return works;
+    }
 };
 
 /// Processor time of the calling thread between calls of OpenCL, in nanoseconds: the least of several.
@@ -196,10 +206,12 @@ SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec
     const auto* const nodes = on_host<BinaryNode>(fitted.nodes);
     const auto* const faces = on_host<PlacedFace>(fitted.faces);
     SearchWorks works;
+    std::vector<Vec3> searched(searched_count);
+    for (std::size_t n = 0; n < searched_count; ++n) searched[n] = points[n * points.size() / searched_count];
     const auto for_each_point = [&](const auto& search_for) {
         test::search_counts = {};
-        for (std::size_t n = 0; n < searched_count; ++n) {
-            const auto& [x, y, z] = tree.in_units(points[n * points.size() / searched_count]);
+        for (const Vec3& point : searched) {
+            const auto& [x, y, z] = tree.in_units(point);
             search_for(one_lane::double3{x, y, z});
         }
         return test::search_counts;
@@ -220,6 +232,10 @@ SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec
                                     test::search_counts.decisions += found.count;
                                 }),
                                 sizeof(BinaryNode) / 2.0, sizeof(PlacedFace));
+#ifdef CLSDF_TEST_CUBQL
+    const test::CubqlWork cubql = test::search_by_cubql(mesh, searched);
+    works.cubql = work_of({cubql.boxes, cubql.faces, 0}, test::bytes_of_cubql_box, test::bytes_of_cubql_face);
+#endif
     return works;
 }
 
@@ -351,8 +367,7 @@ void print_json(const Result& result) {
             json[name]["kernels"][kernel] = {{"launches", of_kernel.launches}, {"work_items", of_kernel.work_items}};
     }
     for (const auto& [name, works] : {std::pair("near", result.near), std::pair("uniform", result.uniform)})
-        for (const auto& [tree, work] :
-             {std::pair("wide_tree", works.wide_tree), std::pair("binary_tree", works.binary_tree)})
+        for (const auto& [tree, work] : works.all())
             for (const auto& [number, value] : work.numbers()) json["search"][name][tree][number] = value;
     for (const auto& [step, time] : result.host_ns.numbers()) json["host_ns"][step] = time;
     const TransformStatistics& statistics = result.statistics;
@@ -387,14 +402,14 @@ void print_text(const Result& result) {
                result.per_band_sample(result.statistics.work->samples_covered));
     fmt::print("\n{:<28}", "host_ns");
     for (const auto& [step, time] : result.host_ns.numbers()) fmt::print(" {} {}", step, time);
-    fmt::print("\n\n{:<28} {:>14} {:>14} {:>14} {:>14}\n{:<28}", "", "near", "", "uniform", "", "");
-    for (int i = 0; i < 2; ++i) fmt::print(" {:>14} {:>14}", "wide tree", "binary tree");
+    fmt::print("\n\n{:<28}", "");
+    for (const char* points : {"near", "uniform"})
+        for (const auto& [tree, work] : result.near.all()) fmt::print(" {:>20}", fmt::format("{} {}", points, tree));
     fmt::print("\n");
-    const std::array works{result.near.wide_tree, result.near.binary_tree, result.uniform.wide_tree,
-                           result.uniform.binary_tree};
-    for (std::size_t row = 0; row < works[0].numbers().size(); ++row) {
-        fmt::print("{:<28}", works[0].numbers()[row].first);
-        for (const SearchWork& work : works) fmt::print(" {:>14.1f}", work.numbers()[row].second);
+    for (std::size_t row = 0; row < SearchWork().numbers().size(); ++row) {
+        fmt::print("{:<28}", SearchWork().numbers()[row].first);
+        for (const SearchWorks& works : {result.near, result.uniform})
+            for (const auto& [tree, work] : works.all()) fmt::print(" {:>20.1f}", work.numbers()[row].second);
         fmt::print("\n");
     }
 }

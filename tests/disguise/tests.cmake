@@ -40,6 +40,14 @@ clsdf_between(disguise_external_memory)
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
 target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io clsdf_internals Eigen3::Eigen OpenCL::OpenCL ${CLSDF_FMT} nlohmann_json::nlohmann_json)
 target_include_directories(gpu_counts PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+set(CLSDF_CUBQL "" CACHE PATH "The sources of cuBQL, whose search gpu_counts then counts, too")
+mark_as_advanced(CLSDF_CUBQL)
+if(CLSDF_CUBQL)
+  target_sources(gpu_counts PRIVATE ${CMAKE_CURRENT_LIST_DIR}/cubql_search.cpp)
+  # Its headers would not pass our warnings.
+  target_include_directories(gpu_counts SYSTEM PRIVATE ${CLSDF_CUBQL})
+  target_compile_definitions(gpu_counts PRIVATE CLSDF_TEST_CUBQL)
+endif()
 
 if(TARGET clsdf_command)
   add_test(NAME gpu_counts

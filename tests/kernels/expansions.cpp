@@ -267,3 +267,34 @@ BOOST_AUTO_TEST_CASE(the_range_is_told) {
     for (const double x : within) BOOST_TEST(expansions::are_exact({{Vec3{1, 1, x}, Vec3{x, 1, 1}}}), x);
     for (const double x : outside) BOOST_TEST(!expansions::are_exact({{Vec3{1, 1, 1}, Vec3{1, x, 1}}}), x);
 }
+
+// So an expansion has room for another product of three numbers.
+BOOST_AUTO_TEST_CASE(a_sum_without_gaps_has_at_most_40_doubles) {
+    const unsigned seed = std::random_device()();
+    Random random(seed);
+    BOOST_TEST_CONTEXT("seed " << seed)
+    for (int run = 0; run < 500; ++run) {
+        expansions::Expansion expansion{};
+        Integer sum = 0;  // in units of 2^-1074
+        for (int round = 0; round < 6; ++round) {
+            expansions::close_gaps(&expansion);
+            BOOST_TEST(expansion.count <= EXPANSION_DOUBLES - PRODUCT_DOUBLES);
+            for (int i = 0; i < PRODUCT_DOUBLES; ++i) {
+                const int bits = whole(0, 1, random) == 0 ? 1 : 53;
+                const Integer digits(whole(-1, 1, random) * (std::int64_t{1} << (bits - 1)) + whole(0, 1, random));
+                const int exponent = whole(0, 2000, random);
+                sum += digits << exponent;
+                expansions::add_double(&expansion, std::ldexp(digits.convert_to<double>(), exponent - 1074));
+            }
+            BOOST_REQUIRE(expansion.count <= EXPANSION_DOUBLES);
+        }
+        for (std::uint32_t i = 0; i < expansion.count; ++i) {
+            int exponent = 0;
+            const double fraction = std::frexp(expansion.doubles[i], &exponent);
+            const Integer digits(static_cast<long long>(std::ldexp(fraction, 53)));
+            const int shift = exponent - 53 + 1074;
+            sum -= shift >= 0 ? Integer(digits << shift) : Integer(digits >> -shift);
+        }
+        BOOST_TEST(sum == 0);
+    }
+}
