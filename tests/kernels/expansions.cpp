@@ -276,6 +276,12 @@ BOOST_AUTO_TEST_CASE(a_sum_without_gaps_has_at_most_40_doubles) {
     for (int run = 0; run < 500; ++run) {
         expansions::Expansion expansion{};
         Integer sum = 0;  // in units of 2^-1074
+        const int gap = whole(2, 28, random);
+        for (int i = 0; i < EXPANSION_DOUBLES; ++i) {
+            expansion.doubles[i] = std::ldexp(1.0, gap * i - 1074);
+            sum += Integer(1) << (gap * i);
+        }
+        expansion.count = EXPANSION_DOUBLES;
         for (int round = 0; round < 6; ++round) {
             expansions::close_gaps(&expansion);
             BOOST_TEST(expansion.count <= EXPANSION_DOUBLES - PRODUCT_DOUBLES);
