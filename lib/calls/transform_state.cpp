@@ -180,7 +180,7 @@ bool DistanceTransform::State::move_by(const Move& move) {
 
 void DistanceTransform::State::test(const std::vector<checks::TestSubject>& subjects,
                                     calls::RunningCall& running) const {
-    std::size_t steps = running.step;
+    std::size_t steps = 0;
     for (const checks::TestSubject& subject : subjects)
         if (!context().is_tested(subject.name)) steps += subject.steps;
     for (const checks::TestSubject& subject : subjects)
