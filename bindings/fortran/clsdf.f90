@@ -71,7 +71,7 @@ module clsdf
       CLSDF_SIGN_NONE = 3, CLSDF_SIGN_SOLID_ANGLE = 4
   !> The place of a box.
   integer(c_int32_t), parameter, public :: CLSDF_WITHIN = 0, CLSDF_INSIDE = 1, CLSDF_OUTSIDE = 2, CLSDF_BEYOND = 3
-  !> What became of a point of a plan's run.
+  !> The outcome of a point in a plan's run.
   integer(c_int32_t), parameter, public :: CLSDF_FOUND = 0, CLSDF_NOT_FINITE = 1, CLSDF_TOO_FAR = 2, CLSDF_SIGN_OPEN = 3
   integer(c_int32_t), parameter, public :: CLSDF_GPU = 0, CLSDF_PROCESSOR = 1, CLSDF_ACCELERATOR = 2, &
       CLSDF_OTHER_DEVICE = 3
@@ -500,14 +500,14 @@ module clsdf
     final :: plan_end
   end type
 
-  !> What a run of a clsdf_sparse_plan writes about its field. The numbers are those of the whole field.
+  !> The counts that a run of a clsdf_sparse_plan writes. They are those of the whole field.
   type, bind(C) :: clsdf_device_sparse_counts
     integer(c_int64_t) :: bricks = 0, runs = 0
     integer(c_int64_t) :: is_complete = 0  !< 1: the memory holds the field; 0: it had too little room, and is undefined
   end type
 
   !> The memory of the device (cl_mem) for a sparse field, with room for what the plan has room for. Nothing overlaps. The
-  !> offsets are bytes, multiples of 8. What has no room may be c_null_ptr. Indices in these buffers are those of C: they
+  !> offsets are bytes, multiples of 8. Memory without room may be c_null_ptr. Indices in these buffers are those of C: they
   !> count from 0.
   type :: clsdf_sparse_buffers
     type(c_ptr) :: counts = c_null_ptr  !< a clsdf_device_sparse_counts

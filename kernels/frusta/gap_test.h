@@ -175,7 +175,7 @@ INLINE bool move_to_circle_of_last(__private ConeSearch* search) {
         const Vectors condition = search->conditions[i];
         const int answer = cut_arc(&arc, dot_in_order(condition, x), dot_in_order(condition, y));
         if (answer == ARC_EMPTY) return false;
-        // What follows may still prove the arc empty.
+        // The conditions that follow may still prove the arc empty.
         if (answer == ARC_UNDECIDED) search->is_undecided = true;
     }
     if (search->is_undecided) return true;

@@ -457,7 +457,7 @@ __kernel GROUP_OF_KERNEL void join_volumes(uint levels, __global double* sums, _
     results->volume[1] = sums[1];
 }
 
-// What the host decides. ----------------------------------------------------------------------------------------------
+// Lists for the host. -------------------------------------------------------------------------------------------------
 
 // Adds a number to a list, unless its bit is set; then it is there. Returns whether the list has room for it.
 static inline bool add_once(uint number, Atomic bits, Atomic count, uint room, __global uint* list) {
@@ -503,7 +503,7 @@ __kernel GROUP_OF_KERNEL void list_measured(ListSizes sizes, __global const ucha
     count_up(is_saddle, sums, (Atomic)&counts->saddles);
 }
 
-// What faces near what the host decides are made from. given: the caller's numbers of the vertices.
+// The arrays from which a face for the host is made. given: the caller's numbers of the vertices.
 typedef struct FaceData {
     __global const uchar* face_answers;
     __global const uchar* vertex_answers;

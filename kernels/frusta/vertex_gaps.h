@@ -6,7 +6,7 @@
 #include "expansions.h"
 #include "gap_test.h"
 
-// What a mesh's faces are made of.
+// The arrays from which faces are measured.
 typedef struct FaceArrays {
     FaceLattice lattice;
     double least_length;  // of a side that is not taken for a sliver's, in units

@@ -9,7 +9,7 @@
 #define CLSDF_POINT_TOO_FAR 0
 #define CLSDF_POINT_NOT_FINITE 1
 
-// What became of a point: the values of PointStatus (clsdf/point_plan.hpp).
+// The outcome of a point: the values of PointStatus (clsdf/point_plan.hpp).
 #define CLSDF_STATUS_FOUND 0
 #define CLSDF_STATUS_NOT_FINITE 1
 #define CLSDF_STATUS_TOO_FAR 2
@@ -48,8 +48,8 @@ typedef struct PointExtent {
     clsdf_uint32 first[2];
 } PointExtent;
 
-// The cells of the curve, and the unusable points of all. Of the points that are computed at once, how many have a sign
-// by neither their nearest face nor the mesh's box, and how many of them kernels leave open.
+// The cells of the curve, and counts: of the unusable points of a query; and, of the points that are computed at once,
+// of those whose sign neither their nearest face nor the mesh's box decides, and of those that kernels leave open.
 typedef struct PointCells {
     double lower[3];
     double scale;  // cells per length

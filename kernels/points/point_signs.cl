@@ -96,7 +96,7 @@ OUT_OF_LINE bool visit_leaves(__private const CrossedMesh* mesh, __private const
     }
 }
 
-// What makes of the crossings towards -x the winding number, rounded to an integer, a half up. corners: of the loops of
+// The winding number, rounded to an integer, a half up, less the crossings towards -x. corners: of the loops of
 // open edges, in units. begins: of each loop, and the end.
 OUT_OF_LINE int rounded_part_of_film(double3 p, uint loops, __global const double* corners,
                                      __global const uint* begins) {

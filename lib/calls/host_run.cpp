@@ -183,7 +183,7 @@ private:
         running_.throw_if_stopped();
         for (const Batch& batch : batches_) state_.compile(batch.job, running_);
         const bool may_gather = state_.context().capabilities().has_own_memory && requests_.size() > batches_.size();
-        if (may_gather) state_.test({calls::stored_boxes_subject(state_.device, state_.programs)}, running_);
+        if (may_gather) state_.test(calls::stored_boxes_subject(state_.device, state_.programs), running_);
         state_.pool->restart_peak();
     }
 

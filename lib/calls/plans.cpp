@@ -78,7 +78,7 @@ void DistanceTransform::State::plan(calls::PlanState& made, std::span<const engi
     calls::RunningCall running{call};
     running.throw_if_stopped();
     made.divide(jobs, targets, kept_mesh->box());
-    if (made.has_copies()) test({calls::stored_boxes_subject(device, programs)}, running);
+    if (made.has_copies()) test(calls::stored_boxes_subject(device, programs), running);
     for (const calls::Batch& batch : made.batches()) compile(batch.job, running);
     made.sign = sign;
     bool is_retry = false;

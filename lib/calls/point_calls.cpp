@@ -65,7 +65,7 @@ points::PointInputs DistanceTransform::State::inputs_of_many(OutputSet outputs, 
                                                              calls::RunningCall& running) {
     points::PointInputs inputs = point_inputs(outputs, count, false);
     if (inputs.needs_deep_stack())
-        test({checks::point_subject(device, programs, checks::PointKernels::of_deep_trees)}, running);
+        test(checks::point_subject(device, programs, checks::PointKernels::of_deep_trees), running);
     return inputs;
 }
 
@@ -150,9 +150,9 @@ CallStatistics DistanceTransform::State::query_many(points::UsablePoints& asked,
         context().begin_call();
         running.throw_if_stopped();
         find_usable(asked, kept_mesh->box(), half_width);  // before anything is made
-        test({checks::point_subject(device, programs, checks::PointKernels::of_all)}, running);
+        test(checks::point_subject(device, programs, checks::PointKernels::of_all), running);
         if (points::is_scan_worthwhile(programs, asked.points().size(), kept_mesh->face_count()))
-            test({checks::point_subject(device, programs, checks::PointKernels::of_many)}, running);
+            test(checks::point_subject(device, programs, checks::PointKernels::of_many), running);
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += asked.points().size();
@@ -257,7 +257,7 @@ CallStatistics DistanceTransform::State::query_on_device(const InputArray& point
         const std::scoped_lock lock(mutex);
         context().begin_call();
         running.throw_if_stopped();
-        test({checks::point_subject(device, programs, checks::PointKernels::of_all)}, running);
+        test(checks::point_subject(device, programs, checks::PointKernels::of_all), running);
         pool->restart_peak();
         const Stopwatch watch;
         points_asked += asked.count;

@@ -270,8 +270,8 @@ void DistanceTransform::State::plan_points(PointPlan::State& made, const CallOpt
     running.throw_if_stopped();
     context.begin_call();
     const bool by_group = programs.body == KernelBody::by_group;
-    test({checks::point_subject(device, programs,
-                                by_group ? checks::PointKernels::of_all : checks::PointKernels::of_plans)},
+    test(checks::point_subject(device, programs,
+                               by_group ? checks::PointKernels::of_all : checks::PointKernels::of_plans),
          running);
     const Stopwatch watch;
     // A search by another body takes other memory.
@@ -290,7 +290,7 @@ void DistanceTransform::State::plan_points(PointPlan::State& made, const CallOpt
     };
     calls::with_remedies(&running, {forgetting()}, make);
     if (inputs.needs_deep_stack())
-        test({checks::point_subject(device, programs, checks::PointKernels::of_deep_trees)}, running);
+        test(checks::point_subject(device, programs, checks::PointKernels::of_deep_trees), running);
     // Runs on other queues read what was enqueued here.
     device::guarded([&] { context.queue().finish(); });
     made.programs = programs;

@@ -26,7 +26,7 @@ std::unique_ptr<engine::GridPlan> DistanceTransform::State::SlabPlans::make(cons
         inputs_ = inputs_of(slab.batch->job);
         running_.statistics.polyhedra_seconds += watch.seconds();
         if (inputs_.records->from_kept_frusta)
-            state_.test({checks::field_subject(state_, job, checks::FieldKernels::of_kept_frusta)}, running_);
+            state_.test(checks::field_subject(state_, job, checks::FieldKernels::of_kept_frusta), running_);
         running_.throw_if_stopped();
         batch_ = slab.batch;
     }

@@ -72,7 +72,7 @@ std::optional<engine::MadeTopology> DistanceTransform::State::make_topology(cons
     if (method || !engine::suits_device_topology(tools(), mesh)) return std::nullopt;
     context().begin_call();
     calls::RunningCall running{call};
-    test({checks::topology_subject(*this)}, running);
+    test(checks::topology_subject(*this), running);
     try {
         return engine::make_device_topology({tools()}, mesh);
     } catch (const Error& error) {
@@ -178,8 +178,7 @@ bool DistanceTransform::State::move_by(const Move& move) {
     return true;
 }
 
-void DistanceTransform::State::test(const std::vector<checks::TestSubject>& subjects,
-                                    calls::RunningCall& running) const {
+void DistanceTransform::State::test(std::span<const checks::TestSubject> subjects, calls::RunningCall& running) const {
     std::size_t steps = 0;
     for (const checks::TestSubject& subject : subjects)
         if (!context().is_tested(subject.name)) steps += subject.steps;
@@ -222,12 +221,12 @@ CallStatistics DistanceTransform::State::compute(std::span<const Request> reques
 }
 
 void DistanceTransform::State::compile(const engine::Job& job, calls::RunningCall& running,
-                                       const std::vector<checks::TestSubject>& others) const {
+                                       std::vector<checks::TestSubject> others) const {
     context().begin_call();
     std::vector<checks::TestSubject> subjects;
     for (const checks::FieldKernels kernels : checks::kernels_of(*this, job))
         subjects.push_back(checks::field_subject(*this, job, kernels));
-    subjects.insert(subjects.end(), others.begin(), others.end());
+    std::ranges::move(others, std::back_inserter(subjects));
     test(subjects, running);
 }
 

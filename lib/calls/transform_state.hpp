@@ -71,7 +71,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
 
     /// Builds and tests, the first time, what such a job runs on the device, and others beside it.
     void compile(const engine::Job& job, calls::RunningCall& running,
-                 const std::vector<checks::TestSubject>& others = {}) const;
+                 std::vector<checks::TestSubject> others = {}) const;
 
     /// The plan of an earlier call for the same, which is the caller's now; null if none is kept.
     std::unique_ptr<engine::GridPlan> take_plan(const engine::JobKey& asked);
@@ -217,7 +217,10 @@ private:
     /// Returns what move() returns: whether it has moved the kept mesh.
     template <class Move>
     bool move_by(const Move& move);
-    void test(const std::vector<checks::TestSubject>& subjects, calls::RunningCall& running) const;
+    void test(std::span<const checks::TestSubject> subjects, calls::RunningCall& running) const;
+    void test(const checks::TestSubject& subject, calls::RunningCall& running) const {
+        test(std::span(&subject, 1), running);
+    }
 
     /// For a query of `count` points. on_host: the host answers it.
     points::PointInputs point_inputs(OutputSet outputs, std::size_t count, bool on_host);

@@ -123,7 +123,7 @@ typedef int32_t clsdf_status;
 #define CLSDF_OUTSIDE 2 /* the same, and all are outside */
 #define CLSDF_BEYOND 3  /* the same, of a mesh without a sign */
 
-/* What became of a point of a plan's run. */
+/* The outcome of a point in a plan's run. */
 #define CLSDF_FOUND 0
 #define CLSDF_NOT_FINITE 1 /* the distance is NaN; there is no triangle */
 #define CLSDF_TOO_FAR 2    /* the distance is the half width, or NaN if that is infinite; there is no triangle */
@@ -807,7 +807,7 @@ typedef struct clsdf_sparse_arrays {
         }                                                \
     }
 
-/* What a run of a clsdf_sparse_plan writes about its field. The numbers are those of the whole field, also if the
+/* The counts that a run of a clsdf_sparse_plan writes. They are those of the whole field, also if the
  * memory has less room. */
 typedef struct clsdf_device_sparse_counts {
     int64_t bricks;
@@ -816,7 +816,7 @@ typedef struct clsdf_device_sparse_counts {
 } clsdf_device_sparse_counts;
 
 /* The caller's memory of the device (cl_mem) for a sparse field, with room for what the plan has room for. Nothing
- * overlaps. The offsets are bytes, multiples of 8. What has no room may be null. */
+ * overlaps. The offsets are bytes, multiples of 8. Memory without room may be null. */
 typedef struct clsdf_sparse_buffers {
     size_t struct_size;
     void* counts; /* a clsdf_device_sparse_counts */

@@ -39,8 +39,8 @@ CLSDF_API clsdf_status clsdf_field_writer_append(clsdf_field_writer* writer, con
 CLSDF_API clsdf_status clsdf_field_writer_finish(clsdf_field_writer* writer);
 
 /* Reads a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb as a sparse field. *field is null if the file has a dense
- * one, which clsdf_field_read() reads. Triangles count from 0 (clsdf_sparse_field_set_index_base()). Of .nvdb and .vdb
- * the leaves are the bricks; samples beyond the grid have the background. Threads: any number. */
+ * one, which clsdf_field_read() reads. Triangles count from 0 (clsdf_sparse_field_set_index_base()). The bricks of
+ * .nvdb and .vdb are their leaves; samples beyond the grid have the background. Threads: any number. */
 CLSDF_API clsdf_status clsdf_sparse_field_read(const char* path, clsdf_sparse_field** field);
 /* Writes a sparse field to a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb. Threads: any number. */
 CLSDF_API clsdf_status clsdf_sparse_field_write(const clsdf_sparse_field* field, const char* path);

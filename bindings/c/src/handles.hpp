@@ -112,30 +112,29 @@ struct clsdf_transform : clsdf::c::Counted<clsdf_transform> {
         : transform(std::move(transform_in)), index_base(index_base_in) {}
 };
 
-struct clsdf_plan : clsdf::c::Counted<clsdf_plan> {
-    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::plan;
-    clsdf::Plan plan;
+namespace clsdf::c {
+
+template <class Self, class Made, Kind kind>
+struct CountedPlan : Counted<Self> {
+    static constexpr Kind own_kind = kind;
+    Made plan;
     std::int32_t index_base;
 
-    clsdf_plan(clsdf::Plan plan_in, std::int32_t index_base_in) : plan(std::move(plan_in)), index_base(index_base_in) {}
+    CountedPlan(Made plan_in, std::int32_t index_base_in) : plan(std::move(plan_in)), index_base(index_base_in) {}
 };
 
-struct clsdf_sparse_plan : clsdf::c::Counted<clsdf_sparse_plan> {
-    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::sparse_plan;
-    clsdf::SparsePlan plan;
-    std::int32_t index_base;
+}  // namespace clsdf::c
 
-    clsdf_sparse_plan(clsdf::SparsePlan plan_in, std::int32_t index_base_in)
-        : plan(std::move(plan_in)), index_base(index_base_in) {}
+struct clsdf_plan : clsdf::c::CountedPlan<clsdf_plan, clsdf::Plan, clsdf::c::Kind::plan> {
+    using CountedPlan::CountedPlan;
 };
 
-struct clsdf_point_plan : clsdf::c::Counted<clsdf_point_plan> {
-    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::point_plan;
-    clsdf::PointPlan plan;
-    std::int32_t index_base;
+struct clsdf_sparse_plan : clsdf::c::CountedPlan<clsdf_sparse_plan, clsdf::SparsePlan, clsdf::c::Kind::sparse_plan> {
+    using CountedPlan::CountedPlan;
+};
 
-    clsdf_point_plan(clsdf::PointPlan plan_in, std::int32_t index_base_in)
-        : plan(std::move(plan_in)), index_base(index_base_in) {}
+struct clsdf_point_plan : clsdf::c::CountedPlan<clsdf_point_plan, clsdf::PointPlan, clsdf::c::Kind::point_plan> {
+    using CountedPlan::CountedPlan;
 };
 
 struct clsdf_field : clsdf::c::Counted<clsdf_field> {

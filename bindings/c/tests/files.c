@@ -23,7 +23,7 @@ static void check_same_files(const char* a, const char* b) {
     fclose(first), fclose(second);
 }
 
-/* What is written is read as a sparse field. In memory, triangles count from 1. */
+/* A written sparse field is read as one. In memory, triangles count from 1. */
 static void check_read_sparse(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band) {
     const char* files[] = {"read.nvdb", "read.npy", "read.h5"};
     clsdf_sparse_field *field, *read;

@@ -123,7 +123,7 @@ program files
   call sparse_writer%create('fortran_sparse_never.nvdb', grid, band)
   call sparse_writer%finish(stat, errmsg)
   call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'missing')
-  ! What is written is read as a sparse field; a dense field is none.
+  ! A written sparse field is read as one; a dense field is none.
   call transform%compute_sparse_field(grid, band, sparse, [CLSDF_TRIANGLE])
   call clsdf_sparse_field_write(sparse, 'fortran_sparse.npy')
   call sparse%slab(slab)

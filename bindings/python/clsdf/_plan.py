@@ -53,11 +53,7 @@ class Plan:
         if out is not None:
             targets = [_arrays(one) for one in out] if isinstance(out, (list, tuple)) else [_arrays(out)]
         event = self._plan.enqueue(queue, targets, None if wait_for is None else list(wait_for))
-        if event == 0:
-            return None
-        import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
-        return pyopencl.Event.from_int_ptr(event, retain=False)
+        return _event_of(event)
 
     def update(
         self,
@@ -121,11 +117,7 @@ class SparsePlan:
         queue, wait_for and the result: as of Plan.enqueue(). The arrays must outlive the run.
         """
         event = self._plan.enqueue(queue, dict(out), None if wait_for is None else list(wait_for))
-        if event == 0:
-            return None
-        import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
-        return pyopencl.Event.from_int_ptr(event, retain=False)
+        return _event_of(event)
 
     def update(
         self,
@@ -193,11 +185,7 @@ class PointPlan:
         types.
         """
         event = self._plan.enqueue(queue, points, _arrays(out), status, None if wait_for is None else list(wait_for))
-        if event == 0:
-            return None
-        import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
-        return pyopencl.Event.from_int_ptr(event, retain=False)
+        return _event_of(event)
 
     def update(self, transform: Transform, *, progress: Progress = None) -> None:
         """Prepares the next runs for the present positions of the transform. Blocks."""
@@ -206,7 +194,7 @@ class PointPlan:
 
 
 class PointStatus(enum.IntEnum):
-    """What became of a point of a PointPlan's run."""
+    """The outcome of a point in a PointPlan's run."""
 
     FOUND = 0
     #: the distance is NaN; there is no triangle
@@ -220,3 +208,12 @@ class PointStatus(enum.IntEnum):
 
 def _arrays(out: Any) -> dict[str, Any]:
     return dict(out) if isinstance(out, Mapping) else {"distance": out}
+
+
+def _event_of(event: int) -> Any:
+    """The pyopencl.Event of a cl_event, whose reference it takes; None for 0."""
+    if event == 0:
+        return None
+    import pyopencl  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
+    return pyopencl.Event.from_int_ptr(event, retain=False)

@@ -119,7 +119,7 @@ def made(
 
 def read_sparse_field(path: str | os.PathLike[str]) -> SparseField | None:
     """Reads the sparse field of a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb. None if the file has a dense field,
-    which read_field() reads; that function also makes a sparse field dense. Of .nvdb and .vdb the leaves are the bricks;
+    which read_field() reads; that function also makes a sparse field dense. The bricks of .nvdb and .vdb are their leaves;
     samples beyond the grid have the background. Raises as read_field()."""
     read = _core.read_sparse_field(os.fspath(path))
     if read is None:

@@ -68,9 +68,11 @@ private:
     TakingTurns<Plan> plan_;  // its runs write to the arrays
 };
 
-class PyPointPlan {
+/// A plan without arrays of its own.
+template <class Made>
+class PyPlanOf {
 public:
-    PyPointPlan(PyDevice device, PointPlan plan) : device_(std::move(device)), plan_(std::move(plan)) {}
+    PyPlanOf(PyDevice device, Made plan) : device_(std::move(device)), plan_(std::move(plan)) {}
 
     template <typename Function>
     auto use(Function function) const {
@@ -80,8 +82,11 @@ public:
 
 private:
     PyDevice device_;
-    TakingTurns<PointPlan> plan_;
+    TakingTurns<Made> plan_;
 };
+
+using PyPointPlan = PyPlanOf<PointPlan>;
+using PySparsePlan = PyPlanOf<SparsePlan>;
 
 PyPlan plan_of_grid(const Body& body, const Grid& grid, const Band& band, const std::vector<std::string>& outputs,
                     nb::object progress) {
@@ -202,21 +207,6 @@ void update_requests(PyPlan& plan, const Body& body, const RequestList& requests
         });
     });
 }
-
-class PySparsePlan {
-public:
-    PySparsePlan(PyDevice device, SparsePlan plan) : device_(std::move(device)), plan_(std::move(plan)) {}
-
-    template <typename Function>
-    auto use(Function function) const {
-        return plan_.use(std::move(function));
-    }
-    const PyDevice& device() const { return device_; }
-
-private:
-    PyDevice device_;
-    TakingTurns<SparsePlan> plan_;
-};
 
 using Room = std::pair<std::size_t, std::size_t>;  // bricks and runs
 

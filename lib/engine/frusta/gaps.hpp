@@ -16,7 +16,7 @@ enum VertexMark : std::uint8_t {
     vertex_gap = 2,     ///< directions may be left out by the polyhedra of all its faces: it needs a point site
 };
 
-/// What the gap test scales positions by: lengths are then of the order of one.
+/// The factor of positions in the gap test: lengths are then of the order of one.
 double gap_scale(const LatticeView& lattice);
 
 /// VertexMark of each of `vertices`. A vertex without vertex_gap has its whole normal cone in its faces' polyhedra,

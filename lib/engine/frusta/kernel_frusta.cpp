@@ -33,7 +33,7 @@ double least_length(const Box& box, const LatticeView& lattice) {
     return 1e-30 * box.longest_side() / lattice.unit;
 }
 
-/// What the kernels write, and their launches.
+/// The launches of the kernels, and their results.
 class KernelFrusta {
 public:
     KernelFrusta(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names, const Box& box,

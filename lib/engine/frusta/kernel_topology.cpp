@@ -81,8 +81,8 @@ public:
     }
 
 private:
-    /// The kinds of vertices beside those of closed fans, whose kind is the number of their faces. Of borders it is
-    /// that number and first_border_kind.
+    /// The kinds of vertices beside those of closed fans, whose kind is the number of their faces. The kind of
+    /// a border is that number and first_border_kind.
     enum : std::uint8_t { regular_border, irregular, first_border_kind = CLSDF_FAN_FACES };
 
     std::uint8_t kind_of(std::size_t vertex) {

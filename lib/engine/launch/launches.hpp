@@ -22,8 +22,8 @@ private:
     std::map<std::pair<cl_program, std::string_view>, cl::Kernel> kernels_;
 };
 
-/// Launches of kernels that run one after the other, in a queue in order or as a chain. Does not wait. What it refers
-/// to must outlive it.
+/// Launches of kernels that run one after the other, in a queue in order or as a chain. Does not wait. Its
+/// arguments must outlive it.
 class Launches {
 public:
     Launches(const cl::CommandQueue& in_order, KernelCache& kernels) : queue_(&in_order), kernels_(kernels) {}

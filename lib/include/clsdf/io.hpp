@@ -81,8 +81,8 @@ CLSDF_EXPORT bool stores_sparse_fields(const std::string& path);
 CLSDF_EXPORT bool stores_sparse_fields_only(const std::string& path);
 
 /// Reads the sparse field of a file, with the outputs that are wanted and in the file. Nothing if the file has a dense
-/// field, which read_field() reads; that function also makes a sparse field dense. Of .nvdb and .vdb the leaves are the
-/// bricks; samples beyond the grid have the background. Throws as read_field().
+/// field, which read_field() reads; that function also makes a sparse field dense. The bricks of .nvdb and .vdb are
+/// their leaves; samples beyond the grid have the background. Throws as read_field().
 CLSDF_EXPORT std::optional<SparseField> read_sparse_field(const std::string& path, OutputSet wanted = Output::distance);
 
 /// The dense field of a sparse one: the same values, bit for bit. Throws Error(out_of_memory), or

@@ -17,7 +17,7 @@ namespace clsdf {
 
 class DistanceTransform;
 
-/// What became of a point of a PointPlan's run. The values of the enumerators never change.
+/// The outcome of a point in a PointPlan's run. The values of the enumerators never change.
 enum class PointStatus : std::uint8_t {
     found = 0,
     not_finite = 1,  ///< the distance is NaN; there is no triangle

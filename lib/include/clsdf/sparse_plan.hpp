@@ -17,7 +17,7 @@ namespace clsdf {
 
 class DistanceTransform;
 
-/// What a run of a SparsePlan writes about its field, in this layout. The numbers are those of the whole field, also if
+/// The counts that a run of a SparsePlan writes, in this layout. They are those of the whole field, also if
 /// the arrays have less room.
 struct DeviceSparseCounts {
     std::uint64_t bricks = 0;
