@@ -53,8 +53,9 @@ UsableRange usable_range(const Box& box) {
 
 void refuse(const UnusablePoints& unusable, const UsableRange& range) {
     const Vec3& p = unusable.position;
-    throw Error(ErrorCode::invalid_argument, fmt::format("point {} at ({}, {}, {}) {}; leave it out", unusable.first,
-                                                         p[0], p[1], p[2], reason_of(unusable.are_finite, range)));
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("point {}, counted from 0, at ({}, {}, {}) {}; leave it out", unusable.first, p[0], p[1],
+                            p[2], reason_of(unusable.are_finite, range)));
 }
 
 std::string warning_of(const std::array<UnusablePoints, 2>& unusable, std::size_t all, const UsableRange& range,
@@ -66,7 +67,8 @@ std::string warning_of(const std::array<UnusablePoints, 2>& unusable, std::size_
         const std::string distance =
             points.are_finite && std::isfinite(half_width) ? fmt::format("the half width, {}", half_width) : "NaN";
         text += fmt::format(
-            "{}{} of {} points {} no triangle and the distance {}; the first, point {} at ({}, {}, {}), "
+            "{}{} of {} points {} no triangle and the distance {}; the first, point {}, counted from 0, at ({}, {}, "
+            "{}), "
             "{}",
             text.empty() ? "" : "; ", points.count, all, points.count == 1 ? "has" : "have", distance, points.first,
             p[0], p[1], p[2], reason_of(points.are_finite, range));

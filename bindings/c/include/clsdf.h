@@ -523,7 +523,7 @@ typedef struct clsdf_mesh_arrays {
     int32_t index_base;    /* 0 or 1: what indices of vertices count from, and triangles of outputs. With 1, `triangles`
                               lie on the host, and a copy of them is made for the call */
     int32_t reserved;
-    const char* name; /* in messages and files; null: "mesh" */
+    const char* name; /* of the mesh that clsdf_mesh_create() makes, in messages and files; null: "mesh" */
 } clsdf_mesh_arrays;
 #define CLSDF_MESH_ARRAYS_INIT \
     { sizeof(clsdf_mesh_arrays), CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT, 0, 0, NULL }
@@ -669,7 +669,8 @@ typedef struct clsdf_progress {
 } clsdf_progress;
 
 typedef int32_t (*clsdf_progress_function)(void* user, const clsdf_progress* progress);
-typedef int32_t (*clsdf_stop_function)(void* user); /* CLSDF_CANCELLED: cancel; 0: go on */
+/* 0: go on; CLSDF_CANCELLED: cancel. No truth value: 1 would end the call as CLSDF_INVALID_MESH. */
+typedef int32_t (*clsdf_stop_function)(void* user);
 
 /* Options of one call. Functions may be null. */
 typedef struct clsdf_call_options {

@@ -355,10 +355,13 @@ FieldDescription description_of(const clsdf_field_description* description) {
 void check_callback(std::int32_t status, const char* name) {
     if (status == 0) return;
     std::string message = clsdf_last_error();
-    if (message.empty())
+    if (message.empty()) {
+        const bool is_meant = status == CLSDF_CANCELLED || status >= CLSDF_OWN_STATUS;
         message = std::string("the callback ") + name + " ended the call with status " + std::to_string(status) + " (" +
-                  (status >= CLSDF_OWN_STATUS ? "the program's own" : clsdf_status_name(status)) +
-                  "); clsdf_set_last_error() in the callback can say why";
+                  (status >= CLSDF_OWN_STATUS ? "the program's own" : clsdf_status_name(status)) + "); " +
+                  (is_meant ? "" : "CLSDF_CANCELLED is the status to cancel with, and ") +
+                  "clsdf_set_last_error() in the callback can say why";
+    }
     throw CallbackEnded{status, message, clsdf_last_opencl_error()};
 }
 

@@ -471,7 +471,8 @@ static void check_points(void) {
     targets[0].array.count = 4;
     for (n = 0; n < 4; ++n) found[n] = 77;
     call.refuse_unusable_points = 1;
-    FAILS(CLSDF_INVALID_ARGUMENT, "point 1", clsdf_query(transform, &array, 2, targets, 2, &call, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "point 1, counted from 0, at",
+          clsdf_query(transform, &array, 2, targets, 2, &call, NULL));
     for (n = 0; n < 4; ++n) CHECK(found[n] == 77);
     call.refuse_unusable_points = 2;
     FAILS(CLSDF_INVALID_ARGUMENT, "refuse_unusable_points is 2",
@@ -696,6 +697,9 @@ static void check_callbacks(void) {
     call.should_stop = stopped;
     own.answer = CLSDF_CANCELLED;
     FAILS(CLSDF_CANCELLED, "should_stop", clsdf_compute(transform, &grid, &band, &target, 1, &call, NULL));
+    own.answer = 1; /* as a truth value */
+    FAILS(CLSDF_INVALID_MESH, "CLSDF_CANCELLED is the status",
+          clsdf_compute(transform, &grid, &band, &target, 1, &call, NULL));
     own.answer = 0;
     own.calls = 0;
     OK(clsdf_compute(transform, &grid, &band, &target, 1, &call, NULL));
