@@ -27,6 +27,7 @@
 typedef int clsdf_int32;
 typedef long clsdf_int64;
 typedef uint clsdf_uint32;
+typedef ulong clsdf_uint64;
 typedef uchar clsdf_uint8;
 #else
 #include <cstddef>
@@ -35,11 +36,14 @@ namespace clsdf {
 using clsdf_int32 = std::int32_t;
 using clsdf_int64 = std::int64_t;
 using clsdf_uint32 = std::uint32_t;
+using clsdf_uint64 = std::uint64_t;
 using clsdf_uint8 = std::uint8_t;
 #endif
 
 // Records are selected and made in groups of so many (lib/engine/frusta/records.hpp).
 #define CLSDF_RECORD_GROUP 16
+// Faces that share a box (lib/engine/frusta/cluster_index.hpp).
+#define CLSDF_CLUSTER 64
 
 // Index of an edge in the slopes, and of a half in pairs.
 #define CLSDF_EDGE_BASE 0

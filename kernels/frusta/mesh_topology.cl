@@ -6,27 +6,39 @@
 // the face at place p of the order. Values that begin as zeros and are joined by atomic_max are complements.
 
 #include "face_sources.h"
-#include "group_sum.h"
+#include "given_triples.h"
+#include "joined_vertices.h"
+#include "mesh_groups.h"
 #include "mesh_topology.h"
+#include "paired_edges.h"
 #include "simd.h"
 #include "spread_bits.h"
 
 #pragma OPENCL FP_CONTRACT OFF
 
-// GROUP: work-items of a group, 64 or 128.
-#define GROUP_OF_KERNEL __attribute__((reqd_work_group_size(GROUP, 1, 1)))
-typedef volatile __global uint* Atomic;
-
-DEFINE_SUM_BEFORE(sum_before, uint, GROUP)
-
-// Adds the values of a group to a counter.
-static inline void count_up(uint value, __local uint* sums, Atomic counter) {
-    sum_before(value, sums);
-    if (get_local_id(0) == 0 && sums[GROUP - 1] != 0) atomic_add(counter, sums[GROUP - 1]);
-}
-
 static inline double3 position(__global const double* positions, uint vertex) {
     return vload3(vertex, positions);
+}
+
+// The caller's arrays. ------------------------------------------------------------------------------------------------
+
+// Copies them: positions as doubles, indices of 32 bits. An index that is out of range becomes 0.
+__kernel void copy_mesh(TopologySizes sizes, GivenTriples of_positions, __global const uint* given_positions,
+                        GivenTriples of_triangles, __global const uint* given_triangles, __global double* positions,
+                        __global uint* triangles, __global TopologyResults* results) {
+    const uint n = get_global_id(0);
+    if (n < sizes.vertices)
+        for (uint axis = 0; axis < 3; ++axis)
+            positions[3 * (size_t)n + axis] = coordinate(of_positions, given_positions, n, axis);
+    if (n >= sizes.faces) return;
+    bool are_in_range = true;
+    for (uint k = 0; k < 3; ++k) {
+        const uint2 index = words_of(of_triangles, given_triangles, n, k);
+        const bool is_in_range = index.y == 0 && index.x < sizes.vertices;
+        triangles[3 * (size_t)n + k] = is_in_range ? index.x : 0u;
+        are_in_range = are_in_range && is_in_range;
+    }
+    if (!are_in_range) atomic_max((Atomic)&results->is_refused, 1u);
 }
 
 // Vertices of equal coordinates. --------------------------------------------------------------------------------------
@@ -104,25 +116,40 @@ static inline void join_boxes(__private double* box, __local double* limits) {
 #define BOX_OF_NONE \
     { INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY }
 
+// Adds a position to a box. Returns whether it is finite.
+static inline bool add_position(double3 p, __private double* box) {
+    const double at[3] = {p.x, p.y, p.z};
+    bool is_finite = true;
+    for (uint axis = 0; axis < 3; ++axis) {
+        box[axis] = LESSER(at[axis], box[axis]);
+        box[3 + axis] = GREATER(at[axis], box[3 + axis]);
+        is_finite = is_finite && isfinite(at[axis]);
+    }
+    return is_finite;
+}
+
+// Writes a group's box.
+static inline void store_box(__private double* box, __local double* limits, __global double* boxes) {
+    join_boxes(box, limits);
+    if (get_local_id(0) == 0)
+        for (uint i = 0; i < 6; ++i) boxes[6 * get_group_id(0) + i] = box[i];
+}
+
 // Marks the vertices in use, and measures a box a group.
 __kernel GROUP_OF_KERNEL void look_at_faces(TopologySizes sizes, __global const double* positions,
-                                            __global const uint* triangles, Atomic words, __global double* boxes) {
+                                            __global const uint* triangles, Atomic words, __global double* boxes,
+                                            __global TopologyResults* results) {
     __local double limits[6 * GROUP];
     double box[6] = BOX_OF_NONE;
+    bool are_finite = true;
     for (uint face = get_global_id(0); face < sizes.faces; face += get_global_size(0))
         for (uint k = 0; k < 3; ++k) {
             const uint vertex = triangles[3 * (size_t)face + k];
             atomic_or(words + sizes.used + vertex / 32, 1u << vertex % 32);
-            const double3 p = position(positions, vertex);
-            const double at[3] = {p.x, p.y, p.z};
-            for (uint axis = 0; axis < 3; ++axis) {
-                box[axis] = LESSER(at[axis], box[axis]);
-                box[3 + axis] = GREATER(at[axis], box[3 + axis]);
-            }
+            are_finite = add_position(position(positions, vertex), box) && are_finite;
         }
-    join_boxes(box, limits);
-    if (get_local_id(0) == 0)
-        for (uint i = 0; i < 6; ++i) boxes[6 * get_group_id(0) + i] = box[i];
+    if (!are_finite) atomic_max((Atomic)&results->is_refused, 1u);
+    store_box(box, limits, boxes);
 }
 
 // One group.
@@ -141,27 +168,77 @@ __kernel GROUP_OF_KERNEL void join_group_boxes(uint count, __global const double
 }
 
 // Vertices that have moved: takes their positions in the order, and measures a box a group, and whether all are finite.
-// vertices: the caller's numbers. first, triple, number: the caller's array, in doubles.
-__kernel GROUP_OF_KERNEL void move_vertices(uint count, __global const uint* vertices, __global const double* given,
-                                            ulong first, long triple, long number, __global double* positions,
+// vertices: the caller's numbers.
+__kernel GROUP_OF_KERNEL void move_vertices(uint count, __global const uint* vertices, GivenTriples of_positions,
+                                            __global const uint* given, __global double* positions,
                                             __global double* boxes, __global TopologyResults* results) {
     __local double limits[6 * GROUP];
     double box[6] = BOX_OF_NONE;
     bool are_finite = true;
     for (uint vertex = get_global_id(0); vertex < count; vertex += get_global_size(0)) {
-        __global const double* const from = given + (first + (ulong)(triple * (long)vertices[vertex]));
-        for (uint axis = 0; axis < 3; ++axis) {
-            const double at = from[(long)axis * number];
-            positions[3 * (size_t)vertex + axis] = at;
-            are_finite = are_finite && isfinite(at);
-            box[axis] = LESSER(at, box[axis]);
-            box[3 + axis] = GREATER(at, box[3 + axis]);
-        }
+        double3 at;
+        at.x = coordinate(of_positions, given, vertices[vertex], 0);
+        at.y = coordinate(of_positions, given, vertices[vertex], 1);
+        at.z = coordinate(of_positions, given, vertices[vertex], 2);
+        vstore3(at, vertex, positions);
+        are_finite = add_position(at, box) && are_finite;
     }
     if (!are_finite) atomic_max((Atomic)&results->is_refused, 1u);
-    join_boxes(box, limits);
-    if (get_local_id(0) == 0)
-        for (uint i = 0; i < 6; ++i) boxes[6 * get_group_id(0) + i] = box[i];
+    store_box(box, limits, boxes);
+}
+
+// Adds the box of a face: that of box_of() in lib/engine/frusta/cluster_index.cpp.
+static inline void add_ball(double3 a, double3 b, double3 c, __private double* box) {
+    const double3 sides[3] = {b - a, c - b, a - c};
+    double squares[3];
+    for (uint k = 0; k < 3; ++k)
+        squares[k] = sides[k].x * sides[k].x + sides[k].y * sides[k].y + sides[k].z * sides[k].z;
+    double3 start = a, edge = sides[0], to_apex = c - a;
+    double squared = squares[0];
+    if (squares[1] > squared) {
+        start = b;
+        edge = sides[1];
+        to_apex = a - b;
+        squared = squares[1];
+    }
+    if (squares[2] > squared) {
+        start = c;
+        edge = sides[2];
+        to_apex = b - c;
+        squared = squares[2];
+    }
+    const double product = to_apex.x * edge.x + to_apex.y * edge.y + to_apex.z * edge.z;
+    double along = 0.0, extent = 2.0 * (fabs(edge.x) + fabs(edge.y) + fabs(edge.z));
+    if (squared > 1e-280 && squared < 1e280) {
+        const double ratio = product / squared, positive = GREATER(ratio, 0.0);
+        along = LESSER(positive, 1.0);
+        const double rest = 1.0 - along, farther = GREATER(along, rest), share = GREATER(farther, 0.8661);
+        extent = sqrt(squared) * share * (1.0 + 1e-6);
+    }
+    const double3 foot = start + along * edge;
+    const double feet[3] = {foot.x, foot.y, foot.z};
+    for (uint axis = 0; axis < 3; ++axis) {
+        const double rounding = 1e-15 * fabs(feet[axis]);
+        const double lower = feet[axis] - extent - rounding, upper = feet[axis] + extent + rounding;
+        box[axis] = LESSER(lower, box[axis]);
+        box[3 + axis] = GREATER(upper, box[3 + axis]);
+    }
+    add_position(a, box);
+    add_position(b, box);
+    add_position(c, box);
+}
+
+// The boxes of clusters, without rounding. A group has a cluster.
+__kernel GROUP_OF_KERNEL void cluster_boxes(uint faces, __global const uint* triangles,
+                                            __global const double* positions, __global double* boxes) {
+    __local double limits[6 * GROUP];
+    double box[6] = BOX_OF_NONE;
+    const uint begin = CLSDF_CLUSTER * (uint)get_group_id(0), end = min(faces, begin + CLSDF_CLUSTER);
+    for (uint face = begin + (uint)get_local_id(0); face < end; face += GROUP) {
+        __global const uint* const t = triangles + 3 * (size_t)face;
+        add_ball(position(positions, t[0]), position(positions, t[1]), position(positions, t[2]), box);
+    }
+    store_box(box, limits, boxes);
 }
 
 static inline uint cell_of(double place, double last) {
@@ -272,60 +349,6 @@ __kernel void order_corners(TopologySizes sizes, __global const uint* sorted, __
 
 // Pairs of edges. -----------------------------------------------------------------------------------------------------
 
-static inline uint next_of(uint k) {
-    return k == 2 ? 0 : k + 1;
-}
-static inline uint previous_of(uint k) {
-    return k == 0 ? 2 : k - 1;
-}
-
-// The data of an edge that begins at a corner.
-typedef struct PairedEdge {
-    uint mark;
-    uint across;  // packed
-    bool is_too_long;
-} PairedEdge;
-
-// An edge has two faces, unless a third one is found, around the end that has fewer faces.
-static inline PairedEdge paired_edge(uint face, uint k, __global const uint* triangles, __global const uint* starts,
-                                     __global const uint* corners) {
-    PairedEdge edge = {0u, 0u, false};
-    const uint own = face << 2 | k, v = triangles[3 * (size_t)face + k], w = triangles[3 * (size_t)face + next_of(k)];
-    if (v == w) {
-        edge.mark = CLSDF_EDGE_AT_BOX;
-        return edge;
-    }
-    const bool is_at_v = starts[v + 1] - starts[v] <= starts[w + 1] - starts[w];
-    const uint at = is_at_v ? v : w, end = is_at_v ? w : v, begin = starts[at], last = starts[at + 1];
-    if (last - begin > CLSDF_MOST_RING) {
-        edge.is_too_long = true;
-        return edge;
-    }
-    uint count = 0, other = own;
-    for (uint i = begin; i < last && count <= 2; ++i) {
-        const uint around = corners[i] >> 2, j = corners[i] & 3;
-        __global const uint* const t = triangles + 3 * (size_t)around;
-        const uint leaving = around << 2 | j, arriving = around << 2 | previous_of(j);
-        if (t[next_of(j)] == end) {
-            ++count;
-            other = leaving != own ? leaving : other;
-        }
-        if (t[previous_of(j)] == end) {
-            ++count;
-            other = arriving != own ? arriving : other;
-        }
-    }
-    if (count > 2 || (count == 2 && other >> 2 == face)) {
-        edge.mark = CLSDF_EDGE_NON_MANIFOLD;
-    } else if (count == 1) {
-        edge.mark = CLSDF_EDGE_OPEN;
-    } else {
-        edge.across = other;
-        edge.mark = triangles[3 * (size_t)(other >> 2) + (other & 3)] == v ? CLSDF_EDGE_UNORIENTED : 0u;
-    }
-    return edge;
-}
-
 // across: four words a face, of which the fourth one holds the marks of its edges, a byte each: FaceEdges of
 // lib/engine/frusta/topology.hpp. opposite: see KernelTopology.
 __kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uint* triangles,
@@ -351,28 +374,6 @@ __kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uin
 }
 
 // Parts. --------------------------------------------------------------------------------------------------------------
-
-// The lowest vertex that this one is known to be joined with. All that is read may be old: it is above all the same.
-static inline uint root_of(Atomic above, uint vertex) {
-    for (;;) {
-        const uint parent = atomic_or(above + vertex, 0u);
-        if (parent == 0) return vertex;
-        const uint next = atomic_or(above + parent - 1, 0u);
-        if (next == 0) return parent - 1;
-        atomic_cmpxchg(above + vertex, parent, next);
-        vertex = next - 1;
-    }
-}
-
-// Joins two sets of vertices; returns 1 if they were different. How many calls return 1 does not depend on their order.
-static inline uint join(Atomic above, uint a, uint b) {
-    for (;;) {
-        a = root_of(above, a);
-        b = root_of(above, b);
-        if (a == b) return 0;
-        if (atomic_cmpxchg(above + max(a, b), 0u, min(a, b) + 1) == 0) return 1;
-    }
-}
 
 // Joins the vertices of each face, and writes its name (face_sources.h).
 __kernel GROUP_OF_KERNEL void join_faces(TopologySizes sizes, __global const uint* order,
@@ -455,110 +456,4 @@ __kernel GROUP_OF_KERNEL void join_volumes(uint levels, __global double* sums, _
     if (get_local_id(0) != 0) return;
     results->volume[0] = sums[0];
     results->volume[1] = sums[1];
-}
-
-// Lists for the host. -------------------------------------------------------------------------------------------------
-
-// Adds a number to a list, unless its bit is set; then it is there. Returns whether the list has room for it.
-static inline bool add_once(uint number, Atomic bits, Atomic count, uint room, __global uint* list) {
-    const uint bit = 1u << number % 32;
-    if (atomic_or(bits + number / 32, bit) & bit) return true;
-    const uint place = atomic_inc(count);
-    if (place < room) list[place] = number;
-    return place < room;
-}
-
-// Whether the host finds the slopes of a face: by the kernel's answer, or because of an edge of three faces or more, of
-// two of different orientations, or from a vertex to itself.
-static inline bool is_left_face(uint face, __global const uchar* answers, __global const uchar* marks) {
-    uint all_marks = 0;
-    for (uint k = 0; k < 3; ++k) all_marks |= marks[16 * (size_t)face + 12 + k];
-    return answers[face] != 0 || (all_marks & ~CLSDF_EDGE_OPEN) != 0;
-}
-
-// Lists, in any order, the faces that the host measures. face_answers, vertex_answers: see face_sources.h. marks: as
-// pair_edges() wrote them.
-__kernel GROUP_OF_KERNEL void list_measured(ListSizes sizes, __global const uchar* face_answers,
-                                            __global const uchar* vertex_answers, __global const uchar* marks,
-                                            __global const uint* starts, __global const uint* corners, Atomic words,
-                                            __global uint* measured, __global ListCounts* counts) {
-    __local uint sums[GROUP];
-    const uint n = get_global_id(0);
-    uint is_saddle = 0;
-    bool has_room = true;
-    if (n < sizes.vertices) {
-        is_saddle = vertex_answers[n] == CLSDF_VERTEX_IS_SADDLE;
-        if (vertex_answers[n] & CLSDF_VERTEX_IS_OPEN) {
-            const uint begin = starts[n], end = starts[n + 1];
-            has_room = end - begin <= CLSDF_MOST_RING;
-            for (uint i = begin; i < end && has_room; ++i)
-                has_room =
-                    add_once(corners[i] >> 2, words + sizes.measured, (Atomic)&counts->measured, sizes.room, measured);
-        }
-    }
-    if (n < sizes.faces && is_left_face(n, face_answers, marks) &&
-        !add_once(n, words + sizes.measured, (Atomic)&counts->measured, sizes.room, measured))
-        has_room = false;
-    if (!has_room) atomic_max((Atomic)&counts->is_refused, 1u);
-    count_up(is_saddle, sums, (Atomic)&counts->saddles);
-}
-
-// The arrays from which a face for the host is made. given: the caller's numbers of the vertices.
-typedef struct FaceData {
-    __global const uchar* face_answers;
-    __global const uchar* vertex_answers;
-    __global const uchar* marks;
-    __global const uint* triangles;
-    __global const uint* order;
-    __global const uint* given;
-    __global const double* positions;
-} FaceData;
-
-// Lists a face once. Returns whether the list has room for it.
-static inline bool add_near(FaceData data, uint face, Atomic bits, Atomic count, uint room, __global ListedFace* near) {
-    const uint bit = 1u << face % 32;
-    if (atomic_or(bits + face / 32, bit) & bit) return true;
-    const uint place = atomic_inc(count);
-    if (place >= room) return false;
-    uint left = is_left_face(face, data.face_answers, data.marks) ? CLSDF_LEFT_FACE : 0u;
-    for (uint k = 0; k < 3; ++k) {
-        const uint vertex = data.triangles[3 * (size_t)face + k];
-        if (data.vertex_answers[vertex] & CLSDF_VERTEX_IS_OPEN) left |= 1u << k;
-        near[place].vertices[k] = vertex;
-        near[place].given[k] = data.given[vertex];
-        vstore3(position(data.positions, vertex), 0, near[place].corners[k]);
-    }
-    near[place].left = left;
-    near[place].number = face;
-    near[place].triangle = data.order[face];
-    return true;
-}
-
-// Lists, in any order, the faces that the host measures and all faces at their edges. across, marks: as pair_edges()
-// wrote them.
-__kernel void list_near(ListSizes sizes, __global const uchar* face_answers, __global const uchar* vertex_answers,
-                        __global const uint* across, __global const uchar* marks, __global const uint* starts,
-                        __global const uint* corners, Atomic words, __global const uint* measured,
-                        __global ListCounts* counts, __global const uint* triangles, __global const uint* order,
-                        __global const uint* given, __global const double* positions, __global ListedFace* near) {
-    const FaceData data = {face_answers, vertex_answers, marks, triangles, order, given, positions};
-    const uint count = min(counts->measured, sizes.room);
-    const Atomic bits = words + sizes.near, near_count = (Atomic)&counts->near;
-    bool has_room = true;
-    for (uint n = get_global_id(0); n < count && has_room; n += get_global_size(0)) {
-        const uint face = measured[n];
-        has_room = add_near(data, face, bits, near_count, sizes.room, near);
-        for (uint k = 0; k < 3 && has_room; ++k) {
-            const uint mark = marks[16 * (size_t)face + 12 + k];
-            if (mark == 0 || mark == CLSDF_EDGE_UNORIENTED)
-                has_room = add_near(data, across[4 * (size_t)face + k] >> 2, bits, near_count, sizes.room, near);
-            if (mark != CLSDF_EDGE_NON_MANIFOLD) continue;
-            const uint vertex = triangles[3 * (size_t)face + k], bit = 1u << vertex % 32;
-            if (atomic_or(words + sizes.near_vertices + vertex / 32, bit) & bit) continue;
-            has_room = starts[vertex + 1] - starts[vertex] <= CLSDF_MOST_RING;
-            for (uint i = starts[vertex]; i < starts[vertex + 1] && has_room; ++i)
-                has_room = add_near(data, corners[i] >> 2, bits, near_count, sizes.room, near);
-        }
-    }
-    if (!has_room) atomic_max((Atomic)&counts->is_refused, 1u);
 }

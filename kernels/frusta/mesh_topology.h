@@ -28,7 +28,7 @@ namespace clsdf {
 typedef struct TopologyResults {
     double box[6];                    // of the vertices in use: lower corner, upper corner
     double volume[2];                 // sum, and sum of magnitudes: LocalFrame::add_volume()
-    clsdf_uint32 is_refused;          // 1: beyond the kernels' limits above, and all other results are undefined
+    clsdf_uint32 is_refused;          // 1: beyond the limits above, or no mesh; all other results are undefined
     clsdf_uint32 used_vertices;       // of the caller's
     clsdf_uint32 different_vertices;  // the same, but those of equal coordinates count once
     clsdf_uint32 vertex_count;        // of the mesh in its order
@@ -50,6 +50,16 @@ typedef struct TopologySizes {
     clsdf_uint32 first_corners;  // of each vertex: the complement of the first corner there
     clsdf_uint32 above;          // of each vertex: 1 + a lower one of its part, or 0
 } TopologySizes;
+
+// Where the numbers of an array lie, in words of 32 bits: that of item 0, and from an item to the next one, from a
+// number to the next one.
+typedef struct GivenTriples {
+    clsdf_uint64 first;
+    clsdf_int64 triple;
+    clsdf_int64 number;
+    clsdf_uint32 is_long;  // numbers have 64 bits
+    clsdf_uint32 unused;
+} GivenTriples;
 
 // The lengths of lists of what kernels leave to the host. They begin as zeros.
 typedef struct ListCounts {
@@ -83,6 +93,7 @@ typedef struct ListedFace {
 #define CLSDF_LEFT_FACE 8u
 
 #ifndef __OPENCL_VERSION__
+static_assert(sizeof(GivenTriples) == 32);
 static_assert(sizeof(ListCounts) == 16);
 static_assert(sizeof(ListSizes) == 24);
 static_assert(sizeof(ListedFace) == 112);

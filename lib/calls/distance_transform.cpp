@@ -27,7 +27,9 @@ DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, const 
         targets::MappedMemory memory(device::context_of(device));
         memory.add(mesh.vertices(), "vertices");
         memory.add(mesh.triangles(), "triangles");
-        memory.map(call.wait_list);
+        targets::wait_for(device::context_of(device), call.wait_list);
+        if ((state_ = State::of_device_mesh(device, mesh, options, call))) return;
+        memory.map({});
         Mesh copy(MeshView(memory.on_host(mesh.vertices()), memory.on_host(mesh.triangles())));
         memory.unmap();
         state_ = std::make_unique<State>(std::move(device), std::move(copy), options, call);
@@ -100,7 +102,6 @@ KeptMemory DistanceTransform::memory() const {
     KeptMemory memory = state.kept_mesh->memory();
     memory.shared_host_bytes = state.context().pinned_bytes();
     memory.shared_device_bytes = state.context().arena().free_bytes();
-    memory.host_bytes += state.first_positions.size() * sizeof(Vec3);
     for (const auto& plan : state.plans) memory.device_bytes += state.bytes_of(*plan);
     return memory;
 }

@@ -1,7 +1,7 @@
 #include "calls/transform_state.hpp"
 
+#include "mesh/parts.hpp"
 #include "mesh/topology.hpp"
-#include "mesh/triples.hpp"
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
 
@@ -31,12 +31,43 @@ engine::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> m
 
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
-    : engine::Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)), vertices(mesh) {
-    std::optional<engine::MadeTopology> made = make_topology(mesh, call);
+    : State(std::move(device_in), options, call, std::move(method_in)) {
+    auto made = make_topology(mesh.vertices().size(), mesh.triangles().size(), call,
+                              [&](const engine::DeviceSetUp& job) { return engine::make_device_topology(job, mesh); });
+    set_mesh(std::move(mesh), std::move(made), options, call);
+}
+
+DistanceTransform::State::State(Device device_in, const TransformOptions& options, const CallOptions& call,
+                                std::shared_ptr<const FieldMethod> method_in)
+    : engine::Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)) {}
+
+std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_device_mesh(const Device& device,
+                                                                                   const MeshView& mesh,
+                                                                                   const TransformOptions& options,
+                                                                                   const CallOptions& call) {
+    const InputArray &vertices = mesh.vertices(), &triangles = mesh.triangles();
+    if (vertices.device == nullptr || triangles.device == nullptr) return nullptr;
+    std::unique_ptr<State> state(new State(device, options, call, nullptr));
+    auto made = state->make_topology(vertices.count, triangles.count, call, [&](const engine::DeviceSetUp& job) {
+        return engine::make_device_topology(job, engine::device_triples(vertices), engine::device_triples(triangles));
+    });
+    if (!made) return nullptr;
+    Mesh on_host = engine::mesh_without_arrays(made->box());
+    if (made->has_equal_vertices()) {  // the host merges them
+        on_host = made->mesh->read({state->tools()}, on_host.name());
+        made->mesh = nullptr;
+    }
+    state->set_mesh(std::move(on_host), std::move(made), options, call);
+    return state;
+}
+
+void DistanceTransform::State::set_mesh(Mesh mesh, std::optional<engine::MadeTopology> made,
+                                        const TransformOptions& options, const CallOptions& call) {
+    vertices = engine::Vertices(made ? made->given_vertices : mesh.vertices().size());
     std::vector<std::uint32_t> first;
     if (made) {
         const TopologyResults& found = made->results;
-        topology.unused_vertices = mesh.vertices().size() - found.used_vertices;
+        topology.unused_vertices = made->given_vertices - found.used_vertices;
         topology.coincident_vertices = found.used_vertices - found.different_vertices;
         if (made->has_equal_vertices()) first = made->read_first_equal({tools()});
     } else {
@@ -45,7 +76,8 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
     }
     if (topology.coincident_vertices > 0) vertices = engine::Vertices(mesh, first);
     kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh),
-                                                   engine::KeptMesh::Options{programs, method, options.kept_bytes});
+                                                   engine::KeptMesh::Options{programs, method, options.kept_bytes},
+                                                   made ? std::move(made->mesh) : nullptr);
     kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
     SignSurface surface;
     if (!made) {
@@ -53,7 +85,8 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
         surface = describe_edges(kept_mesh->mesh(), of_mesh.faces.triangles, of_mesh.edges.are_paired, options.sign,
                                  topology);
     } else if (made->topology->are_paired) {
-        describe_paired_edges(kept_mesh->mesh(), made->is_one_part(), made->encloses_negative_volume(), topology);
+        describe_paired_edges(made->encloses_negative_volume(), topology);
+        if (!made->is_one_part()) describe_parts(kept_mesh->mesh(), kept_mesh->mesh().triangles(), topology);
     } else {  // edges have to be counted, so a good order of the faces is worth little
         surface = describe_edges(kept_mesh->mesh(), kept_mesh->mesh().triangles(), false, options.sign, topology);
     }
@@ -67,14 +100,17 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
     if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
 }
 
-std::optional<engine::MadeTopology> DistanceTransform::State::make_topology(const Mesh& mesh,
-                                                                            const CallOptions& call) const {
-    if (method || !engine::suits_device_topology(tools(), mesh)) return std::nullopt;
+template <class Make>
+std::optional<engine::MadeTopology> DistanceTransform::State::make_topology(std::size_t vertex_count,
+                                                                            std::size_t face_count,
+                                                                            const CallOptions& call,
+                                                                            const Make& make) const {
+    if (method || !engine::suits_device_topology(tools(), vertex_count, face_count)) return std::nullopt;
     context().begin_call();
     calls::RunningCall running{call};
     test(checks::topology_subject(*this), running);
     try {
-        return engine::make_device_topology({tools()}, mesh);
+        return make(engine::DeviceSetUp{tools()});
     } catch (const Error& error) {
         // The host needs no memory of the device.
         if (error.code() != ErrorCode::out_of_memory) throw;
@@ -133,8 +169,7 @@ void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
 void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    move_vertices(engine::Vertices::moved(first_positions.empty() ? kept_mesh->mesh().vertices() : first_positions,
-                                          rotation, translation));
+    move_vertices(engine::Vertices::moved(kept_mesh->first_positions(), rotation, translation));
 }
 
 void DistanceTransform::State::require_whole() const {
@@ -155,25 +190,15 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
 bool DistanceTransform::State::set_positions_on_device(const InputArray& positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    if (positions.type != ElementType::float64) return false;
     context().begin_call();
-    const Steps steps = steps_of(positions);
-    constexpr auto width = static_cast<std::ptrdiff_t>(sizeof(double));
-    return move_by([&] {
-        return kept_mesh->move(engine::DevicePositions{cl::Buffer(positions.device, true), positions.count,
-                                                       positions.offset / sizeof(double), steps.triple / width,
-                                                       steps.number / width});
-    });
+    return move_by([&] { return kept_mesh->move(engine::device_triples(positions)); });
 }
 
 template <class Move>
 bool DistanceTransform::State::move_by(const Move& move) {
-    std::vector<Vec3> before;
-    if (first_positions.empty()) before = kept_mesh->mesh().vertices();
     if (!move()) return false;
     points_asked = 0;
     points_are_short_of_memory = false;
-    if (first_positions.empty()) first_positions = std::move(before);
     plans.clear();
     return true;
 }

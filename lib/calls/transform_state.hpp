@@ -35,6 +35,10 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// method: of a library beside the core; null: leaned frusta by bricks.
     State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
           std::shared_ptr<const FieldMethod> method_in = nullptr);
+    /// Of a mesh in memory of the device, which the host does not read. Null if it has to: because it makes the
+    /// topology by itself, or because it is to say why this is no mesh.
+    static std::unique_ptr<State> of_device_mesh(const Device& device, const MeshView& mesh,
+                                                 const TransformOptions& options, const CallOptions& call);
     State(const State&) = delete;
     State& operator=(const State&) = delete;
 
@@ -198,7 +202,6 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     std::unique_ptr<engine::KeptMesh> kept_mesh;
     std::unique_ptr<points::KeptPoints> kept_points;
     std::list<std::unique_ptr<engine::GridPlan>> plans;  // of earlier calls; that was used last first
-    std::vector<Vec3> first_positions;                   // of the transform's mesh, from the first move on
     std::size_t points_asked = 0;                        // by query(), since the last move
     /// Since the last move, the device's memory did not suffice for what makes queries of many points faster.
     bool points_are_short_of_memory = false;
@@ -208,8 +211,17 @@ private:
     State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
           std::unique_ptr<engine::KeptMesh> own_mesh);
 
-    /// The topology of a mesh by kernels, which are tested; nothing if the host makes it.
-    std::optional<engine::MadeTopology> make_topology(const Mesh& mesh, const CallOptions& call) const;
+    /// Without a mesh.
+    State(Device device_in, const TransformOptions& options, const CallOptions& call,
+          std::shared_ptr<const FieldMethod> method_in);
+    /// Sets the mesh and all that describes it. made: by kernels; it has the mesh's arrays if the mesh lacks them.
+    void set_mesh(Mesh mesh, std::optional<engine::MadeTopology> made, const TransformOptions& options,
+                  const CallOptions& call);
+    /// What make(job), make_device_topology(), returns, by kernels that are tested; nothing if the host is to make the
+    /// topology of so many vertices and faces.
+    template <class Make>
+    std::optional<engine::MadeTopology> make_topology(std::size_t vertex_count, std::size_t face_count,
+                                                      const CallOptions& call, const Make& make) const;
     /// Throws Error(unsupported) if the transform is restricted: its vertices are not the caller's.
     void require_whole() const;
     /// For the transform's own mesh.

@@ -66,6 +66,13 @@ std::array<Numbers, 2> words_of(std::span<const engine::FaceEdges> faces) {
     return words;
 }
 
+std::vector<double> sides_of(const std::vector<Box>& boxes) {
+    std::vector<double> sides;
+    for (const Box& box : boxes)
+        for (const Vec3& corner : {box.lower, box.upper}) sides.insert(sides.end(), corner.begin(), corner.end());
+    return sides;
+}
+
 Numbers names_of(const engine::MeshTopology& topology) {
     Numbers names(topology.order.begin(), topology.order.end());
     for (std::size_t face = 0; face < names.size(); ++face)
@@ -130,12 +137,41 @@ Mesh mesh_of_known_topology() {
                                        {tip, tip + 2, third[2]},
                                        {tip + 2, tip, third[0]},
                                        {tip, tip + 2, third[1]}});
+    for (Vec3& vertex : vertices)
+        for (double& x : vertex) x = static_cast<double>(static_cast<float>(x));
     std::swap(triangles[50][1], triangles[50][2]);  // all of its edges: two faces that run the same way
     return {std::move(vertices), std::move(triangles), "known topology"};
 }
 
-std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, const Mesh& given) {
-    const std::optional<engine::MadeTopology> made = engine::make_device_topology(job, given);
+namespace {
+
+/// From a mesh's arrays in memory of the device: positions as floats, if they are, with a number between them, and
+/// indices of 64 bits.
+std::optional<engine::MadeTopology> made_of_device_arrays(const engine::DeviceSetUp& job, const Mesh& mesh) {
+    std::vector<float> floats;
+    std::vector<double> doubles;
+    bool are_floats = true;
+    for (const Vec3& vertex : mesh.vertices()) {
+        for (const double x : vertex) {
+            doubles.push_back(x);
+            floats.push_back(static_cast<float>(x));
+            are_floats = are_floats && (std::isnan(x) || static_cast<double>(floats.back()) == x);
+        }
+        doubles.push_back(0);
+        floats.push_back(0);
+    }
+    std::vector<std::uint64_t> indices;
+    for (const Triangle& triangle : mesh.triangles()) indices.insert(indices.end(), triangle.begin(), triangle.end());
+    const auto positions = are_floats ? job.upload(floats, "vertices") : job.upload(doubles, "vertices");
+    const auto triangles = job.upload(indices, "triangles");
+    const cl_long words = are_floats ? 1 : 2;
+    return engine::make_device_topology(
+        job, {*positions, mesh.vertices().size(), {0, 4 * words, words, are_floats ? 0U : 1U, 0}},
+        {*triangles, mesh.triangles().size(), {0, 6, 2, 1, 0}});
+}
+
+std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const Mesh& given,
+                                         const std::optional<engine::MadeTopology>& made) {
     if (!made) return "the mesh is refused";
     Comparison comparison;
     const Numbers first = first_equal_vertices(given.vertices());
@@ -160,6 +196,10 @@ std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, c
                        names_of(expected));
     comparison.compare("positions", read<Vec3>(job, *made->positions, topology.vertex_count()),
                        engine::ordered_positions(expected, mesh.vertices()));
+    const engine::DeviceFaces faces{topology.names, {nullptr, *made->positions, 0}, {}};
+    comparison.compare("sides of clusters' boxes", sides_of(engine::cluster_boxes(job, faces)),
+                       sides_of(engine::cluster_boxes(expected.faces.triangles,
+                                                      engine::ordered_positions(expected, mesh.vertices()))));
     comparison.compare_count("meshes in one part", made->is_one_part(),
                              is_one_part(expected.faces.triangles, mesh.vertices().size()));
     comparison.compare_count("meshes inside out", made->encloses_negative_volume(), encloses_negative_volume(mesh));
@@ -167,6 +207,15 @@ std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, c
     comparison.compare("sides of the box", std::span(made->results.box),
                        std::array{box.lower[0], box.lower[1], box.lower[2], box.upper[0], box.upper[1], box.upper[2]});
     return comparison.difference();
+}
+
+}  // namespace
+
+std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, const Mesh& mesh) {
+    if (auto difference = difference_of(job, mesh, engine::make_device_topology(job, mesh))) return difference;
+    auto difference = difference_of(job, mesh, made_of_device_arrays(job, mesh));
+    if (difference) *difference += ", from memory of the device";
+    return difference;
 }
 
 }  // namespace clsdf::checks

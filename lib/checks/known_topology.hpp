@@ -14,8 +14,8 @@ namespace clsdf::checks {
 /// faces and corners than a work-group takes.
 Mesh mesh_of_known_topology();
 
-/// Makes the topology of a mesh by kernels, and by the host. Describes, in a sentence, what differs; nothing if all
-/// bytes are the same. Throws Error.
+/// Makes the topology of a mesh by kernels, from arrays of the host and of the device, and by the host; and the boxes
+/// of its clusters. Describes, in a sentence, what differs; nothing if all bytes are the same. Throws Error.
 std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, const Mesh& mesh);
 
 }  // namespace clsdf::checks

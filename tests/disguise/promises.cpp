@@ -198,6 +198,15 @@ BOOST_AUTO_TEST_CASE(of_many_patches_only_their_own_samples_come_to_the_host) {
                               [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
     }
 
+    // A first call, of a mesh that the device has, also brings the boxes of clusters.
+    for (std::size_t n = 0; n < requests.size(); ++n)
+        requests[n].targets = {{Output::distance, distance.data() + n * samples}};
+    const DistanceTransform other(test_device(), mesh());
+    other.compute(grid(), band(), OutputSet());
+    disguise::restart();
+    other.compute(requests);
+    BOOST_TEST(disguise::counts().bytes_down <= 1.1 * static_cast<double>(distance.size() * sizeof(float)) + 4096);
+
     // With strides, too.
     std::vector<float> spread(2 * distance.size(), -7.0F);
     constexpr std::ptrdiff_t stride = 2 * sizeof(float);
@@ -346,6 +355,136 @@ BOOST_AUTO_TEST_CASE(positions_in_memory_of_the_device_do_not_come_to_the_host) 
 
 // The lengths of the lists change in each step, but their buffers are an eighth longer than they need to be. So a step
 // allocates only the buffer for the order of the coarse bricks.
+/// The arrays of a mesh in memory of the device, of any types and with bytes between: the components of positions in a
+/// row each, triangles of 64 bits backwards.
+struct MeshOnDevice {
+    explicit MeshOnDevice(const Mesh& mesh) {
+        const std::size_t count = mesh.vertices().size(), faces = mesh.triangles().size();
+        std::vector<float> rows(3 * count + 1);
+        for (std::size_t v = 0; v < count; ++v)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                rows[1 + axis * count + v] = static_cast<float>(mesh.vertices()[v][axis]);
+        std::vector<std::int64_t> words(5 * faces, -7);
+        for (std::size_t t = 0; t < faces; ++t)
+            std::ranges::copy(mesh.triangles()[t], words.begin() + static_cast<std::ptrdiff_t>(5 * (faces - 1 - t)));
+        const cl::Context& context = device::context_of(test_device()).context();
+        const auto copied = [&](const auto& values) {
+            return cl::Buffer(context, CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, values.size() * sizeof(values[0]),
+                              const_cast<void*>(static_cast<const void*>(values.data())));
+        };
+        of_vertices = copied(rows);
+        of_triangles = copied(words);
+        vertices = {of_vertices(), ElementType::float32, count};
+        vertices.offset = sizeof(float);
+        vertices.component_stride = static_cast<std::ptrdiff_t>(count * sizeof(float));
+        triangles = {of_triangles(), ElementType::int64, faces};
+        triangles.offset = 5 * (faces - 1) * sizeof(std::int64_t);
+        triangles.strides[0] = -5 * static_cast<std::ptrdiff_t>(sizeof(std::int64_t));
+    }
+    MeshView view() const { return {vertices, triangles}; }
+
+    cl::Buffer of_vertices, of_triangles;
+    InputArray vertices, triangles;
+};
+
+/// With positions that floats have.
+Mesh in_floats(const Mesh& mesh) {
+    std::vector<Vec3> vertices = mesh.vertices();
+    for (Vec3& vertex : vertices)
+        for (double& x : vertex) x = static_cast<double>(static_cast<float>(x));
+    return {std::move(vertices), mesh.triangles()};
+}
+
+bool are_same(const Field& a, const Field& b) {
+    return std::ranges::equal(a.distance(), b.distance());
+}
+
+BOOST_AUTO_TEST_CASE(a_mesh_in_memory_of_the_device_does_not_come_to_the_host) {
+    const Mesh first = in_floats(mesh()), second = in_floats(scaled(mesh(), 1.01));
+    const MeshOnDevice of_first(first), of_second(second);
+    const DeviceMemory field(test_device().context(), grid().sample_count());
+    DistanceTransform(test_device(), first).compute(grid(), band(), field.handle());  // programs are built and tested
+    const std::size_t of_lists = 112 * mesh().triangles().size() / 2 + 65536;
+
+    disguise::restart();
+    DistanceTransform transform(test_device(), of_first.view());
+    transform.compute(grid(), band(), field.handle());
+    disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    BOOST_TEST(counts.bytes_up <= 65536U);
+    BOOST_TEST(counts.bytes_down <= of_lists);
+    BOOST_TEST(counts.blocking_waits <= 5U);
+
+    DistanceTransform expected(test_device(), first);
+    BOOST_TEST((transform.box().lower == expected.box().lower && transform.box().upper == expected.box().upper));
+    BOOST_TEST(are_same(transform.compute(grid(), band()), expected.compute(grid(), band())));
+    disguise::restart();
+    transform.set_positions(of_second.vertices);
+    transform.compute(grid(), band(), field.handle());
+    counts = disguise::counts();
+    BOOST_TEST(counts.bytes_up <= 65536U);
+    BOOST_TEST(counts.bytes_down <= of_lists);
+    expected.set_positions(second.vertices());
+    BOOST_TEST(are_same(transform.compute(grid(), band()), expected.compute(grid(), band())));
+
+    // The host reads it when it needs it: for outputs that name sites, for few points, for the first positions.
+    const OutputSet sites = Output::triangle | Output::site;
+    BOOST_TEST(std::ranges::equal(transform.compute(grid(), band(), sites).bytes(Output::triangle),
+                                  expected.compute(grid(), band(), sites).bytes(Output::triangle)));
+    const std::vector<Vec3> few{{0, 0, 0}, {1, 2, 3}, second.vertices()[5]};
+    BOOST_TEST(are_same(query(transform, few), query(expected, few)));
+    const std::array<Vec3, 3> turn{{{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}};
+    transform.set_motion(turn, {0.5, 0, 0});
+    expected.set_motion(turn, {0.5, 0, 0});
+    BOOST_TEST(are_same(transform.compute(grid(), band()), expected.compute(grid(), band())));
+    BOOST_TEST(are_same(query(transform, few), query(expected, few)));
+}
+
+// Of these the host makes the topology, or merges vertices, or says what is wrong.
+BOOST_AUTO_TEST_CASE(any_mesh_in_memory_of_the_device_is_one_of_the_host) {
+    const Mesh closed = in_floats(mesh());
+    std::vector<Triangle> some = closed.triangles();
+    some.resize(some.size() - 7);
+    for (const Mesh& one : {unwelded(closed), Mesh(closed.vertices(), some), in_floats(make_shape("cube"))}) {
+        const TransformOptions options{.sign = one.triangles().size() == some.size() ? SignRule::none
+                                                                                     : SignRule::automatic};
+        const MeshOnDevice arrays(one);
+        DistanceTransform transform(test_device(), arrays.view(), options), expected(test_device(), one, options);
+        BOOST_TEST(transform.topology().coincident_vertices == expected.topology().coincident_vertices);
+        BOOST_TEST(transform.topology().open_edges == expected.topology().open_edges);
+        BOOST_TEST(are_same(transform.compute(grid(), band()), expected.compute(grid(), band())));
+        const Mesh moved = in_floats(scaled(one, 0.99));
+        transform.set_positions(MeshOnDevice(moved).vertices);
+        expected.set_positions(moved.vertices());
+        BOOST_TEST(are_same(transform.compute(grid(), band()), expected.compute(grid(), band())));
+    }
+
+    // An index of 2^32 and more, one out of range, a negative one; a position in use that is no number.
+    const device::Context& context = device::context_of(test_device());
+    const auto replaced = [&](const cl::Buffer& memory, std::size_t place, auto value) {
+        context.queue().enqueueWriteBuffer(memory, CL_TRUE, place * sizeof value, sizeof value, &value);
+    };
+    for (const std::int64_t index : {std::int64_t{1} << 32, std::int64_t{1'000'000}, std::int64_t{-1}}) {
+        const MeshOnDevice arrays(closed);
+        replaced(arrays.of_triangles, 5 * (closed.triangles().size() - 1 - 9) + 1, index);
+        check_throws(ErrorCode::invalid_mesh, {"triangle 9 has the vertex index"},
+                     [&] { DistanceTransform(test_device(), arrays.view()); });
+    }
+    const MeshOnDevice arrays(closed);
+    replaced(arrays.of_vertices, 1 + 5, std::numeric_limits<float>::infinity());
+    check_throws(ErrorCode::invalid_mesh, {"vertex 5", "is not finite"},
+                 [&] { DistanceTransform(test_device(), arrays.view()); });
+}
+
+// Denormal floats too, which a device may take for zeros.
+BOOST_AUTO_TEST_CASE(floats_of_all_sizes_are_the_doubles_of_the_host) {
+    const Mesh small = in_floats(scaled(mesh(), 1e-40 / mesh().box().longest_side()));
+    const MeshOnDevice arrays(small);
+    const DistanceTransform transform(test_device(), arrays.view());
+    BOOST_TEST(transform.box().lower[0] == small.box().lower[0]);
+    BOOST_TEST(transform.box().upper[2] == small.box().upper[2]);
+}
+
 BOOST_AUTO_TEST_CASE(a_body_that_turns_finds_the_memory_of_the_step_before) {
     const Mesh body = make_shape("stairs");
     const Grid around = grid_around(body, 90, 12);

@@ -13,6 +13,7 @@ namespace clsdf::detail {
 
 /// Sets what need not be found from a mesh's triangles.
 struct MeshAccess {
+    static Mesh without_arrays(std::string name, const Box& box) { return {std::move(name), box}; }
     static void set_box(Mesh& mesh, const Box& box) { mesh.box_ = box; }
     static void set_positions(Mesh& mesh, std::vector<Vec3> positions) { mesh.vertices_ = std::move(positions); }
 };
@@ -23,23 +24,25 @@ namespace clsdf::engine {
 
 namespace {
 
-/// Around the foot of the altitude on the longest edge: the ball that the kernels put around a face.
+/// Around the foot of the altitude on the longest edge: the ball that the kernels put around a face. The kernel
+/// cluster_boxes has the same.
 Box box_of(const std::array<Vec3, 3>& corners) {
     std::array<Vector, 3> at{to_vector(corners[0]), to_vector(corners[1]), to_vector(corners[2])};
     std::size_t base = 0;
     double squared = -1;
     for (std::size_t k = 0; k < 3; ++k) {
-        const double length = (at[(k + 1) % 3] - at[k]).squaredNorm();
+        const Vector side = at[(k + 1) % 3] - at[k];
+        const double length = dot(side, side);
         if (length > squared) {
             squared = length;
             base = k;
         }
     }
     const Vector edge = at[(base + 1) % 3] - at[base];
-    const double length = edge.cwiseAbs().sum();
+    const double length = std::abs(edge.x()) + std::abs(edge.y()) + std::abs(edge.z());
     // Squares of very long and very short edges leave a double's range.
     const bool has_square = squared > 1e-280 && squared < 1e280;
-    const double along = has_square ? std::clamp((at[(base + 2) % 3] - at[base]).dot(edge) / squared, 0.0, 1.0) : 0;
+    const double along = has_square ? std::clamp(dot(at[(base + 2) % 3] - at[base], edge) / squared, 0.0, 1.0) : 0;
     // An altitude on the longest edge is at most sqrt(3) / 2 of it.
     const double extent =
         has_square ? std::sqrt(squared) * std::max({along, 1 - along, 0.8661}) * (1 + 1e-6) : 2 * length;
@@ -74,24 +77,28 @@ void append(std::vector<RecordRange>& ranges, std::size_t begin, std::size_t end
 
 }  // namespace
 
-ClusterIndex::ClusterIndex(const MeshTopology& topology, const Frusta& frusta)
-    : face_count_(topology.order.size()),
-      site_count_(frusta.sites.size()),
-      clusters_(chunk_count(face_count_, cluster), empty_box),
+std::vector<Box> cluster_boxes(std::span<const Triangle> triangles, std::span<const Vec3> positions) {
+    std::vector<Box> boxes(chunk_count(triangles.size(), ClusterIndex::cluster), empty_box);
+    for_each_chunk(triangles.size(), ClusterIndex::cluster,
+                   [&](std::size_t number, std::size_t begin, std::size_t end) {
+                       for (const auto& [a, b, c] : triangles.subspan(begin, end - begin))
+                           add(boxes[number], box_of({positions[a], positions[b], positions[c]}));
+                   });
+    return boxes;
+}
+
+ClusterIndex::ClusterIndex(std::size_t face_count, std::vector<Box> clusters, const Frusta& of_sites)
+    : face_count_(face_count),
+      site_count_(of_sites.sites.size()),
+      clusters_(std::move(clusters)),
       superclusters_(chunk_count(clusters_.size(), supercluster), empty_box),
       sites_(chunk_count(site_count_, record_group), empty_box) {
-    const auto position = [&](std::uint32_t vertex) { return frusta.positions[vertex]; };
-    for_each_chunk(face_count_, cluster, [&](std::size_t number, std::size_t begin, std::size_t end) {
-        for (std::size_t face = begin; face < end; ++face) {
-            const auto& [a, b, c] = topology.faces.triangles[face];
-            add(clusters_[number], box_of({position(a), position(b), position(c)}));
-        }
+    for (std::size_t number = 0; number < clusters_.size(); ++number) {
         widen(clusters_[number]);
-    });
-    for (std::size_t number = 0; number < clusters_.size(); ++number)
         add(superclusters_[number / supercluster], clusters_[number]);
+    }
     for (std::size_t site = 0; site < site_count_; ++site) {
-        const Vec3 at = position(frusta.sites[site].vertex);
+        const Vec3 at = of_sites.positions[of_sites.sites[site].vertex];
         add(sites_[site / record_group], box_of({at, at, at}));
     }
     for (Box& box : sites_) widen(box);
@@ -225,6 +232,10 @@ MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopolog
     result.saddle_vertices = frusta.saddle_vertices;
     result.boxes = frusta.boxes;
     return part;
+}
+
+Mesh mesh_without_arrays(const Box& box) {
+    return clsdf::detail::MeshAccess::without_arrays("mesh", box);
 }
 
 void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions) {

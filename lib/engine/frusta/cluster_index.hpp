@@ -38,10 +38,11 @@ struct NearRecords {
 class ClusterIndex {
 public:
     /// Faces of a cluster, and clusters of a supercluster.
-    static constexpr std::size_t cluster = 4 * record_group;
+    static constexpr std::size_t cluster = CLSDF_CLUSTER;
     static constexpr std::size_t supercluster = 16;
 
-    ClusterIndex(const MeshTopology& topology, const Frusta& frusta);
+    /// clusters: cluster_boxes() of so many faces, or the kernel's. of_sites: the point sites, and their positions.
+    ClusterIndex(std::size_t face_count, std::vector<Box> clusters, const Frusta& of_sites);
 
     /// Clusters whose boxes overlap one of the given ones.
     NearRecords near(std::span<const Box> boxes) const;
@@ -57,6 +58,9 @@ private:
     std::vector<Box> sites_;  // of record_group point sites each
 };
 
+/// Boxes around all balls of each cluster, and its faces, without rounding.
+std::vector<Box> cluster_boxes(std::span<const Triangle> triangles, std::span<const Vec3> positions);
+
 /// A part of a mesh's triangles, with the polyhedra that they have in the whole mesh.
 struct MeshPart {
     Mesh mesh;                             ///< its triangles and vertices ascend as in the whole, and it has its box
@@ -71,6 +75,9 @@ struct MeshPart {
 /// present positions.
 MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopology& topology, const Frusta& frusta,
                  const NearRecords& near);
+
+/// A mesh whose arrays are on the device; it has the name that a MeshView's has.
+Mesh mesh_without_arrays(const Box& box);
 
 /// As mesh.set_positions(), without a look at the triangles. `topology`: the mesh's.
 void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions);

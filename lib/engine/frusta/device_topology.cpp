@@ -7,6 +7,7 @@
 #include "launch/radix_sort.hpp"
 #include "launch/short_launches.hpp"
 #include "mesh/topology.hpp"
+#include "mesh/triples.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -43,18 +44,38 @@ device::BufferPool::Lease sent(const DeviceSetUp& job, const std::vector<Value>&
     return job.upload(values, purpose);
 }
 
+/// Reads all values of an array from the device. Waits.
+template <class Values>
+void read_values(const DeviceSetUp& job, const cl::Buffer& from, Values& to) {
+    job.tools.context.read(job.tools.queue(), from, 0, to.size() * sizeof(to[0]),
+                           reinterpret_cast<std::byte*>(to.data()));
+}
+
+Box box_of(const TopologyResults& results) {
+    Box box;
+    std::copy(results.box, results.box + 3, box.lower.begin());
+    std::copy(results.box + 3, results.box + 6, box.upper.begin());
+    return box;
+}
+
 class Making {
 public:
     Making(const DeviceSetUp& job, const Mesh& mesh)
-        : tools_(job.tools),
-          vertices_(mesh.vertices().size()),
-          faces_(mesh.triangles().size()),
-          program_(tools_.programs.mesh_topology),
-          positions_(sent(job, mesh.vertices(), "vertices")),
-          triangles_(sent(job, mesh.triangles(), "triangles")) {}
+        : Making(job.tools, mesh.vertices().size(), mesh.triangles().size()) {
+        positions_ = sent(job, mesh.vertices(), "vertices");
+        triangles_ = sent(job, mesh.triangles(), "triangles");
+    }
+    Making(const DeviceSetUp& job, const DeviceTriples& vertices, const DeviceTriples& triangles)
+        : Making(job.tools, vertices.count, triangles.count) {
+        positions_ = lease<Vec3>(vertices_, "vertices");
+        triangles_ = lease<Triangle>(faces_, "triangles");
+        is_copied_ = true;
+        run("copy_mesh", std::max(vertices_, faces_), vertices.steps, vertices.memory, triangles.steps,
+            triangles.memory, *positions_, *triangles_, *zeros_);
+    }
 
     std::optional<MadeTopology> make() {
-        begin();
+        find_equal_vertices();
         order_faces();
         number_vertices();
         order_corners();
@@ -63,6 +84,9 @@ public:
         made_.results = read_value<TopologyResults>(tools_, *zeros_);
         if (made_.results.is_refused != 0) return std::nullopt;
         made_.given_vertices = vertices_;
+        if (is_copied_)
+            made_.mesh = std::make_shared<const DeviceMesh>(
+                DeviceMesh{std::move(positions_), std::move(triangles_), vertices_, faces_});
         if (!made_.has_equal_vertices()) made_.first_equal = {};
         topology_.are_paired = made_.results.marked_edges == 0;
         topology_.has_irregular = made_.results.irregular_faces > 0;
@@ -73,6 +97,23 @@ public:
     }
 
 private:
+    Making(const DeviceTools& tools, std::size_t vertices, std::size_t faces)
+        : tools_(tools), vertices_(vertices), faces_(faces), program_(tools.programs.mesh_topology) {
+        sizes_.vertices = static_cast<cl_uint>(vertices_);
+        sizes_.faces = static_cast<cl_uint>(faces_);
+        sizes_.slots = static_cast<cl_uint>(std::bit_ceil(2 * vertices_));
+        sizes_.cells = 1U << morton_bits(faces_);
+        Zeros zeros;
+        zeros.add(sizeof(TopologyResults) / sizeof(cl_uint));
+        sizes_.table = zeros.add(sizes_.slots);
+        sizes_.used = zeros.add(chunk_count(vertices_, 32));
+        sizes_.classes = zeros.add(chunk_count(vertices_, 32));
+        sizes_.first_corners = zeros.add(vertices_);
+        sizes_.above = zeros.add(vertices_);
+        zeros_ = tools_.pool->lease(zeros.bytes(), "tables of vertices");
+        tools_.queue().enqueueFillBuffer(*zeros_, cl_uint{0}, 0, zeros.bytes());
+    }
+
     std::size_t corners() const { return 3 * faces_; }
 
     template <class Value>
@@ -92,28 +133,14 @@ private:
     }
 
     /// The box, the vertices in use and those of equal coordinates.
-    void begin() {
-        sizes_.vertices = static_cast<cl_uint>(vertices_);
-        sizes_.faces = static_cast<cl_uint>(faces_);
-        sizes_.slots = static_cast<cl_uint>(std::bit_ceil(2 * vertices_));
-        sizes_.cells = 1U << morton_bits(faces_);
-        Zeros zeros;
-        zeros.add(sizeof(TopologyResults) / sizeof(cl_uint));
-        sizes_.table = zeros.add(sizes_.slots);
-        sizes_.used = zeros.add(chunk_count(vertices_, 32));
-        sizes_.classes = zeros.add(chunk_count(vertices_, 32));
-        sizes_.first_corners = zeros.add(vertices_);
-        sizes_.above = zeros.add(vertices_);
-        zeros_ = tools_.pool->lease(zeros.bytes(), "tables of vertices");
-        tools_.queue().enqueueFillBuffer(*zeros_, cl_uint{0}, 0, zeros.bytes());
-
+    void find_equal_vertices() {
         const std::size_t group = tools_.programs.group_size,
                           groups = std::min<std::size_t>(chunk_count(faces_, group), CLSDF_BOX_GROUPS);
         const auto boxes = lease<double>(6 * groups, "boxes of faces");
         const auto slots = lease<cl_uint>(vertices_, "slots of vertices");
         made_.first_equal = lease<cl_uint>(vertices_, "equal vertices");
         run("file_vertices", vertices_, *positions_, *zeros_, *slots, *zeros_);
-        run("look_at_faces", groups * group, *positions_, *triangles_, *zeros_, *boxes);
+        run("look_at_faces", groups * group, *positions_, *triangles_, *zeros_, *boxes, *zeros_);
         run_group("join_group_boxes", static_cast<cl_uint>(groups), *boxes, *zeros_);
         run("count_vertices", vertices_, *zeros_, *slots, *made_.first_equal, *zeros_);
     }
@@ -174,30 +201,47 @@ private:
     DeviceTopology topology_;
     MadeTopology made_;
     device::BufferPool::Lease positions_, triangles_;  // as given
+    bool is_copied_ = false;                           // these are copies of memory of the device
     device::BufferPool::Lease zeros_;                  // the results, and what sizes_ has places of
     device::BufferPool::Lease named_, keys_, ordered_, names_;
 };
 
 }  // namespace
 
+DeviceTriples device_triples(const InputArray& array) {
+    constexpr auto word = static_cast<std::ptrdiff_t>(sizeof(cl_uint));
+    const Steps steps = steps_of(array);
+    return {cl::Buffer(array.device, true),
+            array.count,
+            {array.offset / sizeof(cl_uint), steps.triple / word, steps.number / word, bytes_of(array.type) == 8, 0}};
+}
+
+Mesh DeviceMesh::read(const DeviceSetUp& job, const std::string& name) const {
+    std::vector<Vec3> of_vertices(vertex_count);
+    std::vector<Triangle> of_triangles(face_count);
+    job.tools.context.run_or_drain([&] {
+        read_values(job, *vertices, of_vertices);
+        read_values(job, *triangles, of_triangles);
+    });
+    return {std::move(of_vertices), std::move(of_triangles), name};
+}
+
 bool MadeTopology::encloses_negative_volume() const {
     return is_negative_volume(results.volume[0], results.volume[1], topology->face_count());
 }
 
+Box MadeTopology::box() const {
+    return box_of(results);
+}
+
 std::vector<std::uint32_t> MadeTopology::read_first_equal(const DeviceSetUp& job) const {
     std::vector<std::uint32_t> first(given_vertices);
-    device::guarded([&] {
-        job.tools.context.read(job.tools.queue(), *first_equal, 0, first.size() * sizeof(first[0]),
-                               reinterpret_cast<std::byte*>(first.data()));
-    });
+    device::guarded([&] { read_values(job, *first_equal, first); });
     return first;
 }
 
 MeshTopology DeviceTopology::read(const DeviceSetUp& job, std::span<const std::uint32_t> numbers) const {
-    const auto copy = [&](const cl::Buffer& from, auto& to) {
-        job.tools.context.read(job.tools.queue(), from, 0, to.size() * sizeof(to[0]),
-                               reinterpret_cast<std::byte*>(to.data()));
-    };
+    const auto copy = [&](const cl::Buffer& from, auto& to) { read_values(job, from, to); };
     UninitializedVector<std::uint32_t> of_faces(face_count()), of_corners(3 * face_count());
     std::vector<std::uint32_t> of_vertices(vertex_count() + 1);
     OrderedFaces faces;
@@ -234,18 +278,23 @@ std::size_t DeviceTopology::device_bytes() const {
     return order.bytes() + vertices.bytes() + starts.bytes() + corners.bytes() + edges.bytes() + opposite.bytes();
 }
 
-bool suits_device_topology(const DeviceTools& tools, const Mesh& mesh) {
+bool suits_device_topology(const DeviceTools& tools, std::size_t vertices, std::size_t faces) {
     constexpr std::size_t least = 1024, most = std::size_t{1} << 28;  // the kernels number words by 32 bits
     const device::Context::Capabilities& device = tools.context.capabilities();
     return device.has_own_memory && !device.is_processor && tools.programs.body == KernelBody::by_group &&
-           mesh.triangles().size() >= least && mesh.triangles().size() <= most && mesh.vertices().size() <= most;
+           faces >= least && faces <= most && vertices > 0 && vertices <= most;
 }
 
 std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const Mesh& mesh) {
     return device::guarded([&] { return Making(job, mesh).make(); });
 }
 
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DevicePositions& positions) {
+std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const DeviceTriples& vertices,
+                                                 const DeviceTriples& triangles) {
+    return device::guarded([&] { return Making(job, vertices, triangles).make(); });
+}
+
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DeviceTriples& positions) {
     const DeviceTools& tools = job.tools;
     const std::size_t count = topology.vertex_count(), group = tools.programs.group_size,
                       groups = std::min<std::size_t>(chunk_count(count, group), CLSDF_BOX_GROUPS);
@@ -257,13 +306,11 @@ MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topolo
         cl::Kernel move(tools.programs.mesh_topology, "move_vertices"),
             join(tools.programs.mesh_topology, "join_group_boxes");
         launch(tools.queue(), move, {groups * group, group}, static_cast<cl_uint>(count), *topology.vertices,
-               positions.memory, cl_ulong{positions.first}, cl_long{positions.triple}, cl_long{positions.component},
-               *moved.positions, *boxes, *results);
+               positions.steps, positions.memory, *moved.positions, *boxes, *results);
         launch(tools.queue(), join, {1, group}, static_cast<cl_uint>(groups), *boxes, *results);
         const auto found = read_value<TopologyResults>(tools, *results);
         moved.are_finite = found.is_refused == 0;
-        std::copy(found.box, found.box + 3, moved.box.lower.begin());
-        std::copy(found.box + 3, found.box + 6, moved.box.upper.begin());
+        moved.box = box_of(found);
         return moved;
     });
 }
@@ -271,7 +318,8 @@ MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topolo
 MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology,
                             const std::vector<Vec3>& positions) {
     const device::BufferPool::Lease given = sent(job, positions, "vertices");
-    return move_vertices(job, topology, {*given, positions.size()});
+    constexpr cl_long words = 2;
+    return move_vertices(job, topology, {*given, positions.size(), {0, 3 * words, words, 1, 0}});
 }
 
 DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
@@ -285,6 +333,22 @@ DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const Dev
     result.edges = job.upload(topology.edges.faces, "edges of faces");
     result.opposite = job.upload(opposite_words(topology), "opposite vertices");
     result.are_paired = topology.edges.are_paired;
+    return result;
+}
+
+std::vector<Box> cluster_boxes(const DeviceSetUp& job, const DeviceFaces& faces) {
+    static_assert(sizeof(Box) == 6 * sizeof(double));
+    const DeviceTools& tools = job.tools;
+    const std::size_t count = chunk_count(faces.names->face_count, ClusterIndex::cluster),
+                      group = tools.programs.group_size;
+    std::vector<Box> result(count);
+    device::guarded([&] {
+        const auto boxes = tools.pool->lease(count * sizeof(Box), "boxes of clusters");
+        cl::Kernel kernel(tools.programs.mesh_topology, "cluster_boxes");
+        launch(tools.queue(), kernel, {count * group, group}, static_cast<cl_uint>(faces.names->face_count),
+               *faces.names->triangles, *faces.positions, *boxes);
+        read_values(job, *boxes, result);
+    });
     return result;
 }
 

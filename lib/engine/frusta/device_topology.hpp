@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clsdf/arrays.hpp>
 #include <clsdf/mesh.hpp>
 
 #include "device/buffer_pool.hpp"
@@ -13,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace clsdf::engine {
@@ -41,19 +43,42 @@ struct DeviceTopology {
     std::size_t device_bytes() const;
 };
 
+/// An array of the caller's in memory of the device.
+struct DeviceTriples {
+    cl::Buffer memory;
+    std::size_t count = 0;  ///< of items
+    GivenTriples steps{};
+};
+/// The same of memory of the device. Throws cl::Error.
+DeviceTriples device_triples(const InputArray& array);
+
+/// A copy of the caller's mesh in memory of the device.
+struct DeviceMesh {
+    device::BufferPool::Lease vertices;   ///< Vec3
+    device::BufferPool::Lease triangles;  ///< Triangle
+    std::size_t vertex_count = 0;
+    std::size_t face_count = 0;
+
+    /// The same on the host. Waits. Throws Error.
+    Mesh read(const DeviceSetUp& job, const std::string& name) const;
+    std::size_t device_bytes() const { return vertices.bytes() + triangles.bytes(); }
+};
+
 /// The topology that the kernels have made, and what else they have found.
 struct MadeTopology {
     std::shared_ptr<const DeviceTopology> topology;
     TopologyResults results{};
-    std::size_t given_vertices = 0;         ///< of the caller's mesh
-    device::BufferPool::Lease first_equal;  ///< of each given vertex; empty unless vertices count as one
-    device::BufferPool::Lease positions;    ///< Vec3 of each vertex of the topology, as given
+    std::shared_ptr<const DeviceMesh> mesh{};  ///< the caller's, if the host does not have it
+    std::size_t given_vertices = 0;            ///< of the caller's mesh
+    device::BufferPool::Lease first_equal;     ///< of each given vertex; empty unless vertices count as one
+    device::BufferPool::Lease positions;       ///< Vec3 of each vertex of the topology, as given
 
     /// Whether vertices of equal coordinates count as one.
     bool has_equal_vertices() const { return results.used_vertices != results.different_vertices; }
     /// Whether all faces are joined over vertices.
     bool is_one_part() const { return results.joined_vertices + 1 >= results.vertex_count; }
     bool encloses_negative_volume() const;
+    Box box() const;
 
     /// The first vertex of equal coordinates of each given one. Waits. Throws Error.
     std::vector<std::uint32_t> read_first_equal(const DeviceSetUp& job) const;
@@ -71,22 +96,16 @@ Value read_value(const DeviceTools& tools, const cl::Buffer& buffer) {
     return *value;
 }
 
-/// Whether a device makes the topology of a mesh: it has memory of its own and runs the body by_group, and the mesh is
-/// so large that the host would take longer.
-bool suits_device_topology(const DeviceTools& tools, const Mesh& mesh);
+/// Whether a device makes the topology of such a mesh: it has memory of its own and runs the body by_group, and the
+/// mesh is so large that the host would take longer.
+bool suits_device_topology(const DeviceTools& tools, std::size_t vertices, std::size_t faces);
 
 /// The topology of a mesh by kernels; nothing if the mesh is beyond their limits. Waits once. Throws
 /// Error(out_of_memory or device_failure).
 std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const Mesh& mesh);
-
-/// Positions of the caller's vertices in memory of the device, as doubles.
-struct DevicePositions {
-    cl::Buffer memory;
-    std::size_t count = 0;
-    std::size_t first = 0;         ///< number of the first one's x in the memory
-    std::ptrdiff_t triple = 3;     ///< numbers from a position to the next one
-    std::ptrdiff_t component = 1;  ///< and from x to y, from y to z
-};
+/// The same of a mesh in memory of the device; also nothing if it is no mesh (Mesh).
+std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const DeviceTriples& vertices,
+                                                 const DeviceTriples& triangles);
 
 struct MovedVertices {
     device::BufferPool::Lease positions;  ///< Vec3 of each vertex of the topology
@@ -95,11 +114,14 @@ struct MovedVertices {
 };
 
 /// New positions of the vertices that are in use. Waits once. Throws Error.
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DevicePositions& positions);
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DeviceTriples& positions);
 MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const std::vector<Vec3>& positions);
 
 /// The host's topology, in memory of the device.
 DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
                                const MeshTopology& topology);
+
+/// cluster_boxes() of faces on the device. Waits. Throws Error.
+std::vector<Box> cluster_boxes(const DeviceSetUp& job, const DeviceFaces& faces);
 
 }  // namespace clsdf::engine

@@ -91,8 +91,8 @@ std::vector<ProgramSource> ProgramSources::every_source() const {
     if (body == KernelBody::by_vector)
         sources.push_back(point_scan_source());
     else
-        sources.insert(sources.end(), {mesh_topology_source(), binary_tree_source(), nearest_source(stack_entries),
-                                       nearest_source(deep_stack_entries)});
+        sources.insert(sources.end(), {mesh_topology_source(), host_lists_source(), binary_tree_source(),
+                                       nearest_source(stack_entries), nearest_source(deep_stack_entries)});
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
     return sources;
 }
@@ -123,6 +123,7 @@ Programs::Programs(device::Context& context, KernelBody asked)
       fill{&context, fill_source()},
       mesh_records{&context, around_faults(context, mesh_records_source(), mesh_lanes())},
       mesh_topology{&context, mesh_topology_source()},
+      host_lists{&context, host_lists_source()},
       store{&context, store_source()},
       order{&context, order_source()},
       points{&context, points_source()},
@@ -137,7 +138,7 @@ std::vector<cl::Program> Programs::of_fields(const device::BuildWatch& watch) co
     std::vector<cl::Program> built;
     for (const LazyProgram& program : {scan, coarse_lists, sign_sweep, fill, mesh_records})
         built.push_back(program.get(watch));
-    if (mesh_lanes() == 1) built.push_back(mesh_topology.get(watch));  // which lists what is left to the host
+    if (mesh_lanes() == 1) built.push_back(host_lists.get(watch));
     return built;
 }
 

@@ -55,6 +55,9 @@ struct ProgramSources {
     ProgramSource mesh_topology_source() const {
         return {"mesh_topology.cl", common_options(lanes) + " -DGROUP=" + std::to_string(group_size)};
     }
+    ProgramSource host_lists_source() const {
+        return {"host_lists.cl", common_options(lanes) + " -DGROUP=" + std::to_string(group_size)};
+    }
     /// Lanes of its vectors of doubles.
     std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
     ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
@@ -109,6 +112,7 @@ struct Programs : ProgramSources {
     LazyProgram fill;
     LazyProgram mesh_records;
     LazyProgram mesh_topology;  ///< of the body by_group
+    LazyProgram host_lists;     ///< of the same: lists what is left to the host
     LazyProgram store;          ///< copies boxes to targets with strides
     LazyProgram order;          ///< puts the bricks of a sparse field in order
     LazyProgram points;         ///< looks up points anywhere, but for the body by_group; their outputs

@@ -505,8 +505,8 @@ Topology describe_vertices(const Mesh& mesh, std::span<const std::uint32_t> firs
 SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, SignRule asked,
                            Topology& report) {
     if (are_paired) {
-        describe_paired_edges(mesh, is_one_part(neighbours, mesh.vertices().size()), encloses_negative_volume(mesh),
-                              report);
+        describe_paired_edges(encloses_negative_volume(mesh), report);
+        if (!is_one_part(neighbours, mesh.vertices().size())) describe_parts(mesh, mesh.triangles(), report);
         return {};
     }
     SignSurface surface = describe_edges(mesh, mesh.triangles(), asked, report);
@@ -516,11 +516,10 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbour
     return surface;
 }
 
-void describe_paired_edges(const Mesh& mesh, bool is_one_part, bool encloses_negative_volume, Topology& report) {
+void describe_paired_edges(bool encloses_negative_volume, Topology& report) {
     report.closed = report.balanced = true;
     report.inside_out = encloses_negative_volume;
     report.parts = 1;
-    if (!is_one_part) describe_parts(mesh, mesh.triangles(), report);
 }
 
 DescribedMesh describe_mesh(const Mesh& mesh, SignRule asked) {

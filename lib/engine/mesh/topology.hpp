@@ -39,9 +39,9 @@ Topology describe_vertices(const Mesh& mesh, std::span<const std::uint32_t> firs
 SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, SignRule asked,
                            Topology& report);
 
-/// The same of a mesh each of whose edges has two faces, which run along it in opposite directions. is_one_part: all
-/// faces are joined over vertices.
-void describe_paired_edges(const Mesh& mesh, bool is_one_part, bool encloses_negative_volume, Topology& report);
+/// The same of a mesh in one part, each of whose edges has two faces, which run along it in opposite directions. Other
+/// parts are described by describe_parts().
+void describe_paired_edges(bool encloses_negative_volume, Topology& report);
 
 /// A mesh with its first positions, and what decides its sign.
 struct DescribedMesh {

@@ -42,7 +42,7 @@ void check_rotation(const std::array<Vec3, 3>& rotation) {
 
 }  // namespace
 
-Vertices::Vertices(Mesh& mesh, const std::vector<std::uint32_t>& first) : Vertices(mesh) {
+Vertices::Vertices(Mesh& mesh, const std::vector<std::uint32_t>& first) : Vertices(mesh.vertices().size()) {
     Mesh one_of_each = merged(mesh, first);
     welded_.assign(count_, no_vertex);
     for (std::size_t t = 0; t < mesh.triangles().size(); ++t)

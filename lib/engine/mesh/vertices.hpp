@@ -16,8 +16,8 @@ namespace clsdf::engine {
 /// vertices that are equal but not one would be open ones: exact, but slow.
 class Vertices {
 public:
-    /// All vertices of the mesh.
-    explicit Vertices(const Mesh& mesh) : count_(mesh.vertices().size()) {}
+    /// All of so many vertices.
+    explicit Vertices(std::size_t count = 0) : count_(count) {}
     /// Merges vertices that are equal, and drops those that no triangle uses. `first`: first_equal_vertices() of the
     /// mesh.
     Vertices(Mesh& mesh, const std::vector<std::uint32_t>& first);

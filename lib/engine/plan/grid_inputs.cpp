@@ -43,9 +43,7 @@ public:
         // A small grid stores three vertices per face; the whole mesh shares them, about half a vertex per face.
         if (is_own(near, lone, lattice_.sweep_mesh != nullptr, lattice_.faces_swept,
                    [&] { return 0.1 * count(all_faces()); })) {
-            inputs.sweep_mesh = std::make_shared<const SweepMesh>(near_sweep_mesh(
-                kept_mesh_.tools(), job_.grid, job_.lattice, kept_mesh_.mesh(), kept_mesh_.sign_surface(),
-                kept_mesh_.boundary().get(), kept_mesh_.topology(), near->faces));
+            inputs.sweep_mesh = std::make_shared<const SweepMesh>(kept_mesh_.near_sweep_mesh(job_, *near));
             if (!lone) lattice_.faces_swept += near->face_count;
         } else {
             if (!lattice_.sweep_mesh)
@@ -106,7 +104,7 @@ private:
         Box box = box_near_rows(job_);
         if (const double gap = kept_mesh_.sign_surface_gap(); gap > 0) box = widened(box, gap);
         auto near = near_box(box, all_faces());
-        return near && is_within_sweep(kept_mesh_.mesh(), job_.grid, job_.lattice) ? std::move(near) : std::nullopt;
+        return near && is_within_sweep(kept_mesh_.box(), job_.grid, job_.lattice) ? std::move(near) : std::nullopt;
     }
 
     KeptMesh& kept_mesh_;

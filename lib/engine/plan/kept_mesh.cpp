@@ -33,8 +33,15 @@ void check_unbounded_distances(const Mesh& mesh, const Grid& grid, const Band& b
 
 }  // namespace
 
-KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
-    : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options,
+                   std::shared_ptr<const DeviceMesh> on_device)
+    : context_(context),
+      pool_(std::move(pool)),
+      options_(std::move(options)),
+      mesh_(std::move(mesh)),
+      vertex_count_(on_device ? on_device->vertex_count : mesh_.vertices().size()),
+      face_count_(on_device ? on_device->face_count : mesh_.triangles().size()) {
+    device_mesh_.set(std::move(on_device));
     set_sign_surface({});
 }
 
@@ -76,7 +83,24 @@ Job KeptMesh::checked(JobKey asked, SignRule sign) const {
     return job;
 }
 
+void KeptMesh::read_mesh() {
+    if (!device_mesh_) return;
+    Mesh first = device_mesh_->read(set_up(), mesh_.name());
+    if (has_moved_) {
+        first_positions_ = first.vertices();
+        engine::move(first, mesh_.box());
+    }
+    mesh_ = std::move(first);
+    device_mesh_.set(nullptr);
+}
+
+const std::vector<Vec3>& KeptMesh::first_positions() {
+    read_mesh();
+    return has_moved_ ? first_positions_ : mesh_.vertices();
+}
+
 const Mesh& KeptMesh::mesh() {
+    read_mesh();
     if (!has_old_positions_) return mesh_;
     UninitializedVector<Vec3> ordered(topology().faces.vertices.size());
     context_.run_or_drain([&] {
@@ -89,28 +113,37 @@ const Mesh& KeptMesh::mesh() {
 }
 
 void KeptMesh::move(std::vector<Vec3> positions) {
+    read_mesh();  // whose positions would replace these
+    std::vector<Vec3> before = positions_before_move();
     if (const auto moved = moved_on_device(positions, positions.size())) {
         engine::move(mesh_, moved->box, std::move(positions));
         has_old_positions_ = false;
-        return;
+    } else {
+        topology();                                             // of the first positions
+        engine::move(mesh_, *topology_, std::move(positions));  // which finds what is wrong
+        forget_positions();
     }
-    topology();                                             // of the first positions
-    engine::move(mesh_, *topology_, std::move(positions));  // which finds what is wrong
-    forget_positions();
+    if (!before.empty()) first_positions_ = std::move(before);
 }
 
-bool KeptMesh::move(const DevicePositions& positions) {
+bool KeptMesh::move(const DeviceTriples& positions) {
     if (!sign_surface().vertices.empty()) return false;
+    std::vector<Vec3> before = positions_before_move();
     const auto moved = moved_on_device(positions, positions.count);
     if (!moved) return false;
     engine::move(mesh_, moved->box);
     has_old_positions_ = true;
+    if (!before.empty()) first_positions_ = std::move(before);
     return true;
+}
+
+std::vector<Vec3> KeptMesh::positions_before_move() const {
+    return has_moved_ || device_mesh_ ? std::vector<Vec3>() : mesh_.vertices();
 }
 
 template <class Positions>
 std::optional<MovedVertices> KeptMesh::moved_on_device(const Positions& positions, std::size_t count) {
-    if (!device_topology_ || !numbers_.empty() || count != mesh_.vertices().size()) return std::nullopt;
+    if (!device_topology_ || !numbers_.empty() || count != vertex_count_) return std::nullopt;
     context_.begin_call();
     MovedVertices moved;
     try {
@@ -136,7 +169,7 @@ void KeptMesh::forget_positions() {
 void KeptMesh::refuse_memory() const {
     throw Error(ErrorCode::out_of_memory,
                 fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh",
-                            mesh_.name(), mesh_.triangles().size()));
+                            mesh_.name(), face_count_));
 }
 
 std::shared_ptr<const MeshTopology> KeptMesh::shared_topology() {
@@ -197,7 +230,11 @@ std::optional<PreparedMesh> KeptMesh::make_frusta(const LatticeView* lattice) {
 }
 
 const ClusterIndex& KeptMesh::index() {
-    return *index_.get_or([&] { return ClusterIndex(topology(), frusta()); });
+    return *index_.get_or([&] {
+        counted_frusta();
+        if (partial_frusta_) return ClusterIndex(face_count_, cluster_boxes(set_up(), *faces_), faces_->part->frusta);
+        return ClusterIndex(face_count_, cluster_boxes(topology().faces.triangles, frusta().positions), frusta());
+    });
 }
 
 std::shared_ptr<const DeviceFaces> KeptMesh::device_faces(const LatticeView& lattice) {
@@ -252,13 +289,24 @@ SurfacePoints KeptMesh::points_of(const LatticeView& view) {
     return surface_points(restriction_ ? restriction_->sample : surface_sample(topology(), frusta()), view);
 }
 
+bool KeptMesh::is_swept_on_device(const Job& job, const DeviceFaces* faces) const {
+    return faces != nullptr && sign_surface().is_mesh() && is_within_sweep(mesh_.box(), job.grid, job.lattice);
+}
+
 SweepMesh KeptMesh::sweep_mesh(const Job& job) {
     const auto faces = device_faces(job.lattice);
-    const bool by_host =
-        !sign_surface().is_mesh() || faces == nullptr || !is_within_sweep(mesh_, job.grid, job.lattice);
+    const Mesh& swept = is_swept_on_device(job, faces.get()) ? mesh_ : mesh();
     return make_sweep_mesh(
-        set_up(), job.grid, job.lattice, by_host ? mesh() : mesh_, sign_surface(), boundary().get(), names(),
+        set_up(), job.grid, job.lattice, swept, sign_surface(), boundary().get(), names(),
         [this]() -> const MeshTopology& { return topology(); }, faces.get());
+}
+
+SweepMesh KeptMesh::near_sweep_mesh(const Job& job, const NearRecords& near) {
+    const auto faces = partial_frusta_ && boundary() == nullptr ? device_faces(job.lattice) : nullptr;
+    if (is_swept_on_device(job, faces.get()))
+        return engine::near_sweep_mesh(set_up(), job.grid, job.lattice, mesh_.box(), *faces, near);
+    return engine::near_sweep_mesh(tools(), job.grid, job.lattice, mesh(), sign_surface(), boundary().get(), topology(),
+                                   near.faces);
 }
 
 bool KeptMesh::needs_normals(Lattice& lattice) {
@@ -336,7 +384,7 @@ void KeptMesh::release() {
 }
 
 KeptMemory KeptMesh::memory() {
-    KeptMemory sum;
+    KeptMemory sum{first_positions_.size() * sizeof(Vec3), 0};
     for (const KeptValue* value : all_kept()) {
         const KeptMemory memory = value->memory();
         sum.host_bytes += memory.host_bytes;
@@ -354,7 +402,7 @@ bool KeptMesh::keeps(const std::shared_ptr<const SweepMesh>& sweep_mesh) const {
 }
 
 std::size_t KeptMesh::record_bytes() const {
-    return (restriction_ ? restriction_->record_count : mesh_.triangles().size()) * sizeof(Polyhedron);
+    return (restriction_ ? restriction_->record_count : face_count_) * sizeof(Polyhedron);
 }
 
 }  // namespace clsdf::engine

@@ -38,6 +38,7 @@ namespace clsdf::engine {
 /// The values that a transform keeps of its mesh. Each is made from those above it when it is needed first, and again
 /// only if one of them has changed.
 ///
+///     Mesh           the caller's                        kept; from memory of a GPU, read when the host needs it
 ///     MeshTopology   of the triangles                    kept; if a GPU has made it, read back when the host needs it
 ///     DeviceTopology the same on a GPU                   kept
 ///     Frusta, index  + positions                         kept until the vertices move
@@ -56,7 +57,9 @@ public:
         bool is_whole = false;                        ///< small grids, too, get records of the whole mesh
     };
 
-    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options);
+    /// on_device: has the mesh's arrays, if the mesh lacks them.
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options,
+             std::shared_ptr<const DeviceMesh> on_device = nullptr);
 
     KeptMesh(const KeptMesh&) = delete;
     KeptMesh& operator=(const KeptMesh&) = delete;
@@ -75,6 +78,8 @@ public:
     DeviceTools tools() const { return {context_, pool_, options_.programs}; }
     /// With its present positions.
     const Mesh& mesh();
+    /// The positions that it was made with.
+    const std::vector<Vec3>& first_positions();
     const std::string& name() const { return mesh_.name(); }
     const Box& box() const { return mesh_.box(); }
     const MeshTopology& topology() { return *shared_topology(); }
@@ -82,7 +87,7 @@ public:
     const Frusta& frusta();
     /// The same, but their positions and slopes may be on the device alone.
     const Frusta& counted_frusta();
-    std::size_t face_count() const { return mesh_.triangles().size(); }
+    std::size_t face_count() const { return face_count_; }
 
     /// The topology that a GPU has made of the mesh at its first positions. numbers: those of its given vertices in the
     /// mesh; empty if they are the same. Before anything is made.
@@ -110,7 +115,7 @@ public:
     void move(std::vector<Vec3> positions);
     /// The same from memory of the device; the host gets the positions when it needs them. Returns false, and has done
     /// nothing, if the host has to look at them.
-    bool move(const DevicePositions& positions);
+    bool move(const DeviceTriples& positions);
 
     bool encloses_negative_volume();
 
@@ -134,6 +139,8 @@ public:
     SurfacePoints points_of(const LatticeView& view);
     /// The mesh of the sign, which is not kept. Throws Error(out_of_memory or unsupported).
     SweepMesh sweep_mesh(const Job& job);
+    /// The same of the faces near a grid alone.
+    SweepMesh near_sweep_mesh(const Job& job, const NearRecords& near);
     /// The clusters of faces, for what is near a box.
     const ClusterIndex& index();
     /// Whether the frusta are made, of which index() is made.
@@ -187,6 +194,10 @@ private:
     template <class Positions>
     std::optional<MovedVertices> moved_on_device(const Positions& positions, std::size_t count);
     void forget_positions();
+    /// The host's first positions, before they move; else nothing.
+    std::vector<Vec3> positions_before_move() const;
+    /// From device_mesh_, which is given up.
+    void read_mesh();
 
     DeviceSetUp set_up() const { return {tools()}; }
     const std::shared_ptr<const DeviceFaces::Names>& names();
@@ -196,6 +207,8 @@ private:
     WrittenFaces written_faces(const DeviceFaces& faces);
     /// Null if the host makes the lattice's records, and the vertices of its sweep.
     std::shared_ptr<const DeviceFaces> device_faces(const LatticeView& lattice);
+    /// Whether kernels make all of the job's sweep mesh. faces: null if there are none.
+    bool is_swept_on_device(const Job& job, const DeviceFaces* faces) const;
     /// The records of the whole mesh.
     NearRecords all_ranges();
 
@@ -203,10 +216,14 @@ private:
     std::shared_ptr<device::BufferPool> pool_;
     Options options_;
     Mesh mesh_;
+    std::size_t vertex_count_, face_count_;
+    std::vector<Vec3> first_positions_;  // from the first move on, unless device_mesh_ has them
     bool has_moved_ = false;
     bool is_moving_ = false;          ///< the values of the positions before are given up
     bool has_old_positions_ = false;  ///< the mesh; the present ones are on the device alone
     KeptValues kept_;                 // those that follow, in their order
+    // The first positions and the triangles, which mesh_ lacks.
+    Kept<DeviceMesh> device_mesh_{kept_, MadeOf::triangles, UsedBy::both, [this] { read_mesh(); }};
     Kept<Restriction> restriction_{kept_, MadeOf::triangles};
     Kept<SignSurface> sign_surface_{kept_, MadeOf::triangles};
     Kept<OpenLoops> open_loops_{kept_, MadeOf::triangles};

@@ -45,9 +45,9 @@ Place place_of(double position, const Grid& grid, const LatticeView& lattice, st
 
 /// The sample that x is counted from: 0, or a sample at the near end of a mesh that is far from it. Crossings are
 /// formed from these numbers, so small numbers keep their rounding small.
-std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const LatticeView& lattice) {
+std::int32_t first_x_of(const Box& box, const Grid& grid, const LatticeView& lattice) {
     const auto samples = [&](double position) { return (position - grid.origin[0]) / grid.spacing[0]; };
-    const double nearest = std::max(samples(mesh.box().lower[0]), std::min(samples(mesh.box().upper[0]), 0.0));
+    const double nearest = std::max(samples(box.lower[0]), std::min(samples(box.upper[0]), 0.0));
     if (!(std::abs(nearest) * lattice.spacing_in_units[0] > LatticeView::far)) return 0;
     // No grid reaches farther, and its samples' distances from here fit 32 bits.
     constexpr double limit = 1 << 30;
@@ -56,12 +56,12 @@ std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const LatticeView& l
 
 /// A lattice as the sweep sees it.
 struct SweepLattice {
-    SweepLattice(const Grid& grid_in, const LatticeView& view_in, const Mesh& mesh)
+    SweepLattice(const Grid& grid_in, const LatticeView& view_in, const Box& box)
         : grid(grid_in),
           view(view_in),
           bits_y(bits_of(grid.spacing[1] / grid.voxel())),
           bits_z(bits_of(grid.spacing[2] / grid.voxel())),
-          first_x(first_x_of(mesh, grid, view)),
+          first_x(first_x_of(box, grid, view)),
           scale_y(std::ldexp(1.0, bits_y)),
           scale_z(std::ldexp(1.0, bits_z)) {}
 
@@ -188,13 +188,13 @@ SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Lattic
                           const std::shared_ptr<const DeviceFaces::Names>& names,
                           const std::function<const MeshTopology&()>& topology, const DeviceFaces* faces) {
     return device::guarded([&] {
-        const SweepLattice lattice(grid, view, mesh);
+        const SweepLattice lattice(grid, view, mesh.box());
         SweepMesh result;
         if (surface.faces.empty())
             result.faces = names;
         else
             result.own_triangles = triangles_of(job, surface, topology());
-        result.vertices = faces != nullptr && surface.vertices.empty() && is_within_sweep(mesh, grid, view)
+        result.vertices = faces != nullptr && surface.vertices.empty() && is_within_sweep(mesh.box(), grid, view)
                               ? vertices_on_device(job, lattice, *faces)
                               : sweep_vertices(job, lattice, mesh, surface, topology().faces.vertices);
         result.triangle_count = names->face_count;
@@ -206,17 +206,17 @@ SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Lattic
     });
 }
 
-bool is_within_sweep(const Mesh& mesh, const Grid& grid, const LatticeView& view) {
-    const SweepLattice lattice(grid, view, mesh);
+bool is_within_sweep(const Box& box, const Grid& grid, const LatticeView& view) {
+    const SweepLattice lattice(grid, view, box);
     SweepVertex any;
-    return lattice.snap(mesh.box().lower, any) && lattice.snap(mesh.box().upper, any);
+    return lattice.snap(box.lower, any) && lattice.snap(box.upper, any);
 }
 
 SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
                           const SignSurface& surface, const OpenBoundary* boundary, const MeshTopology& topology,
                           const std::vector<RecordRange>& faces) {
     return device::guarded([&] {
-        const SweepLattice lattice(grid, view, mesh);
+        const SweepLattice lattice(grid, view, mesh.box());
         std::size_t count = 0;
         for (const RecordRange& range : faces) count += range.end - range.begin;
         // Each face has vertices of its own.
@@ -249,6 +249,36 @@ SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Latt
                          .bits_z = lattice.bits_z,
                          .first_x = lattice.first_x,
                          .boundary = boundary_on(lattice, mesh, boundary)};
+    });
+}
+
+SweepMesh near_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Box& box,
+                          const DeviceFaces& faces, const NearRecords& near) {
+    return device::guarded([&] {
+        const SweepLattice lattice(grid, view, box);
+        std::vector<cl_uint> numbers;
+        for (const RecordRange& range : near.faces)
+            for (std::size_t face = range.begin; face < range.end; face += ClusterIndex::cluster)
+                numbers.push_back(static_cast<cl_uint>(face / ClusterIndex::cluster));
+        const std::size_t corners = 3 * near.face_count;
+        SweepMesh result{
+            .own_triangles = job.tools.pool->lease(std::max<std::size_t>(corners, 1) * sizeof(cl_uint), "triangles"),
+            .vertices =
+                job.tools.pool->lease(std::max<std::size_t>(corners, 1) * sizeof(SweepVertex), vertices_purpose),
+            .triangle_count = near.face_count,
+            .bits_y = lattice.bits_y,
+            .bits_z = lattice.bits_z,
+            .first_x = lattice.first_x};
+        if (numbers.empty()) return result;
+        const auto clusters = job.upload(numbers, "clusters near a grid");
+        cl::Kernel kernel(job.tools.programs.mesh_records, "sweep_clusters");
+        ShortLaunches(job.tools.context, {})
+            .over_items(kernel, corners, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
+                set_arguments(kernel, 0, face_lattice(view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
+                              begin, end, *clusters, *faces.names->triangles, *faces.positions, *result.own_triangles,
+                              *result.vertices);
+            });
+        return result;
     });
 }
 

@@ -55,13 +55,17 @@ SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Lattic
                           const std::shared_ptr<const DeviceFaces::Names>& names,
                           const std::function<const MeshTopology&()>& topology, const DeviceFaces* faces);
 
-/// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
-bool is_within_sweep(const Mesh& mesh, const Grid& grid, const LatticeView& view);
+/// Whether all of a mesh with this box lies near enough for the sweep's integers, and a part of it can be swept by
+/// itself.
+bool is_within_sweep(const Box& box, const Grid& grid, const LatticeView& view);
 
 /// The faces that rows of a part of the lattice can cross, without the others, and all open edges. The sign has the
 /// same bits.
 SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const LatticeView& view, const Mesh& mesh,
                           const SignSurface& surface, const OpenBoundary* boundary, const MeshTopology& topology,
                           const std::vector<RecordRange>& faces);
+/// The same by kernels, of a mesh that decides the sign and has no open edges that count. `near`: whole clusters.
+SweepMesh near_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Box& box,
+                          const DeviceFaces& faces, const NearRecords& near);
 
 }  // namespace clsdf::engine

@@ -61,7 +61,9 @@ public:
     /// Error(device_failure, unsupported, out_of_memory, cancelled).
     DistanceTransform(Device device, const Mesh& mesh, const TransformOptions& options = {},
                       const CallOptions& call = {});
-    /// The view's arrays may be memory of the device's context.
+    /// The view's arrays may be memory of the device's context; they are read after the events of
+    /// CallOptions::wait_list, and may change when the constructor returns. If both are, and a GPU makes the topology,
+    /// they do not come to the host until a call of the host needs them.
     DistanceTransform(Device device, const MeshView& mesh, const TransformOptions& options = {},
                       const CallOptions& call = {});
     DistanceTransform(DistanceTransform&&) noexcept;
@@ -89,8 +91,9 @@ public:
     /// later calls depend on the first and on these positions only. Faces may lose their area and regain it, vertices
     /// that come to coincide stay separate; plans keep the positions they were made with.
     ///
-    /// Positions in memory of the device are read after the events of CallOptions::wait_list, and come to the host,
-    /// whose exact decisions need all of them. They may change when the call returns.
+    /// Positions in memory of the device are read after the events of CallOptions::wait_list, and may change when the
+    /// call returns. If a GPU has made the topology, they do not come to the host until a call of the host needs them,
+    /// unless vertices count as one.
     ///
     /// Throws Error(invalid_argument) if the number of positions differs, for memory that is missing, too small or of
     /// another context, or if vertices that had equal coordinates, and count as one, move apart; Error(invalid_mesh) if

@@ -1,0 +1,18 @@
+// Groups of the kernels that look at a whole mesh: GROUP work-items, 64 or 128.
+#ifndef CLSDF_MESH_GROUPS_H
+#define CLSDF_MESH_GROUPS_H
+
+#include "group_sum.h"
+
+#define GROUP_OF_KERNEL __attribute__((reqd_work_group_size(GROUP, 1, 1)))
+typedef volatile __global uint* Atomic;
+
+DEFINE_SUM_BEFORE(sum_before, uint, GROUP)
+
+// Adds the values of a group to a counter.
+static inline void count_up(uint value, __local uint* sums, Atomic counter) {
+    sum_before(value, sums);
+    if (get_local_id(0) == 0 && sums[GROUP - 1] != 0) atomic_add(counter, sums[GROUP - 1]);
+}
+
+#endif
