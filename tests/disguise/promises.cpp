@@ -201,10 +201,12 @@ BOOST_AUTO_TEST_CASE(of_many_patches_only_their_own_samples_come_to_the_host) {
     // A first call, of a mesh that the device has, also brings the boxes of clusters.
     for (std::size_t n = 0; n < requests.size(); ++n)
         requests[n].targets = {{Output::distance, distance.data() + n * samples}};
-    const DistanceTransform other(test_device(), mesh());
-    other.compute(grid(), band(), OutputSet());
-    disguise::restart();
-    other.compute(requests);
+    for (int round = 0; round < 2; ++round) {  // programs are tested in the first one
+        const DistanceTransform other(test_device(), mesh());
+        other.compute(grid(), band(), OutputSet());
+        disguise::restart();
+        other.compute(requests);
+    }
     BOOST_TEST(disguise::counts().bytes_down <= 1.1 * static_cast<double>(distance.size() * sizeof(float)) + 4096);
 
     // With strides, too.
