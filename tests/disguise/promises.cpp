@@ -208,6 +208,23 @@ BOOST_AUTO_TEST_CASE(of_many_patches_only_their_own_samples_come_to_the_host) {
         other.compute(requests);
     }
     BOOST_TEST(disguise::counts().bytes_down <= 1.1 * static_cast<double>(distance.size() * sizeof(float)) + 4096);
+    // One by one they need a part of the mesh each.
+    const DistanceTransform other(test_device(), mesh());
+    other.compute(grid(), band(), OutputSet());
+    disguise::restart();
+    for (const Request& request : requests) other.compute(request);
+    BOOST_TEST(disguise::counts().kernels.contains("sweep_clusters"));
+    const Field whole = transform.compute(lattice, narrow);
+    for (std::size_t n = 0; n < requests.size(); ++n) {
+        const Index3& first = requests[n].grid.first;
+        std::size_t sample = n * samples;
+        for (std::int64_t z = first[2]; z < first[2] + side; ++z)
+            for (std::int64_t y = first[1]; y < first[1] + side; ++y)
+                for (std::int64_t x = first[0]; x < first[0] + side; ++x) {
+                    const auto place = static_cast<std::size_t>((z * lattice.size[1] + y) * lattice.size[0] + x);
+                    BOOST_TEST(distance[sample++] == whole.distance()[place]);
+                }
+    }
 
     // With strides, too.
     std::vector<float> spread(2 * distance.size(), -7.0F);
