@@ -17,8 +17,10 @@
 #pragma OPENCL FP_CONTRACT OFF
 #endif
 
-// For what is rarely called and has large arrays: inlined, each call would have its own.
-#ifdef __OPENCL_VERSION__
+// For what is rarely called and has large arrays: inlined, each call would have its own. A file with one call defines
+// it otherwise.
+#if defined(RARELY_CALLED)
+#elif defined(__OPENCL_VERSION__)
 #define RARELY_CALLED static __attribute__((noinline))
 #else
 #define RARELY_CALLED static
