@@ -26,6 +26,7 @@
 // Answers about a vertex.
 #define CLSDF_VERTEX_IS_SADDLE 1u  // with convex and concave edges
 #define CLSDF_VERTEX_IS_OPEN 2u    // its faces may leave directions out: the host decides
+#define CLSDF_VERTEX_HAS_GAP 8u    // and open, and a saddle vertex: they do, by the host's own test
 // A direction that a face rejects by less lies within a quarter of the slack of its polyhedron (docs/method.md, 'Gaps
 // at saddle vertices'): 1e-3 + 2e-5 d is four times d times this or more, for every distance d in units.
 #define CLSDF_REJECTION_MARGIN 5.0e-6

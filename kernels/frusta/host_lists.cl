@@ -22,8 +22,8 @@ static inline bool is_left_face(uint face, __global const uchar* answers, __glob
     return answers[face] != 0 || (all_marks & ~CLSDF_EDGE_OPEN) != 0;
 }
 
-// Lists, in any order, the faces that the host measures. face_answers, vertex_answers: see face_sources.h. marks: as
-// pair_edges() of mesh_topology.cl wrote them.
+// Lists, in any order, the faces that the host measures, and those around vertices with a gap. face_answers,
+// vertex_answers: see face_sources.h. marks: as pair_edges() of mesh_topology.cl wrote them.
 __kernel GROUP_OF_KERNEL void list_measured(ListSizes sizes, __global const uchar* face_answers,
                                             __global const uchar* vertex_answers, __global const uchar* marks,
                                             __global const uint* starts, __global const uint* corners, Atomic words,
@@ -69,7 +69,8 @@ static inline bool add_near(FaceData data, uint face, Atomic bits, Atomic count,
     uint left = is_left_face(face, data.face_answers, data.marks) ? CLSDF_LEFT_FACE : 0u;
     for (uint k = 0; k < 3; ++k) {
         const uint vertex = data.triangles[3 * (size_t)face + k];
-        if (data.vertex_answers[vertex] & CLSDF_VERTEX_IS_OPEN) left |= 1u << k;
+        if (data.vertex_answers[vertex] & CLSDF_VERTEX_IS_OPEN) left |= CLSDF_LEFT_VERTEX << k;
+        if (data.vertex_answers[vertex] & CLSDF_VERTEX_HAS_GAP) left |= CLSDF_LEFT_GAP << k;
         near[place].vertices[k] = vertex;
         near[place].given[k] = data.given[vertex];
         vstore3(vload3(vertex, data.positions), 0, near[place].corners[k]);
@@ -80,8 +81,18 @@ static inline bool add_near(FaceData data, uint face, Atomic bits, Atomic count,
     return true;
 }
 
-// Lists, in any order, the faces that the host measures and all faces at their edges. across, marks: as pair_edges()
-// wrote them.
+// Whether the host measures a face.
+static inline bool is_measured(FaceData data, uint face) {
+    bool is_asked = is_left_face(face, data.face_answers, data.marks);
+    for (uint k = 0; k < 3; ++k) {
+        const uint answer = data.vertex_answers[data.triangles[3 * (size_t)face + k]];
+        is_asked = is_asked || (answer & (CLSDF_VERTEX_IS_OPEN | CLSDF_VERTEX_HAS_GAP)) == CLSDF_VERTEX_IS_OPEN;
+    }
+    return is_asked;
+}
+
+// Lists, in any order, the faces of list_measured() and all faces at the edges of those that the host measures. across,
+// marks: as pair_edges() wrote them.
 __kernel void list_near(ListSizes sizes, __global const uchar* face_answers, __global const uchar* vertex_answers,
                         __global const uint* across, __global const uchar* marks, __global const uint* starts,
                         __global const uint* corners, Atomic words, __global const uint* measured,
@@ -94,6 +105,7 @@ __kernel void list_near(ListSizes sizes, __global const uchar* face_answers, __g
     for (uint n = get_global_id(0); n < count && has_room; n += get_global_size(0)) {
         const uint face = measured[n];
         has_room = add_near(data, face, bits, near_count, sizes.room, near);
+        if (!is_measured(data, face)) continue;
         for (uint k = 0; k < 3 && has_room; ++k) {
             const uint mark = marks[16 * (size_t)face + 12 + k];
             if (mark == 0 || mark == CLSDF_EDGE_UNORIENTED)

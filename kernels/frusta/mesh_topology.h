@@ -63,8 +63,8 @@ typedef struct GivenTriples {
 
 // The lengths of lists of what kernels leave to the host. They begin as zeros.
 typedef struct ListCounts {
-    clsdf_uint32 measured;    // faces that the host measures: those left to it, and those around such vertices
-    clsdf_uint32 near;        // these and all faces at their edges
+    clsdf_uint32 measured;    // faces left to the host, and those around such vertices
+    clsdf_uint32 near;        // these and all faces at the edges of those that the host measures
     clsdf_uint32 saddles;     // saddle vertices beside those left to the host
     clsdf_uint32 is_refused;  // 1: a list is too long, or too many faces share a vertex; the host looks at all faces
 } ListCounts;
@@ -87,10 +87,14 @@ typedef struct ListedFace {
     clsdf_uint32 triangle;     // the caller's number
     clsdf_uint32 vertices[3];  // numbers in the order
     clsdf_uint32 given[3];     // the caller's numbers
-    clsdf_uint32 left;         // bits: the host decides about vertex 0, 1, 2; about the slopes of the face
+    clsdf_uint32 left;         // bits: see below
     clsdf_uint32 unused;
 } ListedFace;
+// The host decides about vertex 0, 1, 2; about the slopes of the face; and vertex 0, 1, 2 has a gap, as the kernels
+// know.
+#define CLSDF_LEFT_VERTEX 1u
 #define CLSDF_LEFT_FACE 8u
+#define CLSDF_LEFT_GAP 16u
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(GivenTriples) == 32);

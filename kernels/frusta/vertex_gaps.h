@@ -137,7 +137,7 @@ INLINE uint gap_answer(FaceArrays arrays, double per_unit, uint faces, __global 
     gap.order = order;
     gap.search.conditions = conditions;
     gap.is_undecided = false;
-    return CLSDF_VERTEX_IS_SADDLE | (leaves_directions_out(&gap) ? CLSDF_VERTEX_IS_OPEN : 0u);
+    return CLSDF_VERTEX_IS_SADDLE | (leaves_directions_out(&gap) ? CLSDF_VERTEX_IS_OPEN | CLSDF_VERTEX_HAS_GAP : 0u);
 }
 
 #endif

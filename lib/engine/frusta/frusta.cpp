@@ -7,7 +7,10 @@
 #include "mesh/mesh_arrays.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <vector>
@@ -19,43 +22,54 @@ namespace {
 /// Vertices with more neighbours get an unbounded polyhedron instead of a search among all pairs.
 constexpr std::size_t few_neighbours = 24;
 
-/// Directions to the vertex' neighbours, each once, in the caller's order.
-std::vector<Vector> neighbour_directions(const MeshFaces& faces, std::span<const std::uint32_t> vertices,
-                                         const OneRings& rings, std::uint32_t vertex) {
-    std::vector<std::uint32_t> neighbours;
+/// Directions to the vertex' neighbours, each once, in the caller's order; nullopt where there are too many.
+std::optional<std::vector<Vector>> neighbour_directions(const MeshFaces& faces, std::span<const std::uint32_t> vertices,
+                                                        const OneRings& rings, std::uint32_t vertex) {
+    std::array<std::uint32_t, few_neighbours> neighbours{};  // ascending by the caller's numbers
+    std::size_t count = 0;
     for (std::size_t i = 0; i < rings.size(vertex); ++i) {
         const Corner corner = rings.corner(vertex, i);
-        neighbours.push_back(faces.triangles[corner.face][next_of_three(corner.vertex)]);
-        neighbours.push_back(faces.triangles[corner.face][previous_of_three(corner.vertex)]);
+        for (const std::uint32_t k : {next_of_three(corner.vertex), previous_of_three(corner.vertex)}) {
+            const std::uint32_t neighbour = faces.triangles[corner.face][k];
+            std::size_t place = count;
+            while (place > 0 && vertices[neighbours[place - 1]] > vertices[neighbour]) --place;
+            if (place > 0 && neighbours[place - 1] == neighbour) continue;
+            if (count == few_neighbours) return std::nullopt;
+            std::copy_backward(neighbours.begin() + place, neighbours.begin() + count, neighbours.begin() + count + 1);
+            neighbours[place] = neighbour;
+            ++count;
+        }
     }
-    std::sort(neighbours.begin(), neighbours.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return vertices[a] < vertices[b]; });
-    neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
     std::vector<Vector> directions;
-    directions.reserve(neighbours.size());
-    for (const std::uint32_t neighbour : neighbours)
+    directions.reserve(count);
+    for (std::size_t i = 0; i < count; ++i)
         directions.push_back(
-            ((to_vector(faces.position(neighbour)) - to_vector(faces.position(vertex))) / faces.lattice.unit)
+            ((to_vector(faces.position(neighbours[i])) - to_vector(faces.position(vertex))) / faces.lattice.unit)
                 .normalized());
     return directions;
 }
 
 /// The extreme rays of the normal cone {u : u . n <= 0 for all n}, each perpendicular to two neighbours; nullopt where
-/// there are too many neighbours, or two of them are too nearly parallel to trust their cross product.
+/// two of them are too nearly parallel to trust their cross product.
 std::optional<std::vector<Vector>> extreme_rays(const std::vector<Vector>& neighbours) {
     constexpr double nearly_parallel = 1e-6;
     constexpr double tolerance = 1e-8;  // above the rounding of a ray, 2^-52 / nearly_parallel
-    if (neighbours.size() > few_neighbours) return std::nullopt;
     std::vector<Vector> rays;
+    rays.reserve(2 * neighbours.size());
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
         for (std::size_t j = i + 1; j < neighbours.size(); ++j) {
             const Vector cross = neighbours[i].cross(neighbours[j]);
             const double length = cross.norm();
             if (!(length > nearly_parallel)) return std::nullopt;
-            for (const Vector& ray : {Vector(cross / length), Vector(-cross / length)}) {
-                const auto in_cone = [&](const Vector& n) { return n.dot(ray) <= tolerance; };
-                if (std::all_of(neighbours.begin(), neighbours.end(), in_cone)) rays.push_back(ray);
+            const Vector ray = cross / length;
+            bool is_in_cone = true, is_reverse_in_cone = true;
+            for (std::size_t n = 0; n < neighbours.size() && (is_in_cone || is_reverse_in_cone); ++n) {
+                const double along = neighbours[n].dot(ray);
+                is_in_cone = is_in_cone && along <= tolerance;
+                is_reverse_in_cone = is_reverse_in_cone && -along <= tolerance;
             }
+            if (is_in_cone) rays.push_back(ray);
+            if (is_reverse_in_cone) rays.emplace_back(-ray);
         }
     }
     return rays;
@@ -90,7 +104,8 @@ SiteFrustum point_site(const MeshFaces& faces, std::span<const std::uint32_t> or
         const std::uint32_t face = rings.corner(vertex, i).face;
         if (order[face] < order[site.face]) site.face = face;
     }
-    const auto rays = extreme_rays(neighbour_directions(faces, vertices, rings, vertex));
+    const auto neighbours = neighbour_directions(faces, vertices, rings, vertex);
+    const auto rays = neighbours ? extreme_rays(*neighbours) : std::nullopt;
     Vector sum = Vector::Zero();
     if (rays)
         for (const Vector& ray : *rays) sum += ray;
@@ -151,11 +166,12 @@ Numbers faces_around(std::span<const std::uint32_t> vertices, const OneRings& ri
 void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta,
                      const FrustaOptions& options) {
     const std::size_t all = topology.order.size();
+    Numbers asked;  // vertices
+    std::ranges::set_difference(left.vertices, left.gaps, std::back_inserter(asked));
     const LatticeView lattice = view_of(box);
     const MeshFaces faces{frusta.positions, topology.faces.triangles, lattice};
     const FaceMeasures measures(faces, topology.rings, topology.edges);
-    const Numbers numbers =
-        left.faces.size() == all ? left.faces : faces_around(left.vertices, topology.rings, left.faces);
+    const Numbers numbers = left.faces.size() == all ? left.faces : faces_around(asked, topology.rings, left.faces);
     UninitializedVector<MeasuredFace> measured(numbers.size());
     constexpr std::size_t grain = 32;  // kernels leave few faces
     for_each_index(
@@ -173,14 +189,14 @@ void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToH
         if (own.frame.is_box) ++frusta.boxes;
         if (is_sliver(own.frame)) frusta.slivers.push_back(face);
     }
-    const std::vector<std::uint8_t> marks =
-        find_gaps(faces, topology.edges.faces, topology.rings, by_face, left.vertices);
-    Numbers gaps;
-    frusta.saddle_vertices = left.saddles_elsewhere;
+    const std::vector<std::uint8_t> marks = find_gaps(faces, topology.edges.faces, topology.rings, by_face, asked);
+    Numbers gaps = left.gaps;
+    frusta.saddle_vertices = left.saddles_elsewhere + left.gaps.size();
     for (std::size_t i = 0; i < marks.size(); ++i) {
         if ((marks[i] & vertex_saddle) != 0) ++frusta.saddle_vertices;
-        if ((marks[i] & vertex_gap) != 0) gaps.push_back(left.vertices[i]);
+        if ((marks[i] & vertex_gap) != 0) gaps.push_back(asked[i]);
     }
+    std::ranges::inplace_merge(gaps, gaps.begin() + static_cast<std::ptrdiff_t>(left.gaps.size()));
     if (!options.point_sites) return;
     frusta.sites.resize(gaps.size());
     for_each_index(gaps.size(), [&](std::size_t i) {

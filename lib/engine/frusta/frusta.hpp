@@ -45,6 +45,7 @@ struct LeftToHost {
     std::vector<std::uint32_t> faces{};     ///< ascending: their slopes
     std::vector<std::uint32_t> vertices{};  ///< ascending: whether they leave gaps, and are saddle vertices
     std::size_t saddles_elsewhere = 0;      ///< saddle vertices among the other vertices
+    std::vector<std::uint32_t> gaps{};      ///< ascending: those of `vertices` that surely have one, saddle vertices
 };
 
 /// A lattice for frusta alone. Lengths are of the order of one, so that their squares do not leave a double's range.

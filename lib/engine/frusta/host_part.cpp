@@ -44,13 +44,10 @@ private:
 
 /// Of faces in any order, of a mesh with so many faces and vertices.
 HostPart part_of(std::span<const ListedFace> listed, std::size_t face_count, std::size_t vertex_count) {
-    NumberSet face_set(face_count), vertex_set(vertex_count), left_vertices(vertex_count);
+    NumberSet face_set(face_count), vertex_set(vertex_count);
     for (const ListedFace& face : listed) {
         face_set.add(face.number);
-        for (std::size_t k = 0; k < 3; ++k) {
-            vertex_set.add(face.vertices[k]);
-            if ((face.left >> k & 1U) != 0) left_vertices.add(face.vertices[k]);
-        }
+        for (const std::uint32_t vertex : face.vertices) vertex_set.add(vertex);
     }
     std::vector<std::uint32_t> face_numbers = face_set.numbers(), vertex_numbers = vertex_set.numbers();
     UninitializedVector<std::uint32_t> order(face_numbers.size());
@@ -61,6 +58,7 @@ HostPart part_of(std::span<const ListedFace> listed, std::size_t face_count, std
     frusta.positions = UninitializedVector<Vec3>(vertex_numbers.size());
     frusta.slopes = UninitializedVector<FaceSlopes>(face_numbers.size());
     LeftToHost left;
+    std::vector<cl_uint> left_bits(vertex_numbers.size());  // of each vertex
     for (const ListedFace& from : listed) {
         const std::uint32_t face = face_set.place(from.number);
         order[face] = from.triangle;
@@ -69,11 +67,15 @@ HostPart part_of(std::span<const ListedFace> listed, std::size_t face_count, std
             const std::uint32_t vertex = vertex_set.place(from.vertices[k]);
             faces.triangles[face][k] = vertex;
             faces.vertices[vertex] = from.given[k];
+            left_bits[vertex] |= from.left >> k & (CLSDF_LEFT_VERTEX | CLSDF_LEFT_GAP);
             std::ranges::copy(from.corners[k], frusta.positions[vertex].begin());
         }
     }
     std::ranges::sort(left.faces);
-    for (const std::uint32_t vertex : left_vertices.numbers()) left.vertices.push_back(vertex_set.place(vertex));
+    for (std::uint32_t vertex = 0; vertex < left_bits.size(); ++vertex) {
+        if ((left_bits[vertex] & CLSDF_LEFT_VERTEX) != 0) left.vertices.push_back(vertex);
+        if ((left_bits[vertex] & CLSDF_LEFT_GAP) != 0) left.gaps.push_back(vertex);
+    }
     OneRings rings(faces.triangles, vertex_numbers.size());
     PairedEdges edges = pair_edges(faces.triangles, rings);
     return {{std::move(order), std::move(faces), std::move(rings), std::move(edges)},

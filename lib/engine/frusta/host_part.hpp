@@ -10,8 +10,8 @@
 
 namespace clsdf::engine {
 
-/// The faces of a mesh that exact decisions depend on, as a mesh of their own: those that the host measures, and all at
-/// their edges. So the host needs neither topology nor positions of the whole.
+/// The faces of a mesh that exact decisions depend on, as a mesh of their own: those that the host measures and all at
+/// their edges, and those around vertices with a gap. So the host needs neither topology nor positions of the whole.
 struct HostPart {
     MeshTopology topology;             ///< `order` and `faces.vertices` have the caller's numbers
     std::vector<std::uint32_t> faces;  ///< ascending: of each its number in the whole mesh

@@ -212,7 +212,7 @@ private:
             return result;
         };
         left_ = {in_whole(part.left.faces, part.faces), in_whole(part.left.vertices, part.vertices),
-                 part.left.saddles_elsewhere};
+                 part.left.saddles_elsewhere, in_whole(part.left.gaps, part.vertices)};
         frusta_->slivers = in_whole(part.frusta.slivers, part.faces);
         frusta_->sites = part.frusta.sites;
         for (SiteFrustum& site : frusta_->sites) {
