@@ -169,6 +169,13 @@ Mesh random_fans(Random& random, std::size_t fans) {
     return {std::move(vertices), std::move(triangles), "fans"};
 }
 
+/// A tetrahedron with a vertex in the middle of its upper edge, which is lifted by so much; with `axis` upward.
+Mesh roof(double lift, std::size_t axis) {
+    std::vector<Vec3> vertices{{-1, 0, 0}, {1, 0, 0}, {0, 0, lift}, {0, 1, -1}, {0, -1, -1}};
+    for (Vec3& vertex : vertices) std::rotate(vertex.begin(), vertex.begin() + 2 - axis, vertex.end());
+    return {std::move(vertices), {{0, 2, 3}, {2, 1, 3}, {2, 0, 4}, {1, 2, 4}, {0, 3, 4}, {1, 4, 3}}, "roof"};
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(kernels_make_the_frusta_of_the_host) {
@@ -227,4 +234,17 @@ BOOST_AUTO_TEST_CASE(a_gpu_leaves_vertices_with_a_gap_alone_to_the_host) {
         }
     }
     BOOST_TEST(sites > 0U);
+}
+
+// Two edges of the vertex in the middle are flat up to rounding, and the two others convex.
+BOOST_AUTO_TEST_CASE(exact_orientations_decide_whether_a_vertex_is_a_saddle) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const double lift : {0x1p-60, 0.0, -0x1p-60}) {
+            const Mesh mesh = roof(lift, axis);
+            const BothFrusta both = both_frusta(mesh, Grid::around(mesh, 16, Band::symmetric(0.2)));
+            BOOST_TEST_CONTEXT("lifted by " << lift << ", axis " << axis) {
+                BOOST_TEST((both.host.saddle_vertices > 0) == (lift < 0));
+                BOOST_TEST((both.kernels.saddle_vertices > 0) == (lift < 0));
+            }
+        }
 }
