@@ -63,6 +63,9 @@ if(Python3_Interpreter_FOUND)
                    -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/on_opencl -P ${CMAKE_CURRENT_LIST_DIR}/on_opencl.cmake)
 endif()
 
+find_file(CLSDF_OCLGRIND_DRIVER liboclgrind-rt-icd.so PATH_SUFFIXES lib/oclgrind lib64/oclgrind)
+mark_as_advanced(CLSDF_OCLGRIND_DRIVER)
+
 # The command with calls that fail: a sample, and with -C nightly each call.
 if(TARGET clsdf_command)
   clsdf_test(disguise_faults ${CMAKE_CURRENT_LIST_DIR}/faults.cpp)
@@ -75,8 +78,6 @@ if(TARGET clsdf_command)
   set_tests_properties(disguise_faults PROPERTIES TIMEOUT 900 ENVIRONMENT CLSDF_FAULT_SEED=1)
 
   # Drivers that are not registered. The second of two in a process is oclgrind: LLVM ends a process with two of PoCL.
-  find_file(CLSDF_OCLGRIND_DRIVER liboclgrind-rt-icd.so PATH_SUFFIXES lib/oclgrind lib64/oclgrind)
-  mark_as_advanced(CLSDF_OCLGRIND_DRIVER)
   add_library(clsdf_refused_driver MODULE ${CMAKE_CURRENT_LIST_DIR}/refused_driver.cpp)
   target_link_libraries(clsdf_refused_driver PRIVATE clsdf_warnings)
   clsdf_test(unregistered_drivers ${CMAKE_CURRENT_LIST_DIR}/unregistered_drivers.cpp)
@@ -115,6 +116,15 @@ clsdf_disguised(sparse_plans test_transform_sparse_plans)
 clsdf_disguised(same_bytes test_transform_same_bytes)
 clsdf_disguised(kernel_frusta test_transform_kernel_frusta)
 clsdf_disguised(callers_memory test_transform_callers_memory)
+
+# Kernels that only a GPU runs, on oclgrind, which calls itself a processor (tests/races).
+if(TARGET test_races AND CLSDF_OCLGRIND_DRIVER)
+  clsdf_disguised(races test_races --run_test=*_of_a_gpu)
+  set_property(TEST disguise_races APPEND PROPERTY ENVIRONMENT CLSDF_CACHE_DIR= CLSDF_SELF_TEST=0 OCLGRIND_DATA_RACES=1
+                                                   OCLGRIND_CHECK_API=1 OCL_ICD_VENDORS=${CLSDF_OCLGRIND_DRIVER})
+  set_tests_properties(disguise_races PROPERTIES FAIL_REGULAR_EXPRESSION "data race;Invalid;Error;OCLGRIND"
+                                                 PASS_REGULAR_EXPRESSION "No errors detected")
+endif()
 
 # and, with -C nightly (scripts/on-disguise), all that use a device, and a sample of the acceptance list.
 function(clsdf_as_gpu name program)
