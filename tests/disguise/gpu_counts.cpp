@@ -9,6 +9,7 @@
 #include "disguise/cubql_search.hpp"
 #endif
 #include "disguise/disguise.hpp"
+#include "disguise/thread_times.hpp"
 #include "support/counted_searches.hpp"
 
 #include "device/buffer_pool.hpp"
@@ -50,7 +51,8 @@ constexpr std::size_t searched_count = 4'000;
 constexpr double points_within = 0.012;  // of the longest side, on each axis
 constexpr double points_around = 0.1;    // of the box of uniform ones
 constexpr double megabyte = 1e6;
-constexpr int host_rounds = 3;
+constexpr int host_rounds = 9;
+constexpr double voxels_of_moved_band = 3;
 constexpr double moved_by = 1e-6;  // of the longest side
 
 /// The numbers of a call, in the order in which they are shown.
@@ -97,13 +99,21 @@ struct SearchWorks {
     }
 };
 
-/// Processor time of the calling thread between calls of OpenCL, in nanoseconds: the least of several.
-struct HostTimes {
-    std::uint64_t first_call = UINT64_MAX;     ///< a transform, a plan and its run into memory of the device
-    std::uint64_t set_positions = UINT64_MAX;  ///< from an array of the host
-    std::uint64_t update = UINT64_MAX;         ///< of the plan, and its run
+/// Processor time in nanoseconds, the least of several.
+struct HostTime {
+    std::uint64_t host = UINT64_MAX;     ///< of the calling thread between calls of OpenCL
+    std::uint64_t process = UINT64_MAX;  ///< of the process without the driver's threads
+};
 
-    std::array<std::pair<const char*, std::uint64_t>, 3> numbers() const {
+struct HostTimes {
+    HostTime first_call;     ///< a transform, a plan and its run into memory of the device
+    HostTime set_positions;  ///< from an array of the host
+    HostTime update;         ///< of a plan with a band of few voxels, and its run
+    // Both are 0 if the times of the calling thread are the host's.
+    std::uint64_t other_threads = 0;    ///< the most that ran beside the calling one and the driver's
+    std::uint64_t event_callbacks = 0;  ///< the most that were asked for
+
+    std::array<std::pair<const char*, HostTime>, 3> steps() const {
         return {{{"first_call", first_call}, {"set_positions", set_positions}, {"update_and_run", update}}};
     }
 };
@@ -120,7 +130,7 @@ struct Result {
     disguise::Counts points;
     disguise::Counts point_plan;
     SearchWorks near, uniform;
-    HostTimes host_ns;
+    HostTimes host;
 
     std::array<std::pair<const char*, const disguise::Counts*>, 6> calls() const {
         return {{{"first_call", &first},
@@ -269,20 +279,32 @@ void look_up_on_device(const Device& device, const DistanceTransform& transform,
     clReleaseEvent(second);
 }
 
-HostTimes measure_host(const Device& device, const Mesh& mesh, const Grid& grid, const Band& band) {
+HostTimes measure_host(const Device& device, const test::Threads& of_driver, const Mesh& mesh, const Grid& grid,
+                       const Band& band) {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    const Grid moved_grid =
+        Grid::around(mesh.box(), {.resolution = resolution, .margin = Length::in_voxels(voxels_of_moved_band)});
+    const Band moved_band = Band::symmetric(voxels_of_moved_band * moved_grid.spacing[0]);
+    const std::size_t samples = std::max(grid.sample_count(), moved_grid.sample_count());
     const auto release = [](cl_mem memory) { clReleaseMemObject(memory); };
     const std::unique_ptr<std::remove_pointer_t<cl_mem>, decltype(release)> target(
-        clCreateBuffer(device.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float), nullptr, nullptr));
-    const auto timed = [](std::uint64_t& least, const auto& work) {
+        clCreateBuffer(device.context(), CL_MEM_READ_WRITE, samples * sizeof(float), nullptr, nullptr));
+    HostTimes times;
+    const auto timed = [&](HostTime& least, const auto& work) {
+        const test::ThreadTimes threads(of_driver);
         disguise::restart();
         disguise::time_host();
         work();
         disguise::end_host_time();
-        least = std::min(least, disguise::counts().host_ns);
+        const disguise::Counts counts = disguise::counts();
+        const auto callbacks = counts.calls.find("clSetEventCallback");
+        least.host = std::min(least.host, counts.host_ns);
+        least.process = std::min(least.process, threads.process_ns());
+        times.other_threads = std::max<std::uint64_t>(times.other_threads, threads.other_threads());
+        if (callbacks != counts.calls.end()) times.event_callbacks = std::max(times.event_callbacks, callbacks->second);
     };
-    HostTimes times;
-    for (int round = 0; round < host_rounds; ++round) {
+    for (int round = -1; round < host_rounds; ++round) {
+        if (round == 0) times = {};  // threads of oneTBB may have run on in the first round
         std::optional<DistanceTransform> transform;
         std::optional<Plan> plan;
         const auto run = [&] {
@@ -294,6 +316,8 @@ HostTimes measure_host(const Device& device, const Mesh& mesh, const Grid& grid,
             plan.emplace(transform->plan(grid, band));
             run();
         });
+        plan.emplace(transform->plan(moved_grid, moved_band));
+        run();
         std::vector<Vec3> positions = mesh.vertices();
         for (int step = 0; step < 2; ++step) {  // the first one keeps the first positions
             for (Vec3& position : positions) position[0] += moved_by * mesh.box().longest_side();
@@ -309,13 +333,16 @@ HostTimes measure_host(const Device& device, const Mesh& mesh, const Grid& grid,
 
 Result measure(const std::string& path) {
     disguise::set({.gpu = true, .compute_units = compute_units});
+    const test::Threads threads_without_driver = test::all_threads();
+    const Device device = Device::strongest();
+    test::Threads of_driver = test::all_threads();
+    for (const pid_t thread : threads_without_driver) of_driver.erase(thread);
     const Mesh mesh = read_mesh(path);
     Result result;
     result.mesh = mesh.name();
     result.triangles = mesh.triangles().size();
     result.band = Band::symmetric(band_of_longest_side * mesh.box().longest_side());
     result.grid = Grid::around(mesh, resolution, result.band);
-    const Device device = Device::strongest();
     std::vector<float> distance(result.grid.sample_count());
 
     {
@@ -347,7 +374,7 @@ Result measure(const std::string& path) {
     result.near = search(device, mesh, points_near(mesh));
     result.uniform = search(device, mesh, uniform_points(mesh));
 
-    result.host_ns = measure_host(device, mesh, result.grid, result.band);
+    result.host = measure_host(device, of_driver, mesh, result.grid, result.band);
     result.statistics = transform.compute(result.grid, result.band, distance, {.count_work = true});
     return result;
 }
@@ -369,7 +396,12 @@ void print_json(const Result& result) {
     for (const auto& [name, works] : {std::pair("near", result.near), std::pair("uniform", result.uniform)})
         for (const auto& [tree, work] : works.all())
             for (const auto& [number, value] : work.numbers()) json["search"][name][tree][number] = value;
-    for (const auto& [step, time] : result.host_ns.numbers()) json["host_ns"][step] = time;
+    for (const auto& [step, time] : result.host.steps()) {
+        json["host_ns"][step] = time.host;
+        json["process_ns"][step] = time.process;
+    }
+    json["other_threads"] = result.host.other_threads;
+    json["event_callbacks"] = result.host.event_callbacks;
     const TransformStatistics& statistics = result.statistics;
     json["band_samples"] = statistics.work->band_samples;
     json["evaluations_per_band_sample"] = result.per_band_sample(statistics.work->lanes_evaluated);
@@ -400,9 +432,14 @@ void print_text(const Result& result) {
     fmt::print("\n{:<28} {:.2f}\n{:<28} {:.2f}\n", "evaluations_per_band_sample",
                result.per_band_sample(result.statistics.work->lanes_evaluated), "covered_per_band_sample",
                result.per_band_sample(result.statistics.work->samples_covered));
+    fmt::print("\n{:<28}", "");
+    for (const auto& [step, time] : result.host.steps()) fmt::print(" {:>16}", step);
     fmt::print("\n{:<28}", "host_ns");
-    for (const auto& [step, time] : result.host_ns.numbers()) fmt::print(" {} {}", step, time);
-    fmt::print("\n\n{:<28}", "");
+    for (const auto& [step, time] : result.host.steps()) fmt::print(" {:>16}", time.host);
+    fmt::print("\n{:<28}", "process_ns");
+    for (const auto& [step, time] : result.host.steps()) fmt::print(" {:>16}", time.process);
+    fmt::print("\n{:<28} {:>16}\n{:<28} {:>16}\n\n{:<28}", "other_threads", result.host.other_threads,
+               "event_callbacks", result.host.event_callbacks, "");
     for (const char* points : {"near", "uniform"})
         for (const auto& [tree, work] : result.near.all()) fmt::print(" {:>20}", fmt::format("{} {}", points, tree));
     fmt::print("\n");
