@@ -28,7 +28,7 @@ __kernel GROUP_OF_KERNEL void list_measured(ListSizes sizes, __global const ucha
                                             __global const uchar* vertex_answers, __global const uchar* marks,
                                             __global const uint* starts, __global const uint* corners, Atomic words,
                                             __global uint* measured, __global ListCounts* counts) {
-    __local uint sums[GROUP];
+    volatile __local uint sum;
     const uint n = get_global_id(0);
     uint is_saddle = 0;
     bool has_room = true;
@@ -46,7 +46,7 @@ __kernel GROUP_OF_KERNEL void list_measured(ListSizes sizes, __global const ucha
         !add_once(n, words + sizes.measured, (Atomic)&counts->measured, sizes.room, measured))
         has_room = false;
     if (!has_room) atomic_max((Atomic)&counts->is_refused, 1u);
-    count_up(is_saddle, sums, (Atomic)&counts->saddles);
+    count_up(is_saddle, &sum, (Atomic)&counts->saddles);
 }
 
 // The arrays from which a face for the host is made. given: the caller's numbers of the vertices.

@@ -9,10 +9,14 @@ typedef volatile __global uint* Atomic;
 
 DEFINE_SUM_BEFORE(sum_before, uint, GROUP)
 
-// Adds the values of a group to a counter.
-static inline void count_up(uint value, __local uint* sums, Atomic counter) {
-    sum_before(value, sums);
-    if (get_local_id(0) == 0 && sums[GROUP - 1] != 0) atomic_add(counter, sums[GROUP - 1]);
+// Adds the values of a group to a counter. sum: one number.
+static inline void count_up(uint value, volatile __local uint* sum, Atomic counter) {
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) *sum = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (value != 0) atomic_add(sum, value);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0 && *sum != 0) atomic_add(counter, *sum);
 }
 
 #endif

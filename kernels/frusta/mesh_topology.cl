@@ -81,7 +81,7 @@ __kernel void file_vertices(TopologySizes sizes, __global const double* position
 // The first equal vertex of each; counts those in use, and their classes.
 __kernel GROUP_OF_KERNEL void count_vertices(TopologySizes sizes, Atomic words, __global const uint* slots,
                                              __global uint* first_equal, __global TopologyResults* results) {
-    __local uint sums[GROUP];
+    volatile __local uint sum;
     const uint vertex = get_global_id(0);
     uint is_used = 0, is_first = 0;
     if (vertex < sizes.vertices) {
@@ -91,8 +91,8 @@ __kernel GROUP_OF_KERNEL void count_vertices(TopologySizes sizes, Atomic words, 
         const uint bit = 1u << equal % 32;
         if (is_used) is_first = (atomic_or(words + sizes.classes + equal / 32, bit) & bit) == 0;
     }
-    count_up(is_used, sums, (Atomic)&results->used_vertices);
-    count_up(is_first, sums, (Atomic)&results->different_vertices);
+    count_up(is_used, &sum, (Atomic)&results->used_vertices);
+    count_up(is_first, &sum, (Atomic)&results->different_vertices);
 }
 
 // The order of the faces. ---------------------------------------------------------------------------------------------
@@ -355,7 +355,7 @@ __kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uin
                                          __global const uint* starts, __global const uint* corners,
                                          __global uint* across, __global uchar* marks, __global uint* opposite,
                                          __global TopologyResults* results) {
-    __local uint sums[GROUP];
+    volatile __local uint sum;
     const uint corner = get_global_id(0);
     PairedEdge edge = {0u, 0u, false};
     if (corner < 3 * sizes.faces) {
@@ -370,7 +370,7 @@ __kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uin
                                                   other << CLSDF_OPPOSITE_EDGE;
     }
     if (edge.is_too_long) atomic_max((Atomic)&results->is_refused, 1u);
-    count_up(edge.mark != 0, sums, (Atomic)&results->marked_edges);
+    count_up(edge.mark != 0, &sum, (Atomic)&results->marked_edges);
 }
 
 // Parts. --------------------------------------------------------------------------------------------------------------
@@ -379,7 +379,7 @@ __kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uin
 __kernel GROUP_OF_KERNEL void join_faces(TopologySizes sizes, __global const uint* order,
                                          __global const uint* triangles, __global const uchar* marks, Atomic words,
                                          __global uint* names, __global TopologyResults* results) {
-    __local uint sums[GROUP];
+    volatile __local uint sum;
     const uint face = get_global_id(0);
     uint joined = 0, all_marks = 0;
     if (face < sizes.faces) {
@@ -388,8 +388,8 @@ __kernel GROUP_OF_KERNEL void join_faces(TopologySizes sizes, __global const uin
         __global const uint* const t = triangles + 3 * (size_t)face;
         joined = join(words + sizes.above, t[0], t[1]) + join(words + sizes.above, t[1], t[2]);
     }
-    count_up(joined, sums, (Atomic)&results->joined_vertices);
-    count_up((all_marks & ~CLSDF_EDGE_OPEN) != 0, sums, (Atomic)&results->irregular_faces);
+    count_up(joined, &sum, (Atomic)&results->joined_vertices);
+    count_up((all_marks & ~CLSDF_EDGE_OPEN) != 0, &sum, (Atomic)&results->irregular_faces);
 }
 
 // The enclosed volume. ------------------------------------------------------------------------------------------------
