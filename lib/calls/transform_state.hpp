@@ -19,6 +19,7 @@
 #include "points/usable_points.hpp"
 #include "targets/output_targets.hpp"
 
+#include <exception>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -94,8 +95,8 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
             const std::scoped_lock lock(state.mutex);
             try {
                 state.keep_within_budget();
-            } catch (const std::bad_alloc&) {
-                // What is kept stays until a later call.
+            } catch (const std::exception&) {
+                // The host has no memory for what it reads back first, or the device is lost: what is kept stays.
             }
         }
     };

@@ -109,12 +109,19 @@ struct HostTimes {
     HostTime first_call;     ///< a transform, a plan and its run into memory of the device
     HostTime set_positions;  ///< from an array of the host
     HostTime update;         ///< of a plan with a band of few voxels, and its run
+    // The same of arrays in memory of the device.
+    HostTime first_call_there, set_positions_there, update_there;
     // Both are 0 if the times of the calling thread are the host's.
     std::uint64_t other_threads = 0;    ///< the most that ran beside the calling one and the driver's
     std::uint64_t event_callbacks = 0;  ///< the most that were asked for
 
-    std::array<std::pair<const char*, HostTime>, 3> steps() const {
-        return {{{"first_call", first_call}, {"set_positions", set_positions}, {"update_and_run", update}}};
+    std::array<std::pair<const char*, HostTime>, 6> steps() const {
+        return {{{"first_call", first_call},
+                 {"set_positions", set_positions},
+                 {"update_and_run", update},
+                 {"first_call_from_device", first_call_there},
+                 {"set_positions_from_device", set_positions_there},
+                 {"update_and_run_from_device", update_there}}};
     }
 };
 
@@ -249,18 +256,27 @@ SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec
     return works;
 }
 
+struct ReleaseBuffer {
+    void operator()(cl_mem memory) const { clReleaseMemObject(memory); }
+};
+using DeviceBuffer = std::unique_ptr<std::remove_pointer_t<cl_mem>, ReleaseBuffer>;
+
+DeviceBuffer buffer(const Device& device, std::size_t bytes, const void* values = nullptr) {
+    const cl_mem_flags flags = CL_MEM_READ_WRITE | (values != nullptr ? cl_mem_flags{CL_MEM_COPY_HOST_PTR} : 0);
+    return DeviceBuffer(clCreateBuffer(device.context(), flags, bytes, const_cast<void*>(values), nullptr));
+}
+
+template <class Value>
+DeviceBuffer copied(const Device& device, const std::vector<Value>& values) {
+    return buffer(device, values.size() * sizeof(Value), values.data());
+}
+
 /// The second query of two from buffers to buffers, and the second run of a plan, without the wait for its end.
 void look_up_on_device(const Device& device, const DistanceTransform& transform, const std::vector<Vec3>& points,
                        Result& result) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    const auto buffer = [&](cl_mem_flags flags, std::size_t bytes, const void* values) {
-        const auto release = [](cl_mem memory) { clReleaseMemObject(memory); };
-        return std::unique_ptr<std::remove_pointer_t<cl_mem>, decltype(release)>(
-            clCreateBuffer(device.context(), CL_MEM_READ_WRITE | flags, bytes, const_cast<void*>(values), nullptr));
-    };
-    const auto from = buffer(CL_MEM_COPY_HOST_PTR, points.size() * sizeof(Vec3), points.data());
-    const auto distance = buffer(0, points.size() * sizeof(float), nullptr);
-    const auto gradient = buffer(0, points.size() * 3 * sizeof(float), nullptr);
+    const DeviceBuffer from = copied(device, points), distance = buffer(device, points.size() * sizeof(float)),
+                       gradient = buffer(device, points.size() * 3 * sizeof(float));
     const InputArray positions(from.get(), ElementType::float64, points.size());
     const OutputTargets targets{{Output::distance, OutputArray(distance.get())},
                                 {Output::gradient, OutputArray(gradient.get())}};
@@ -286,9 +302,10 @@ HostTimes measure_host(const Device& device, const test::Threads& of_driver, con
         Grid::around(mesh.box(), {.resolution = resolution, .margin = Length::in_voxels(voxels_of_moved_band)});
     const Band moved_band = Band::symmetric(voxels_of_moved_band * moved_grid.spacing[0]);
     const std::size_t samples = std::max(grid.sample_count(), moved_grid.sample_count());
-    const auto release = [](cl_mem memory) { clReleaseMemObject(memory); };
-    const std::unique_ptr<std::remove_pointer_t<cl_mem>, decltype(release)> target(
-        clCreateBuffer(device.context(), CL_MEM_READ_WRITE, samples * sizeof(float), nullptr, nullptr));
+    const DeviceBuffer target = buffer(device, samples * sizeof(float));
+    const DeviceBuffer of_vertices = copied(device, mesh.vertices()), of_triangles = copied(device, mesh.triangles());
+    const MeshView there(InputArray(of_vertices.get(), ElementType::float64, mesh.vertices().size()),
+                         InputArray(of_triangles.get(), ElementType::uint32, mesh.triangles().size()));
     HostTimes times;
     const auto timed = [&](HostTime& least, const auto& work) {
         const test::ThreadTimes threads(of_driver);
@@ -311,21 +328,30 @@ HostTimes measure_host(const Device& device, const test::Threads& of_driver, con
             plan->enqueue(device.queue(), target.get());
             clFinish(device.queue());
         };
-        timed(times.first_call, [&] {
-            transform.emplace(device, mesh);
-            plan.emplace(transform->plan(grid, band));
-            run();
-        });
-        plan.emplace(transform->plan(moved_grid, moved_band));
-        run();
-        std::vector<Vec3> positions = mesh.vertices();
-        for (int step = 0; step < 2; ++step) {  // the first one keeps the first positions
-            for (Vec3& position : positions) position[0] += moved_by * mesh.box().longest_side();
-            timed(times.set_positions, [&] { transform->set_positions(positions); });
-            timed(times.update, [&] {
-                plan->update(*transform);
+        for (const bool is_there : {false, true}) {
+            timed(is_there ? times.first_call_there : times.first_call, [&] {
+                if (is_there)
+                    transform.emplace(device, there);
+                else
+                    transform.emplace(device, mesh);
+                plan.emplace(transform->plan(grid, band));
                 run();
             });
+            plan.emplace(transform->plan(moved_grid, moved_band));
+            run();
+            std::vector<Vec3> positions = mesh.vertices();
+            for (int step = 0; step < 2; ++step) {  // the first one keeps the first positions
+                for (Vec3& position : positions) position[0] += moved_by * mesh.box().longest_side();
+                const DeviceBuffer moved = copied(device, positions);
+                const InputArray from =
+                    is_there ? InputArray(moved.get(), ElementType::float64, positions.size()) : InputArray(positions);
+                timed(is_there ? times.set_positions_there : times.set_positions,
+                      [&] { transform->set_positions(from); });
+                timed(is_there ? times.update_there : times.update, [&] {
+                    plan->update(*transform);
+                    run();
+                });
+            }
         }
     }
     return times;
