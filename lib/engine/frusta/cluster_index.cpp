@@ -13,7 +13,12 @@ namespace clsdf::detail {
 
 /// Sets what need not be found from a mesh's triangles.
 struct MeshAccess {
-    static Mesh without_arrays(std::string name, const Box& box) { return {std::move(name), box}; }
+    static Mesh without_arrays(std::string name, const Box& box) {
+        Mesh mesh;
+        mesh.name_ = std::move(name);
+        mesh.box_ = box;
+        return mesh;
+    }
     static void set_box(Mesh& mesh, const Box& box) { mesh.box_ = box; }
     static void set_positions(Mesh& mesh, std::vector<Vec3> positions) { mesh.vertices_ = std::move(positions); }
 };

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace clsdf {
@@ -86,8 +85,7 @@ public:
 
 private:
     friend struct detail::MeshAccess;
-    Mesh(std::string name, const Box& box) : name_(std::move(name)), box_(box) {}  // its arrays are elsewhere
-
+    Mesh() = default;
     std::vector<Vec3> vertices_;
     std::vector<Triangle> triangles_;
     std::string name_;
