@@ -42,26 +42,26 @@ abi_of() {
     abidw --exported-interfaces-only --drop-private-types --no-corpus-path --no-comp-dir-path --no-show-locs \
         --headers-dir lib/include --headers-dir bindings/c/include "$1"
 }
-broken=
+unfit=
 for library in obj-*/{lib,bindings/c}/libclsdf*.so; do
     soname=$(objdump -p "$library" | sed -n 's/^ *SONAME *//p')
     record=packaging/abi/$soname.abi.xz
     abi_of "$library" >"../$soname.abi"
-    if [ "${1-}" = --record ]; then
-        xz -9 "../$soname.abi"
-    elif [ ! -e "$record" ]; then
-        echo "$soname: there is no record; scripts/debian-packages --record makes it"
-    else
+    if [ -e "$record" ]; then
         xz -d <"$record" >"../recorded.abi"
         # Structs of C may grow.
         growth=()
         [[ $soname != libclsdf_c* ]] || growth=(--suppressions packaging/abi/growth.abignore)
         abidiff --no-added-syms "${growth[@]}" ../recorded.abi "../$soname.abi" &&
-            echo "$soname: as recorded" || broken+=" $soname"
+            echo "$soname: as recorded" || unfit+=" $soname"
+    elif [ "${1-}" != --record ]; then
+        echo "$soname: there is no record; scripts/release makes it"
     fi
+    [ "${1-}" != --record ] || xz -9 "../$soname.abi"
 done
-[ -z "$broken" ] || {
-    echo "debian-packages: programs that were compiled with the recorded interface break with$broken: see above, and" \
-        "\"What stays\" in docs/install.md" >&2
+[ -z "$unfit" ] || {
+    echo "debian-packages: the interface differs from its record:$unfit. See above. Programs that were compiled with the" \
+        "recorded one break. If it was never released, delete the record in packaging/abi; otherwise see \"What stays\" in" \
+        "docs/install.md" >&2
     exit 1
 }
