@@ -128,4 +128,5 @@ installed | diff $work.before - || fail "after the removal these packages are le
 while IFS= read -r file; do
     [ -d "$file" ] && [[ $file != *clsdf* ]] || { [ ! -e "$file" ] && [ ! -L "$file" ]; } || fail "the removal left $file"
 done <$work.files
+say "nothing is left"
 rm -rf $work $work.*
