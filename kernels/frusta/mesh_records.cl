@@ -316,8 +316,8 @@ __kernel void sweep_vertices(FaceLattice lattice, double scale_y, double scale_z
     if (n < end) vertices[n] = sweep_vertex(lattice, scale_y, scale_z, vload3(n, positions));
 }
 
-// The vertices of the faces of some clusters, three of each, and the faces' triangles of them. A work-item has a
-// corner; the mesh's last cluster may have fewer faces.
+// Makes the sweep's vertices and triangles of some clusters' faces: three vertices a face, none shared. A work-item has
+// a corner; the mesh's last cluster may have fewer faces.
 __kernel void sweep_clusters(FaceLattice lattice, double scale_y, double scale_z, uint begin, uint end,
                              __global const uint* clusters, __global const uint* triangles,
                              __global const double* positions, __global uint* corners, __global SweepVertex* vertices) {

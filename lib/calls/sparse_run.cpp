@@ -10,6 +10,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <vector>
 
@@ -361,7 +362,12 @@ CallStatistics DistanceTransform::State::compute_sparse(const engine::Job& job, 
 CallStatistics DistanceTransform::State::compute_sparse(const engine::Job& job, SparseField& field,
                                                         const CallOptions& call) {
     const Batch batch{.job = job, .arrays = targets::arrays_for(job.outputs)};
-    calls::FieldTarget target(batch.arrays, field, expected_bricks(kept_mesh->mesh(), job.grid, job.band, sign));
+    const std::size_t expected = [&] {
+        const std::scoped_lock lock(mutex);
+        context().begin_call();
+        return expected_bricks(kept_mesh->mesh(), job.grid, job.band, sign);
+    }();
+    calls::FieldTarget target(batch.arrays, field, expected);
     return SparseRun(*this, batch, target, call).run();
 }
 

@@ -27,6 +27,13 @@ engine::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> m
     return {std::move(device), std::move(pool), std::move(programs), std::move(method)};
 }
 
+/// Memory of the device that kernels may read; the host may read all.
+bool kernels_can_read(const InputArray& array) {
+    return array.device != nullptr && device::guarded([&] {
+               return (cl::Buffer(array.device, true).getInfo<CL_MEM_FLAGS>() & CL_MEM_WRITE_ONLY) == 0;
+           });
+}
+
 }  // namespace
 
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
@@ -46,7 +53,7 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_device_me
                                                                                    const TransformOptions& options,
                                                                                    const CallOptions& call) {
     const InputArray &vertices = mesh.vertices(), &triangles = mesh.triangles();
-    if (vertices.device == nullptr || triangles.device == nullptr) return nullptr;
+    if (!kernels_can_read(vertices) || !kernels_can_read(triangles)) return nullptr;
     std::unique_ptr<State> state(new State(device, options, call, nullptr));
     auto made = state->make_topology(vertices.count, triangles.count, call, [&](const engine::DeviceSetUp& job) {
         return engine::make_device_topology(job, engine::device_triples(vertices), engine::device_triples(triangles));
@@ -54,7 +61,8 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_device_me
     if (!made) return nullptr;
     Mesh on_host = engine::mesh_without_arrays(made->box());
     if (made->has_equal_vertices()) {  // the host merges them
-        on_host = made->mesh->read({state->tools()}, on_host.name());
+        MeshArrays arrays = made->mesh->read({state->tools()});
+        on_host = Mesh(std::move(arrays.vertices), std::move(arrays.triangles), on_host.name());
         made->mesh = nullptr;
     }
     state->set_mesh(std::move(on_host), std::move(made), options, call);
@@ -161,6 +169,7 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
+    context().begin_call();
     std::vector<Vec3> moved = vertices.moved(kept_mesh->mesh(), positions);
     vertices.check_joined(kept_mesh->mesh(), kept_mesh->sign_surface(), moved);
     move_vertices(std::move(moved));
@@ -169,6 +178,7 @@ void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
 void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
     require_whole();
+    context().begin_call();
     move_vertices(engine::Vertices::moved(kept_mesh->first_positions(), rotation, translation));
 }
 
@@ -190,6 +200,7 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
 bool DistanceTransform::State::set_positions_on_device(const InputArray& positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
+    if (!kernels_can_read(positions)) return false;
     context().begin_call();
     return move_by([&] { return kept_mesh->move(engine::device_triples(positions)); });
 }

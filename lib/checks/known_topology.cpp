@@ -1,11 +1,14 @@
 #include "checks/known_topology.hpp"
 
 #include "device/buffer_pool.hpp"
+#include "frusta/cluster_index.hpp"
 #include "frusta/kernel_topology.hpp"
+#include "lattice/layout_of.hpp"
 #include "launch/device_tools.hpp"
 #include "mesh/parts.hpp"
 #include "mesh/topology.hpp"
 #include "mesh/vertices.hpp"
+#include "sign/sweep_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -145,29 +148,28 @@ Mesh mesh_of_known_topology() {
 
 namespace {
 
-/// From a mesh's arrays in memory of the device: positions as floats, if they are, with a number between them, and
-/// indices of 64 bits.
+/// From a mesh's arrays in memory of the device, with a number between two positions.
+template <class Real, class Index>
 std::optional<engine::MadeTopology> made_of_device_arrays(const engine::DeviceSetUp& job, const Mesh& mesh) {
-    std::vector<float> floats;
-    std::vector<double> doubles;
-    bool are_floats = true;
+    std::vector<Real> numbers;
     for (const Vec3& vertex : mesh.vertices()) {
-        for (const double x : vertex) {
-            doubles.push_back(x);
-            floats.push_back(static_cast<float>(x));
-            are_floats = are_floats && (std::isnan(x) || static_cast<double>(floats.back()) == x);
-        }
-        doubles.push_back(0);
-        floats.push_back(0);
+        for (const double x : vertex) numbers.push_back(static_cast<Real>(x));
+        numbers.push_back(0);
     }
-    std::vector<std::uint64_t> indices;
+    std::vector<Index> indices;
     for (const Triangle& triangle : mesh.triangles()) indices.insert(indices.end(), triangle.begin(), triangle.end());
-    const auto positions = are_floats ? job.upload(floats, "vertices") : job.upload(doubles, "vertices");
-    const auto triangles = job.upload(indices, "triangles");
-    const cl_long words = are_floats ? 1 : 2;
+    const auto positions = job.upload(numbers, "vertices"), triangles = job.upload(indices, "triangles");
+    constexpr cl_long of_real = sizeof(Real) / sizeof(cl_uint), of_index = sizeof(Index) / sizeof(cl_uint);
     return engine::make_device_topology(
-        job, {*positions, mesh.vertices().size(), {0, 4 * words, words, are_floats ? 0U : 1U, 0}},
-        {*triangles, mesh.triangles().size(), {0, 6, 2, 1, 0}});
+        job, {*positions, mesh.vertices().size(), {0, 4 * of_real, of_real, of_real - 1, 0}},
+        {*triangles, mesh.triangles().size(), {0, 3 * of_index, of_index, of_index - 1, 0}});
+}
+
+bool has_floats(const Mesh& mesh) {
+    return std::ranges::all_of(mesh.vertices(), [](const Vec3& vertex) {
+        return std::ranges::all_of(
+            vertex, [](double x) { return std::isnan(x) || static_cast<double>(static_cast<float>(x)) == x; });
+    });
 }
 
 std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const Mesh& given,
@@ -206,6 +208,10 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
     const Box& box = mesh.box();
     comparison.compare("sides of the box", std::span(made->results.box),
                        std::array{box.lower[0], box.lower[1], box.lower[2], box.upper[0], box.upper[1], box.upper[2]});
+    const engine::MovedVertices moved = engine::move_vertices(job, topology, given.vertices());
+    comparison.compare("positions that are set", read<Vec3>(job, *moved.positions, topology.vertex_count()),
+                       engine::ordered_positions(expected, mesh.vertices()));
+    comparison.compare("sides of their box", sides_of({moved.box}), sides_of({box}));
     return comparison.difference();
 }
 
@@ -213,9 +219,43 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
 
 std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, const Mesh& mesh) {
     if (auto difference = difference_of(job, mesh, engine::make_device_topology(job, mesh))) return difference;
-    auto difference = difference_of(job, mesh, made_of_device_arrays(job, mesh));
+    auto difference = difference_of(job, mesh, made_of_device_arrays<double, std::uint32_t>(job, mesh));
+    if (!difference && has_floats(mesh))
+        difference = difference_of(job, mesh, made_of_device_arrays<float, std::uint64_t>(job, mesh));
     if (difference) *difference += ", from memory of the device";
     return difference;
+}
+
+std::optional<std::string> sweep_difference(const engine::DeviceSetUp& job) {
+    const Mesh mesh = mesh_of_known_topology();
+    const engine::MeshTopology topology(mesh);
+    const engine::DeviceFaces faces{std::make_shared<const engine::DeviceFaces::Names>(
+                                        engine::DeviceFaces::Names{topology.order.size(),
+                                                                   topology.faces.vertices.size(),
+                                                                   nullptr,
+                                                                   job.upload(topology.faces.triangles, "triangles"),
+                                                                   {}}),
+                                    job.upload(engine::ordered_positions(topology, mesh.vertices()), "vertices"),
+                                    {}};
+    constexpr std::size_t cluster = engine::ClusterIndex::cluster;
+    const std::size_t last = (mesh.triangles().size() - 1) / cluster * cluster;
+    const engine::NearRecords near{
+        {{cluster, 3 * cluster}, {last, mesh.triangles().size()}}, {}, 2 * cluster + mesh.triangles().size() - last, 0};
+    const Grid grid = Grid::around(mesh, 50, Band::symmetric(1));
+    const engine::LatticeView view = engine::lattice_of(grid);
+    const engine::SweepMesh made = engine::near_sweep_mesh(job, grid, view, mesh.box(), faces, near);
+    const engine::SweepMesh expected =
+        engine::near_sweep_mesh(job.tools, grid, view, mesh, {}, nullptr, topology, near.faces);
+    const std::size_t corners = 3 * near.face_count;
+    Comparison comparison;
+    const auto words_of_vertices = [&](const engine::SweepMesh& sweep) {
+        constexpr std::size_t words = sizeof(SweepVertex) / sizeof(std::uint64_t);
+        return read<std::uint64_t>(job, *sweep.vertices, words * corners);
+    };
+    comparison.compare("words of the sweep's vertices", words_of_vertices(made), words_of_vertices(expected));
+    comparison.compare("corners of the sweep's triangles", read<std::uint32_t>(job, made.triangles(), corners),
+                       read<std::uint32_t>(job, expected.triangles(), corners));
+    return comparison.difference();
 }
 
 }  // namespace clsdf::checks

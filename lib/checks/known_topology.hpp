@@ -18,4 +18,7 @@ Mesh mesh_of_known_topology();
 /// of its clusters. Describes, in a sentence, what differs; nothing if all bytes are the same. Throws Error.
 std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, const Mesh& mesh);
 
+/// The same of the vertices that the sign's sweep has for some clusters of that small mesh.
+std::optional<std::string> sweep_difference(const engine::DeviceSetUp& job);
+
 }  // namespace clsdf::checks

@@ -390,12 +390,15 @@ TestSubject point_subject(const Device& device, const engine::Programs& programs
 TestSubject topology_subject(const engine::Workshop& workshop) {
     TestSubject subject;
     subject.name = fmt::format("{} topology", device::name_of(workshop.programs.body));
-    subject.steps = 2;
+    subject.steps = 3;
     subject.build = [&workshop](const device::BuildWatch& watch) -> std::vector<cl::Program> {
-        return {workshop.programs.radix_sort.get(watch), workshop.programs.mesh_topology.get(watch)};
+        return {workshop.programs.radix_sort.get(watch), workshop.programs.mesh_topology.get(watch),
+                workshop.programs.mesh_records.get(watch)};
     };
     subject.difference = [&workshop](const device::BuildWatch&) {
-        return topology_difference({workshop.tools()}, mesh_of_known_topology());
+        const engine::DeviceSetUp job{workshop.tools()};
+        auto difference = topology_difference(job, mesh_of_known_topology());
+        return difference ? difference : sweep_difference(job);
     };
     return subject;
 }

@@ -110,7 +110,7 @@ struct HostTimes {
     HostTime set_positions;  ///< from an array of the host
     HostTime update;         ///< of a plan with a band of few voxels, and its run
     // The same of arrays in memory of the device.
-    HostTime first_call_there, set_positions_there, update_there;
+    HostTime first_call_on_device, set_positions_on_device, update_on_device;
     // Both are 0 if the times of the calling thread are the host's.
     std::uint64_t other_threads = 0;    ///< the most that ran beside the calling one and the driver's
     std::uint64_t event_callbacks = 0;  ///< the most that were asked for
@@ -119,9 +119,9 @@ struct HostTimes {
         return {{{"first_call", first_call},
                  {"set_positions", set_positions},
                  {"update_and_run", update},
-                 {"first_call_from_device", first_call_there},
-                 {"set_positions_from_device", set_positions_there},
-                 {"update_and_run_from_device", update_there}}};
+                 {"first_call_from_device", first_call_on_device},
+                 {"set_positions_from_device", set_positions_on_device},
+                 {"update_and_run_from_device", update_on_device}}};
     }
 };
 
@@ -304,8 +304,8 @@ HostTimes measure_host(const Device& device, const test::Threads& of_driver, con
     const std::size_t samples = std::max(grid.sample_count(), moved_grid.sample_count());
     const DeviceBuffer target = buffer(device, samples * sizeof(float));
     const DeviceBuffer of_vertices = copied(device, mesh.vertices()), of_triangles = copied(device, mesh.triangles());
-    const MeshView there(InputArray(of_vertices.get(), ElementType::float64, mesh.vertices().size()),
-                         InputArray(of_triangles.get(), ElementType::uint32, mesh.triangles().size()));
+    const MeshView mesh_on_device(InputArray(of_vertices.get(), ElementType::float64, mesh.vertices().size()),
+                                  InputArray(of_triangles.get(), ElementType::uint32, mesh.triangles().size()));
     HostTimes times;
     const auto timed = [&](HostTime& least, const auto& work) {
         const test::ThreadTimes threads(of_driver);
@@ -328,10 +328,10 @@ HostTimes measure_host(const Device& device, const test::Threads& of_driver, con
             plan->enqueue(device.queue(), target.get());
             clFinish(device.queue());
         };
-        for (const bool is_there : {false, true}) {
-            timed(is_there ? times.first_call_there : times.first_call, [&] {
-                if (is_there)
-                    transform.emplace(device, there);
+        for (const bool on_device : {false, true}) {
+            timed(on_device ? times.first_call_on_device : times.first_call, [&] {
+                if (on_device)
+                    transform.emplace(device, mesh_on_device);
                 else
                     transform.emplace(device, mesh);
                 plan.emplace(transform->plan(grid, band));
@@ -344,10 +344,10 @@ HostTimes measure_host(const Device& device, const test::Threads& of_driver, con
                 for (Vec3& position : positions) position[0] += moved_by * mesh.box().longest_side();
                 const DeviceBuffer moved = copied(device, positions);
                 const InputArray from =
-                    is_there ? InputArray(moved.get(), ElementType::float64, positions.size()) : InputArray(positions);
-                timed(is_there ? times.set_positions_there : times.set_positions,
+                    on_device ? InputArray(moved.get(), ElementType::float64, positions.size()) : InputArray(positions);
+                timed(on_device ? times.set_positions_on_device : times.set_positions,
                       [&] { transform->set_positions(from); });
-                timed(is_there ? times.update_there : times.update, [&] {
+                timed(on_device ? times.update_on_device : times.update, [&] {
                     plan->update(*transform);
                     run();
                 });

@@ -372,8 +372,6 @@ BOOST_AUTO_TEST_CASE(positions_in_memory_of_the_device_do_not_come_to_the_host) 
     BOOST_TEST(same(transform.compute(grid(), band()), expected.compute(grid(), band())));
 }
 
-// The lengths of the lists change in each step, but their buffers are an eighth longer than they need to be. So a step
-// allocates only the buffer for the order of the coarse bricks.
 /// The arrays of a mesh in memory of the device, of any types and with bytes between: the components of positions in a
 /// row each, triangles of 64 bits backwards.
 struct MeshOnDevice {
@@ -459,6 +457,29 @@ BOOST_AUTO_TEST_CASE(a_mesh_in_memory_of_the_device_does_not_come_to_the_host) {
     BOOST_TEST(are_same(query(transform, few), query(expected, few)));
 }
 
+// Whatever is given up first.
+BOOST_AUTO_TEST_CASE(a_mesh_in_memory_of_the_device_outlives_a_lack_of_memory) {
+    const Mesh first = in_floats(mesh()), second = in_floats(scaled(mesh(), 1.01));
+    const MeshOnDevice of_first(first), of_second(second);
+    const OutputSet outputs = Output::gradient | Output::triangle | Output::site;
+    for (std::size_t bytes = 0; bytes <= 160; bytes += 8) {
+        const TransformOptions options{.kept_bytes = bytes * first.triangles().size()};
+        DistanceTransform transform(test_device(), of_first.view(), options), expected(test_device(), first);
+        for (const bool moves : {false, true}) {
+            if (moves) {
+                transform.set_positions(of_second.vertices);
+                expected.set_positions(second.vertices());
+            }
+            transform.compute(grid(), band());
+            const Field field = transform.compute(grid(), band(), outputs),
+                        of_host = expected.compute(grid(), band(), outputs);
+            for (const Output output : {Output::distance, Output::gradient, Output::triangle, Output::site})
+                BOOST_TEST(std::ranges::equal(field.bytes(output), of_host.bytes(output)),
+                           bytes << " bytes a triangle, output " << static_cast<int>(output));
+        }
+    }
+}
+
 // Of these the host makes the topology, or merges vertices, or says what is wrong.
 BOOST_AUTO_TEST_CASE(any_mesh_in_memory_of_the_device_is_one_of_the_host) {
     const Mesh closed = in_floats(mesh());
@@ -504,6 +525,8 @@ BOOST_AUTO_TEST_CASE(floats_of_all_sizes_are_the_doubles_of_the_host) {
     BOOST_TEST(transform.box().upper[2] == small.box().upper[2]);
 }
 
+// The lengths of the lists change in each step, but their buffers are an eighth longer than they need to be. So a step
+// allocates only the buffer for the order of the coarse bricks.
 BOOST_AUTO_TEST_CASE(a_body_that_turns_finds_the_memory_of_the_step_before) {
     const Mesh body = make_shape("stairs");
     const Grid around = grid_around(body, 90, 12);

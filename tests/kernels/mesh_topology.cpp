@@ -32,6 +32,7 @@ public:
         BOOST_TEST(!difference.has_value(),
                    mesh.name() << ", " << mesh.triangles().size() << " triangles: " << difference.value_or(""));
     }
+    std::optional<std::string> sweep_difference() const { return checks::sweep_difference(job_); }
     bool refuses(const Mesh& mesh) const { return !engine::make_device_topology(job_, mesh).has_value(); }
 
 private:
@@ -76,6 +77,11 @@ BOOST_AUTO_TEST_CASE(shapes_have_the_topology_of_the_host) {
         kernels.check(unwelded(make_shape(shape)));
     }
     for (const Counterexample& one : all_counterexamples()) kernels.check(one.mesh);
+}
+
+// For patches: a part of the faces, each with vertices of its own.
+BOOST_AUTO_TEST_CASE(the_sweep_of_some_clusters_has_the_vertices_of_the_host) {
+    BOOST_TEST(!Kernels().sweep_difference().has_value());
 }
 
 BOOST_AUTO_TEST_CASE(hostile_meshes_have_the_topology_of_the_host) {

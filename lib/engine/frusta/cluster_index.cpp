@@ -19,6 +19,7 @@ struct MeshAccess {
         mesh.box_ = box;
         return mesh;
     }
+    static void set_triangles(Mesh& mesh, std::vector<Triangle> triangles) { mesh.triangles_ = std::move(triangles); }
     static void set_box(Mesh& mesh, const Box& box) { mesh.box_ = box; }
     static void set_positions(Mesh& mesh, std::vector<Vec3> positions) { mesh.vertices_ = std::move(positions); }
 };
@@ -241,6 +242,11 @@ MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopolog
 
 Mesh mesh_without_arrays(const Box& box) {
     return clsdf::detail::MeshAccess::without_arrays("mesh", box);
+}
+
+void set_arrays(Mesh& mesh, MeshArrays arrays) {
+    clsdf::detail::MeshAccess::set_positions(mesh, std::move(arrays.vertices));
+    clsdf::detail::MeshAccess::set_triangles(mesh, std::move(arrays.triangles));
 }
 
 void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions) {

@@ -3,6 +3,7 @@
 #include "frusta/frusta.hpp"
 #include "frusta/records.hpp"
 #include "frusta/topology.hpp"
+#include "mesh/mesh_arrays.hpp"
 #include "mesh/sign_surface.hpp"
 
 #include <clsdf/mesh.hpp>
@@ -78,6 +79,8 @@ MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopolog
 
 /// A mesh whose arrays are on the device; it has the name that a MeshView's has.
 Mesh mesh_without_arrays(const Box& box);
+/// Its arrays; name and box stay.
+void set_arrays(Mesh& mesh, MeshArrays arrays);
 
 /// As mesh.set_positions(), without a look at the triangles. `topology`: the mesh's.
 void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions);

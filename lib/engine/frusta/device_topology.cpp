@@ -44,13 +44,6 @@ device::BufferPool::Lease sent(const DeviceSetUp& job, const std::vector<Value>&
     return job.upload(values, purpose);
 }
 
-/// Reads all values of an array from the device. Waits.
-template <class Values>
-void read_values(const DeviceSetUp& job, const cl::Buffer& from, Values& to) {
-    job.tools.context.read(job.tools.queue(), from, 0, to.size() * sizeof(to[0]),
-                           reinterpret_cast<std::byte*>(to.data()));
-}
-
 Box box_of(const TopologyResults& results) {
     Box box;
     std::copy(results.box, results.box + 3, box.lower.begin());
@@ -216,14 +209,13 @@ DeviceTriples device_triples(const InputArray& array) {
             {array.offset / sizeof(cl_uint), steps.triple / word, steps.number / word, bytes_of(array.type) == 8, 0}};
 }
 
-Mesh DeviceMesh::read(const DeviceSetUp& job, const std::string& name) const {
-    std::vector<Vec3> of_vertices(vertex_count);
-    std::vector<Triangle> of_triangles(face_count);
+MeshArrays DeviceMesh::read(const DeviceSetUp& job) const {
+    MeshArrays arrays{std::vector<Vec3>(vertex_count), std::vector<Triangle>(face_count)};
     job.tools.context.run_or_drain([&] {
-        read_values(job, *vertices, of_vertices);
-        read_values(job, *triangles, of_triangles);
+        read_values(job, *vertices, arrays.vertices);
+        read_values(job, *triangles, arrays.triangles);
     });
-    return {std::move(of_vertices), std::move(of_triangles), name};
+    return arrays;
 }
 
 bool MadeTopology::encloses_negative_volume() const {
@@ -241,7 +233,6 @@ std::vector<std::uint32_t> MadeTopology::read_first_equal(const DeviceSetUp& job
 }
 
 MeshTopology DeviceTopology::read(const DeviceSetUp& job, std::span<const std::uint32_t> numbers) const {
-    const auto copy = [&](const cl::Buffer& from, auto& to) { read_values(job, from, to); };
     UninitializedVector<std::uint32_t> of_faces(face_count()), of_corners(3 * face_count());
     std::vector<std::uint32_t> of_vertices(vertex_count() + 1);
     OrderedFaces faces;
@@ -250,12 +241,12 @@ MeshTopology DeviceTopology::read(const DeviceSetUp& job, std::span<const std::u
     PairedEdges pairs;
     pairs.faces = UninitializedVector<FaceEdges>(face_count());
     job.tools.context.run_or_drain([&] {
-        copy(*order, of_faces);
-        copy(*names->triangles, faces.triangles);
-        copy(*vertices, faces.vertices);
-        copy(*starts, of_vertices);
-        copy(*corners, of_corners);
-        copy(*edges, pairs.faces);
+        read_values(job, *order, of_faces);
+        read_values(job, *names->triangles, faces.triangles);
+        read_values(job, *vertices, faces.vertices);
+        read_values(job, *starts, of_vertices);
+        read_values(job, *corners, of_corners);
+        read_values(job, *edges, pairs.faces);
     });
     if (!numbers.empty())
         for (std::uint32_t& vertex : faces.vertices) vertex = numbers[vertex];
@@ -342,7 +333,7 @@ std::vector<Box> cluster_boxes(const DeviceSetUp& job, const DeviceFaces& faces)
     const std::size_t count = chunk_count(faces.names->face_count, ClusterIndex::cluster),
                       group = tools.programs.group_size;
     std::vector<Box> result(count);
-    device::guarded([&] {
+    tools.context.run_or_drain([&] {
         const auto boxes = tools.pool->lease(count * sizeof(Box), "boxes of clusters");
         cl::Kernel kernel(tools.programs.mesh_topology, "cluster_boxes");
         launch(tools.queue(), kernel, {count * group, group}, static_cast<cl_uint>(faces.names->face_count),

@@ -7,6 +7,7 @@
 #include "device/in_flight.hpp"
 #include "frusta/device_faces.hpp"
 #include "frusta/topology.hpp"
+#include "mesh/mesh_arrays.hpp"
 #include "mesh_topology.h"
 
 #include <cstddef>
@@ -14,7 +15,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace clsdf::engine {
@@ -60,7 +60,7 @@ struct DeviceMesh {
     std::size_t face_count = 0;
 
     /// The same on the host. Waits. Throws Error.
-    Mesh read(const DeviceSetUp& job, const std::string& name) const;
+    MeshArrays read(const DeviceSetUp& job) const;
     std::size_t device_bytes() const { return vertices.bytes() + triangles.bytes(); }
 };
 
@@ -94,6 +94,13 @@ Value read_value(const DeviceTools& tools, const cl::Buffer& buffer) {
     is_read.wait();
     value.end();
     return *value;
+}
+
+/// Reads all values of an array from the device. Waits. Throws cl::Error.
+template <class Values>
+void read_values(const DeviceSetUp& job, const cl::Buffer& from, Values& to) {
+    job.tools.context.read(job.tools.queue(), from, 0, to.size() * sizeof(to[0]),
+                           reinterpret_cast<std::byte*>(to.data()));
 }
 
 /// Whether a device makes the topology of such a mesh: it has memory of its own and runs the body by_group, and the

@@ -301,13 +301,9 @@ MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const DeviceTopology& topol
 void fill(const DeviceSetUp& job, const DeviceFaces& faces, Frusta& frusta) {
     UninitializedVector<Vec3> positions(faces.names->vertex_count);
     UninitializedVector<FaceSlopes> slopes(faces.names->face_count);
-    const auto read = [&](const cl::Buffer& from, auto& to) {
-        job.tools.context.read(job.tools.queue(), from, 0, to.size() * sizeof(to[0]),
-                               reinterpret_cast<std::byte*>(to.data()));
-    };
     job.tools.context.run_or_drain([&] {
-        read(*faces.positions, positions);
-        read(*faces.slopes, slopes);
+        read_values(job, *faces.positions, positions);
+        read_values(job, *faces.slopes, slopes);
     });
     frusta.positions = std::move(positions);
     frusta.slopes = std::move(slopes);

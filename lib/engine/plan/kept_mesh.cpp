@@ -85,13 +85,14 @@ Job KeptMesh::checked(JobKey asked, SignRule sign) const {
 
 void KeptMesh::read_mesh() {
     if (!device_mesh_) return;
-    Mesh first = device_mesh_->read(set_up(), mesh_.name());
-    if (has_moved_) {
-        first_positions_ = first.vertices();
-        engine::move(first, mesh_.box());
-    }
-    mesh_ = std::move(first);
+    MeshArrays arrays = device_mesh_->read(set_up());
+    if (has_moved_) first_positions_ = arrays.vertices;
+    set_arrays(mesh_, std::move(arrays));  // other threads may read its name and its box
     device_mesh_.set(nullptr);
+}
+
+void KeptMesh::keep_first_positions() {
+    if (!has_moved_ && !device_mesh_) first_positions_ = mesh_.vertices();
 }
 
 const std::vector<Vec3>& KeptMesh::first_positions() {
@@ -113,32 +114,26 @@ const Mesh& KeptMesh::mesh() {
 }
 
 void KeptMesh::move(std::vector<Vec3> positions) {
-    read_mesh();  // whose positions would replace these
-    std::vector<Vec3> before = positions_before_move();
+    read_mesh();  // now: a later read would replace the new positions
+    keep_first_positions();
     if (const auto moved = moved_on_device(positions, positions.size())) {
         engine::move(mesh_, moved->box, std::move(positions));
         has_old_positions_ = false;
-    } else {
-        topology();                                             // of the first positions
-        engine::move(mesh_, *topology_, std::move(positions));  // which finds what is wrong
-        forget_positions();
+        return;
     }
-    if (!before.empty()) first_positions_ = std::move(before);
+    topology();                                             // of the first positions
+    engine::move(mesh_, *topology_, std::move(positions));  // which finds what is wrong
+    forget_positions();
 }
 
 bool KeptMesh::move(const DeviceTriples& positions) {
     if (!sign_surface().vertices.empty()) return false;
-    std::vector<Vec3> before = positions_before_move();
+    keep_first_positions();
     const auto moved = moved_on_device(positions, positions.count);
     if (!moved) return false;
     engine::move(mesh_, moved->box);
     has_old_positions_ = true;
-    if (!before.empty()) first_positions_ = std::move(before);
     return true;
-}
-
-std::vector<Vec3> KeptMesh::positions_before_move() const {
-    return has_moved_ || device_mesh_ ? std::vector<Vec3>() : mesh_.vertices();
 }
 
 template <class Positions>
@@ -153,8 +148,9 @@ std::optional<MovedVertices> KeptMesh::moved_on_device(const Positions& position
         return std::nullopt;
     }
     if (!moved.are_finite) return std::nullopt;
+    auto kept = std::make_shared<const device::BufferPool::Lease>(std::move(moved.positions));
     forget_positions();
-    positions_.set(std::make_shared<const device::BufferPool::Lease>(std::move(moved.positions)));
+    positions_.set(std::move(kept));
     return moved;
 }
 
@@ -173,8 +169,11 @@ void KeptMesh::refuse_memory() const {
 }
 
 std::shared_ptr<const MeshTopology> KeptMesh::shared_topology() {
-    return topology_.get_or(
-        [&] { return device_topology_ ? device_topology_->read(set_up(), numbers_) : MeshTopology(mesh_); });
+    return topology_.get_or([&] {
+        if (device_topology_) return device_topology_->read(set_up(), numbers_);
+        read_mesh();
+        return MeshTopology(mesh_);
+    });
 }
 
 void KeptMesh::set_topology(MadeTopology made, std::span<const std::uint32_t> numbers) {
@@ -232,7 +231,8 @@ std::optional<PreparedMesh> KeptMesh::make_frusta(const LatticeView* lattice) {
 const ClusterIndex& KeptMesh::index() {
     return *index_.get_or([&] {
         counted_frusta();
-        if (partial_frusta_) return ClusterIndex(face_count_, cluster_boxes(set_up(), *faces_), faces_->part->frusta);
+        if (has_faces_of_gpu())
+            return ClusterIndex(face_count_, cluster_boxes(set_up(), *faces_), faces_->part->frusta);
         return ClusterIndex(face_count_, cluster_boxes(topology().faces.triangles, frusta().positions), frusta());
     });
 }
@@ -289,6 +289,10 @@ SurfacePoints KeptMesh::points_of(const LatticeView& view) {
     return surface_points(restriction_ ? restriction_->sample : surface_sample(topology(), frusta()), view);
 }
 
+bool KeptMesh::has_faces_of_gpu() const {
+    return partial_frusta_ != nullptr && faces_->names->topology == nullptr;
+}
+
 bool KeptMesh::is_swept_on_device(const Job& job, const DeviceFaces* faces) const {
     return faces != nullptr && sign_surface().is_mesh() && is_within_sweep(mesh_.box(), job.grid, job.lattice);
 }
@@ -302,7 +306,7 @@ SweepMesh KeptMesh::sweep_mesh(const Job& job) {
 }
 
 SweepMesh KeptMesh::near_sweep_mesh(const Job& job, const NearRecords& near) {
-    const auto faces = partial_frusta_ && boundary() == nullptr ? device_faces(job.lattice) : nullptr;
+    const auto faces = has_faces_of_gpu() && boundary() == nullptr ? device_faces(job.lattice) : nullptr;
     if (is_swept_on_device(job, faces.get()))
         return engine::near_sweep_mesh(set_up(), job.grid, job.lattice, mesh_.box(), *faces, near);
     return engine::near_sweep_mesh(tools(), job.grid, job.lattice, mesh(), sign_surface(), boundary().get(), topology(),
@@ -384,7 +388,8 @@ void KeptMesh::release() {
 }
 
 KeptMemory KeptMesh::memory() {
-    KeptMemory sum{first_positions_.size() * sizeof(Vec3), 0};
+    KeptMemory sum;
+    if (has_moved_) sum.host_bytes = first_positions_.size() * sizeof(Vec3);
     for (const KeptValue* value : all_kept()) {
         const KeptMemory memory = value->memory();
         sum.host_bytes += memory.host_bytes;

@@ -194,8 +194,8 @@ private:
     template <class Positions>
     std::optional<MovedVertices> moved_on_device(const Positions& positions, std::size_t count);
     void forget_positions();
-    /// The host's first positions, before they move; else nothing.
-    std::vector<Vec3> positions_before_move() const;
+    /// Before the first move.
+    void keep_first_positions();
     /// From device_mesh_, which is given up.
     void read_mesh();
 
@@ -207,6 +207,8 @@ private:
     WrittenFaces written_faces(const DeviceFaces& faces);
     /// Null if the host makes the lattice's records, and the vertices of its sweep.
     std::shared_ptr<const DeviceFaces> device_faces(const LatticeView& lattice);
+    /// Whether a GPU has made the topology, and has the frusta by itself.
+    bool has_faces_of_gpu() const;
     /// Whether kernels make all of the job's sweep mesh. faces: null if there are none.
     bool is_swept_on_device(const Job& job, const DeviceFaces* faces) const;
     /// The records of the whole mesh.
