@@ -27,7 +27,7 @@ using engine::Vector;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-bool overlap(const Box& a, const Box& b) {
+bool boxes_overlap(const Box& a, const Box& b) {
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (a.lower[axis] > b.upper[axis] || b.lower[axis] > a.upper[axis]) return false;
     return true;
@@ -62,7 +62,9 @@ Box ball_box(const std::array<Vec3, 3>& corners) {
 /// The index of a mesh, and a box of each face, of each cluster, and of each point site.
 struct Indexed {
     explicit Indexed(const Mesh& mesh)
-        : topology(mesh), frusta(engine::make_frusta(topology, mesh.vertices())), index(topology, frusta) {
+        : topology(mesh),
+          frusta(engine::make_frusta(topology, mesh.vertices())),
+          index(topology.order.size(), engine::cluster_boxes(topology.faces.triangles, frusta.positions), frusta) {
         for (const auto& [a, b, c] : topology.faces.triangles)
             faces.push_back(ball_box({frusta.positions[a], frusta.positions[b], frusta.positions[c]}));
         for (std::size_t face = 0; face < faces.size(); ++face) {
@@ -110,9 +112,9 @@ void search(const Indexed& mesh, const Box& box, Counts& counts) {
     BOOST_TEST(near.face_count == static_cast<std::size_t>(std::count(faces.begin(), faces.end(), true)));
     BOOST_TEST(near.site_count == static_cast<std::size_t>(std::count(sites.begin(), sites.end(), true)));
     for (std::size_t face = 0; face < mesh.faces.size(); ++face)
-        counts.missed_faces += overlap(mesh.faces[face], box) && !faces[face] ? 1U : 0U;
+        counts.missed_faces += boxes_overlap(mesh.faces[face], box) && !faces[face] ? 1U : 0U;
     for (std::size_t site = 0; site < mesh.sites.size(); ++site) {
-        counts.missed_sites += overlap(mesh.sites[site], box) && !sites[site] ? 1U : 0U;
+        counts.missed_sites += boxes_overlap(mesh.sites[site], box) && !sites[site] ? 1U : 0U;
         counts.sites += sites[site] ? 1U : 0U;
     }
     for (std::size_t n = 0; n < mesh.clusters.size(); ++n) {
@@ -120,7 +122,7 @@ void search(const Indexed& mesh, const Box& box, Counts& counts) {
         // The index takes the altitude of a face as 0.8661 of its longest edge, so its boxes may be 0.73 wider.
         const double side = cluster.longest_side();
         const bool is_found = faces[n * ClusterIndex::cluster];
-        counts.needless_clusters += is_found && !overlap(grown(cluster, 0.37 * side), box) ? 1U : 0U;
+        counts.needless_clusters += is_found && !boxes_overlap(grown(cluster, 0.37 * side), box) ? 1U : 0U;
         (is_found ? counts.near : counts.far) += 1;
     }
 }
