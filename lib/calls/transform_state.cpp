@@ -169,7 +169,6 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    context().begin_call();
     std::vector<Vec3> moved = vertices.moved(kept_mesh->mesh(), positions);
     vertices.check_joined(kept_mesh->mesh(), kept_mesh->sign_surface(), moved);
     move_vertices(std::move(moved));
@@ -178,7 +177,6 @@ void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
 void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    context().begin_call();
     move_vertices(engine::Vertices::moved(kept_mesh->first_positions(), rotation, translation));
 }
 

@@ -85,6 +85,7 @@ Job KeptMesh::checked(JobKey asked, SignRule sign) const {
 
 void KeptMesh::read_mesh() {
     if (!device_mesh_) return;
+    context_.begin_call();
     MeshArrays arrays = device_mesh_->read(set_up());
     if (has_moved_) first_positions_ = arrays.vertices;
     set_arrays(mesh_, std::move(arrays));  // other threads may read its name and its box
@@ -103,6 +104,7 @@ const std::vector<Vec3>& KeptMesh::first_positions() {
 const Mesh& KeptMesh::mesh() {
     read_mesh();
     if (!has_old_positions_) return mesh_;
+    context_.begin_call();
     UninitializedVector<Vec3> ordered(topology().faces.vertices.size());
     context_.run_or_drain([&] {
         context_.read(context_.queue(), **positions_, 0, ordered.size() * sizeof(Vec3),
