@@ -221,7 +221,8 @@ def test_points_that_are_not_finite_have_no_distance(body, points):
     marked = np.array(points[:5])
     marked[1] = np.nan
     marked[3] = 1e30
-    with pytest.warns(clsdf.MeshWarning, match=r"1 of 5 points.*point 1 at \(nan, nan, nan\).*1 of 5.*point 3") as warned:
+    warning = r"1 of 5 points.*point 1, counted from 0, at \(nan, nan, nan\).*1 of 5.*point 3"
+    with pytest.warns(clsdf.MeshWarning, match=warning) as warned:
         found = body.query(marked, outputs="triangle closest", within=0.25)
     assert len(warned) == 1 and warned[0].filename == __file__
     assert np.isnan(found.distance[1]) and found.distance[3] == 0.25
@@ -229,7 +230,8 @@ def test_points_that_are_not_finite_have_no_distance(body, points):
     expected = body.query(points[:5], outputs="triangle closest", within=0.25)
     for name, array in found.arrays.items():
         assert np.array_equal(array[[0, 2, 4]], expected.arrays[name][[0, 2, 4]], equal_nan=True)
-    for bad, message in [(marked, r"point 1 at \(nan, nan, nan\)"), ([[0, np.inf, 0]], r"point 0 at \(0, inf, 0\)")]:
+    for bad, message in [(marked, r"point 1, counted from 0, at \(nan, nan, nan\)"),
+                         ([[0, np.inf, 0]], r"point 0, counted from 0, at \(0, inf, 0\)")]:
         with pytest.raises(clsdf.Error, match=message) as error:
             body.query(bad, refuse_unusable_points=True)
         assert error.value.code == "invalid_argument"
