@@ -25,26 +25,24 @@ constexpr std::size_t few_neighbours = 24;
 /// Directions to the vertex' neighbours, each once, in the caller's order; nullopt where there are too many.
 std::optional<std::vector<Vector>> neighbour_directions(const MeshFaces& faces, std::span<const std::uint32_t> vertices,
                                                         const OneRings& rings, std::uint32_t vertex) {
-    std::array<std::uint32_t, few_neighbours> neighbours{};  // ascending by the caller's numbers
-    std::size_t count = 0;
+    std::vector<std::uint32_t> neighbours;  // ascending by the caller's numbers
+    neighbours.reserve(few_neighbours);
+    const auto callers_number = [&](std::uint32_t neighbour) { return vertices[neighbour]; };
     for (std::size_t i = 0; i < rings.size(vertex); ++i) {
         const Corner corner = rings.corner(vertex, i);
         for (const std::uint32_t k : {next_of_three(corner.vertex), previous_of_three(corner.vertex)}) {
             const std::uint32_t neighbour = faces.triangles[corner.face][k];
-            std::size_t place = count;
-            while (place > 0 && vertices[neighbours[place - 1]] > vertices[neighbour]) --place;
-            if (place > 0 && neighbours[place - 1] == neighbour) continue;
-            if (count == few_neighbours) return std::nullopt;
-            std::copy_backward(neighbours.begin() + place, neighbours.begin() + count, neighbours.begin() + count + 1);
-            neighbours[place] = neighbour;
-            ++count;
+            const auto place = std::ranges::lower_bound(neighbours, vertices[neighbour], {}, callers_number);
+            if (place != neighbours.end() && *place == neighbour) continue;
+            if (neighbours.size() == few_neighbours) return std::nullopt;
+            neighbours.insert(place, neighbour);
         }
     }
     std::vector<Vector> directions;
-    directions.reserve(count);
-    for (std::size_t i = 0; i < count; ++i)
+    directions.reserve(neighbours.size());
+    for (const std::uint32_t neighbour : neighbours)
         directions.push_back(
-            ((to_vector(faces.position(neighbours[i])) - to_vector(faces.position(vertex))) / faces.lattice.unit)
+            ((to_vector(faces.position(neighbour)) - to_vector(faces.position(vertex))) / faces.lattice.unit)
                 .normalized());
     return directions;
 }

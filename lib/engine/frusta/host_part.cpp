@@ -129,9 +129,7 @@ std::optional<HostPart> host_part(const DeviceSetUp& job, const DeviceTopology& 
     is_read.wait();
     const ListCounts found = read->counts;
     read->listed.resize(found.is_refused != 0 ? 0 : found.near);
-    if (read->listed.size() > short_list)
-        tools.context.read(queue, *near, 0, read->listed.size() * sizeof(ListedFace),
-                           reinterpret_cast<std::byte*>(read->listed.data()));
+    if (read->listed.size() > short_list) read_values(job, *near, read->listed);
     read.end();
     if (found.is_refused != 0) return std::nullopt;
     HostPart part = part_of(read->listed, faces, vertices);

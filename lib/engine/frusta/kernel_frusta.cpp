@@ -80,8 +80,7 @@ public:
             const MeshTopology& whole = on_host();
             frusta_->positions = UninitializedVector<Vec3>(topology.vertex_count());
             frusta_->slopes.resize(count_);
-            job_.tools.context.read(job_.tools.queue(), *faces_.positions, 0, frusta_->positions.size() * sizeof(Vec3),
-                                    reinterpret_cast<std::byte*>(frusta_->positions.data()));
+            read_values(job_, *faces_.positions, frusta_->positions);
             complete(whole, [&](const Answers& answers) {
                 return left_by_answers(whole, answers.of_faces, answers.of_vertices);
             });

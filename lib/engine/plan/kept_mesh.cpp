@@ -106,10 +106,7 @@ const Mesh& KeptMesh::mesh() {
     if (!has_old_positions_) return mesh_;
     context_.begin_call();
     UninitializedVector<Vec3> ordered(topology().faces.vertices.size());
-    context_.run_or_drain([&] {
-        context_.read(context_.queue(), **positions_, 0, ordered.size() * sizeof(Vec3),
-                      reinterpret_cast<std::byte*>(ordered.data()));
-    });
+    context_.run_or_drain([&] { read_values(set_up(), **positions_, ordered); });
     set_ordered_positions(mesh_, topology(), ordered);
     has_old_positions_ = false;
     return mesh_;
