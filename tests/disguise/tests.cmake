@@ -26,6 +26,10 @@ clsdf_test(disguise_promises ${CMAKE_CURRENT_LIST_DIR}/promises.cpp)
 target_link_libraries(test_disguise_promises PRIVATE clsdf_disguise clsdf::reference clsdf::papers OpenCL::OpenCL)
 clsdf_between(disguise_promises)
 
+clsdf_test(disguise_device_meshes ${CMAKE_CURRENT_LIST_DIR}/device_meshes.cpp)
+target_link_libraries(test_disguise_device_meshes PRIVATE clsdf_disguise clsdf::reference OpenCL::OpenCL)
+clsdf_between(disguise_device_meshes)
+
 # PoCL answers as other drivers do.
 clsdf_test(disguise_drivers ${CMAKE_CURRENT_LIST_DIR}/drivers.cpp)
 target_link_libraries(test_disguise_drivers PRIVATE clsdf_disguise OpenCL::OpenCL)

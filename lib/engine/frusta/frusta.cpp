@@ -7,7 +7,6 @@
 #include "mesh/mesh_arrays.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
