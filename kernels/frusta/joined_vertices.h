@@ -5,11 +5,12 @@
 #include "mesh_groups.h"
 
 // The lowest vertex that this one is known to be joined with. All that is read may be old: it is above all the same.
+// So plain reads do: all vertices read the word of the lowest one, and atomic functions would take turns there.
 static inline uint root_of(Atomic above, uint vertex) {
     for (;;) {
-        const uint parent = atomic_or(above + vertex, 0u);
+        const uint parent = above[vertex];
         if (parent == 0) return vertex;
-        const uint next = atomic_or(above + parent - 1, 0u);
+        const uint next = above[parent - 1];
         if (next == 0) return parent - 1;
         atomic_cmpxchg(above + vertex, parent, next);
         vertex = next - 1;

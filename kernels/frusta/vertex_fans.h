@@ -86,25 +86,42 @@ INLINE doubleL least_factor(Vectors middle, double sign, Vectors a, Vectors b, V
     return LESSER(LESSER(of_a, of_b), LESSER(of_c, determinant));
 }
 
+INLINE uint lane_bits(longL condition) {
+    return lanes_to_bits(TO_INTS(condition));
+}
+
+// Whether the products of all lanes are certain.
+INLINE bool are_certain(doubleL products) { return lane_bits(products > CERTAIN_PRODUCT) == LANE_BITS; }
+
 // Tries conditions a third of the fan apart; for most vertices they suffice.
 INLINE doubleL best_of_thirds(__private const Vectors* v, uint faces, Vectors middle, double sign) {
     doubleL best = 0.0;
     const uint third = (faces + 1) / 3;
-    for (uint f = 0; f < third; ++f) {
+    for (uint f = 0; f < third && !are_certain(best); ++f) {
         const doubleL least = least_factor(middle, sign, v[f], v[f + third], v[min(f + 2 * third, faces - 1)]);
         best = GREATER(best, least);
     }
     return best;
 }
 
+// All threes. What two of the vectors give does not wait for the third one: middle . (c x a) = (middle x c) . a.
 INLINE doubleL best_of_all(__private const Vectors* v, uint faces, Vectors middle, double sign) {
     doubleL best = 0.0;
-    for (uint k = 2; k < faces; ++k)
-        for (uint j = 1; j < k; ++j)
+    for (uint k = 2; k < faces; ++k) {
+        const Vectors c = v[k], from_middle = cross_product(middle, c);
+        for (uint j = 1; j < k && !are_certain(best); ++j) {
+            const Vectors b = v[j], cross = cross_product(b, c), to_middle = cross_product(b, middle);
+            const doubleL of_a = dot_in_order(middle, cross);
+            if (lane_bits(of_a > best) == 0) continue;
             for (uint i = 0; i < j; ++i) {
-                const doubleL least = least_factor(middle, sign, v[i], v[j], v[k]);
+                const Vectors a = v[i];
+                const doubleL of_b = dot_in_order(from_middle, a), of_c = dot_in_order(to_middle, a),
+                              determinant = sign * dot_in_order(a, cross);
+                const doubleL least = LESSER(LESSER(of_a, of_b), LESSER(of_c, determinant));
                 best = GREATER(best, least);
             }
+        }
+    }
     return best;
 }
 
@@ -113,6 +130,7 @@ OUT_OF_LINE longL are_covered(__private const Fans* fans, uint faces, bool try_a
     doubleL least = 1.0;
 #pragma unroll
     for (uint which = 0; which < 4; ++which) {
+        if (lane_bits(least > CERTAIN_PRODUCT) == 0) continue;
         Vectors v[CLSDF_FAN_FACES];
         const bool arriving = which & 1, above = which < 2;
         set_conditions(fans, faces, arriving, above, v);
