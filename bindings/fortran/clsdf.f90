@@ -2978,9 +2978,9 @@ contains
     call clsdf_finish(c_device_forget_records(self%handle), stat, errmsg)
   end subroutine
 
-  !> Gives back what the device keeps for later calls, beside what transforms and plans hold: memory of the device that
-  !> no transform uses, at most 512 MiB and 1/32 of its memory, and 16 MiB of pinned memory of the host. Only a device
-  !> with memory of its own keeps them. bytes: how many.
+  !> Gives back what the device keeps for later calls, beside what transforms and plans hold: arrays of the host, at
+  !> most 32 MiB; and, of a device with memory of its own, memory of the device that no transform uses, at most 512 MiB
+  !> and 1/32 of its memory, and 40 MiB of pinned memory of the host. bytes: how many.
   subroutine device_release_memory(self, bytes, stat, errmsg)
     class(clsdf_device), intent(in) :: self
     integer(c_int64_t), intent(out), optional :: bytes

@@ -10,8 +10,6 @@ namespace clsdf {
 
 // A triangle whose box holds more rows is shared by several work-items.
 #define CLSDF_LARGE_ROWS 64
-// A work-item takes so many records at a time.
-#define CLSDF_RECORD_BLOCK 32
 // The row of a record that a block has left over.
 #define CLSDF_NO_ROW 0xFFFFFFFFu
 

@@ -78,7 +78,7 @@ __kernel void file_vertices(TopologySizes sizes, __global const double* position
     atomic_max((Atomic)&results->is_refused, 1u);
 }
 
-// The first equal vertex of each; counts those in use, and their classes.
+// The first equal vertex of each, with CLSDF_IN_USE; counts those in use, and their classes.
 __kernel GROUP_OF_KERNEL void count_vertices(TopologySizes sizes, Atomic words, __global const uint* slots,
                                              __global uint* first_equal, __global TopologyResults* results) {
     volatile __local uint sum;
@@ -86,8 +86,8 @@ __kernel GROUP_OF_KERNEL void count_vertices(TopologySizes sizes, Atomic words, 
     uint is_used = 0, is_first = 0;
     if (vertex < sizes.vertices) {
         const uint equal = ~words[sizes.table + slots[vertex]];
-        first_equal[vertex] = equal;
         is_used = words[sizes.used + vertex / 32] >> vertex % 32 & 1u;
+        first_equal[vertex] = equal | (is_used ? CLSDF_IN_USE : 0u);
         const uint bit = 1u << equal % 32;
         if (is_used) is_first = (atomic_or(words + sizes.classes + equal / 32, bit) & bit) == 0;
     }
@@ -187,6 +187,21 @@ __kernel GROUP_OF_KERNEL void move_vertices(uint count, __global const uint* ver
     store_box(box, limits, boxes);
 }
 
+// Whether vertices that have moved and had equal coordinates have them still; if not, or if the first of those that
+// are equal is not in use, the host looks at them. first_equal: of count_vertices().
+__kernel void compare_equal_vertices(uint count, __global const uint* first_equal, GivenTriples of_positions,
+                                     __global const uint* given, __global TopologyResults* results) {
+    const uint vertex = get_global_id(0);
+    if (vertex >= count || !(first_equal[vertex] & CLSDF_IN_USE)) return;
+    const uint first = first_equal[vertex] & ~CLSDF_IN_USE;
+    if (first == vertex) return;
+    bool are_equal = (first_equal[first] & CLSDF_IN_USE) != 0;
+    for (uint axis = 0; axis < 3; ++axis)
+        are_equal = are_equal &&
+                    coordinate(of_positions, given, vertex, axis) == coordinate(of_positions, given, first, axis);
+    if (!are_equal) atomic_max((Atomic)&results->is_refused, 1u);
+}
+
 // Adds the box of a face: that of box_of() in lib/engine/frusta/cluster_index.cpp.
 static inline void add_ball(double3 a, double3 b, double3 c, __private double* box) {
     const double3 sides[3] = {b - a, c - b, a - c};
@@ -275,7 +290,7 @@ __kernel void order_faces(TopologySizes sizes, __global const uint* order, __glo
     if (place >= sizes.faces) return;
     const bool are_merged = results->used_vertices != results->different_vertices;
     for (uint k = 0; k < 3; ++k) {
-        const uint vertex = triangles[3 * (size_t)order[place] + k], name = are_merged ? first_equal[vertex] : vertex;
+        const uint vertex = triangles[3 * (size_t)order[place] + k], name = are_merged ? first_equal[vertex] & ~CLSDF_IN_USE : vertex;
         named[3 * (size_t)place + k] = name;
         atomic_max(words + sizes.first_corners + name, ~(3 * place + k));
     }

@@ -14,6 +14,9 @@
 #define CLSDF_MOST_PROBES 4096
 #define CLSDF_MOST_RING 4096
 
+// A bit of the first equal vertex of each one: that one is in use.
+#define CLSDF_IN_USE 0x80000000u
+
 // EdgeMark of lib/engine/frusta/topology.hpp, as far as the kernels set them.
 #define CLSDF_EDGE_OPEN 4u
 #define CLSDF_EDGE_NON_MANIFOLD 8u

@@ -46,15 +46,15 @@ INLINE ulong row_count(RowRange rows) {
 typedef struct Writer {
     __global uint* row_counts;
     __global SweepRecord* records;
-    uint capacity;
+    uint capacity, block;
     __global SweepTotals* totals;
     uint next, end;
 } Writer;
 
 INLINE void write_crossing(__private Writer* writer, uint row, uint key) {
     if (writer->next == writer->end) {
-        writer->next = atomic_add(&writer->totals->records, CLSDF_RECORD_BLOCK);
-        writer->end = writer->next + CLSDF_RECORD_BLOCK;
+        writer->next = atomic_add(&writer->totals->records, writer->block);
+        writer->end = writer->next + writer->block;
     }
     const uint index = atomic_inc(writer->row_counts + row);
     if (writer->next < writer->capacity) {
@@ -154,15 +154,15 @@ INLINE void sweep_triangle(Layout layout, uint t, uint strip, uint strips, __glo
 
 // Each work-item takes a range of the triangles [begin, end), or, if has_chosen, of those that `chosen` names there. If
 // strips is 0, it handles those with few rows, and appends the numbers of the others to `large`. Otherwise it takes a
-// range of the strips of all triangles. Keys: 2 k + (1 if the surface faces -x), k the first sample at or after the
+// range of the strips of all triangles. It takes room for `block` records at a time. Keys: 2 k + (1 if the surface faces -x), k the first sample at or after the
 // crossing, counted from the first brick's first sample and clamped to [0, row_length].
 __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
                              __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* row_counts,
-                             uint capacity, __global SweepRecord* records, __global SweepTotals* totals,
+                             uint capacity, uint block, __global SweepRecord* records, __global SweepTotals* totals,
                              __global uint* large, int has_chosen, __global const uint* chosen, uint strips) {
     const uint part = get_global_id(0), parts = get_global_size(0), count = (end - begin) * max(strips, 1u);
     const uint own_end = share_of(count, part + 1, parts);
-    Writer writer = {row_counts, records, capacity, totals, 0, 0};
+    Writer writer = {row_counts, records, capacity, block, totals, 0, 0};
     for (uint i = share_of(count, part, parts); i < own_end; ++i) {
         const uint n = begin + (strips > 0 ? i / strips : i), strip = strips > 0 ? i % strips : 0;
         sweep_triangle(layout, has_chosen ? chosen[n] : n, strip, strips, triangles, vertices, bits_y, bits_z, large,

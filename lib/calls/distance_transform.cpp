@@ -100,7 +100,7 @@ KeptMemory DistanceTransform::memory() const {
     State& state = this->state();
     const std::scoped_lock lock(state.mutex);
     KeptMemory memory = state.kept_mesh->memory();
-    memory.shared_host_bytes = state.context().pinned_bytes();
+    memory.shared_host_bytes = state.context().shared_host_bytes();
     memory.shared_device_bytes = state.context().arena().free_bytes();
     for (const auto& plan : state.plans) memory.device_bytes += state.bytes_of(*plan);
     return memory;

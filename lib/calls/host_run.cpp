@@ -36,15 +36,17 @@ void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls:
         gather(chain);
         memories.enqueue_handover(context.queue());
         const engine::GridPlan::Samples& lower = plan.lower_half();
-        if (in_halves && lower.end > 0) {
+        const bool is_read = in_halves && lower.end > 0;
+        if (is_read) {
             context.queue().flush();
-            memories.read(context, context.transfers(), 0, lower.end, {lower.complete});
+            memories.read(context, context.transfers(),
+                          {device::Milestone{lower.end, lower.complete}, {memories.samples, chain.last()}});
         }
         context.queue().finish();
         device::wait_for(chain.last());  // PoCL's queue finishes without an error if a command has failed
         plan.read_back(context.queue());
         plan.statistics.field_seconds = watch.seconds();
-        if (in_halves) memories.read(context, context.queue(), lower.end, memories.samples, {});
+        if (in_halves && !is_read) memories.read(context, context.queue());
     });
 }
 

@@ -60,45 +60,38 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_device_me
     });
     if (!made) return nullptr;
     Mesh on_host = engine::mesh_without_arrays(made->box());
-    if (made->has_equal_vertices()) {  // the host merges them
-        MeshArrays arrays = made->mesh->read({state->tools()});
-        on_host = Mesh(std::move(arrays.vertices), std::move(arrays.triangles), on_host.name());
-        made->mesh = nullptr;
-    }
     state->set_mesh(std::move(on_host), std::move(made), options, call);
     return state;
 }
 
 void DistanceTransform::State::set_mesh(Mesh mesh, std::optional<engine::MadeTopology> made,
                                         const TransformOptions& options, const CallOptions& call) {
-    vertices = engine::Vertices(made ? made->given_vertices : mesh.vertices().size());
-    std::vector<std::uint32_t> first;
-    if (made) {
-        const TopologyResults& found = made->results;
-        topology.unused_vertices = made->given_vertices - found.used_vertices;
-        topology.coincident_vertices = found.used_vertices - found.different_vertices;
-        if (made->has_equal_vertices()) first = made->read_first_equal({tools()});
-    } else {
-        first = first_equal_vertices(mesh.vertices());
-        topology = describe_vertices(mesh, first);
-    }
-    if (topology.coincident_vertices > 0) vertices = engine::Vertices(mesh, first);
-    kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh),
-                                                   engine::KeptMesh::Options{programs, method, options.kept_bytes},
-                                                   made ? std::move(made->mesh) : nullptr);
-    kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
+    const engine::KeptMesh::Options kept{programs, method, options.kept_bytes};
     SignSurface surface;
     if (!made) {
+        const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
+        topology = describe_vertices(mesh, first);
+        engine::Vertices vertices(mesh.vertices().size());
+        if (topology.coincident_vertices > 0) vertices = engine::Vertices(mesh, first);
+        kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh), std::move(vertices), kept);
         const engine::MeshTopology& of_mesh = kept_mesh->topology();
         surface = describe_edges(kept_mesh->mesh(), of_mesh.faces.triangles, of_mesh.edges.are_paired, options.sign,
                                  topology);
-    } else if (made->topology->are_paired) {
-        describe_paired_edges(made->encloses_negative_volume(), topology);
-        if (!made->is_one_part()) describe_parts(kept_mesh->mesh(), kept_mesh->mesh().triangles(), topology);
-    } else {  // edges have to be counted, so a good order of the faces is worth little
-        surface = describe_edges(kept_mesh->mesh(), kept_mesh->mesh().triangles(), false, options.sign, topology);
+    } else {
+        const TopologyResults& found = made->results;
+        topology.unused_vertices = made->given_vertices - found.used_vertices;
+        topology.coincident_vertices = found.used_vertices - found.different_vertices;
+        const bool are_paired = made->topology->are_paired, is_one_part = made->is_one_part(),
+                   is_inside_out = made->encloses_negative_volume();
+        kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh), std::move(*made), kept);
+        if (are_paired) {
+            describe_paired_edges(is_inside_out, topology);
+            if (!is_one_part) describe_parts(kept_mesh->mesh(), kept_mesh->mesh().triangles(), topology);
+        } else {  // edges have to be counted, so a good order of the faces is worth little
+            surface = describe_edges(kept_mesh->mesh(), kept_mesh->mesh().triangles(), false, options.sign, topology);
+        }
     }
-    if (made) kept_mesh->set_topology(std::move(*made), engine::Vertices::numbers(first));
+    kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
     OpenLoops open_loops = std::move(surface.open_loops);
@@ -130,7 +123,6 @@ DistanceTransform::State::State(const State& other, const std::shared_ptr<device
                                 std::unique_ptr<engine::KeptMesh> own_mesh)
     : engine::Workshop(other.with(own_pool)),
       topology(other.topology),
-      vertices(other.vertices),
       kept_mesh(std::move(own_mesh)),
       kept_points(std::make_unique<points::KeptPoints>(*kept_mesh)) {}
 
@@ -169,6 +161,8 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
+    if (move_by([&] { return kept_mesh->move_equal(positions); })) return;
+    const engine::Vertices& vertices = kept_mesh->vertices();
     std::vector<Vec3> moved = vertices.moved(kept_mesh->mesh(), positions);
     vertices.check_joined(kept_mesh->mesh(), kept_mesh->sign_surface(), moved);
     move_vertices(std::move(moved));

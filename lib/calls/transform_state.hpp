@@ -11,7 +11,6 @@
 #include "checks/self_test.hpp"
 #include "core/statistics.hpp"
 #include "launch/programs.hpp"
-#include "mesh/vertices.hpp"
 #include "plan/grid_plan.hpp"
 #include "plan/kept_mesh.hpp"
 #include "points/kept_points.hpp"
@@ -197,7 +196,6 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     WindingInputs winding_inputs();
 
     Topology topology;
-    engine::Vertices vertices;
 
     CallMutex mutex{"the transform that makes the call"};  // for what follows, and for the work on the device
     std::unique_ptr<engine::KeptMesh> kept_mesh;

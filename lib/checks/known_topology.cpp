@@ -184,9 +184,10 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
                              made->results.used_vertices - made->results.different_vertices,
                              counts.coincident_vertices);
     if (comparison.difference()) return comparison.difference();
-    if (made->has_equal_vertices()) comparison.compare("equal vertices", made->read_first_equal(job), first);
-    const Mesh mesh = made->has_equal_vertices() ? merged(given, first) : given;
-    const Numbers numbers = made->has_equal_vertices() ? engine::Vertices::numbers(first) : Numbers();
+    const engine::EqualVertices* const equal = made->equal.get();
+    if (equal != nullptr) comparison.compare("equal vertices", equal->read(job), first);
+    const Mesh mesh = equal != nullptr ? merged(given, first) : given;
+    const Numbers numbers = equal != nullptr ? engine::Vertices::numbers(first) : Numbers();
     const engine::MeshTopology expected(mesh);
     const engine::DeviceTopology& topology = *made->topology;
     comparison.compare_count("vertices in use", topology.vertex_count(), expected.faces.vertices.size());
@@ -208,7 +209,7 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
     const Box& box = mesh.box();
     comparison.compare("sides of the box", std::span(made->results.box),
                        std::array{box.lower[0], box.lower[1], box.lower[2], box.upper[0], box.upper[1], box.upper[2]});
-    const engine::MovedVertices moved = engine::move_vertices(job, topology, given.vertices());
+    const engine::MovedVertices moved = engine::move_vertices(job, topology, equal, given.vertices());
     comparison.compare("positions that are set", read<Vec3>(job, *moved.positions, topology.vertex_count()),
                        engine::ordered_positions(expected, mesh.vertices()));
     comparison.compare("sides of their box", sides_of({moved.box}), sides_of({box}));

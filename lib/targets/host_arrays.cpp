@@ -80,18 +80,19 @@ void OutputMemories::enqueue_handover(const cl::CommandQueue& queue) const {
 }
 
 void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers) const {
-    read(context, transfers, 0, samples, {});
+    read(context, transfers, std::vector<device::Milestone>());
 }
 
-void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers, std::size_t begin,
-                          std::size_t end, const std::vector<cl::Event>& events) const {
+void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers,
+                          std::vector<device::Milestone> milestones) const {
     if (in_place) return;
     for_each_output(
         [&](const OutputInfo& row, const HostArray& array, const cl::Buffer& buffer) {
             if (!array.is_wanted) return;
             const std::size_t bytes = sample_bytes(row, array.in_double);
-            context.read(transfers, buffer, begin * bytes, (end - begin) * bytes, array.data + begin * bytes,
-                         array.is_pinned, events);
+            std::vector<device::Milestone> in_bytes = milestones;
+            for (device::Milestone& milestone : in_bytes) milestone.end *= bytes;
+            context.read(transfers, buffer, 0, samples * bytes, array.data, array.is_pinned, in_bytes);
         },
         arrays, buffers);
 }
@@ -100,10 +101,13 @@ HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples)
     HostArrays result = wanted;
     try {
         for_each_output(
-            [&](const OutputInfo& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
+            [&](const OutputInfo& row, HostArray& array, device::LinesOfMemory& own) {
                 const std::size_t bytes = array.is_wanted ? samples * sample_bytes(row, array.in_double) : 0;
-                const std::size_t lines = chunk_count(bytes, sizeof(MemoryLine));
-                if (own.capacity() < lines) own = {};  // so as to get exactly so many
+                const std::size_t lines = chunk_count(bytes, sizeof(device::MemoryLine));
+                if (own.capacity() < lines) {
+                    own = {};  // so as to get exactly so many
+                    if (spares_ != nullptr) own = spares_->take(lines);
+                }
                 own.resize(lines);
                 array.is_pinned = false;
                 if (array.is_wanted) array.data = own.data()->bytes;
@@ -119,9 +123,15 @@ HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples)
 std::size_t OwnArrays::bytes() const {
     std::size_t bytes = 0;
     for_each_output([&](const OutputInfo&,
-                        const UninitializedVector<MemoryLine>& own) { bytes += own.capacity() * sizeof(MemoryLine); },
+                        const device::LinesOfMemory& own) { bytes += own.capacity() * sizeof(device::MemoryLine); },
                     arrays_);
     return bytes;
+}
+
+void OwnArrays::give_back() noexcept {
+    if (spares_ == nullptr) return;
+    for_each_output([&](const OutputInfo&, device::LinesOfMemory& own) { spares_->keep(std::exchange(own, {})); },
+                    arrays_);
 }
 
 }  // namespace clsdf::targets

@@ -40,9 +40,9 @@ struct OutputMemories {
     void enqueue_handover(const cl::CommandQueue& queue) const;
     /// On other devices: reads the finished result into the arrays.
     void read(const device::Context& context, const cl::CommandQueue& transfers) const;
-    /// The samples [begin, end) alone, which are there when the events have ended.
-    void read(const device::Context& context, const cl::CommandQueue& transfers, std::size_t begin, std::size_t end,
-              const std::vector<cl::Event>& events) const;
+    /// The same while they are computed; the milestones' ends are counted in samples.
+    void read(const device::Context& context, const cl::CommandQueue& transfers,
+              std::vector<device::Milestone> milestones) const;
 
     HostArrays arrays;
     std::size_t samples = 0;
@@ -51,21 +51,21 @@ struct OutputMemories {
     bool in_place = false;
 };
 
-/// Elements of arrays of bytes, so many at once that making them costs nothing where compilers do not optimise.
-struct MemoryLine {
-    std::byte bytes[64];
-};
-
 /// Packed arrays of the library's own for outputs.
 class OwnArrays {
 public:
     /// Memory for the wanted outputs of so many samples, its contents undefined. Throws Error(out_of_memory).
     HostArrays for_samples(const HostArrays& wanted, std::size_t samples);
+    /// Takes new memory from there if there is some, until it is given back.
+    void borrow_from(device::SpareArrays& spares) { spares_ = &spares; }
+    /// Gives the memory to later calls. Nothing writes to it any more.
+    void give_back() noexcept;
 
     std::size_t bytes() const;
 
 private:
-    PerOutput<UninitializedVector<MemoryLine>> arrays_;
+    PerOutput<device::LinesOfMemory> arrays_;
+    device::SpareArrays* spares_ = nullptr;
 };
 
 }  // namespace clsdf::targets

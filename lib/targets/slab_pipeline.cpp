@@ -11,10 +11,15 @@ SlabPipeline::SlabPipeline(const device::Context& context, bool overlap)
       // A thread if one can be started.
       policy_(overlap ? std::launch::async | std::launch::deferred : std::launch::deferred),
       transfers_(device::guarded(
-          [&] { return overlap ? cl::CommandQueue(context.context(), context.device()) : context.queue(); })) {}
+          [&] { return overlap ? cl::CommandQueue(context.context(), context.device()) : context.queue(); })) {
+    for (Slot& slot : slots_) slot.own.borrow_from(context.spare_arrays());
+}
 
 SlabPipeline::~SlabPipeline() {
-    if (is_finished_) return;
+    if (is_finished_) {
+        for (Slot& slot : slots_) slot.own.give_back();
+        return;
+    }
     abandoned_ = true;
     const bool is_read = clFinish(transfers_()) == CL_SUCCESS;
     if (latest_.valid()) latest_.wait();
@@ -30,6 +35,7 @@ SlabPipeline::Slot& SlabPipeline::next() {
 
 void SlabPipeline::discard(Slot& slot) {
     slot = {};
+    slot.own.borrow_from(context_.spare_arrays());
     if (next_slot_ > 0) --next_slot_;
 }
 

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 using namespace clsdf;
@@ -143,28 +144,120 @@ BOOST_AUTO_TEST_CASE(a_mesh_in_memory_of_the_device_does_not_come_to_the_host) {
 
 // Whatever is given up first.
 BOOST_AUTO_TEST_CASE(a_mesh_in_memory_of_the_device_outlives_a_lack_of_memory) {
-    const Mesh first = in_floats(mesh()), second = in_floats(scaled(mesh(), 1.01));
-    const MeshOnDevice of_first(first), of_second(second);
     const OutputSet outputs = Output::gradient | Output::triangle | Output::site;
-    for (std::size_t bytes = 0; bytes <= 160; bytes += 8) {
-        const TransformOptions options{.kept_bytes = bytes * first.triangles().size()};
-        DistanceTransform transform(test_device(), of_first.view(), options), expected(test_device(), first);
-        for (const bool moves : {false, true}) {
-            if (moves) {
-                transform.set_positions(of_second.vertices);
-                expected.set_positions(second.vertices());
+    for (const bool is_soup : {false, true}) {
+        const Mesh first = in_floats(is_soup ? unwelded(mesh()) : mesh()), second = in_floats(scaled(first, 1.01));
+        const MeshOnDevice of_first(first), of_second(second);
+        for (std::size_t bytes = 0; bytes <= 160; bytes += is_soup ? 40 : 8) {
+            const TransformOptions options{.kept_bytes = bytes * first.triangles().size()};
+            DistanceTransform transform(test_device(), of_first.view(), options), expected(test_device(), first);
+            for (const bool moves : {false, true}) {
+                if (moves) {
+                    transform.set_positions(of_second.vertices);
+                    expected.set_positions(second.vertices());
+                }
+                transform.compute(grid(), band());
+                const Field field = transform.compute(grid(), band(), outputs),
+                            of_host = expected.compute(grid(), band(), outputs);
+                for (const Output output : {Output::distance, Output::gradient, Output::triangle, Output::site})
+                    BOOST_TEST(std::ranges::equal(field.bytes(output), of_host.bytes(output)),
+                               bytes << " bytes a triangle, output " << static_cast<int>(output)
+                                     << (is_soup ? ", a soup" : ""));
             }
-            transform.compute(grid(), band());
-            const Field field = transform.compute(grid(), band(), outputs),
-                        of_host = expected.compute(grid(), band(), outputs);
-            for (const Output output : {Output::distance, Output::gradient, Output::triangle, Output::site})
-                BOOST_TEST(std::ranges::equal(field.bytes(output), of_host.bytes(output)),
-                           bytes << " bytes a triangle, output " << static_cast<int>(output));
         }
     }
 }
 
-// Of these the host makes the topology, or merges vertices, or says what is wrong.
+// Equal vertices count as one there, too, at first and when they move: neither arrays nor numbers come to the host.
+BOOST_AUTO_TEST_CASE(a_soup_is_joined_and_moved_on_the_device) {
+    const Mesh first = in_floats(unwelded(mesh())), second = in_floats(scaled(first, 1.01));
+    const MeshOnDevice of_first(first), of_second(second);
+    const DeviceMemory field(test_device().context(), grid().sample_count());
+    const DistanceTransform welded(test_device(), weld(first));
+    const Field of_welded = welded.compute(grid(), band());
+    welded.compute(grid(), band(), field.handle());  // programs are built and tested
+    const std::size_t of_lists = 112 * first.triangles().size() / 2 + 65536,
+                      of_arrays = first.vertices().size() * sizeof(Vec3) + first.triangles().size() * sizeof(Triangle);
+    const auto counts_of = [&](const auto& run) {
+        disguise::restart();
+        run();
+        return disguise::counts();
+    };
+
+    std::optional<DistanceTransform> transform, of_host;
+    disguise::Counts counts = counts_of([&] {
+        transform.emplace(test_device(), of_first.view());
+        transform->compute(grid(), band(), field.handle());
+    });
+    BOOST_TEST(counts.bytes_up <= 65536U);
+    BOOST_TEST(counts.bytes_down <= of_lists);
+    counts = counts_of([&] {
+        of_host.emplace(test_device(), first);
+        of_host->compute(grid(), band(), field.handle());
+    });
+    BOOST_TEST(counts.bytes_up <= of_arrays + 65536);
+    BOOST_TEST(counts.bytes_down <= of_lists);
+    BOOST_TEST(transform->topology().coincident_vertices == of_host->topology().coincident_vertices);
+    BOOST_TEST(are_same(transform->compute(grid(), band()), of_welded));
+    BOOST_TEST(are_same(of_host->compute(grid(), band()), of_welded));
+
+    counts = counts_of([&] {
+        transform->set_positions(of_second.vertices);
+        transform->compute(grid(), band(), field.handle());
+    });
+    BOOST_TEST(counts.bytes_up <= 65536U);
+    BOOST_TEST(counts.bytes_down <= of_lists);
+    counts = counts_of([&] {
+        of_host->set_positions(second.vertices());
+        of_host->compute(grid(), band(), field.handle());
+    });
+    BOOST_TEST(counts.bytes_up <= of_arrays + 65536);
+    BOOST_TEST(counts.bytes_down <= of_lists);
+    DistanceTransform expected(test_device(), weld(second));
+    const Field of_expected = expected.compute(grid(), band());
+    BOOST_TEST(are_same(transform->compute(grid(), band()), of_expected));
+    BOOST_TEST(are_same(of_host->compute(grid(), band()), of_expected));
+
+    // The host reads and merges them when it needs them, at the first positions and at these.
+    const std::vector<Vec3> few{{0, 0, 0}, {1, 2, 3}, second.vertices()[5]};
+    for (DistanceTransform* const one : {&*transform, &*of_host}) {
+        BOOST_TEST(are_same(query(*one, few), query(expected, few)));
+        one->set_motion({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0});
+        BOOST_TEST(are_same(one->compute(grid(), band()), of_welded));
+        one->set_positions(second.vertices());
+        BOOST_TEST(are_same(one->compute(grid(), band()), of_expected));
+    }
+}
+
+// As on the host, which names them.
+BOOST_AUTO_TEST_CASE(vertices_of_a_soup_on_the_device_that_move_apart_are_refused) {
+    const Mesh soup = in_floats(unwelded(mesh()));
+    const MeshOnDevice arrays(soup);
+    DistanceTransform transform(test_device(), arrays.view());
+    const Field before = transform.compute(grid(), band());
+    std::vector<Vec3> apart = soup.vertices();
+    apart.back()[1] += 0.01;
+    const Mesh torn = in_floats(Mesh(apart, soup.triangles()));
+    const auto refused = [&](const auto& move) {
+        check_throws(ErrorCode::invalid_argument, {"had equal coordinates and count as one", "move apart"}, move);
+        BOOST_TEST(are_same(transform.compute(grid(), band()), before));
+    };
+    refused([&] { transform.set_positions(torn.vertices()); });
+    refused([&] { transform.set_positions(MeshOnDevice(torn).vertices); });
+    // A vertex that no triangle uses may move as it likes, also if it is the first of those that are equal.
+    std::vector<Vec3> with_unused{soup.vertices().front()};
+    with_unused.insert(with_unused.end(), soup.vertices().begin(), soup.vertices().end());
+    std::vector<Triangle> triangles = soup.triangles();
+    for (Triangle& triangle : triangles)
+        for (std::uint32_t& index : triangle) ++index;
+    const MeshOnDevice of_unused(Mesh(with_unused, triangles));
+    DistanceTransform other(test_device(), of_unused.view());
+    with_unused.front() = {7, 7, 7};
+    other.set_positions(MeshOnDevice(Mesh(with_unused, triangles)).vertices);
+    BOOST_TEST(are_same(other.compute(grid(), band()), before));
+}
+
+// Of these the host makes the topology, or says what is wrong.
 BOOST_AUTO_TEST_CASE(any_mesh_in_memory_of_the_device_is_one_of_the_host) {
     const Mesh closed = in_floats(mesh());
     std::vector<Triangle> some = closed.triangles();

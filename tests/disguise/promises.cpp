@@ -238,6 +238,24 @@ BOOST_AUTO_TEST_CASE(a_new_transform_finds_the_memory_of_the_one_before) {
     BOOST_TEST(disguise::counts().allocations <= 1U);
 }
 
+// Fresh ones take page faults.
+BOOST_AUTO_TEST_CASE(arrays_of_a_call_serve_the_next_one) {
+    const Device device = Device::automatic();
+    const DistanceTransform transform(device, mesh());
+    device.release_memory();
+    const std::size_t before = transform.memory().shared_host_bytes;
+    std::vector<const float*> arrays;
+    for (int call = 0; call < 2; ++call)
+        transform.compute(grid(), band(), Output::distance, [&](const Grid&, const FieldSlab& slab) {
+            arrays.push_back(slab.distance().data());
+        });
+    BOOST_REQUIRE(arrays.size() == 2U);
+    BOOST_TEST(arrays[0] == arrays[1]);
+    BOOST_TEST(transform.memory().shared_host_bytes >= before + grid().sample_count() * sizeof(float));
+    device.release_memory();
+    BOOST_TEST(transform.memory().shared_host_bytes == 0U);
+}
+
 BOOST_AUTO_TEST_CASE(memory_that_is_given_back_is_made_anew) {
     const Device device = Device::automatic();
     std::vector<float> first(grid().sample_count()), again(first.size());

@@ -30,6 +30,10 @@ clsdf_test(disguise_device_meshes ${CMAKE_CURRENT_LIST_DIR}/device_meshes.cpp)
 target_link_libraries(test_disguise_device_meshes PRIVATE clsdf_disguise clsdf::reference OpenCL::OpenCL)
 clsdf_between(disguise_device_meshes)
 
+clsdf_test(disguise_pinned_reads ${CMAKE_CURRENT_LIST_DIR}/pinned_reads.cpp)
+target_link_libraries(test_disguise_pinned_reads PRIVATE clsdf_disguise OpenCL::OpenCL)
+clsdf_between(disguise_pinned_reads)
+
 # PoCL answers as other drivers do.
 clsdf_test(disguise_drivers ${CMAKE_CURRENT_LIST_DIR}/drivers.cpp)
 target_link_libraries(test_disguise_drivers PRIVATE clsdf_disguise OpenCL::OpenCL)

@@ -35,9 +35,9 @@ private:
 };
 
 /// A copy of many values on the device, which are not needed any more when it returns.
-template <class Value>
-device::BufferPool::Lease sent(const DeviceSetUp& job, const std::vector<Value>& values, const char* purpose) {
-    const std::size_t bytes = values.size() * sizeof(Value);
+template <class Values>
+device::BufferPool::Lease sent(const DeviceSetUp& job, const Values& values, const char* purpose) {
+    const std::size_t bytes = values.size() * sizeof(values[0]);
     device::BufferPool::Lease copy = job.tools.pool->lease(std::max<std::size_t>(bytes, 1), purpose);
     if (job.tools.context.write(job.tools.queue(), reinterpret_cast<const std::byte*>(values.data()), bytes, *copy))
         return copy;
@@ -80,7 +80,8 @@ public:
         if (is_copied_)
             made_.mesh = std::make_shared<const DeviceMesh>(
                 DeviceMesh{std::move(positions_), std::move(triangles_), vertices_, faces_});
-        if (!made_.has_equal_vertices()) made_.first_equal = {};
+        if (made_.results.used_vertices != made_.results.different_vertices)
+            made_.equal = std::make_shared<const EqualVertices>(EqualVertices{std::move(first_equal_), vertices_});
         topology_.are_paired = made_.results.marked_edges == 0;
         topology_.has_irregular = made_.results.irregular_faces > 0;
         topology_.names = std::make_shared<const DeviceFaces::Names>(
@@ -131,11 +132,11 @@ private:
                           groups = std::min<std::size_t>(chunk_count(faces_, group), CLSDF_BOX_GROUPS);
         const auto boxes = lease<double>(6 * groups, "boxes of faces");
         const auto slots = lease<cl_uint>(vertices_, "slots of vertices");
-        made_.first_equal = lease<cl_uint>(vertices_, "equal vertices");
+        first_equal_ = lease<cl_uint>(vertices_, "equal vertices");
         run("file_vertices", vertices_, *positions_, *zeros_, *slots, *zeros_);
         run("look_at_faces", groups * group, *positions_, *triangles_, *zeros_, *boxes, *zeros_);
         run_group("join_group_boxes", static_cast<cl_uint>(groups), *boxes, *zeros_);
-        run("count_vertices", vertices_, *zeros_, *slots, *made_.first_equal, *zeros_);
+        run("count_vertices", vertices_, *zeros_, *slots, *first_equal_, *zeros_);
     }
 
     void order_faces() {
@@ -144,7 +145,7 @@ private:
         run("face_codes", faces_, *positions_, *triangles_, *zeros_, *codes);
         sort_by_keys(tools_, *codes, faces_, 3 * morton_bits(faces_), *topology_.order);
         named_ = lease<cl_uint>(corners(), "vertices of faces");
-        run("order_faces", faces_, *topology_.order, *triangles_, *made_.first_equal, *zeros_, *named_, *zeros_);
+        run("order_faces", faces_, *topology_.order, *triangles_, *first_equal_, *zeros_, *named_, *zeros_);
     }
 
     void number_vertices() {
@@ -196,7 +197,7 @@ private:
     device::BufferPool::Lease positions_, triangles_;  // as given
     bool is_copied_ = false;                           // these are copies of memory of the device
     device::BufferPool::Lease zeros_;                  // the results, and what sizes_ has places of
-    device::BufferPool::Lease named_, keys_, ordered_, names_;
+    device::BufferPool::Lease first_equal_, named_, keys_, ordered_, names_;
 };
 
 }  // namespace
@@ -226,10 +227,11 @@ Box MadeTopology::box() const {
     return box_of(results);
 }
 
-std::vector<std::uint32_t> MadeTopology::read_first_equal(const DeviceSetUp& job) const {
-    std::vector<std::uint32_t> first(given_vertices);
-    device::guarded([&] { read_values(job, *first_equal, first); });
-    return first;
+std::vector<std::uint32_t> EqualVertices::read(const DeviceSetUp& job) const {
+    std::vector<std::uint32_t> numbers(count);
+    job.tools.context.run_or_drain([&] { read_values(job, *first, numbers); });
+    for (std::uint32_t& number : numbers) number &= ~CLSDF_IN_USE;
+    return numbers;
 }
 
 MeshTopology DeviceTopology::read(const DeviceSetUp& job, std::span<const std::uint32_t> numbers) const {
@@ -285,7 +287,8 @@ std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const D
     return device::guarded([&] { return Making(job, vertices, triangles).make(); });
 }
 
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DeviceTriples& positions) {
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const EqualVertices* equal,
+                            const DeviceTriples& positions) {
     const DeviceTools& tools = job.tools;
     const std::size_t count = topology.vertex_count(), group = tools.programs.group_size,
                       groups = std::min<std::size_t>(chunk_count(count, group), CLSDF_BOX_GROUPS);
@@ -294,23 +297,28 @@ MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topolo
         const auto boxes = tools.pool->lease(groups * 6 * sizeof(double), "boxes of vertices");
         const auto results = tools.pool->lease(sizeof(TopologyResults), "box of the mesh");
         tools.queue().enqueueFillBuffer(*results, cl_uint{0}, 0, sizeof(TopologyResults));
+        if (equal != nullptr) {
+            cl::Kernel compare(tools.programs.mesh_topology, "compare_equal_vertices");
+            launch(tools.queue(), compare, {equal->count, group}, static_cast<cl_uint>(equal->count), *equal->first,
+                   positions.steps, positions.memory, *results);
+        }
         cl::Kernel move(tools.programs.mesh_topology, "move_vertices"),
             join(tools.programs.mesh_topology, "join_group_boxes");
         launch(tools.queue(), move, {groups * group, group}, static_cast<cl_uint>(count), *topology.vertices,
                positions.steps, positions.memory, *moved.positions, *boxes, *results);
         launch(tools.queue(), join, {1, group}, static_cast<cl_uint>(groups), *boxes, *results);
         const auto found = read_value<TopologyResults>(tools, *results);
-        moved.are_finite = found.is_refused == 0;
+        moved.are_usable = found.is_refused == 0;
         moved.box = box_of(found);
         return moved;
     });
 }
 
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology,
-                            const std::vector<Vec3>& positions) {
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const EqualVertices* equal,
+                            std::span<const Vec3> positions) {
     const device::BufferPool::Lease given = sent(job, positions, "vertices");
     constexpr cl_long words = 2;
-    return move_vertices(job, topology, {*given, positions.size(), {0, 3 * words, words, 1, 0}});
+    return move_vertices(job, topology, equal, {*given, positions.size(), {0, 3 * words, words, 1, 0}});
 }
 
 DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,

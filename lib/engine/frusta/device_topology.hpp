@@ -4,7 +4,7 @@
 #include <clsdf/mesh.hpp>
 
 #include "device/buffer_pool.hpp"
-#include "device/in_flight.hpp"
+#include "device/read_back.hpp"
 #include "frusta/device_faces.hpp"
 #include "frusta/topology.hpp"
 #include "mesh/mesh_arrays.hpp"
@@ -64,36 +64,39 @@ struct DeviceMesh {
     std::size_t device_bytes() const { return vertices.bytes() + triangles.bytes(); }
 };
 
+/// The first vertex of equal coordinates of each of the caller's vertices.
+struct EqualVertices {
+    device::BufferPool::Lease first;  ///< with CLSDF_IN_USE
+    std::size_t count = 0;
+
+    /// The same on the host, without marks. Waits. Throws Error.
+    std::vector<std::uint32_t> read(const DeviceSetUp& job) const;
+    std::size_t device_bytes() const { return first.bytes(); }
+};
+
 /// The topology that the kernels have made, and what else they have found.
 struct MadeTopology {
     std::shared_ptr<const DeviceTopology> topology;
     TopologyResults results{};
-    std::shared_ptr<const DeviceMesh> mesh{};  ///< the caller's, if the host does not have it
-    std::size_t given_vertices = 0;            ///< of the caller's mesh
-    device::BufferPool::Lease first_equal;     ///< of each given vertex; empty unless vertices count as one
-    device::BufferPool::Lease positions;       ///< Vec3 of each vertex of the topology, as given
-
-    /// Whether vertices of equal coordinates count as one.
-    bool has_equal_vertices() const { return results.used_vertices != results.different_vertices; }
+    std::shared_ptr<const DeviceMesh> mesh{};            ///< the caller's, if the host does not have it
+    std::shared_ptr<const EqualVertices> equal{};        ///< null unless vertices of equal coordinates count as one
+    std::size_t given_vertices = 0;                      ///< of the caller's mesh
+    device::BufferPool::Lease positions;                 ///< Vec3 of each vertex of the topology, as given
     /// Whether all faces are joined over vertices.
     bool is_one_part() const { return results.joined_vertices + 1 >= results.vertex_count; }
     bool encloses_negative_volume() const;
     Box box() const;
-
-    /// The first vertex of equal coordinates of each given one. Waits. Throws Error.
-    std::vector<std::uint32_t> read_first_equal(const DeviceSetUp& job) const;
 };
 
 /// Reads a value from the beginning of a buffer. Waits. Throws cl::Error, also if a kernel has failed.
 template <class Value>
 Value read_value(const DeviceTools& tools, const cl::Buffer& buffer) {
-    device::InFlight<Value> value(tools.context);
-    value.begin();
+    device::ReadBack<Value> read(tools.context);
     cl::Event is_read;  // a blocking read by PoCL does not fail if a kernel has
-    tools.queue().enqueueReadBuffer(buffer, CL_FALSE, 0, sizeof(Value), &*value, nullptr, &is_read);
+    read.enqueue(tools.queue(), buffer, 0, 1, 0, &is_read);
     is_read.wait();
-    value.end();
-    return *value;
+    read.end();
+    return read.value();
 }
 
 /// Reads all values of an array from the device. Waits. Throws cl::Error.
@@ -117,12 +120,15 @@ std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const D
 struct MovedVertices {
     device::BufferPool::Lease positions;  ///< Vec3 of each vertex of the topology
     Box box;
-    bool are_finite = true;  ///< if not, the box has no meaning
+    /// If not, the host looks at the positions: they are not finite, or equal vertices move apart.
+    bool are_usable = true;
 };
 
-/// New positions of the vertices that are in use. Waits once. Throws Error.
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DeviceTriples& positions);
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const std::vector<Vec3>& positions);
+/// New positions of the caller's vertices that are in use. equal: null if none count as one. Waits once. Throws Error.
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const EqualVertices* equal,
+                            const DeviceTriples& positions);
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const EqualVertices* equal,
+                            std::span<const Vec3> positions);
 
 /// The host's topology, in memory of the device.
 DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,

@@ -1,7 +1,7 @@
 #include "frusta/host_part.hpp"
 
 #include "core/parallel.hpp"
-#include "device/in_flight.hpp"
+#include "device/read_back.hpp"
 #include "launch/commands.hpp"
 #include "launch/programs.hpp"
 
@@ -115,24 +115,21 @@ std::optional<HostPart> host_part(const DeviceSetUp& job, const DeviceTopology& 
            *measured, *zeros, *topology.names->triangles, *topology.order, *topology.vertices, answers.positions,
            *near);
     // Of a short list everything comes at once.
-    struct Read {
-        ListCounts counts{};
-        std::vector<ListedFace> listed{};
-    };
     const std::size_t short_list = std::min(room, device::PinnedCopies::least_bytes / sizeof(ListedFace));
-    device::InFlight<Read> read(tools.context, {{}, std::vector<ListedFace>(short_list)});
-    read.begin();
+    device::ReadBack<ListCounts> counts(tools.context);
+    device::ReadBack<ListedFace> first(tools.context, short_list);
     cl::Event is_read;  // a blocking read by PoCL does not fail if a kernel has
-    queue.enqueueReadBuffer(*zeros, CL_FALSE, 0, sizeof(ListCounts), &read->counts);
-    queue.enqueueReadBuffer(*near, CL_FALSE, 0, short_list * sizeof(ListedFace), read->listed.data(), nullptr,
-                            &is_read);
+    counts.enqueue(queue, *zeros, 0, 1);
+    first.enqueue(queue, *near, 0, short_list, 0, &is_read);
     is_read.wait();
-    const ListCounts found = read->counts;
-    read->listed.resize(found.is_refused != 0 ? 0 : found.near);
-    if (read->listed.size() > short_list) read_values(job, *near, read->listed);
-    read.end();
+    counts.end();
+    first.end();
+    const ListCounts& found = counts.value();
     if (found.is_refused != 0) return std::nullopt;
-    HostPart part = part_of(read->listed, faces, vertices);
+    std::vector<ListedFace> longer(found.near > short_list ? found.near : 0);
+    if (!longer.empty()) read_values(job, *near, longer);
+    const std::span<const ListedFace> listed = longer.empty() ? first.values().first(found.near) : longer;
+    HostPart part = part_of(listed, faces, vertices);
     part.left.saddles_elsewhere = found.saddles;
     return part;
 }

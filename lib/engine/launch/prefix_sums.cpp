@@ -49,13 +49,11 @@ SumLaunches::SumLaunches(const DeviceTools& tools, const cl::Buffer& values, con
 
 PrefixSums::PrefixSums(const DeviceTools& tools, const cl::Buffer& values, const cl::Buffer& starts, std::size_t count,
                        const char* what)
-    : what_(what), launches_(tools, values, starts, count, what), total_(tools.context, std::make_unique<cl_ulong>(0)) {
+    : what_(what), launches_(tools, values, starts, count, what), total_(tools.context) {
     device::guarded([&] {
         const cl::CommandQueue& queue = tools.queue();
         launches_.each([&](cl::Kernel& kernel, const WorkItems& items) { launch(queue, kernel, items); });
-        total_.begin();
-        queue.enqueueReadBuffer(launches_.sums(), CL_FALSE, launches_.parts() * sizeof(cl_ulong), sizeof(cl_ulong),
-                                total_->get(), nullptr, &total_read_);
+        total_.enqueue(queue, launches_.sums(), launches_.parts() * sizeof(cl_ulong), 1, 0, &total_read_);
     });
 }
 
@@ -63,8 +61,8 @@ std::size_t PrefixSums::total() {
     device::guarded([&] { device::wait_for(total_read_); });
     total_.end();
     constexpr cl_ulong step = 4096;  // kernels go beyond the end by one
-    if (**total_ > std::numeric_limits<cl_uint>::max() - step) throw too_many(what_);
-    return static_cast<std::size_t>(**total_);
+    if (total_.value() > std::numeric_limits<cl_uint>::max() - step) throw too_many(what_);
+    return static_cast<std::size_t>(total_.value());
 }
 
 }  // namespace clsdf::engine

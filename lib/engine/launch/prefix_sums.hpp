@@ -3,12 +3,11 @@
 #include <clsdf/error.hpp>
 
 #include "device/buffer_pool.hpp"
-#include "device/in_flight.hpp"
+#include "device/read_back.hpp"
 #include "launch/commands.hpp"
 #include "launch/device_tools.hpp"
 
 #include <cstddef>
-#include <memory>
 
 namespace clsdf::engine {
 
@@ -59,7 +58,7 @@ private:
     const char* what_;
     SumLaunches launches_;
     cl::Event total_read_;
-    device::InFlight<std::unique_ptr<cl_ulong>> total_;
+    device::ReadBack<cl_ulong> total_;
 };
 
 }  // namespace clsdf::engine

@@ -1,6 +1,6 @@
 #include "coarse.h"
 #include "core/parallel.hpp"
-#include "device/in_flight.hpp"
+#include "device/read_back.hpp"
 #include "lattice/layout_of.hpp"
 #include "launch/commands.hpp"
 #include "launch/prefix_sums.hpp"
@@ -38,7 +38,8 @@ public:
           taken_(inputs.tools.pool->lease(sizeof(cl_uint), pairs_purpose)),
           device_starts_(inputs.tools.pool->lease((bricks_ + 1) * sizeof(cl_uint), "starts of the coarse lists")),
           pair_kernel_(inputs.tools.programs.coarse_lists, "coarse_pairs"),
-          found_(inputs.tools.context, std::vector<cl_uint>(bricks_ + 2)) {}
+          starts_found_(inputs.tools.context, bricks_ + 1),
+          taken_found_(inputs.tools.context) {}
 
     /// Returns the start of each brick's list, and the end of the last.
     std::vector<cl_uint> make(CoarseLists& lists) {
@@ -56,14 +57,13 @@ public:
             pairs_ = inputs_.tools.pool->lease(capacity = 0, pairs_purpose);
         for (;;) {
             find_pairs(lists, capacity);
-            if (found_->back() <= capacity) break;
-            capacity = found_->back();
+            if (taken_found_.value() <= capacity) break;
+            capacity = taken_found_.value();
             pairs_ = {};  // the smaller one goes back first
             pairs_ = inputs_.tools.pool->lease_for_list(capacity * sizeof(CoarsePair), pairs_purpose);
         }
-        write_entries(lists, found_->back());
-        found_->pop_back();
-        return std::move(*found_);
+        write_entries(lists, taken_found_.value());
+        return {starts_found_.values().begin(), starts_found_.values().end()};
     }
 
 private:
@@ -80,7 +80,6 @@ private:
 
     /// Finds the pairs, and waits for their number and the lists' starts.
     void find_pairs(CoarseLists& lists, std::size_t capacity) {
-        found_.begin();
         const cl::CommandQueue& queue = inputs_.tools.queue();
         const std::size_t counters = bricks_ * segments_;
         queue.enqueueFillBuffer(*counts_, cl_uint{0}, 0, counters * sizeof(cl_uint));
@@ -94,14 +93,15 @@ private:
         cl::Kernel gather(inputs_.tools.programs.coarse_lists, "coarse_list_starts");
         launch(queue, gather, {bricks_ + 1}, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_),
                *lists.starts, *device_starts_);
-        queue.enqueueReadBuffer(*device_starts_, CL_FALSE, 0, (bricks_ + 1) * sizeof(cl_uint), found_->data());
-        cl::Event read;
-        queue.enqueueReadBuffer(*taken_, CL_FALSE, 0, sizeof(cl_uint), &found_->back(), nullptr, &read);
-        read.wait();
-        found_.end();
+        starts_found_.enqueue(queue, *device_starts_, 0, bricks_ + 1);
+        cl::Event is_read;
+        taken_found_.enqueue(queue, *taken_, 0, 1, 0, &is_read);
+        is_read.wait();
+        starts_found_.end();
+        taken_found_.end();
         // The counter of pairs has 32 bits and wraps; the scan's total shows it.
         lists.pairs = sums.total();
-        if (lists.pairs > found_->back()) throw too_many(listed);
+        if (lists.pairs > taken_found_.value()) throw too_many(listed);
     }
 
     void write_entries(CoarseLists& lists, std::size_t taken) {
@@ -131,8 +131,8 @@ private:
     device::BufferPool::Lease device_starts_;
     cl::Kernel pair_kernel_;
     device::BufferPool::Lease pairs_;
-    /// Where the lists begin and end, and how much of the pairs' room was taken.
-    device::InFlight<std::vector<cl_uint>> found_;
+    device::ReadBack<cl_uint> starts_found_;  ///< where the lists begin, and where the last one ends
+    device::ReadBack<cl_uint> taken_found_;   ///< how much of the pairs' room was taken
 };
 
 }  // namespace

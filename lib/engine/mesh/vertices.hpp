@@ -22,6 +22,9 @@ public:
     /// mesh.
     Vertices(Mesh& mesh, const std::vector<std::uint32_t>& first);
 
+    /// Of the caller's.
+    std::size_t count() const { return count_; }
+
     /// The number of each of the caller's vertices here, whether a triangle uses it or not. `first`: as above; empty if
     /// they are the same.
     static std::vector<std::uint32_t> numbers(const std::vector<std::uint32_t>& first);

@@ -33,21 +33,36 @@ void check_unbounded_distances(const Mesh& mesh, const Grid& grid, const Band& b
 
 }  // namespace
 
-KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options,
-                   std::shared_ptr<const DeviceMesh> on_device)
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Vertices vertices,
+                   Options options)
     : context_(context),
       pool_(std::move(pool)),
       options_(std::move(options)),
       mesh_(std::move(mesh)),
-      vertex_count_(on_device ? on_device->vertex_count : mesh_.vertices().size()),
-      face_count_(on_device ? on_device->face_count : mesh_.triangles().size()) {
-    device_mesh_.set(std::move(on_device));
+      vertices_(std::move(vertices)),
+      vertex_count_(vertices_.count()),
+      face_count_(mesh_.triangles().size()) {
     set_sign_surface({});
+}
+
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, MadeTopology made,
+                   Options options)
+    : KeptMesh(context, std::move(pool), std::move(mesh), Vertices(made.given_vertices), std::move(options)) {
+    face_count_ = made.topology->face_count();
+    is_as_given_ = made.equal != nullptr;
+    // Of other meshes another surface may decide the sign.
+    if (made.topology->are_paired)
+        encloses_negative_volume_.set(std::make_shared<const bool>(made.encloses_negative_volume()));
+    device_mesh_.set(std::move(made.mesh));
+    equal_vertices_.set(std::move(made.equal));
+    positions_.set(std::make_shared<const device::BufferPool::Lease>(std::move(made.positions)));
+    names_.set(made.topology->names);
+    device_topology_.set(std::move(made.topology));
 }
 
 KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, MeshPart part,
                    Restriction restriction, Options options)
-    : KeptMesh(context, std::move(pool), std::move(part.mesh), std::move(options)) {
+    : KeptMesh(context, std::move(pool), std::move(part.mesh), Vertices(), std::move(options)) {
     restriction_.set(std::make_shared<const Restriction>(std::move(restriction)));
     set_sign_surface(std::move(part.surface));
     topology_.set(std::move(part.topology));
@@ -84,16 +99,26 @@ Job KeptMesh::checked(JobKey asked, SignRule sign) const {
 }
 
 void KeptMesh::read_mesh() {
-    if (!device_mesh_) return;
+    if (!device_mesh_ && !is_as_given_) return;
     context_.begin_call();
-    MeshArrays arrays = device_mesh_->read(set_up());
-    if (has_moved_) first_positions_ = arrays.vertices;
-    set_arrays(mesh_, std::move(arrays));  // other threads may read its name and its box
-    device_mesh_.set(nullptr);
+    // Other threads may read the mesh's name and its box, which stay.
+    if (device_mesh_) {
+        set_arrays(mesh_, device_mesh_->read(set_up()));
+        device_mesh_.set(nullptr);
+    }
+    if (is_as_given_) {
+        const std::vector<std::uint32_t> first = equal_vertices_->read(set_up());
+        Mesh one_of_each = mesh_;
+        vertices_ = Vertices(one_of_each, first);
+        numbers_ = Vertices::numbers(first);
+        set_arrays(mesh_, {one_of_each.vertices(), one_of_each.triangles()});
+        is_as_given_ = false;
+    }
+    if (has_moved_) first_positions_ = mesh_.vertices();
 }
 
 void KeptMesh::keep_first_positions() {
-    if (!has_moved_ && !device_mesh_) first_positions_ = mesh_.vertices();
+    if (!has_moved_ && !device_mesh_ && !is_as_given_) first_positions_ = mesh_.vertices();
 }
 
 const std::vector<Vec3>& KeptMesh::first_positions() {
@@ -115,38 +140,43 @@ const Mesh& KeptMesh::mesh() {
 void KeptMesh::move(std::vector<Vec3> positions) {
     read_mesh();  // now: a later read would replace the new positions
     keep_first_positions();
-    if (const auto moved = moved_on_device(positions, positions.size())) {
-        engine::move(mesh_, moved->box, std::move(positions));
-        has_old_positions_ = false;
-        return;
-    }
+    if (numbers_.empty())  // the mesh's vertices are the caller's
+        if (const auto moved = moved_on_device(std::span<const Vec3>(positions), positions.size())) {
+            engine::move(mesh_, moved->box, std::move(positions));
+            has_old_positions_ = false;
+            return;
+        }
     topology();                                             // of the first positions
     engine::move(mesh_, *topology_, std::move(positions));  // which finds what is wrong
     forget_positions();
 }
 
-bool KeptMesh::move(const DeviceTriples& positions) {
+template <class Positions>
+bool KeptMesh::move_given(const Positions& positions, std::size_t count) {
     if (!sign_surface().vertices.empty()) return false;
     keep_first_positions();
-    const auto moved = moved_on_device(positions, positions.count);
+    const auto moved = moved_on_device(positions, count);
     if (!moved) return false;
     engine::move(mesh_, moved->box);
     has_old_positions_ = true;
     return true;
 }
+template bool KeptMesh::move_given(const DeviceTriples&, std::size_t);
+template bool KeptMesh::move_given(const std::span<const Vec3>&, std::size_t);
 
 template <class Positions>
 std::optional<MovedVertices> KeptMesh::moved_on_device(const Positions& positions, std::size_t count) {
-    if (!device_topology_ || !numbers_.empty() || count != vertex_count_) return std::nullopt;
+    const bool knows_equal = equal_vertices_ || (!is_as_given_ && numbers_.empty());
+    if (!device_topology_ || !knows_equal || count != vertex_count_) return std::nullopt;
     context_.begin_call();
     MovedVertices moved;
     try {
-        moved = move_vertices(set_up(), *device_topology_, positions);
+        moved = move_vertices(set_up(), *device_topology_, equal_vertices_.get().get(), positions);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::out_of_memory) throw;
         return std::nullopt;
     }
-    if (!moved.are_finite) return std::nullopt;
+    if (!moved.are_usable) return std::nullopt;
     auto kept = std::make_shared<const device::BufferPool::Lease>(std::move(moved.positions));
     forget_positions();
     positions_.set(std::move(kept));
@@ -169,20 +199,10 @@ void KeptMesh::refuse_memory() const {
 
 std::shared_ptr<const MeshTopology> KeptMesh::shared_topology() {
     return topology_.get_or([&] {
+        if (is_as_given_ || !device_topology_) read_mesh();  // which finds numbers_
         if (device_topology_) return device_topology_->read(set_up(), numbers_);
-        read_mesh();
         return MeshTopology(mesh_);
     });
-}
-
-void KeptMesh::set_topology(MadeTopology made, std::span<const std::uint32_t> numbers) {
-    numbers_.assign(numbers.begin(), numbers.end());
-    // Of other meshes another surface may decide the sign.
-    if (made.topology->are_paired)
-        encloses_negative_volume_.set(std::make_shared<const bool>(made.encloses_negative_volume()));
-    positions_.set(std::make_shared<const device::BufferPool::Lease>(std::move(made.positions)));
-    names_.set(made.topology->names);
-    device_topology_.set(std::move(made.topology));
 }
 
 const Frusta& KeptMesh::counted_frusta() {
@@ -214,7 +234,10 @@ std::optional<PreparedMesh> KeptMesh::make_frusta(const LatticeView* lattice) {
             frusta_sources_.get_or([&] { return FrustaSources(job, topology()); });
             return frusta_by_kernels(job, names(), frusta_sources_.get(), mesh(), lattice);
         }
-        device_topology_.get_or([&] { return device_topology(job, names(), topology()); });
+        device_topology_.get_or([&] {
+            equal_vertices_.forget();  // from now on it has the mesh's numbers of vertices, not the caller's
+            return device_topology(job, names(), topology());
+        });
         positions_.get_or([&] { return job.upload(ordered_positions(topology(), mesh().vertices()), "vertices"); });
         return frusta_by_kernels(
             job, *device_topology_, {nullptr, **positions_, 0}, mesh_.box(),

@@ -16,6 +16,7 @@
 #include "launch/programs.hpp"
 #include "mesh/open_edges.hpp"
 #include "mesh/sign_surface.hpp"
+#include "mesh/vertices.hpp"
 #include "plan/job.hpp"
 #include "plan/kept.hpp"
 #include "plan/lattice.hpp"
@@ -38,7 +39,9 @@ namespace clsdf::engine {
 /// The values that a transform keeps of its mesh. Each is made from those above it when it is needed first, and again
 /// only if one of them has changed.
 ///
-///     Mesh           the caller's                        kept; from memory of a GPU, read when the host needs it
+///     Mesh           the caller's                        kept; from memory of a GPU, read when the host needs it.
+///                                                        Vertices of equal coordinates count as one: it has one of
+///                                                        each, from when the host needs it
 ///     MeshTopology   of the triangles                    kept; if a GPU has made it, read back when the host needs it
 ///     DeviceTopology the same on a GPU                   kept
 ///     Frusta, index  + positions                         kept until the vertices move
@@ -57,9 +60,15 @@ public:
         bool is_whole = false;                        ///< small grids, too, get records of the whole mesh
     };
 
-    /// on_device: has the mesh's arrays, if the mesh lacks them.
-    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options,
-             std::shared_ptr<const DeviceMesh> on_device = nullptr);
+    /// vertices: the caller's, as the mesh has them.
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Vertices vertices,
+             Options options);
+    /// All of the mesh's vertices are the caller's.
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, const Mesh& mesh, Options options)
+        : KeptMesh(context, std::move(pool), mesh, Vertices(mesh.vertices().size()), std::move(options)) {}
+    /// A mesh as given whose topology a GPU has made. It lacks its arrays if made.mesh has them.
+    KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, MadeTopology made,
+             Options options);
 
     KeptMesh(const KeptMesh&) = delete;
     KeptMesh& operator=(const KeptMesh&) = delete;
@@ -76,8 +85,13 @@ public:
 
     device::Context& context() const { return context_; }
     DeviceTools tools() const { return {context_, pool_, options_.programs}; }
-    /// With its present positions.
+    /// With its present positions, and one of each vertex.
     const Mesh& mesh();
+    /// The caller's vertices as mesh() has them.
+    const Vertices& vertices() {
+        read_mesh();
+        return vertices_;
+    }
     /// The positions that it was made with.
     const std::vector<Vec3>& first_positions();
     const std::string& name() const { return mesh_.name(); }
@@ -88,10 +102,6 @@ public:
     /// The same, but their positions and slopes may be on the device alone.
     const Frusta& counted_frusta();
     std::size_t face_count() const { return face_count_; }
-
-    /// The topology that a GPU has made of the mesh at its first positions. numbers: those of its given vertices in the
-    /// mesh; empty if they are the same. Before anything is made.
-    void set_topology(MadeTopology made, std::span<const std::uint32_t> numbers);
 
     /// The surface that decides the sign; that of the first positions serves all later ones. Without it the mesh
     /// decides.
@@ -111,11 +121,16 @@ public:
     /// The same of a whole mesh, also if they do not count for the sign; may be empty.
     std::shared_ptr<const OpenBoundary> any_boundary();
 
-    /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
+    /// New positions of the mesh's vertices. Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
-    /// The same from memory of the device; the host gets the positions when it needs them. Returns false, and has done
+    /// New positions of the caller's vertices, which the host gets when it needs them. Returns false, and has done
     /// nothing, if the host has to look at them.
-    bool move(const DeviceTriples& positions);
+    bool move(const DeviceTriples& positions) { return move_given(positions, positions.count); }
+    /// The same, if some vertices count as one; others had better be moved by the function above, which needs no copy
+    /// when the host needs the positions.
+    bool move_equal(std::span<const Vec3> positions) {
+        return equal_vertices_ && move_given(positions, positions.size());
+    }
 
     bool encloses_negative_volume();
 
@@ -196,8 +211,10 @@ private:
     void forget_positions();
     /// Before the first move.
     void keep_first_positions();
-    /// From device_mesh_, which is given up.
+    /// Makes the mesh complete: from device_mesh_, which is given up, and without vertices that equal others.
     void read_mesh();
+    template <class Positions>
+    bool move_given(const Positions& positions, std::size_t count);
 
     DeviceSetUp set_up() const { return {tools()}; }
     const std::shared_ptr<const DeviceFaces::Names>& names();
@@ -218,20 +235,24 @@ private:
     std::shared_ptr<device::BufferPool> pool_;
     Options options_;
     Mesh mesh_;
-    std::size_t vertex_count_, face_count_;
-    std::vector<Vec3> first_positions_;  // from the first move on, unless device_mesh_ has them
+    Vertices vertices_;
+    std::size_t vertex_count_;  // of the caller's mesh
+    std::size_t face_count_;
+    bool is_as_given_ = false;           // vertices that equal others are not merged yet
+    std::vector<Vec3> first_positions_;  // from the first move on, once the mesh is complete
     bool has_moved_ = false;
     bool is_moving_ = false;          ///< the values of the positions before are given up
     bool has_old_positions_ = false;  ///< the mesh; the present ones are on the device alone
     KeptValues kept_;                 // those that follow, in their order
-    // The first positions and the triangles, which mesh_ lacks.
+    // The first positions and the triangles as given, which mesh_ lacks.
     Kept<DeviceMesh> device_mesh_{kept_, MadeOf::triangles, UsedBy::both, [this] { read_mesh(); }};
+    Kept<EqualVertices> equal_vertices_{kept_, MadeOf::triangles, UsedBy::both, [this] { read_mesh(); }};
     Kept<Restriction> restriction_{kept_, MadeOf::triangles};
     Kept<SignSurface> sign_surface_{kept_, MadeOf::triangles};
     Kept<OpenLoops> open_loops_{kept_, MadeOf::triangles};
     Kept<OpenBoundary> boundary_{kept_, MadeOf::positions};  // any_boundary(), if none count
     Kept<MeshTopology> topology_{kept_, MadeOf::triangles};
-    std::vector<std::uint32_t> numbers_;  // see set_topology()
+    std::vector<std::uint32_t> numbers_;  // in mesh_, of the caller's vertices; empty if they are the same
     Kept<bool> encloses_negative_volume_{kept_, MadeOf::positions};
     Kept<Frusta> frusta_{kept_, MadeOf::positions, UsedBy::grids, [this] { partial_frusta_.reset(); }};
     std::shared_ptr<Frusta> partial_frusta_;  // those, as long as their positions and slopes are on the device alone

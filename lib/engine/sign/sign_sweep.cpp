@@ -1,7 +1,8 @@
 #include "sign/sign_sweep.hpp"
 
-#include "device/in_flight.hpp"
+#include "core/parallel.hpp"
 #include "device/opencl.hpp"
+#include "device/read_back.hpp"
 #include "lattice/layout_of.hpp"
 #include "launch/commands.hpp"
 #include "launch/prefix_sums.hpp"
@@ -49,14 +50,15 @@ public:
           seen_(inputs.layout),
           row_count_(sign_row_count(inputs.layout)),
           triangle_count_(has_selection() ? inputs.selection.count : inputs.mesh->triangle_count),
-          parts_(inputs.tools.programs.parallel_parts(inputs.tools.context, 1)),
+          parts_(parts_of(inputs, triangle_count_)),
+          block_(inputs.tools.programs.body == KernelBody::by_group ? 4 : 32),
           row_counts_(inputs.tools.pool->lease(row_count_ * sizeof(cl_uint), "counts of the sign's crossings")),
           totals_(inputs.tools.pool->lease(sizeof(SweepTotals), "totals of the sign's sweep")),
           large_(inputs.tools.pool->lease(triangle_count_ * sizeof(cl_uint), "large triangles of the sign's sweep")),
           kernel_(inputs.tools.programs.sign_sweep, "sign_crossings") {
         seen_.brick_first[0] -= inputs.mesh->first_x / CLSDF_BRICK;
         starts_ = inputs.tools.pool->lease((row_count_ + 1) * sizeof(cl_uint), "starts of the sign's crossings");
-        const std::size_t left_over = std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK;
+        const std::size_t left_over = std::min(parts_, triangle_count_) * block_;
         const std::size_t most =
             std::min<std::size_t>(inputs.tools.context.capabilities().largest_allocation / sizeof(SweepRecord),
                                   std::numeric_limits<cl_uint>::max());
@@ -70,7 +72,6 @@ public:
 
     /// Enqueues the search with room for `capacity_` records, and what says where each row's start; does not wait.
     void begin() {
-        totals_found_.begin();
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
         if (film_.records.empty())
             queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
@@ -100,6 +101,16 @@ public:
     }
 
 private:
+    /// A work-item of a GPU has one triangle, unless there are very many: rows of neighbours diverge, and a work-item
+    /// waits for each crossing that it counts.
+    static std::size_t parts_of(const SweepInputs& inputs, std::size_t triangles) {
+        constexpr std::size_t most = std::size_t{1} << 17;
+        const Programs& programs = inputs.tools.programs;
+        return programs.body == KernelBody::by_group
+                   ? std::min(chunk_count(triangles, common_group) * common_group, most)
+                   : programs.parallel_parts(inputs.tools.context, 1);
+    }
+
     /// The kernel counts on, behind the crossings of the film.
     void begin_with_film() {
         const auto count = static_cast<cl_uint>(film_.records.size());
@@ -139,7 +150,7 @@ private:
         const SweepMesh& mesh = *inputs_.mesh;
         launch(queue_, kernel_, {items, inputs_.tools.programs.part_group()}, seen_, static_cast<cl_uint>(begin),
                static_cast<cl_uint>(end), mesh.triangles(), *mesh.vertices, cl_int{mesh.bits_y}, cl_int{mesh.bits_z},
-               *row_counts_, static_cast<cl_uint>(capacity_), *records_, *totals_, *large_, cl_int{has_chosen ? 1 : 0},
+               *row_counts_, static_cast<cl_uint>(capacity_), block_, *records_, *totals_, *large_, cl_int{has_chosen ? 1 : 0},
                chosen, static_cast<cl_uint>(strips));
     }
 
@@ -147,14 +158,13 @@ private:
     /// host takes as long.
     void add_up() {
         sums_.emplace(inputs_.tools, *row_counts_, *starts_, row_count_, listed);
-        queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_->get(), nullptr,
-                                 &totals_read_);
+        totals_found_.enqueue(queue_, *totals_, 0, 1, 0, &totals_read_);
     }
 
     SweepTotals wait_for_totals() {
         device::wait_for(totals_read_);
         count_ = sums_->total();
-        return **totals_found_;
+        return totals_found_.value();
     }
 
     /// The keys of the crossings, row by row.
@@ -190,6 +200,7 @@ private:
     std::size_t row_count_;
     std::size_t triangle_count_;
     std::size_t parts_;
+    cl_uint block_;  ///< records that a part takes at a time
     device::BufferPool::Lease row_counts_;
     device::BufferPool::Lease totals_;
     device::BufferPool::Lease large_;
@@ -201,8 +212,7 @@ private:
     device::BufferPool::Lease records_;  ///< SweepRecord, in no order
     std::size_t record_count_ = 0;       ///< those that are left over included
     std::size_t capacity_ = 0;           ///< records that there is room for
-    device::InFlight<std::unique_ptr<SweepTotals>> totals_found_{inputs_.tools.context,
-                                                                 std::make_unique<SweepTotals>()};
+    device::ReadBack<SweepTotals> totals_found_{inputs_.tools.context};
 };
 
 SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <iterator>
 #include <utility>
 
 namespace clsdf::device {
@@ -22,24 +21,24 @@ std::optional<Arena::Part> Arena::take(std::size_t wanted) {
 std::optional<Arena::Part> Arena::take_in_blocks(std::size_t wanted) {
     const std::size_t bytes = chunk_count(wanted, limits_.alignment) * limits_.alignment;
     for (Block& block : blocks_) {
-        auto best = block.free.end();
-        for (auto range = block.free.begin(); range != block.free.end(); ++range)
-            if (range->second >= bytes && (best == block.free.end() || range->second < best->second)) best = range;
-        if (best == block.free.end()) continue;
-        const auto [offset, free] = *best;
-        const cl_buffer_region region{offset, wanted};
-        Part part{block.buffer.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region), wanted};
-        lent_[part.buffer()] = {block.buffer(), offset, bytes};
-        if (free > bytes) block.free.emplace(offset + bytes, free - bytes);
-        block.free.erase(offset);
-        return part;
+        const std::optional<std::size_t> offset = block.free.take(bytes);
+        if (!offset) continue;
+        try {
+            const cl_buffer_region region{*offset, wanted};
+            Part part{block.buffer.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region), wanted};
+            lent_[part.buffer()] = {block.buffer(), *offset, bytes};
+            return part;
+        } catch (...) {
+            block.free.give_back(*offset, bytes);
+            throw;
+        }
     }
     return std::nullopt;
 }
 
 void Arena::add_block(cl::Buffer buffer, std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
-    blocks_.push_back({std::move(buffer), bytes, {{0, bytes}}});
+    blocks_.push_back({std::move(buffer), bytes, FreeRanges(bytes)});
 }
 
 void Arena::keep(Part part) noexcept {
@@ -60,24 +59,15 @@ void Arena::keep(Part part) noexcept {
 }
 
 void Arena::give_back(const Place& place) {
-    auto& free = std::ranges::find(blocks_, place.block, [](const Block& block) { return block.buffer(); })->free;
-    auto range = free.emplace(place.offset, place.bytes).first;
-    if (const auto next = std::next(range); next != free.end() && range->first + range->second == next->first) {
-        range->second += next->second;
-        free.erase(next);
-    }
-    if (range == free.begin()) return;
-    const auto previous = std::prev(range);
-    if (previous->first + previous->second != range->first) return;
-    previous->second += range->second;
-    free.erase(range);
+    const auto block = std::ranges::find(blocks_, place.block, [](const Block& one) { return one.buffer(); });
+    block->free.give_back(place.offset, place.bytes);
 }
 
 std::size_t Arena::keep_within(std::size_t most) {
     std::size_t kept = 0, released = 0;
     for (const Part& part : large_) kept += part.bytes;
     for (const Block& block : blocks_)
-        if (block.is_free()) kept += block.bytes;
+        if (block.free.are_all_free()) kept += block.bytes;
     const auto release_first = [&](auto& buffers, const auto& condition) {
         std::erase_if(buffers, [&](const auto& buffer) {
             if (kept - released <= most || !condition(buffer)) return false;
@@ -86,7 +76,7 @@ std::size_t Arena::keep_within(std::size_t most) {
         });
     };
     release_first(large_, [](const Part&) { return true; });
-    release_first(blocks_, [](const Block& block) { return block.is_free(); });
+    release_first(blocks_, [](const Block& block) { return block.free.are_all_free(); });
     return released;
 }
 
@@ -99,8 +89,7 @@ std::size_t Arena::free_bytes() const {
     const std::scoped_lock lock(mutex_);
     std::size_t bytes = 0;
     for (const Part& part : large_) bytes += part.bytes;
-    for (const Block& block : blocks_)
-        for (const auto& [offset, free] : block.free) bytes += free;
+    for (const Block& block : blocks_) bytes += block.free.free_bytes();
     return bytes;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "device/free_ranges.hpp"
 #include "device/opencl.hpp"
 
 #include <cstddef>
@@ -51,9 +52,7 @@ private:
     struct Block {
         cl::Buffer buffer;
         std::size_t bytes;
-        std::map<std::size_t, std::size_t> free;  ///< bytes from an offset on; no two adjoin
-
-        bool is_free() const { return free.size() == 1 && free.begin()->second == bytes; }
+        FreeRanges free;
     };
     struct Place {
         cl_mem block;

@@ -184,11 +184,18 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
 }
 
 void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
-                   std::byte* to, bool is_pinned, const std::vector<cl::Event>& events) const {
-    if (capabilities_.has_own_memory && !is_pinned)
-        pinned_.read(queue, from, begin, bytes, to, events);
-    else
-        queue.enqueueReadBuffer(from, CL_TRUE, begin, bytes, to, events.empty() ? nullptr : &events);
+                   std::byte* to, bool is_pinned, std::span<const Milestone> milestones) const {
+    if (capabilities_.has_own_memory && !is_pinned) {
+        pinned_.read(queue, from, begin, bytes, to, milestones);
+        return;
+    }
+    std::size_t done = 0;
+    for (const Milestone& milestone : milestones) {
+        const std::vector<cl::Event> reached{milestone.reached};
+        queue.enqueueReadBuffer(from, CL_TRUE, begin + done, milestone.end - done, to + done, &reached);
+        done = milestone.end;
+    }
+    if (done < bytes) queue.enqueueReadBuffer(from, CL_TRUE, begin + done, bytes - done, to + done);
 }
 
 bool Context::write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes,

@@ -6,6 +6,7 @@
 #include "device/pinned_copies.hpp"
 #include "device/prepared_programs.hpp"
 #include "device/records.hpp"
+#include "device/spare_arrays.hpp"
 
 #include <clsdf/device.hpp>
 
@@ -94,9 +95,9 @@ public:
     std::string description() const;
 
     /// Returns when `to` holds `bytes` bytes of `from`, from byte `begin` on, which are computed earlier in the queue
-    /// or have been computed when the events have ended. is_pinned: `to` is pinned memory. Throws cl::Error.
+    /// or by the milestones (PinnedCopies::read()). is_pinned: `to` is pinned memory. Throws cl::Error.
     void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
-              std::byte* to, bool is_pinned = false, const std::vector<cl::Event>& events = {}) const;
+              std::byte* to, bool is_pinned = false, std::span<const Milestone> milestones = {}) const;
     /// A queue for reads while queue() computes. Throws cl::Error.
     cl::CommandQueue transfers() const { return pinned_.queue(); }
 
@@ -104,12 +105,21 @@ public:
     /// when it returns. Returns false, and has done nothing, if the driver should copy. Throws cl::Error.
     bool write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes, const cl::Buffer& to) const;
 
+    /// Memory of the host for a few values that commands read: pinned, where a driver may let the device wait when it
+    /// reads into memory that is not. Null if there is none; see ReadBack.
+    std::byte* take_room(std::size_t bytes) const {
+        return capabilities_.has_own_memory ? pinned_.take_room(bytes) : nullptr;
+    }
+    void give_back_room(std::byte* room, std::size_t bytes) const { pinned_.give_back_room(room, bytes); }
+
     /// The memory of a device of its own, of which transforms take parts.
     Arena& arena() { return arena_; }
-    /// Bytes of the host's memory by way of which arrays are copied.
-    std::size_t pinned_bytes() const { return pinned_.bytes(); }
+    SpareArrays& spare_arrays() const { return spare_arrays_; }
+    /// Bytes of the host's memory that is kept for copies: pinned memory, by way of which arrays are copied, and spare
+    /// arrays.
+    std::size_t shared_host_bytes() const { return pinned_.bytes() + spare_arrays_.bytes(); }
     /// See Device::release_memory().
-    std::size_t release_memory() { return arena_.release() + pinned_.release(); }
+    std::size_t release_memory() { return arena_.release() + pinned_.release() + spare_arrays_.release(); }
 
     /// Which subjects of the self-test (checks/self_test.hpp), by name, this process need not run any more.
     bool is_tested(const std::string& subject) const;
@@ -184,6 +194,7 @@ private:
     cl::CommandQueue queue_;
     Capabilities capabilities_;
     mutable PinnedCopies pinned_;
+    mutable SpareArrays spare_arrays_;
     Arena arena_;
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
     std::map<std::string, Slot> programs_;

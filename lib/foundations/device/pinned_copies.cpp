@@ -7,6 +7,9 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <exception>
+#include <functional>
+#include <optional>
 #include <thread>
 
 #ifdef __SSE2__
@@ -25,6 +28,7 @@ void copy_on_all_cores(const std::byte* from, std::byte* to, std::size_t bytes) 
 }
 
 constexpr std::size_t alignment = 4096;  // of what is copied to pinned memory
+constexpr std::size_t room_alignment = 64;
 
 /// Copies without reading the cache lines that it writes.
 void copy_streaming(const std::byte* from, std::byte* to, std::size_t bytes) {
@@ -70,9 +74,10 @@ public:
         ++copied_[chunk / chunks_of_piece % PinnedCopies::pieces_at_once];
         return true;
     }
-    /// Returns when the last chunk is copied, or begun by another thread, or after stop().
-    void help() {
-        while (!stopped_ && next_ < chunks_)
+    /// Returns when the last chunk of the pieces before `end` is copied, or begun by another thread, or after stop().
+    void help(std::size_t end) {
+        const std::size_t last = std::min(end * chunks_of_piece, chunks_);
+        while (!stopped_ && next_ < last)
             if (!copy_next()) std::this_thread::yield();
     }
     void stop() { stopped_ = true; }
@@ -108,25 +113,50 @@ cl::CommandQueue PinnedCopies::queue() {
 
 bool PinnedCopies::make_memory() {
     try {
-        buffer_ = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, 2 * half_bytes);
+        buffer_ = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, all_bytes);
         memory_ = static_cast<std::byte*>(
-            made_queue().enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, 2 * half_bytes));
+            made_queue().enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, all_bytes));
     } catch (const cl::Error&) {
         return false;
     }
     return true;
 }
 
-bool PinnedCopies::has_memory(Half& half) {
-    if (half.memory != nullptr) return true;
+bool PinnedCopies::has_memory(Part& part) {
+    if (part.memory != nullptr) return true;
     const std::scoped_lock lock(mutex_);
     if (memory_ == nullptr && !make_memory()) return false;
-    half.memory = &half == &reads_ ? memory_ : memory_ + half_bytes;
+    part.memory = &part == &reads_ ? memory_ : memory_ + read_bytes;
     return true;
+}
+
+std::byte* PinnedCopies::take_room(std::size_t bytes) noexcept {
+    try {
+        const std::scoped_lock lock(mutex_);
+        if (memory_ == nullptr && !make_memory()) return nullptr;
+        const std::optional<std::size_t> offset = free_room_.take(chunk_count(bytes, room_alignment) * room_alignment);
+        return offset ? room() + *offset : nullptr;
+    } catch (const std::exception&) {
+        return nullptr;
+    }
+}
+
+void PinnedCopies::give_back_room(std::byte* room_taken, std::size_t bytes) noexcept {
+    const std::scoped_lock lock(mutex_);
+    const std::less<const std::byte*> is_before;
+    // After an error the memory may be another one.
+    if (memory_ == nullptr || is_before(room_taken, room()) || !is_before(room_taken, room() + room_bytes)) return;
+    try {
+        free_room_.give_back(static_cast<std::size_t>(room_taken - room()),
+                             chunk_count(bytes, room_alignment) * room_alignment);
+    } catch (const std::exception&) {
+        // No memory to remember it by: it is not taken again.
+    }
 }
 
 std::size_t PinnedCopies::release() noexcept {
     const std::scoped_lock lock(reads_.mutex, writes_.mutex, mutex_);
+    if (!free_room_.are_all_free()) return 0;
     for (const Use& use : uses_) clWaitForEvents(1, &use.written());
     uses_.clear();
     reads_.memory = writes_.memory = nullptr;
@@ -135,75 +165,90 @@ std::size_t PinnedCopies::release() noexcept {
     clFinish(queue_());
     memory_ = nullptr;
     buffer_ = {};
-    return 2 * half_bytes;
+    return all_bytes;
 }
 
 std::size_t PinnedCopies::bytes() const {
     const std::scoped_lock lock(mutex_);
-    return memory_ == nullptr ? 0 : 2 * half_bytes;
+    return memory_ == nullptr ? 0 : all_bytes;
 }
 
-void PinnedCopies::give_up(Half& half, const cl::CommandQueue& queue) {
+void PinnedCopies::give_up(Part& part, const cl::CommandQueue& queue) {
     const bool has_ended = clFinish(queue()) == CL_SUCCESS;
-    if (&half == &writes_) uses_.clear();
+    if (&part == &writes_) uses_.clear();
     if (has_ended) return;
-    half.memory = nullptr;
-    // The other half stays in use.
+    part.memory = nullptr;
+    // The other part stays in use.
     const std::scoped_lock lock(mutex_);
     keep_for_good(buffer_);
     buffer_ = {};
     memory_ = nullptr;
+    free_room_ = FreeRanges(room_bytes);
 }
 
 void PinnedCopies::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
-                        std::byte* to, const std::vector<cl::Event>& events) {
-    const std::vector<cl::Event>* wait_list = events.empty() ? nullptr : &events;
+                        std::byte* to, std::span<const Milestone> milestones) {
     const std::scoped_lock lock(reads_.mutex);
     if (bytes <= least_bytes || !has_memory(reads_)) {
-        queue.enqueueReadBuffer(from, CL_TRUE, begin, bytes, to, wait_list);
+        const std::vector<cl::Event> all =
+            milestones.empty() ? std::vector<cl::Event>() : std::vector{milestones.back().reached};
+        queue.enqueueReadBuffer(from, CL_TRUE, begin, bytes, to, all.empty() ? nullptr : &all);
         return;
     }
     const std::size_t count = chunk_count(bytes, piece_bytes);
     std::array<cl::Event, pieces_at_once> under_way;
+    std::vector<cl::Event> wait_list(milestones.empty() ? 0 : 1);
     const auto start = [&](std::size_t n) {
-        queue.enqueueReadBuffer(from, CL_FALSE, begin + n * piece_bytes, std::min(piece_bytes, bytes - n * piece_bytes),
-                                reads_.memory + n % pieces_at_once * piece_bytes, wait_list,
-                                &under_way[n % pieces_at_once]);
+        const std::size_t first = n * piece_bytes, length = std::min(piece_bytes, bytes - first);
+        if (!milestones.empty())
+            wait_list[0] = std::ranges::lower_bound(milestones, first + length, {}, &Milestone::end)->reached;
+        queue.enqueueReadBuffer(from, CL_FALSE, begin + first, length,
+                                reads_.memory + n % pieces_at_once * piece_bytes,
+                                milestones.empty() ? nullptr : &wait_list, &under_way[n % pieces_at_once]);
         queue.flush();
     };
     RingCopies copies(reads_.memory, to, bytes);
     std::size_t started = 0, arrived = 0, copied = 0;
+    const auto start_some = [&] {
+        while (started < std::min(count, copied + pieces_at_once)) start(started++);
+    };
     const auto wait_for_next = [&] {
         under_way[arrived % pieces_at_once].wait();
         copies.arrive();
         ++arrived;
     };
-    const auto run = [&] {
-        while (copied < count) {
-            if (started < std::min(count, copied + pieces_at_once))
-                start(started++);
-            else if (copied < arrived && copies.is_copied(copied))
+    const auto copy_until = [&](std::size_t end) {
+        while (copied < end) {
+            start_some();
+            if (copied < arrived && copies.is_copied(copied))
                 ++copied;
-            else if (arrived < started && (copied == arrived || has_ended(under_way[arrived % pieces_at_once])))
+            else if (arrived < std::min(end, started) &&
+                     (copied == arrived || has_ended(under_way[arrived % pieces_at_once])))
                 wait_for_next();
             else if (!copies.copy_next())
                 std::this_thread::yield();
         }
     };
-    const auto run_or_stop = [&] {
-        try {
-            run();
-        } catch (...) {
-            copies.stop();
-            throw;
-        }
-    };
-    try {
-        while (started < std::min(count, pieces_at_once)) start(started++);
-        wait_for_next();  // the device may still be computing: no thread must poll
+    // Pieces that are complete together; while the device computes, no thread must poll.
+    const auto copy_together = [&](std::size_t end) {
+        if (copied >= end) return;
+        start_some();
+        wait_for_next();
         // Helpers for all pieces: to wake threads for each takes as long as the device takes to send one.
         with_helpers(
-            std::min(most_helpers, bytes / bytes_of_a_helper), [&] { copies.help(); }, run_or_stop);
+            std::min(most_helpers, (end - copied) * piece_bytes / bytes_of_a_helper), [&] { copies.help(end); },
+            [&] {
+                try {
+                    copy_until(end);
+                } catch (...) {
+                    copies.stop();
+                    throw;
+                }
+            });
+    };
+    try {
+        for (const Milestone& milestone : milestones) copy_together(milestone.end / piece_bytes);
+        copy_together(count);
     } catch (...) {
         give_up(reads_, queue);
         throw;
@@ -218,7 +263,7 @@ bool PinnedCopies::write(const cl::CommandQueue& queue, const std::byte* from, s
     try {
         for (std::size_t begin = 0; begin < bytes; begin += piece_bytes) {
             const std::size_t length = std::min(piece_bytes, bytes - begin);
-            if (next_ + length > half_bytes) next_ = 0;
+            if (next_ + length > written_bytes) next_ = 0;
             const auto overlaps = [&](const Use& use) { return use.begin < next_ + length && next_ < use.end; };
             // Small arrays do not wait for memory: the driver copies them as quickly.
             if (bytes <= piece_bytes && std::ranges::any_of(uses_, overlaps)) return false;

@@ -83,7 +83,7 @@ struct KeptMemory {
     std::size_t host_bytes = 0;    ///< what follows from the triangles and the positions
     std::size_t device_bytes = 0;  ///< within TransformOptions::kept_bytes
     // Of the transform's Device, for all its transforms; Device::release_memory() gives them back.
-    std::size_t shared_host_bytes = 0;    ///< pinned memory for copies
+    std::size_t shared_host_bytes = 0;    ///< for copies, most of it pinned
     std::size_t shared_device_bytes = 0;  ///< that no transform uses
 };
 

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "core/lifetime.hpp"
+#include "device/context.hpp"
+#include "device/opencl.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <type_traits>
+
+namespace clsdf::device {
+
+/// A few values that commands of the context's queue read from the device, in pinned memory if there is some. As
+/// InFlight: if it is destroyed before end(), it waits for the queue, and if the driver cannot tell that the commands
+/// have ended, the memory lives as long as the process.
+template <class Value>
+class ReadBack {
+    static_assert(std::is_trivially_copyable_v<Value>);
+
+public:
+    explicit ReadBack(const Context& context, std::size_t count = 1)
+        : context_(context), count_(count), room_(context.take_room(bytes())) {
+        if (room_ == nullptr) own_ = std::make_unique<Value[]>(count_);
+    }
+    ReadBack(const ReadBack&) = delete;
+    ReadBack& operator=(const ReadBack&) = delete;
+    ~ReadBack() {
+        const bool have_ended = !is_under_way_ || context_.drain();
+        if (room_ != nullptr && have_ended) context_.give_back_room(room_, bytes());
+        if (own_ && !have_ended) keep_for_good(own_);
+    }
+
+    /// Enqueues a read of `count` values from byte `begin` on, to the place `first`. Throws cl::Error.
+    void enqueue(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t count,
+                 std::size_t first = 0, cl::Event* is_read = nullptr) {
+        is_under_way_ = true;
+        queue.enqueueReadBuffer(from, CL_FALSE, begin, count * sizeof(Value), data() + first, nullptr, is_read);
+    }
+    /// The commands have ended.
+    void end() { is_under_way_ = false; }
+
+    std::span<const Value> values() const { return {data(), count_}; }
+    const Value& value() const { return values()[0]; }
+
+private:
+    std::size_t bytes() const { return count_ * sizeof(Value); }
+    Value* data() const { return room_ != nullptr ? reinterpret_cast<Value*>(room_) : own_.get(); }
+
+    const Context& context_;
+    std::size_t count_;
+    std::byte* room_;
+    std::unique_ptr<Value[]> own_;
+    bool is_under_way_ = false;
+};
+
+}  // namespace clsdf::device
