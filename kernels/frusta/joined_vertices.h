@@ -5,7 +5,8 @@
 #include "mesh_groups.h"
 
 // The lowest vertex that this one is known to be joined with. All that is read may be old: it is above all the same.
-// So plain reads do: all vertices read the word of the lowest one, and atomic functions would take turns there.
+// So plain reads do. All work-items read the word of the lowest vertex, where atomic functions would wait for one
+// another.
 static inline uint root_of(Atomic above, uint vertex) {
     for (;;) {
         const uint parent = above[vertex];
@@ -23,7 +24,10 @@ static inline uint join(Atomic above, uint a, uint b) {
         a = root_of(above, a);
         b = root_of(above, b);
         if (a == b) return 0;
-        if (atomic_cmpxchg(above + max(a, b), 0u, min(a, b) + 1) == 0) return 1;
+        const uint high = max(a, b), low = min(a, b), found = atomic_cmpxchg(above + high, 0u, low + 1);
+        if (found == 0) return 1;
+        a = found - 1;  // which a plain read need not show
+        b = low;
     }
 }
 

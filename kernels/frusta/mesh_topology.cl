@@ -197,8 +197,8 @@ __kernel void compare_equal_vertices(uint count, __global const uint* first_equa
     if (first == vertex) return;
     bool are_equal = (first_equal[first] & CLSDF_IN_USE) != 0;
     for (uint axis = 0; axis < 3; ++axis)
-        are_equal = are_equal &&
-                    coordinate(of_positions, given, vertex, axis) == coordinate(of_positions, given, first, axis);
+        are_equal =
+            are_equal && coordinate(of_positions, given, vertex, axis) == coordinate(of_positions, given, first, axis);
     if (!are_equal) atomic_max((Atomic)&results->is_refused, 1u);
 }
 
@@ -290,7 +290,8 @@ __kernel void order_faces(TopologySizes sizes, __global const uint* order, __glo
     if (place >= sizes.faces) return;
     const bool are_merged = results->used_vertices != results->different_vertices;
     for (uint k = 0; k < 3; ++k) {
-        const uint vertex = triangles[3 * (size_t)order[place] + k], name = are_merged ? first_equal[vertex] & ~CLSDF_IN_USE : vertex;
+        const uint vertex = triangles[3 * (size_t)order[place] + k],
+                   name = are_merged ? first_equal[vertex] & ~CLSDF_IN_USE : vertex;
         named[3 * (size_t)place + k] = name;
         atomic_max(words + sizes.first_corners + name, ~(3 * place + k));
     }

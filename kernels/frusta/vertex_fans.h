@@ -91,7 +91,9 @@ INLINE uint lane_bits(longL condition) {
 }
 
 // Whether the products of all lanes are certain.
-INLINE bool are_certain(doubleL products) { return lane_bits(products > CERTAIN_PRODUCT) == LANE_BITS; }
+INLINE bool are_certain(doubleL products) {
+    return lane_bits(products > CERTAIN_PRODUCT) == LANE_BITS;
+}
 
 // Tries conditions a third of the fan apart; for most vertices they suffice.
 INLINE doubleL best_of_thirds(__private const Vectors* v, uint faces, Vectors middle, double sign) {
@@ -104,7 +106,8 @@ INLINE doubleL best_of_thirds(__private const Vectors* v, uint faces, Vectors mi
     return best;
 }
 
-// All threes. What two of the vectors give does not wait for the third one: middle . (c x a) = (middle x c) . a.
+// Tries all sets of three. Products of two of the vectors are computed once for all third ones: middle . (c x a) =
+// (middle x c) . a.
 INLINE doubleL best_of_all(__private const Vectors* v, uint faces, Vectors middle, double sign) {
     doubleL best = 0.0;
     for (uint k = 2; k < faces; ++k) {

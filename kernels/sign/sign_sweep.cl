@@ -154,8 +154,9 @@ INLINE void sweep_triangle(Layout layout, uint t, uint strip, uint strips, __glo
 
 // Each work-item takes a range of the triangles [begin, end), or, if has_chosen, of those that `chosen` names there. If
 // strips is 0, it handles those with few rows, and appends the numbers of the others to `large`. Otherwise it takes a
-// range of the strips of all triangles. It takes room for `block` records at a time. Keys: 2 k + (1 if the surface faces -x), k the first sample at or after the
-// crossing, counted from the first brick's first sample and clamped to [0, row_length].
+// range of the strips of all triangles. It takes room for `block` records at a time. Keys: 2 k + (1 if the surface
+// faces -x), k the first sample at or after the crossing, counted from the first brick's first sample and clamped to
+// [0, row_length].
 __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
                              __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* row_counts,
                              uint capacity, uint block, __global SweepRecord* records, __global SweepTotals* totals,

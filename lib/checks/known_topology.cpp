@@ -216,10 +216,50 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
     return comparison.difference();
 }
 
+/// The same mesh without vertices that no triangle uses.
+Mesh without_unused_vertices(const Mesh& mesh) {
+    std::vector<std::uint32_t> numbers(mesh.vertices().size(), 0xFFFFFFFFU);
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles = mesh.triangles();
+    for (Triangle& triangle : triangles)
+        for (std::uint32_t& vertex : triangle) {
+            std::uint32_t& number = numbers[vertex];
+            if (number == 0xFFFFFFFFU) {
+                number = static_cast<std::uint32_t>(vertices.size());
+                vertices.push_back(mesh.vertices()[vertex]);
+            }
+            vertex = number;
+        }
+    return {std::move(vertices), std::move(triangles), mesh.name()};
+}
+
+/// Of equal vertices that move together, and apart: these the host looks at.
+std::optional<std::string> move_difference(const engine::DeviceSetUp& job, const Mesh& mesh) {
+    const Mesh used = without_unused_vertices(mesh);
+    const auto made = engine::make_device_topology(job, used);
+    if (!made || !made->equal) return std::nullopt;
+    const auto is_taken = [&](const std::vector<Vec3>& positions) {
+        return engine::move_vertices(job, *made->topology, made->equal.get(), positions).are_usable;
+    };
+    Comparison comparison;
+    comparison.compare_count("equal vertices that move together and are taken", is_taken(used.vertices()), 1);
+    const Numbers first = first_equal_vertices(used.vertices());
+    std::vector<Vec3> apart = used.vertices();
+    for (std::size_t vertex = apart.size(); vertex-- > 0;)
+        if (first[vertex] != vertex) {
+            double& z = apart[vertex][2];
+            z = z == 0 ? 1 : 2 * z;
+            break;
+        }
+    comparison.compare_count("equal vertices that move apart and are taken", is_taken(apart), 0);
+    return comparison.difference();
+}
+
 }  // namespace
 
 std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, const Mesh& mesh) {
     if (auto difference = difference_of(job, mesh, engine::make_device_topology(job, mesh))) return difference;
+    if (auto difference = move_difference(job, mesh)) return difference;
     auto difference = difference_of(job, mesh, made_of_device_arrays<double, std::uint32_t>(job, mesh));
     if (!difference && has_floats(mesh))
         difference = difference_of(job, mesh, made_of_device_arrays<float, std::uint64_t>(job, mesh));

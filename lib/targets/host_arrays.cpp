@@ -86,15 +86,31 @@ void OutputMemories::read(const device::Context& context, const cl::CommandQueue
 void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers,
                           std::vector<device::Milestone> milestones) const {
     if (in_place) return;
-    for_each_output(
-        [&](const OutputInfo& row, const HostArray& array, const cl::Buffer& buffer) {
-            if (!array.is_wanted) return;
-            const std::size_t bytes = sample_bytes(row, array.in_double);
-            std::vector<device::Milestone> in_bytes = milestones;
-            for (device::Milestone& milestone : in_bytes) milestone.end *= bytes;
-            context.read(transfers, buffer, 0, samples * bytes, array.data, array.is_pinned, in_bytes);
-        },
-        arrays, buffers);
+    const auto read_part = [&](std::size_t begin, std::size_t end, std::span<const device::Milestone> of_part) {
+        for_each_output(
+            [&](const OutputInfo& row, const HostArray& array, const cl::Buffer& buffer) {
+                if (!array.is_wanted) return;
+                const std::size_t bytes = sample_bytes(row, array.in_double);
+                std::vector<device::Milestone> in_bytes(of_part.begin(), of_part.end());
+                for (device::Milestone& milestone : in_bytes) milestone.end = (milestone.end - begin) * bytes;
+                context.read(transfers, buffer, begin * bytes, (end - begin) * bytes, array.data + begin * bytes,
+                             array.is_pinned, in_bytes);
+            },
+            arrays, buffers);
+    };
+    std::size_t outputs = 0;
+    for_each_output([&](const OutputInfo&, const HostArray& array) { outputs += array.is_wanted ? 1 : 0; }, arrays);
+    if (outputs < 2) {
+        read_part(0, samples, milestones);
+        return;
+    }
+    // All that is complete, before what is still computed.
+    std::size_t begin = 0;
+    for (const device::Milestone& milestone : milestones) {
+        read_part(begin, milestone.end, {&milestone, 1});
+        begin = milestone.end;
+    }
+    if (begin < samples) read_part(begin, samples, {});
 }
 
 HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples) {

@@ -262,7 +262,8 @@ BOOST_AUTO_TEST_CASE(any_mesh_in_memory_of_the_device_is_one_of_the_host) {
     const Mesh closed = in_floats(mesh());
     std::vector<Triangle> some = closed.triangles();
     some.resize(some.size() - 7);
-    for (const Mesh& one : {unwelded(closed), Mesh(closed.vertices(), some), in_floats(make_shape("cube"))}) {
+    for (const Mesh& one : {unwelded(closed), Mesh(closed.vertices(), some), in_floats(make_shape("cube")),
+                            unwelded(in_floats(make_shape("cube")))}) {
         const TransformOptions options{.sign = one.triangles().size() == some.size() ? SignRule::none
                                                                                      : SignRule::automatic};
         const MeshOnDevice arrays(one);

@@ -57,7 +57,7 @@ BOOST_AUTO_TEST_CASE(what_is_read_while_it_is_computed_is_complete) {
         for (const std::size_t middle : {std::size_t{1}, count / 3, count - 1}) {
             const Words all(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(count));
             Written written(context, all, middle);
-            std::thread device([&] {
+            const std::jthread device([&] {
                 for (cl::UserEvent& begin : written.begins) {
                     std::this_thread::sleep_for(std::chrono::milliseconds(5));
                     begin.setStatus(CL_COMPLETE);
@@ -66,7 +66,6 @@ BOOST_AUTO_TEST_CASE(what_is_read_while_it_is_computed_is_complete) {
             Words copy(count, 0);
             context.read(context.transfers(), written.buffer, 0, count * sizeof(copy[0]),
                          reinterpret_cast<std::byte*>(copy.data()), false, written.milestones);
-            device.join();
             BOOST_TEST((copy == all), count << " words, the first " << middle << " earlier");
         }
 }

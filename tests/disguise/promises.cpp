@@ -100,7 +100,7 @@ BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
     const DistanceTransform transform(test_device(), mesh());
     std::vector<float> whole(fine.sample_count());
     const std::size_t pieces = chunk_count(whole.size() * sizeof(float), device::PinnedCopies::piece_bytes);
-    BOOST_REQUIRE(pieces > 4U);  // more than there is memory for
+    BOOST_REQUIRE(pieces > 4U);
     transform.compute(fine, narrow, whole);
     std::fill(whole.begin(), whole.end(), -7.0F);
     disguise::restart();
@@ -246,9 +246,8 @@ BOOST_AUTO_TEST_CASE(arrays_of_a_call_serve_the_next_one) {
     const std::size_t before = transform.memory().shared_host_bytes;
     std::vector<const float*> arrays;
     for (int call = 0; call < 2; ++call)
-        transform.compute(grid(), band(), Output::distance, [&](const Grid&, const FieldSlab& slab) {
-            arrays.push_back(slab.distance().data());
-        });
+        transform.compute(grid(), band(), Output::distance,
+                          [&](const Grid&, const FieldSlab& slab) { arrays.push_back(slab.distance().data()); });
     BOOST_REQUIRE(arrays.size() == 2U);
     BOOST_TEST(arrays[0] == arrays[1]);
     BOOST_TEST(transform.memory().shared_host_bytes >= before + grid().sample_count() * sizeof(float));

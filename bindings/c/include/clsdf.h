@@ -495,9 +495,9 @@ CLSDF_API clsdf_status clsdf_device_write_programs(const clsdf_device* device, c
 /* Deletes the records of this device: programs are tested again. */
 CLSDF_API clsdf_status clsdf_device_forget_records(const clsdf_device* device);
 /* Gives back what the device keeps for later calls, beside what transforms and plans hold: arrays of the host, at most
- * 32 MiB; and, of a device with memory of its own, memory of the device that no transform uses, at most 512 MiB and 1/32
- * of its memory, and 40 MiB of pinned memory of the host. *bytes, if not null: how many. The next call makes what it
- * needs anew. */
+ * 32 MiB; and, of a device with memory of its own, memory of the device that no transform uses, at most 512 MiB and
+ * 1/32 of its memory, and 40 MiB of pinned memory of the host. *bytes, if not null: how many. The next call makes what
+ * it needs anew. */
 CLSDF_API clsdf_status clsdf_device_release_memory(const clsdf_device* device, int64_t* bytes);
 /* The folder of clsdf_device_keep_records(). Here and below, a text is written to text[size] with its ending 0, cut if
  * it is too long; *length, if not null, is that of the whole text. `text` may be null if size is 0. */

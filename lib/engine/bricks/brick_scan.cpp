@@ -93,9 +93,9 @@ BrickScan::BrickScan(const ScanInputs& inputs, const LaunchWork& most)
       fill_group_slices_(is_by_group(inputs) ? common_group / fill_group_pieces_ : slices_of_a_group),
       fill_pieces_(
           is_by_group(inputs) ? in_whole_groups(static_cast<std::size_t>(layout_.bricks[0]), fill_group_pieces_) : 1),
-      fill_kernel_(inputs.tools.programs.fill, "fill_empty_bricks"),
-      leave_kernel_(inputs.tools.programs.fill, "leave_empty_bricks"),
-      mark_kernel_(inputs.tools.programs.fill, "mark_other_bricks"),
+      fill_kernel_(inputs.tools.kernel(inputs.tools.programs.fill, "fill_empty_bricks")),
+      leave_kernel_(inputs.tools.kernel(inputs.tools.programs.fill, "leave_empty_bricks")),
+      mark_kernel_(inputs.tools.kernel(inputs.tools.programs.fill, "mark_other_bricks")),
       finishing_(inputs.finishing),
       fill_outputs_(set_arguments(fill_kernel_, 0, layout_, *computed_, inputs.sign_bits)),
       leave_outputs_(set_arguments(leave_kernel_, 0, layout_, *computed_)),

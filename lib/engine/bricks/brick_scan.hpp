@@ -77,9 +77,9 @@ private:
     std::size_t fill_pieces_;  ///< of a row of bricks, a work-item each
     std::size_t slices_per_fill_;
     device::BufferPool::Lease first_marks_;  ///< of the bricks; empty: all 0
-    cl::Kernel fill_kernel_;
-    cl::Kernel leave_kernel_;
-    cl::Kernel mark_kernel_;
+    device::LentKernel fill_kernel_;
+    device::LentKernel leave_kernel_;
+    device::LentKernel mark_kernel_;
     const Finishing* finishing_;  ///< null if only floats are written
     cl_uint fill_outputs_;        ///< the kernels' first arguments that change from call to call
     cl_uint leave_outputs_;

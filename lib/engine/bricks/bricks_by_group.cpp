@@ -22,7 +22,7 @@ public:
                                                     "bounds of the bricks")),
           masks_(
               inputs.tools.pool->lease_for_list(lists_.pairs * sizeof(cl_ulong), "masks of the coarse lists' bricks")),
-          kernel_(program_, "bricks_by_group") {
+          kernel_(inputs.tools.kernel(program_, "bricks_by_group")) {
         make_counters(inputs, lists_.order.size() * groups_per_coarse_brick);
         kernel_.setArg(0, inputs.layout);  // 1: enqueue_launch()
         first_output_ =
@@ -49,11 +49,12 @@ public:
 private:
     /// Enqueues bounds and masks, which the bricks read; once for all computations.
     void enqueue_masks(const ScanInputs& inputs) const {
-        cl::Kernel bounds(program_, "brick_bounds"), masks(program_, "brick_masks");
+        device::LentKernel bounds = inputs.tools.kernel(program_, "brick_bounds"),
+                           masks = inputs.tools.kernel(program_, "brick_masks");
         for (const BrickLaunch& launch : launches_of(lists_, {pairs_per_group_launch})) {
             const std::size_t items = (launch.end - launch.begin) * group_size_;
             cl_uint next = 0;
-            for (cl::Kernel* kernel : {&bounds, &masks})
+            for (device::LentKernel* kernel : {&bounds, &masks})
                 next = set_arguments(*kernel, 0, inputs.layout, launch.begin, *order_, *lists_.starts,
                                      static_cast<cl_uint>(lists_.parts), *lists_.entries, *lists_.bounds,
                                      *inputs.mesh.polyhedra, *bounds_);
@@ -67,7 +68,7 @@ private:
     cl::Program program_;
     device::BufferPool::Lease bounds_;  ///< float a brick of the coarse bricks in their order
     device::BufferPool::Lease masks_;   ///< of each entry, the bricks that the polyhedron overlaps
-    cl::Kernel kernel_;
+    device::LentKernel kernel_;
     cl_uint first_output_;
 };
 

@@ -117,12 +117,12 @@ private:
 
     template <class... Arguments>
     void run(const char* name, std::size_t items, const Arguments&... arguments) const {
-        cl::Kernel kernel(program_, name);
+        device::LentKernel kernel = tools_.kernel(program_, name);
         launch(tools_.queue(), kernel, {items, tools_.programs.group_size}, sizes_, arguments...);
     }
     template <class... Arguments>
     void run_group(const char* name, const Arguments&... arguments) const {
-        cl::Kernel kernel(program_, name);
+        device::LentKernel kernel = tools_.kernel(program_, name);
         launch(tools_.queue(), kernel, {1, tools_.programs.group_size}, arguments...);
     }
 
@@ -298,12 +298,12 @@ MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topolo
         const auto results = tools.pool->lease(sizeof(TopologyResults), "box of the mesh");
         tools.queue().enqueueFillBuffer(*results, cl_uint{0}, 0, sizeof(TopologyResults));
         if (equal != nullptr) {
-            cl::Kernel compare(tools.programs.mesh_topology, "compare_equal_vertices");
+            device::LentKernel compare = tools.kernel(tools.programs.mesh_topology, "compare_equal_vertices");
             launch(tools.queue(), compare, {equal->count, group}, static_cast<cl_uint>(equal->count), *equal->first,
                    positions.steps, positions.memory, *results);
         }
-        cl::Kernel move(tools.programs.mesh_topology, "move_vertices"),
-            join(tools.programs.mesh_topology, "join_group_boxes");
+        device::LentKernel move = tools.kernel(tools.programs.mesh_topology, "move_vertices"),
+                           join = tools.kernel(tools.programs.mesh_topology, "join_group_boxes");
         launch(tools.queue(), move, {groups * group, group}, static_cast<cl_uint>(count), *topology.vertices,
                positions.steps, positions.memory, *moved.positions, *boxes, *results);
         launch(tools.queue(), join, {1, group}, static_cast<cl_uint>(groups), *boxes, *results);
@@ -343,7 +343,7 @@ std::vector<Box> cluster_boxes(const DeviceSetUp& job, const DeviceFaces& faces)
     std::vector<Box> result(count);
     tools.context.run_or_drain([&] {
         const auto boxes = tools.pool->lease(count * sizeof(Box), "boxes of clusters");
-        cl::Kernel kernel(tools.programs.mesh_topology, "cluster_boxes");
+        device::LentKernel kernel = tools.kernel(tools.programs.mesh_topology, "cluster_boxes");
         launch(tools.queue(), kernel, {count * group, group}, static_cast<cl_uint>(faces.names->face_count),
                *faces.names->triangles, *faces.positions, *boxes);
         read_values(job, *boxes, result);

@@ -78,10 +78,10 @@ struct EqualVertices {
 struct MadeTopology {
     std::shared_ptr<const DeviceTopology> topology;
     TopologyResults results{};
-    std::shared_ptr<const DeviceMesh> mesh{};            ///< the caller's, if the host does not have it
-    std::shared_ptr<const EqualVertices> equal{};        ///< null unless vertices of equal coordinates count as one
-    std::size_t given_vertices = 0;                      ///< of the caller's mesh
-    device::BufferPool::Lease positions;                 ///< Vec3 of each vertex of the topology, as given
+    std::shared_ptr<const DeviceMesh> mesh{};      ///< the caller's, if the host does not have it
+    std::shared_ptr<const EqualVertices> equal{};  ///< null unless vertices of equal coordinates count as one
+    std::size_t given_vertices = 0;                ///< of the caller's mesh
+    device::BufferPool::Lease positions;           ///< Vec3 of each vertex of the topology, as given
     /// Whether all faces are joined over vertices.
     bool is_one_part() const { return results.joined_vertices + 1 >= results.vertex_count; }
     bool encloses_negative_volume() const;

@@ -106,8 +106,8 @@ std::optional<HostPart> host_part(const DeviceSetUp& job, const DeviceTopology& 
                near = lease(room * sizeof(ListedFace));
     const cl::CommandQueue& queue = tools.queue();
     queue.enqueueFillBuffer(*zeros, cl_uint{0}, 0, words * sizeof(cl_uint));
-    cl::Kernel list_measured(tools.programs.host_lists, "list_measured"),
-        list_near(tools.programs.host_lists, "list_near");
+    device::LentKernel list_measured = tools.kernel(tools.programs.host_lists, "list_measured"),
+                       list_near = tools.kernel(tools.programs.host_lists, "list_near");
     launch(queue, list_measured, {std::max(faces, vertices), group}, sizes, answers.of_faces, answers.of_vertices,
            *topology.edges, *topology.starts, *topology.corners, *zeros, *measured, *zeros);
     launch(queue, list_near, {std::min(room, most_groups_of_list * group), group}, sizes, answers.of_faces,

@@ -17,6 +17,10 @@ struct DeviceTools {
     const Programs& programs;
 
     const cl::CommandQueue& queue() const { return context.queue(); }
+    /// A kernel for a while. Throws cl::Error.
+    device::LentKernel kernel(const cl::Program& program, const char* name) const {
+        return {context.kernels(), program, name};
+    }
 };
 
 }  // namespace clsdf::engine

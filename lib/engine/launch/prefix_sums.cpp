@@ -37,9 +37,9 @@ SumLaunches::SumLaunches(const DeviceTools& tools, const cl::Buffer& values, con
     device::guarded([&] {
         sums_ = tools.pool->lease((parts_ + 1) * sizeof(cl_ulong), "sums of a scan");
         const cl::Program program = tools.programs.scan;
-        sum_ = cl::Kernel(program, "scan_sums");
-        offset_ = cl::Kernel(program, "scan_offsets");
-        write_ = cl::Kernel(program, "scan_write");
+        sum_ = tools.kernel(program, "scan_sums");
+        offset_ = tools.kernel(program, "scan_offsets");
+        write_ = tools.kernel(program, "scan_write");
         const auto values_count = static_cast<cl_uint>(count);
         set_arguments(sum_, 0, values_count, values, *sums_);
         set_arguments(offset_, 0, static_cast<cl_uint>(parts_), *sums_);

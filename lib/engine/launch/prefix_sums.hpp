@@ -39,7 +39,7 @@ private:
     std::size_t parts_;
     WorkItems all_, one_part_;  ///< those that scan the values, and the parts' sums
     device::BufferPool::Lease sums_;
-    cl::Kernel sum_, offset_, write_;
+    device::LentKernel sum_, offset_, write_;
 };
 
 /// The same sums, enqueued once, with their total for the host.

@@ -37,7 +37,7 @@ public:
           counts_(inputs.tools.pool->lease(bricks_ * segments_ * sizeof(cl_uint), "counts of the coarse lists")),
           taken_(inputs.tools.pool->lease(sizeof(cl_uint), pairs_purpose)),
           device_starts_(inputs.tools.pool->lease((bricks_ + 1) * sizeof(cl_uint), "starts of the coarse lists")),
-          pair_kernel_(inputs.tools.programs.coarse_lists, "coarse_pairs"),
+          pair_kernel_(inputs.tools.kernel(inputs.tools.programs.coarse_lists, "coarse_pairs")),
           starts_found_(inputs.tools.context, bricks_ + 1),
           taken_found_(inputs.tools.context) {}
 
@@ -90,7 +90,7 @@ private:
                           static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
         });
         PrefixSums sums(inputs_.tools, *counts_, *lists.starts, counters, listed);
-        cl::Kernel gather(inputs_.tools.programs.coarse_lists, "coarse_list_starts");
+        device::LentKernel gather = inputs_.tools.kernel(inputs_.tools.programs.coarse_lists, "coarse_list_starts");
         launch(queue, gather, {bricks_ + 1}, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_),
                *lists.starts, *device_starts_);
         starts_found_.enqueue(queue, *device_starts_, 0, bricks_ + 1);
@@ -107,8 +107,8 @@ private:
     void write_entries(CoarseLists& lists, std::size_t taken) {
         const auto scattered = inputs_.tools.pool->lease_for_list(lists.pairs * sizeof(cl_uint), "coarse lists");
         lists.entries = inputs_.tools.pool->lease_for_list(lists.pairs * sizeof(cl_uint), "coarse lists");
-        cl::Kernel scatter(inputs_.tools.programs.coarse_lists, "coarse_scatter"),
-            sort(inputs_.tools.programs.coarse_lists, "coarse_sort");
+        device::LentKernel scatter = inputs_.tools.kernel(inputs_.tools.programs.coarse_lists, "coarse_scatter"),
+                           sort = inputs_.tools.kernel(inputs_.tools.programs.coarse_lists, "coarse_sort");
         const auto per_segment = static_cast<cl_uint>(per_segment_), segments = static_cast<cl_uint>(segments_);
         inputs_.launches.over_items(scatter, taken, seconds_per_pair, [&](cl_uint begin, cl_uint end) {
             set_arguments(scatter, 0, begin, end, *pairs_, per_segment, segments, *lists.starts, *scattered);
@@ -129,7 +129,7 @@ private:
     device::BufferPool::Lease counts_;  ///< one a brick and segment
     device::BufferPool::Lease taken_;   ///< of the pairs' room
     device::BufferPool::Lease device_starts_;
-    cl::Kernel pair_kernel_;
+    device::LentKernel pair_kernel_;
     device::BufferPool::Lease pairs_;
     device::ReadBack<cl_uint> starts_found_;  ///< where the lists begin, and where the last one ends
     device::ReadBack<cl_uint> taken_found_;   ///< how much of the pairs' room was taken

@@ -24,6 +24,8 @@ public:
 
     /// Of the caller's.
     std::size_t count() const { return count_; }
+    /// Whether some count as one, and the mesh has other numbers than the caller.
+    bool are_merged() const { return !welded_.empty(); }
 
     /// The number of each of the caller's vertices here, whether a triangle uses it or not. `first`: as above; empty if
     /// they are the same.

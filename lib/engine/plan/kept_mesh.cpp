@@ -40,7 +40,6 @@ KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool>
       options_(std::move(options)),
       mesh_(std::move(mesh)),
       vertices_(std::move(vertices)),
-      vertex_count_(vertices_.count()),
       face_count_(mesh_.triangles().size()) {
     set_sign_surface({});
 }
@@ -140,8 +139,9 @@ const Mesh& KeptMesh::mesh() {
 void KeptMesh::move(std::vector<Vec3> positions) {
     read_mesh();  // now: a later read would replace the new positions
     keep_first_positions();
-    if (numbers_.empty())  // the mesh's vertices are the caller's
-        if (const auto moved = moved_on_device(std::span<const Vec3>(positions), positions.size())) {
+    // A topology that a GPU has made has the caller's numbers.
+    if (numbers_.empty() && positions.size() == mesh_.vertices().size())
+        if (const auto moved = moved_on_device(std::span<const Vec3>(positions), nullptr)) {
             engine::move(mesh_, moved->box, std::move(positions));
             has_old_positions_ = false;
             return;
@@ -153,9 +153,10 @@ void KeptMesh::move(std::vector<Vec3> positions) {
 
 template <class Positions>
 bool KeptMesh::move_given(const Positions& positions, std::size_t count) {
-    if (!sign_surface().vertices.empty()) return false;
+    const bool knows_equal = equal_vertices_ || (!is_as_given_ && !vertices_.are_merged());
+    if (!sign_surface().vertices.empty() || !knows_equal || count != vertices_.count()) return false;
     keep_first_positions();
-    const auto moved = moved_on_device(positions, count);
+    const auto moved = moved_on_device(positions, equal_vertices_.get().get());
     if (!moved) return false;
     engine::move(mesh_, moved->box);
     has_old_positions_ = true;
@@ -165,13 +166,12 @@ template bool KeptMesh::move_given(const DeviceTriples&, std::size_t);
 template bool KeptMesh::move_given(const std::span<const Vec3>&, std::size_t);
 
 template <class Positions>
-std::optional<MovedVertices> KeptMesh::moved_on_device(const Positions& positions, std::size_t count) {
-    const bool knows_equal = equal_vertices_ || (!is_as_given_ && numbers_.empty());
-    if (!device_topology_ || !knows_equal || count != vertex_count_) return std::nullopt;
+std::optional<MovedVertices> KeptMesh::moved_on_device(const Positions& positions, const EqualVertices* equal) {
+    if (!device_topology_) return std::nullopt;
     context_.begin_call();
     MovedVertices moved;
     try {
-        moved = move_vertices(set_up(), *device_topology_, equal_vertices_.get().get(), positions);
+        moved = move_vertices(set_up(), *device_topology_, equal, positions);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::out_of_memory) throw;
         return std::nullopt;

@@ -205,9 +205,10 @@ private:
     void forget_if(bool (*condition)(const KeptValue&));
     [[noreturn]] void refuse_memory() const;
     /// The vertices at new positions, on the device; the values of the ones before are forgotten. Nothing, and has done
-    /// nothing, if the host has to look at the positions.
+    /// nothing, if the host has to look at the positions. They have the numbers of device_topology_. equal: see
+    /// move_vertices().
     template <class Positions>
-    std::optional<MovedVertices> moved_on_device(const Positions& positions, std::size_t count);
+    std::optional<MovedVertices> moved_on_device(const Positions& positions, const EqualVertices* equal);
     void forget_positions();
     /// Before the first move.
     void keep_first_positions();
@@ -236,7 +237,6 @@ private:
     Options options_;
     Mesh mesh_;
     Vertices vertices_;
-    std::size_t vertex_count_;  // of the caller's mesh
     std::size_t face_count_;
     bool is_as_given_ = false;           // vertices that equal others are not merged yet
     std::vector<Vec3> first_positions_;  // from the first move on, once the mesh is complete

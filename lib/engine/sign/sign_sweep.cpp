@@ -55,7 +55,7 @@ public:
           row_counts_(inputs.tools.pool->lease(row_count_ * sizeof(cl_uint), "counts of the sign's crossings")),
           totals_(inputs.tools.pool->lease(sizeof(SweepTotals), "totals of the sign's sweep")),
           large_(inputs.tools.pool->lease(triangle_count_ * sizeof(cl_uint), "large triangles of the sign's sweep")),
-          kernel_(inputs.tools.programs.sign_sweep, "sign_crossings") {
+          kernel_(inputs.tools.kernel(inputs.tools.programs.sign_sweep, "sign_crossings")) {
         seen_.brick_first[0] -= inputs.mesh->first_x / CLSDF_BRICK;
         starts_ = inputs.tools.pool->lease((row_count_ + 1) * sizeof(cl_uint), "starts of the sign's crossings");
         const std::size_t left_over = std::min(parts_, triangle_count_) * block_;
@@ -140,7 +140,8 @@ private:
         const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
         const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
         inputs_.launches.over(totals.large, seconds, [&](std::size_t begin, std::size_t end) {
-            enqueue(std::min((end - begin) * strips, parts_), begin, end, true, *large_, strips);
+            enqueue(std::min((end - begin) * strips, inputs_.tools.programs.parallel_parts(inputs_.tools.context, 1)),
+                    begin, end, true, *large_, strips);
         });
     }
 
@@ -150,8 +151,8 @@ private:
         const SweepMesh& mesh = *inputs_.mesh;
         launch(queue_, kernel_, {items, inputs_.tools.programs.part_group()}, seen_, static_cast<cl_uint>(begin),
                static_cast<cl_uint>(end), mesh.triangles(), *mesh.vertices, cl_int{mesh.bits_y}, cl_int{mesh.bits_z},
-               *row_counts_, static_cast<cl_uint>(capacity_), block_, *records_, *totals_, *large_, cl_int{has_chosen ? 1 : 0},
-               chosen, static_cast<cl_uint>(strips));
+               *row_counts_, static_cast<cl_uint>(capacity_), block_, *records_, *totals_, *large_,
+               cl_int{has_chosen ? 1 : 0}, chosen, static_cast<cl_uint>(strips));
     }
 
     /// Sums the crossings so far. The sums do not wait until it is known whether large triangles are left: waking the
@@ -171,7 +172,7 @@ private:
     device::BufferPool::Lease keys_by_row() const {
         auto keys =
             inputs_.tools.pool->lease_for_list(count_ * sizeof(cl_uint), "crossings of the sign's sweep by rows");
-        cl::Kernel scatter(inputs_.tools.programs.sign_sweep, "sign_scatter");
+        device::LentKernel scatter = inputs_.tools.kernel(inputs_.tools.programs.sign_sweep, "sign_scatter");
         inputs_.launches.over_items(scatter, record_count_, seconds_per_record, [&](cl_uint begin, cl_uint end) {
             set_arguments(scatter, 0, begin, end, *records_, *starts_, *keys);
         });
@@ -181,7 +182,7 @@ private:
     void sweep_rows(const cl::Buffer& bits) const {
         const Layout& layout = inputs_.layout;
         const auto keys = keys_by_row();
-        cl::Kernel sweep(inputs_.tools.programs.sign_sweep, "sign_rows");
+        device::LentKernel sweep = inputs_.tools.kernel(inputs_.tools.programs.sign_sweep, "sign_rows");
         const std::size_t item_rows = inputs_.tools.programs.body == KernelBody::by_group ? 1 : rows_of_a_core;
         const double words_and_keys =
             layout.sign_words + 8.0 * static_cast<double>(record_count_) / static_cast<double>(row_count_);
@@ -204,7 +205,7 @@ private:
     device::BufferPool::Lease row_counts_;
     device::BufferPool::Lease totals_;
     device::BufferPool::Lease large_;
-    cl::Kernel kernel_;
+    device::LentKernel kernel_;
     cl::Event totals_read_;
     std::optional<PrefixSums> sums_;
     std::size_t count_ = 0;

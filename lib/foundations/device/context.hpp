@@ -2,6 +2,7 @@
 
 #include "core/call_mutex.hpp"
 #include "device/arena.hpp"
+#include "device/kernel_shelf.hpp"
 #include "device/opencl.hpp"
 #include "device/pinned_copies.hpp"
 #include "device/prepared_programs.hpp"
@@ -84,6 +85,9 @@ public:
     /// Throws Error(device_failure) with the build log.
     cl::Program program(const ProgramSource& source, const BuildWatch& watch = {});
 
+    /// Of those programs.
+    KernelShelf& kernels() const { return kernels_; }
+
     /// All that the code of a program depends on beside the device, in a line: file, options, a hash of the text, and
     /// whether it was built from source or is a prepared one.
     std::string key_of(const cl::Program& program) const;
@@ -105,8 +109,8 @@ public:
     /// when it returns. Returns false, and has done nothing, if the driver should copy. Throws cl::Error.
     bool write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes, const cl::Buffer& to) const;
 
-    /// Memory of the host for a few values that commands read: pinned, where a driver may let the device wait when it
-    /// reads into memory that is not. Null if there is none; see ReadBack.
+    /// Memory of the host for a few values that commands read: pinned, because some drivers let the device wait while
+    /// they read into memory that is not. Null if there is none; see ReadBack.
     std::byte* take_room(std::size_t bytes) const {
         return capabilities_.has_own_memory ? pinned_.take_room(bytes) : nullptr;
     }
@@ -199,6 +203,7 @@ private:
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
     std::map<std::string, Slot> programs_;
     std::set<cl_program> used_programs_;  // of those above, which stay
+    mutable KernelShelf kernels_;         // of the same
     PreparedPrograms prepared_;
     Records records_{{}, {}};
     std::string identity_;

@@ -28,7 +28,12 @@ void copy_on_all_cores(const std::byte* from, std::byte* to, std::size_t bytes) 
 }
 
 constexpr std::size_t alignment = 4096;  // of what is copied to pinned memory
-constexpr std::size_t room_alignment = 64;
+
+/// Of room: whole lines of a cache, at least one.
+std::size_t in_lines(std::size_t bytes) {
+    constexpr std::size_t line = 64;
+    return std::max<std::size_t>(chunk_count(bytes, line), 1) * line;
+}
 
 /// Copies without reading the cache lines that it writes.
 void copy_streaming(const std::byte* from, std::byte* to, std::size_t bytes) {
@@ -116,10 +121,17 @@ bool PinnedCopies::make_memory() {
         buffer_ = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, all_bytes);
         memory_ = static_cast<std::byte*>(
             made_queue().enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, all_bytes));
+        has_failed_ = false;
     } catch (const cl::Error&) {
-        return false;
+        buffer_ = {};
+        has_failed_ = true;
     }
-    return true;
+    return !has_failed_;
+}
+
+PinnedCopies::~PinnedCopies() {
+    release();
+    if (memory_ != nullptr) keep_for_good(buffer_);  // commands may still write to room that is taken
 }
 
 bool PinnedCopies::has_memory(Part& part) {
@@ -133,8 +145,8 @@ bool PinnedCopies::has_memory(Part& part) {
 std::byte* PinnedCopies::take_room(std::size_t bytes) noexcept {
     try {
         const std::scoped_lock lock(mutex_);
-        if (memory_ == nullptr && !make_memory()) return nullptr;
-        const std::optional<std::size_t> offset = free_room_.take(chunk_count(bytes, room_alignment) * room_alignment);
+        if (memory_ == nullptr && (has_failed_ || !make_memory())) return nullptr;
+        const std::optional<std::size_t> offset = free_room_.take(in_lines(bytes));
         return offset ? room() + *offset : nullptr;
     } catch (const std::exception&) {
         return nullptr;
@@ -147,8 +159,7 @@ void PinnedCopies::give_back_room(std::byte* room_taken, std::size_t bytes) noex
     // After an error the memory may be another one.
     if (memory_ == nullptr || is_before(room_taken, room()) || !is_before(room_taken, room() + room_bytes)) return;
     try {
-        free_room_.give_back(static_cast<std::size_t>(room_taken - room()),
-                             chunk_count(bytes, room_alignment) * room_alignment);
+        free_room_.give_back(static_cast<std::size_t>(room_taken - room()), in_lines(bytes));
     } catch (const std::exception&) {
         // No memory to remember it by: it is not taken again.
     }
@@ -160,6 +171,7 @@ std::size_t PinnedCopies::release() noexcept {
     for (const Use& use : uses_) clWaitForEvents(1, &use.written());
     uses_.clear();
     reads_.memory = writes_.memory = nullptr;
+    has_failed_ = false;
     if (memory_ == nullptr) return 0;
     clEnqueueUnmapMemObject(queue_(), buffer_(), memory_, 0, nullptr, nullptr);
     clFinish(queue_());
@@ -202,8 +214,7 @@ void PinnedCopies::read(const cl::CommandQueue& queue, const cl::Buffer& from, s
         const std::size_t first = n * piece_bytes, length = std::min(piece_bytes, bytes - first);
         if (!milestones.empty())
             wait_list[0] = std::ranges::lower_bound(milestones, first + length, {}, &Milestone::end)->reached;
-        queue.enqueueReadBuffer(from, CL_FALSE, begin + first, length,
-                                reads_.memory + n % pieces_at_once * piece_bytes,
+        queue.enqueueReadBuffer(from, CL_FALSE, begin + first, length, reads_.memory + n % pieces_at_once * piece_bytes,
                                 milestones.empty() ? nullptr : &wait_list, &under_way[n % pieces_at_once]);
         queue.flush();
     };

@@ -23,7 +23,7 @@ struct Milestone {
 class PinnedCopies {
 public:
     PinnedCopies(cl::Context context, cl::Device device) : context_(std::move(context)), device_(std::move(device)) {}
-    ~PinnedCopies() { release(); }
+    ~PinnedCopies();
     PinnedCopies(const PinnedCopies&) = delete;
     PinnedCopies& operator=(const PinnedCopies&) = delete;
 
@@ -53,7 +53,7 @@ public:
     static constexpr std::size_t piece_bytes = std::size_t{2} << 20;
     /// Drivers copy fewer bytes at once, without a transfer of their own.
     static constexpr std::size_t least_bytes = std::size_t{32} << 10;
-    /// Of a read. With fewer the device waits for copies of the host: 8 MB took 1.5 times as long as the link.
+    /// Pieces of a read that are under way or wait for the host's copies. With four the device waits for the host.
     static constexpr std::size_t pieces_at_once = 16;
 
 private:
@@ -89,6 +89,7 @@ private:
     cl::CommandQueue queue_;
     cl::Buffer buffer_;
     std::byte* memory_ = nullptr;
+    bool has_failed_ = false;  // to make the memory
     FreeRanges free_room_{room_bytes};
 };
 

@@ -17,8 +17,7 @@ struct MemoryLine {
 };
 using LinesOfMemory = UninitializedVector<MemoryLine>;
 
-/// Arrays of the host that calls have given back, for later calls: the page faults of a fresh array take longer than
-/// the copy of a field into it. They have no more than most_bytes in all.
+/// Arrays of the host that calls have given back, for later calls. They have no more than most_bytes in all.
 class SpareArrays {
 public:
     static constexpr std::size_t most_bytes = std::size_t{32} << 20;

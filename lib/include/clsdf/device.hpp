@@ -191,8 +191,8 @@ public:
     /// Gives back what this device and its copies keep for later calls, beside what transforms and plans hold: arrays
     /// of the host, at most 32 MiB; and, of a device with memory of its own, memory of the device that no transform
     /// uses, at most 512 MiB and 1/32 of its memory, and pinned memory of the host, by way of which arrays are copied,
-    /// 40 MiB. KeptMemory has them. Returns the bytes. Waits for copies that are under way; the next call makes what it
-    /// needs anew.
+    /// 40 MiB. KeptMemory has them. Returns the bytes. Waits for copies that are under way, and leaves pinned memory
+    /// that another thread's call uses; the next call makes what it needs anew.
     std::size_t release_memory() const;
 
     /// Deletes the records of this device in its folder: programs are tested again, also in this process. A file that

@@ -93,7 +93,7 @@ public:
     ///
     /// Positions in memory of the device are read after the events of CallOptions::wait_list, and may change when the
     /// call returns. If a GPU has made the topology, they do not come to the host until a call of the host needs them,
-    /// unless vertices count as one.
+    /// unless vertices are joined for the sign.
     ///
     /// Throws Error(invalid_argument) if the number of positions differs, for memory that is missing, too small or of
     /// another context, or if vertices that had equal coordinates, and count as one, move apart; Error(invalid_mesh) if
