@@ -1,27 +1,28 @@
 // Two kernels of the group body prepare the bricks of each coarse brick.
 //
-// brick_bounds, a work-group for each coarse brick: an upper bound of the distances in each of its 64 bricks.
+// brick_bounds: an upper bound of the distances in each of its 64 bricks.
 //
-// brick_masks, several work-groups for each coarse brick: for each polyhedron of its list the bricks that it overlaps,
-// 64 bits.
+// brick_masks: for each polyhedron of its list the bricks that it overlaps, 64 bits.
+//
+// Several work-groups share a coarse brick's list: there may be few coarse bricks, with long lists.
 #ifndef CLSDF_BRICK_MASKS_H
 #define CLSDF_BRICK_MASKS_H
 
 #include "overlap.h"
 #include "simd.h"
 
-// Returns the square of the least distance from the feet of altitudes in the list, points of the surface, to the centre
-// of a brick. Work-item i takes brick i % CLSDF_COARSE_BRICKS and every (GROUP / CLSDF_COARSE_BRICKS)-th foot. feet:
-// relative to the centre of the coarse brick.
-static inline float least_square_of_feet(Layout layout, int3 coarse, uint list_begin, uint list_end,
-                                         __global const uint* entries, __global const Polyhedron* polyhedra,
-                                         __local float3* feet) {
+// Returns the square of the least distance from the feet of altitudes in the group's part of the list, points of the
+// surface, to the centre of a brick. Work-item i takes brick i % CLSDF_COARSE_BRICKS and every
+// (GROUP / CLSDF_COARSE_BRICKS)-th foot. feet: relative to the centre of the coarse brick.
+static inline float least_square_of_feet(Layout layout, int3 coarse, uint part, uint parts, uint list_begin,
+                                         uint list_end, __global const uint* entries,
+                                         __global const Polyhedron* polyhedra, __local float3* feet) {
     const uint item = get_local_id(0);
     const int3 first = coarse * CLSDF_COARSE;
     const float3 centre =
         (convert_float3(four_cubed(item % CLSDF_COARSE_BRICKS)) - 1.5f) * CLSDF_BRICK * vload3(0, layout.spacing);
     float least = INFINITY;
-    for (uint begin = list_begin; begin < list_end; begin += GROUP) {
+    for (uint begin = list_begin + part * GROUP; begin < list_end; begin += parts * GROUP) {
         const uint count = min(list_end - begin, (uint)GROUP);
         if (item < count)
             feet[item] =
@@ -52,18 +53,18 @@ static inline ulong brick_mask_of(__global const Polyhedron* p, int3 coarse, __l
     return overlapped;
 }
 
-// Global size: a group for each coarse brick order[begin, ...) of the launch. bounds: CLSDF_COARSE_BRICKS for each
-// of `order`.
+// Global size: `groups` groups for each coarse brick order[begin, ...) of the launch. bounds: CLSDF_COARSE_BRICKS for
+// each of `order`, bits of floats, which begin as infinity. Those of positive floats have the order of the floats.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_bounds(
     Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
     __global const uint* restrict entries, __global const float* restrict coarse_bounds,
-    __global const Polyhedron* restrict polyhedra, __global float* restrict bounds) {
+    __global const Polyhedron* restrict polyhedra, volatile __global uint* restrict bounds, uint groups) {
     __local float3 feet[GROUP];
     __local float least_squares[GROUP];
-    const uint item = get_local_id(0), slot = begin + get_group_id(0), number = order[slot];
+    const uint item = get_local_id(0), slot = begin + get_group_id(0) / groups, number = order[slot];
     const int3 coarse = coarse_brick_at(layout, number);
-    least_squares[item] = least_square_of_feet(layout, coarse, starts[number * parts], starts[(number + 1) * parts],
-                                               entries, polyhedra, feet);
+    least_squares[item] = least_square_of_feet(layout, coarse, get_group_id(0) % groups, groups, starts[number * parts],
+                                               starts[(number + 1) * parts], entries, polyhedra, feet);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < CLSDF_COARSE_BRICKS) {
         float least = least_squares[item];
@@ -71,7 +72,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_bounds(
             least = LESSER(least_squares[other], least);
         const float bound = sqrt(least) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
         const float coarse_bound = coarse_bounds[coarse_bound_index(layout, coarse.x, coarse.y, coarse.z)];
-        bounds[slot * CLSDF_COARSE_BRICKS + item] = LESSER(bound, coarse_bound);
+        atomic_min(bounds + slot * CLSDF_COARSE_BRICKS + item, as_uint(LESSER(bound, coarse_bound)));
     }
 }
 

@@ -5,17 +5,18 @@
 #include "mesh_groups.h"
 
 // The lowest vertex that this one is known to be joined with. All that is read may be old: it is above all the same.
-// So plain reads do. All work-items read the word of the lowest vertex, where atomic functions would wait for one
-// another.
+// Vertex 0 has none below: its word is not read, for which all work-items would wait in most meshes.
 static inline uint root_of(Atomic above, uint vertex) {
-    for (;;) {
-        const uint parent = above[vertex];
+    while (vertex != 0) {
+        const uint parent = atomic_or(above + vertex, 0u);
         if (parent == 0) return vertex;
-        const uint next = above[parent - 1];
+        if (parent == 1) return 0;
+        const uint next = atomic_or(above + parent - 1, 0u);
         if (next == 0) return parent - 1;
         atomic_cmpxchg(above + vertex, parent, next);
         vertex = next - 1;
     }
+    return 0;
 }
 
 // Joins two sets of vertices; returns 1 if they were different. How many calls return 1 does not depend on their order.
@@ -24,10 +25,7 @@ static inline uint join(Atomic above, uint a, uint b) {
         a = root_of(above, a);
         b = root_of(above, b);
         if (a == b) return 0;
-        const uint high = max(a, b), low = min(a, b), found = atomic_cmpxchg(above + high, 0u, low + 1);
-        if (found == 0) return 1;
-        a = found - 1;  // which a plain read need not show
-        b = low;
+        if (atomic_cmpxchg(above + max(a, b), 0u, min(a, b) + 1) == 0) return 1;
     }
 }
 

@@ -153,7 +153,7 @@ cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocki
     note_transfer(target, bytes);
     const cl_int code =
         CLSDF_NEXT(clEnqueueReadBuffer)(queue, buffer, blocking, offset, bytes, target, waits, wait_list, event);
-    if (code == CL_SUCCESS && event != nullptr) note_read(*event, target);
+    if (code == CL_SUCCESS && event != nullptr) note_read(*event, target, bytes);
     return code;
 }
 

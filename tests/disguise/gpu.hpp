@@ -26,7 +26,7 @@ void forget_arguments(cl_kernel kernel);
 /// A transfer of so many bytes from or to the host's memory.
 void note_transfer(const void* host, std::size_t bytes);
 /// A read that does not block, into `target`.
-void note_read(cl_event event, const void* target);
+void note_read(cl_event event, const void* target, std::size_t bytes);
 /// Whether it reads into mapped memory; asked once.
 bool is_pinned_read(cl_event event);
 

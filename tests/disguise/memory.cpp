@@ -222,9 +222,10 @@ void note_transfer(const void* host, std::size_t bytes) {
     count([&](Counts& counts) { counts.pageable_bytes += bytes; });
 }
 
-void note_read(cl_event event, const void* target) {
+void note_read(cl_event event, const void* target, std::size_t bytes) {
+    constexpr std::size_t few = std::size_t{1} << 15;  // which the host waits for before it goes on
     const std::scoped_lock lock(memory().mutex);
-    if (is_mapped(target, 1))
+    if (bytes > few && is_mapped(target, 1))
         memory().pinned_reads.insert(event);
     else
         memory().pinned_reads.erase(event);

@@ -1,6 +1,8 @@
 #include "bricks/brick_scan.hpp"
 #include "device/buffer_pool.hpp"
 
+#include <algorithm>
+
 namespace clsdf::engine {
 
 namespace {
@@ -9,8 +11,9 @@ namespace {
 // brick a second are assumed. 64 groups test each pair.
 constexpr double pairs_per_group_launch = 2e6;
 constexpr std::size_t groups_per_coarse_brick = CLSDF_COARSE_BRICKS;
-// Groups that share a coarse brick's list: a narrow band has few coarse bricks, and a GPU many multiprocessors.
-constexpr std::size_t mask_groups = 8;
+// Groups that share a coarse brick's list: there may be few coarse bricks, and a GPU has many multiprocessors. Each
+// work-item has about two entries of the longest list.
+constexpr std::size_t most_list_groups = 64, entries_of_an_item = 2;
 
 class BricksByGroup final : public BrickScan {
 public:
@@ -49,18 +52,24 @@ public:
 private:
     /// Enqueues bounds and masks, which the bricks read; once for all computations.
     void enqueue_masks(const ScanInputs& inputs) const {
+        if (lists_.order.empty()) return;
+        const std::size_t longest = std::ranges::max(lists_.lengths);
+        const auto groups = std::clamp<std::size_t>(longest / (entries_of_an_item * group_size_), 1, most_list_groups);
+        constexpr cl_uint infinity = 0x7F800000U;
+        inputs.tools.queue().enqueueFillBuffer(*bounds_, infinity, 0,
+                                               lists_.order.size() * groups_per_coarse_brick * sizeof(float));
         device::LentKernel bounds = inputs.tools.kernel(program_, "brick_bounds"),
                            masks = inputs.tools.kernel(program_, "brick_masks");
         for (const BrickLaunch& launch : launches_of(lists_, {pairs_per_group_launch})) {
-            const std::size_t items = (launch.end - launch.begin) * group_size_;
+            const std::size_t items = (launch.end - launch.begin) * groups * group_size_;
             cl_uint next = 0;
             for (device::LentKernel* kernel : {&bounds, &masks})
                 next = set_arguments(*kernel, 0, inputs.layout, launch.begin, *order_, *lists_.starts,
                                      static_cast<cl_uint>(lists_.parts), *lists_.entries, *lists_.bounds,
-                                     *inputs.mesh.polyhedra, *bounds_);
-            set_arguments(masks, next, static_cast<cl_uint>(mask_groups), *masks_);
+                                     *inputs.mesh.polyhedra, *bounds_, static_cast<cl_uint>(groups));
+            set_arguments(masks, next, *masks_);
             engine::launch(inputs.tools.queue(), bounds, {items, group_size_});
-            engine::launch(inputs.tools.queue(), masks, {mask_groups * items, group_size_});
+            engine::launch(inputs.tools.queue(), masks, {items, group_size_});
         }
     }
 
