@@ -90,16 +90,20 @@ INLINE uint lane_bits(longL condition) {
     return lanes_to_bits(TO_INTS(condition));
 }
 
-// Whether the products of all lanes are certain.
-INLINE bool are_certain(doubleL products) {
-    return lane_bits(products > CERTAIN_PRODUCT) == LANE_BITS;
-}
+// With one lane, a search ends when its product is certain. Several lanes seldom agree, and to ask takes time.
+#if LANES == 1
+#define IS_ENOUGH(products) ((products) > CERTAIN_PRODUCT)
+#define IS_TOO_LITTLE(products, best) (!((products) > (best)))
+#else
+#define IS_ENOUGH(products) false
+#define IS_TOO_LITTLE(products, best) false
+#endif
 
 // Tries conditions a third of the fan apart; for most vertices they suffice.
 INLINE doubleL best_of_thirds(__private const Vectors* v, uint faces, Vectors middle, double sign) {
     doubleL best = 0.0;
     const uint third = (faces + 1) / 3;
-    for (uint f = 0; f < third && !are_certain(best); ++f) {
+    for (uint f = 0; f < third && !IS_ENOUGH(best); ++f) {
         const doubleL least = least_factor(middle, sign, v[f], v[f + third], v[min(f + 2 * third, faces - 1)]);
         best = GREATER(best, least);
     }
@@ -112,10 +116,10 @@ INLINE doubleL best_of_all(__private const Vectors* v, uint faces, Vectors middl
     doubleL best = 0.0;
     for (uint k = 2; k < faces; ++k) {
         const Vectors c = v[k], from_middle = cross_product(middle, c);
-        for (uint j = 1; j < k && !are_certain(best); ++j) {
+        for (uint j = 1; j < k && !IS_ENOUGH(best); ++j) {
             const Vectors b = v[j], cross = cross_product(b, c), to_middle = cross_product(b, middle);
             const doubleL of_a = dot_in_order(middle, cross);
-            if (lane_bits(of_a > best) == 0) continue;
+            if (IS_TOO_LITTLE(of_a, best)) continue;
             for (uint i = 0; i < j; ++i) {
                 const Vectors a = v[i];
                 const doubleL of_b = dot_in_order(from_middle, a), of_c = dot_in_order(to_middle, a),
@@ -133,7 +137,7 @@ OUT_OF_LINE longL are_covered(__private const Fans* fans, uint faces, bool try_a
     doubleL least = 1.0;
 #pragma unroll
     for (uint which = 0; which < 4; ++which) {
-        if (lane_bits(least > CERTAIN_PRODUCT) == 0) continue;
+        if (IS_TOO_LITTLE(least, CERTAIN_PRODUCT)) continue;
         Vectors v[CLSDF_FAN_FACES];
         const bool arriving = which & 1, above = which < 2;
         set_conditions(fans, faces, arriving, above, v);
