@@ -72,8 +72,8 @@ struct Counts {
     std::map<std::string, KernelCounts> kernels;  ///< by name
     std::uint64_t all_calls = 0;
     std::uint64_t blocking_waits = 0;  ///< clFinish, clWaitForEvents, and blocking transfers and mappings
-    std::uint64_t pinned_reads = 0;    ///< waits, not counted above, for reads of many bytes into mapped (pinned) memory
-    std::uint64_t launches = 0;        ///< kernels
+    std::uint64_t pinned_reads = 0;  ///< waits, not counted above, for reads of many bytes into mapped (pinned) memory
+    std::uint64_t launches = 0;      ///< kernels
     std::uint64_t fills = 0;
     std::uint64_t copies = 0;  ///< within the device
     std::uint64_t transfers_up = 0, transfers_down = 0;
