@@ -151,6 +151,10 @@ __kernel void face_records(FaceLattice lattice, uint begin, uint end, uint face_
     }
 }
 
+INLINE uint lane_bits(longL condition) {
+    return lanes_to_bits(TO_INTS(condition));
+}
+
 #if LANES == 1
 // The answer about a vertex that no closed fan is around. At an open edge there is no gap; with fewer than two edges of
 // two faces it is no saddle vertex, either. Writes the corners of others that vertex_gaps can look at.

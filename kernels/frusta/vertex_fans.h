@@ -86,10 +86,6 @@ INLINE doubleL least_factor(Vectors middle, double sign, Vectors a, Vectors b, V
     return LESSER(LESSER(of_a, of_b), LESSER(of_c, determinant));
 }
 
-INLINE uint lane_bits(longL condition) {
-    return lanes_to_bits(TO_INTS(condition));
-}
-
 // With one lane, a search ends when its product is certain. Several lanes seldom agree, and to ask takes time.
 #if LANES == 1
 #define IS_ENOUGH(products) ((products) > CERTAIN_PRODUCT)

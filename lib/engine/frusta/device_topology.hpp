@@ -82,6 +82,7 @@ struct MadeTopology {
     std::shared_ptr<const EqualVertices> equal{};  ///< null unless vertices of equal coordinates count as one
     std::size_t given_vertices = 0;                ///< of the caller's mesh
     device::BufferPool::Lease positions;           ///< Vec3 of each vertex of the topology, as given
+
     /// Whether all faces are joined over vertices.
     bool is_one_part() const { return results.joined_vertices + 1 >= results.vertex_count; }
     bool encloses_negative_volume() const;
@@ -93,7 +94,7 @@ template <class Value>
 Value read_value(const DeviceTools& tools, const cl::Buffer& buffer) {
     device::ReadBack<Value> read(tools.context);
     cl::Event is_read;  // a blocking read by PoCL does not fail if a kernel has
-    read.enqueue(tools.queue(), buffer, 0, 1, 0, &is_read);
+    read.enqueue(tools.queue(), buffer, 0, &is_read);
     is_read.wait();
     read.end();
     return read.value();

@@ -119,8 +119,8 @@ std::optional<HostPart> host_part(const DeviceSetUp& job, const DeviceTopology& 
     device::ReadBack<ListCounts> counts(tools.context);
     device::ReadBack<ListedFace> first(tools.context, short_list);
     cl::Event is_read;  // a blocking read by PoCL does not fail if a kernel has
-    counts.enqueue(queue, *zeros, 0, 1);
-    first.enqueue(queue, *near, 0, short_list, 0, &is_read);
+    counts.enqueue(queue, *zeros);
+    first.enqueue(queue, *near, 0, &is_read);
     is_read.wait();
     counts.end();
     first.end();

@@ -53,7 +53,7 @@ PrefixSums::PrefixSums(const DeviceTools& tools, const cl::Buffer& values, const
     device::guarded([&] {
         const cl::CommandQueue& queue = tools.queue();
         launches_.each([&](cl::Kernel& kernel, const WorkItems& items) { launch(queue, kernel, items); });
-        total_.enqueue(queue, launches_.sums(), launches_.parts() * sizeof(cl_ulong), 1, 0, &total_read_);
+        total_.enqueue(queue, launches_.sums(), launches_.parts() * sizeof(cl_ulong), &total_read_);
     });
 }
 

@@ -93,9 +93,9 @@ private:
         device::LentKernel gather = inputs_.tools.kernel(inputs_.tools.programs.coarse_lists, "coarse_list_starts");
         launch(queue, gather, {bricks_ + 1}, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_),
                *lists.starts, *device_starts_);
-        starts_found_.enqueue(queue, *device_starts_, 0, bricks_ + 1);
+        starts_found_.enqueue(queue, *device_starts_);
         cl::Event is_read;
-        taken_found_.enqueue(queue, *taken_, 0, 1, 0, &is_read);
+        taken_found_.enqueue(queue, *taken_, 0, &is_read);
         is_read.wait();
         starts_found_.end();
         taken_found_.end();

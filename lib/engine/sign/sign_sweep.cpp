@@ -159,7 +159,7 @@ private:
     /// host takes as long.
     void add_up() {
         sums_.emplace(inputs_.tools, *row_counts_, *starts_, row_count_, listed);
-        totals_found_.enqueue(queue_, *totals_, 0, 1, 0, &totals_read_);
+        totals_found_.enqueue(queue_, *totals_, 0, &totals_read_);
     }
 
     SweepTotals wait_for_totals() {

@@ -31,11 +31,11 @@ public:
         if (own_ && !have_ended) keep_for_good(own_);
     }
 
-    /// Enqueues a read of `count` values from byte `begin` on, to the place `first`. Throws cl::Error.
-    void enqueue(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t count,
-                 std::size_t first = 0, cl::Event* is_read = nullptr) {
+    /// Enqueues the read of all values, from byte `begin` of the buffer on. Throws cl::Error.
+    void enqueue(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin = 0,
+                 cl::Event* is_read = nullptr) {
         is_under_way_ = true;
-        queue.enqueueReadBuffer(from, CL_FALSE, begin, count * sizeof(Value), data() + first, nullptr, is_read);
+        queue.enqueueReadBuffer(from, CL_FALSE, begin, bytes(), data(), nullptr, is_read);
     }
     /// The commands have ended.
     void end() { is_under_way_ = false; }
