@@ -27,10 +27,10 @@ public:
     PinnedCopies(const PinnedCopies&) = delete;
     PinnedCopies& operator=(const PinnedCopies&) = delete;
 
-    /// Returns when `to` holds `bytes` bytes of `from`, from byte `begin` on. They are complete when the commands before
-    /// it in the queue have ended or, if there are milestones, when these are reached: their ends ascend and count from
-    /// `begin`, and the last one is `bytes`. Without pinned memory, and for a few bytes, the driver copies. Throws
-    /// cl::Error.
+    /// Returns when `to` holds `bytes` bytes of `from`, from byte `begin` on. They are complete when the commands
+    /// before it in the queue have ended or, if there are milestones, when these are reached: their ends ascend and
+    /// count from `begin`, and the last one is `bytes`. Without pinned memory, and for a few bytes, the driver copies.
+    /// Throws cl::Error.
     void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
               std::byte* to, std::span<const Milestone> milestones);
 
