@@ -113,6 +113,7 @@ static inline void close_gaps(__private Expansion* expansion) {
 // Adds a b c.
 static inline void add_product(__private Expansion* expansion, TwoDoubles a, TwoDoubles b, TwoDoubles c) {
     close_gaps(expansion);
+#pragma unroll 1
     for (uint i = 0; i < 8; ++i) {
         const double of_a = i & 1 ? a.high : a.low, of_b = i & 2 ? b.high : b.low, of_c = i & 4 ? c.high : c.low;
         if (of_a == 0.0 || of_b == 0.0 || of_c == 0.0) continue;
@@ -157,6 +158,7 @@ RARELY_CALLED int exact_orientation_in_space(double3 a, double3 b, double3 c, do
     ExactVector u = exact_difference(b, a), v = exact_difference(c, a), w = exact_difference(d, a);
     Expansion sum;
     sum.count = 0;
+#pragma unroll 1
     for (uint term = 0; term < 6; ++term) {
         add_product(&sum, u.x, v.y, w.z);
         const ExactVector other = u;

@@ -274,8 +274,10 @@ INLINE Vectors rejection(__private const FacePlanes* face, uint edge, bool above
 // A linear condition can only ask for g . u >= margin (m . u) with a unit vector m, which is weaker, and least so where
 // u is near m. If the direction that is found does not have the margin, it becomes the next m.
 INLINE bool add_rejections(__private GapVertex* vertex, uint faces, uint edge) {
+#pragma unroll 1
     for (uint round = 0; round < REJECTION_ROUNDS; ++round) {
         const Vectors middle = vertex->search.direction;
+#pragma unroll 1
         for (uint other_side = 0; other_side < 2; ++other_side)
             for (uint i = 0; i < faces; ++i) {
                 __private const FacePlanes* const face = vertex->faces + vertex->order[i];
@@ -301,6 +303,7 @@ INLINE bool leaves_out_near(__private GapVertex* vertex, Vectors axis) {
         const uint start = vertex->starts[fan], end = vertex->starts[fan + 1];
         set_order(vertex->order, start, end);
         bool is_rejected = false;
+#pragma unroll 1
         for (uint edge = 0; edge < 2 && !is_rejected; ++edge) {
             vertex->search.count = normals;
             vertex->search.direction = direction;
@@ -326,12 +329,16 @@ INLINE bool leaves_directions_out(__private GapVertex* vertex) {
         height = height < own ? own : height;
     }
     const double length = sqrt(squared_length(total));
-    if (height > FLAT_GROUND && length > 1.0e-6 * (double)vertex->spoke_count) {
+    const bool has_axis = height > FLAT_GROUND && length > 1.0e-6 * (double)vertex->spoke_count;
+#pragma unroll 1
+    for (uint attempt = has_axis ? 0 : 1; attempt < 3; ++attempt) {
         vertex->is_undecided = false;
-        const bool is_found = leaves_out_near(vertex, quotient(total, length));
-        if (!is_found || !vertex->is_undecided) return is_found;
+        const Vectors axis =
+            attempt == 0 ? quotient(total, length) : product(attempt == 1 ? 1.0 : -1.0, vertex->normal);
+        const bool is_found = leaves_out_near(vertex, axis);
+        if (is_found ? attempt > 0 || !vertex->is_undecided : attempt == 0) return is_found;
     }
-    return leaves_out_near(vertex, vertex->normal) || leaves_out_near(vertex, product(-1.0, vertex->normal));
+    return false;
 }
 
 #endif

@@ -209,8 +209,7 @@ __kernel void ring_fans(uint begin, uint end, double per_unit, __global const ui
     load_fans(faces, words, &place, 1, triangles, positions, signs, per_unit, &fans);
     const EdgeKinds kinds = edge_kinds(&fans, faces);
     bool is_open = lane_bits(kinds.is_left_to_host);
-    if (lane_bits(kinds.is_mixed && !kinds.is_left_to_host))
-        is_open = !lane_bits(are_covered(&fans, faces, false)) && !lane_bits(are_covered(&fans, faces, true));
+    if (lane_bits(kinds.is_mixed && !kinds.is_left_to_host)) is_open = !lane_bits(are_covered(&fans, faces, true));
     answers[vertex] =
         (uchar)((lane_bits(kinds.is_saddle) ? CLSDF_VERTEX_IS_SADDLE : 0u) | (is_open ? CLSDF_VERTEX_IS_OPEN : 0u));
 }

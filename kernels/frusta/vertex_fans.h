@@ -128,18 +128,24 @@ INLINE doubleL best_of_all(__private const Vectors* v, uint faces, Vectors middl
     return best;
 }
 
-// True if three of the conditions surely contradict each other, at both edges and on both sides.
+// True if three of the conditions surely contradict each other, at both edges and on both sides. try_all: with several
+// lanes, of vertices for which those a third of the fan apart do not suffice.
 OUT_OF_LINE longL are_covered(__private const Fans* fans, uint faces, bool try_all) {
     doubleL least = 1.0;
+#if LANES == 1  // for compilers' sake: the loop is long
+#pragma unroll 1
+#else
 #pragma unroll
+#endif
     for (uint which = 0; which < 4; ++which) {
         if (IS_TOO_LITTLE(least, CERTAIN_PRODUCT)) continue;
         Vectors v[CLSDF_FAN_FACES];
         const bool arriving = which & 1, above = which < 2;
         set_conditions(fans, faces, arriving, above, v);
         const double sign = above ? -1.0 : 1.0;
-        const doubleL best =
-            try_all ? best_of_all(v, faces, fans->middle, sign) : best_of_thirds(v, faces, fans->middle, sign);
+        doubleL best = 0.0;
+        if (LANES == 1 || !try_all) best = best_of_thirds(v, faces, fans->middle, sign);
+        if (try_all && !IS_ENOUGH(best)) best = GREATER(best, best_of_all(v, faces, fans->middle, sign));
         least = LESSER(least, best);
     }
     return least > CERTAIN_PRODUCT;

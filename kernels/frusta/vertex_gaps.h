@@ -67,6 +67,7 @@ INLINE bool measure_face(FaceArrays arrays, uint face, __private MeasuredFace* m
     const FaceFrames own = frame_of(arrays, corners);
     if (!is_plain_frame(arrays, &own)) return false;
     measured->normal = own.normal;
+#pragma unroll 1
     for (uint k = 0; k < 3; ++k) {
         measured->inward[k] = inward_at(&own, k);
         const uint opposite = arrays.opposite[3 * (size_t)face + k], edge = opposite >> CLSDF_OPPOSITE_EDGE;
@@ -136,7 +137,6 @@ INLINE uint gap_answer(FaceArrays arrays, double per_unit, uint faces, __global 
     gap.normal = planes[0].normal;
     gap.order = order;
     gap.search.conditions = conditions;
-    gap.is_undecided = false;
     return CLSDF_VERTEX_IS_SADDLE | (leaves_directions_out(&gap) ? CLSDF_VERTEX_IS_OPEN | CLSDF_VERTEX_HAS_GAP : 0u);
 }
 
