@@ -142,6 +142,7 @@ public:
         compare_all();
         join();
         look_in_front();
+        look_at_vertices();
         std::vector<std::uint16_t> sides(mesh_.face_count());
         for_each_index(sides.size(), [&](std::size_t face) { sides[face] = sides_of(face); });
         return sides;
@@ -252,27 +253,35 @@ private:
         std::uint16_t sides = of_root_[root_[face]];
         // The pseudonormals of a face that is turned around point to its back.
         if (sides == 0 || mesh_.sign_count(face) < 0) return sides;
-        const auto has_same = [&](std::size_t other) { return is_included(other) && root_[other] == root_[face]; };
         for (std::size_t k = 0; k < 3; ++k) {
-            if (const std::size_t other = across(face, k); other != face && has_same(other))
+            if (const std::size_t other = across(face, k); other != face && has_root_of(face, other))
                 sides = static_cast<std::uint16_t>(sides | 1U << (3 + k));
-            if (is_one_fan(face, k, has_same) && is_flat_enough(face, k))
-                sides = static_cast<std::uint16_t>(sides | 1U << k);
+            if (tells_side_[vertices(face)[k]] != 0) sides = static_cast<std::uint16_t>(sides | 1U << k);
         }
         return sides;
     }
 
-    /// Whether the faces at a vertex go once around it, and all are as one wants them.
-    template <typename Predicate>
-    bool is_one_fan(std::size_t face, std::size_t k, const Predicate& is_wanted) const {
-        const Corner corner{static_cast<std::uint32_t>(face), static_cast<std::uint32_t>(k)};
-        return engine::walk_fan(topology_.edges.faces, corner, topology_.rings.size(vertices(face)[k]),
-                                [&](const Corner& other) { return is_wanted(other.face); });
+    bool has_root_of(std::size_t face, std::size_t other) const {
+        return is_included(other) && root_[other] == root_[face];
+    }
+
+    /// Vertices whose faces go once around them, have one root, and are flat enough.
+    void look_at_vertices() {
+        tells_side_.resize(topology_.faces.vertices.size());
+        for_each_index(tells_side_.size(), [&](std::size_t vertex) {
+            const std::size_t count = topology_.rings.size(vertex);
+            if (count == 0 || count > most_in_fan) return;
+            const Corner first = topology_.rings.corner(vertex, 0);
+            const bool is_one_fan = engine::walk_fan(topology_.edges.faces, first, count, [&](const Corner& corner) {
+                return has_root_of(first.face, corner.face);
+            });
+            tells_side_[vertex] = is_one_fan && is_flat_enough(vertex) ? 1 : 0;
+        });
     }
 
     /// Whether the normals of the faces at a vertex are all near their sum, weighted by angles.
-    bool is_flat_enough(std::size_t face, std::size_t k) const {
-        const std::size_t vertex = vertices(face)[k], count = topology_.rings.size(vertex);
+    bool is_flat_enough(std::size_t vertex) const {
+        const std::size_t count = topology_.rings.size(vertex);
         Vector sum(0, 0, 0);
         for (std::size_t i = 0; i < count; ++i) {
             const Corner corner = topology_.rings.corner(vertex, i);
@@ -294,6 +303,7 @@ private:
     std::vector<std::uint8_t> is_excluded_;
     std::vector<std::uint32_t> root_;
     std::vector<std::uint16_t> of_root_;
+    std::vector<std::uint8_t> tells_side_;  ///< by vertex: the point site of its faces has their side
 };
 
 }  // namespace
