@@ -11,6 +11,8 @@
 // 4. The eight work-items of a sub-block take its polyhedra one after the other, each at its own sample. If there are
 //    more batches, the bounds are lowered to the distances that were found.
 //
+// Several groups share a long list (BrickTask): each stores its minima, and a group of the next launch joins them.
+//
 // Atomics in local memory only set bits and take minima and maxima, and every group keeps the order of its list. So the
 // result does not depend on the order in which groups and work-items run.
 //
@@ -34,7 +36,7 @@
 
 #define BATCH 64                  // polyhedra that are evaluated together
 #define BATCH_WORDS (BATCH / 32)  // of a bit each
-#define WINDOW (4 * GROUP)        // entries of a list that are looked at together
+#define WINDOW CLSDF_WINDOW(GROUP)
 #define WINDOW_WORDS (WINDOW / 32)
 #define ROOM (WINDOW + 2 * GROUP)  // for chosen polyhedra
 #define OCTANTS 8                  // of a brick, of 4 x 4 x 4 samples: eight sub-blocks each
@@ -228,11 +230,13 @@ typedef struct ItemMinimum {
 } ItemMinimum;
 
 #ifdef NEAREST
-// Whether a polyhedron's triangle is the nearer one. If two are equally near, the first in the caller's order is taken.
+// Whether a polyhedron is the nearer one. If two are equally near, that of the first triangle in the caller's order is
+// taken, and the first one of a triangle: a vertex that closes a gap has a polyhedron with the name of a face.
 static inline bool is_nearer(float squared, uint polyhedron, float least, uint nearest,
                              __global const Polyhedron* polyhedra) {
     if (squared != least || nearest == CLSDF_NO_POLYHEDRON) return squared < least;
-    return polyhedra[polyhedron].triangle < polyhedra[nearest].triangle;
+    const uint own = polyhedra[polyhedron].triangle, other = polyhedra[nearest].triangle;
+    return own == other ? polyhedron < nearest : own < other;
 }
 #endif
 
@@ -327,6 +331,39 @@ static inline void keep_minima(__private const ItemMinimum* minimum, __local Bri
 }
 #endif
 
+// The minima that a share stores for a brick: 512 squares, then with NEAREST 512 polyhedra.
+#ifdef NEAREST
+#define MINIMA_WORDS 1024
+#else
+#define MINIMA_WORDS 512
+#endif
+INLINE void store_minima(__private const ItemMinimum* minimum, __global uint* set) {
+#pragma unroll
+    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
+        set[s * GROUP + get_local_id(0)] = as_uint(minimum->squared[s]);
+#ifdef NEAREST
+        set[512 + s * GROUP + get_local_id(0)] = minimum->polyhedron[s];
+#endif
+    }
+}
+INLINE void join_minima(__private ItemMinimum* minimum, __global const uint* set,
+                        __global const Polyhedron* polyhedra) {
+#pragma unroll
+    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
+        const float squared = as_float(set[s * GROUP + get_local_id(0)]);
+#ifdef NEAREST
+        const uint polyhedron = set[512 + s * GROUP + get_local_id(0)];
+        if (polyhedron == CLSDF_NO_POLYHEDRON ||
+            !is_nearer(squared, polyhedron, minimum->squared[s], minimum->polyhedron[s], polyhedra))
+            continue;
+        minimum->squared[s] = squared;
+        minimum->polyhedron[s] = polyhedron;
+#else
+        minimum->squared[s] = LESSER(squared, minimum->squared[s]);
+#endif
+    }
+}
+
 // The place of a brick in the list of a sparse field, or CLSDF_NOT_LISTED if no sample of it is in the band or there
 // is no more room. number: the brick's in the part. All work-items get the same.
 #define CLSDF_NOT_LISTED 0xFFFFFFFFu
@@ -412,9 +449,10 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
     }
 }
 
-// Global size: 64 groups for each coarse brick order[begin, ...) of the launch.
+// Global size: 64 groups for each task [begin, ...) of the launch. minima: of shares, by task and brick.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group(
-    Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
+    Layout layout, uint begin, __global const BrickTask* restrict tasks, __global uint* restrict minima,
+    __global const uint* restrict order, __global const uint* restrict starts, uint parts,
     __global const uint* restrict entries, __global const float* restrict brick_bounds,
     __global const ulong* restrict masks, __global const Polyhedron* restrict polyhedra,
     __global const uint* restrict sign_bits, __global uchar* restrict computed, __global uint* restrict listed,
@@ -429,8 +467,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 #endif
 ) {
     __local Work work;
-    const uint item = get_local_id(0), slot = begin + get_group_id(0) / CLSDF_COARSE_BRICKS,
-               b = get_group_id(0) % CLSDF_COARSE_BRICKS;
+    const BrickTask task = tasks[begin + get_group_id(0) / CLSDF_COARSE_BRICKS];
+    const uint item = get_local_id(0), slot = task.slot, b = get_group_id(0) % CLSDF_COARSE_BRICKS;
     const uint number = order[slot], list_end = starts[(number + 1) * parts];
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
     const int3 at = coarse_brick_at(layout, number) * CLSDF_BRICKS_PER_COARSE + four_cubed(b);
@@ -456,36 +494,46 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     __local uint group_counters[CLSDF_COUNTERS];
     if (item < CLSDF_COUNTERS) group_counters[item] = 0;
 #endif
+    const bool is_join = task.share == task.shares, is_share = !is_join && task.shares > 1;
+    __global uint* const first_set = minima + ((size_t)task.minima * CLSDF_COARSE_BRICKS + b) * MINIMA_WORDS;
+    const size_t set_words = CLSDF_COARSE_BRICKS * MINIMA_WORDS;  // from a share to the next one
+    for (uint n = 0; is_join && n < task.shares; ++n) join_minima(&minimum, first_set + n * set_words, polyhedra);
     uint count = 0;
-    for (uint e = starts[number * parts]; e < list_end; e += WINDOW) {
-        count = choose_window(e, list_end, b, masks, entries, count, &work);
-        if (count == 0 || (count + WINDOW <= ROOM && e + WINDOW < list_end)) continue;
+    const uint list_begin = is_join ? list_end : starts[number * parts] + task.share * task.window,
+               step = task.shares * task.window;
+    for (uint e = list_begin; e < list_end; e += step) {
+        count = choose_window(e, min(list_end, e + task.window), b, masks, entries, count, &work);
+        if (count == 0 || (count + WINDOW <= ROOM && e + step < list_end)) continue;
 #ifdef COUNT
         counters[CLSDF_COUNT_BRICK_PAIRS] += item == 0 ? count : 0;
 #endif
         evaluate_chosen(layout, brick, count, polyhedra, &work, &minimum, counters);
         count = 0;
     }
-
+    if (is_share) {
+        store_minima(&minimum, first_set + task.share * set_words);
+    } else {
 #ifdef NEAREST
-    SET_FINISHING(finishing)
-    keep_minima(&minimum, &work.room.minima);
+        SET_FINISHING(finishing)
+        keep_minima(&minimum, &work.room.minima);
 #endif
-    const size_t number_in_part =
-        ((size_t)relative_brick.z * bricks.y + relative_brick.y) * bricks.x + relative_brick.x;
-    uint at_in_list = CLSDF_NOT_LISTED;
-    if (listed != 0)
-        at_in_list =
-            list_brick(layout, relative_brick, number_in_part, sign_bits, &minimum, computed, listed, work.words);
-    else if (item == 0)
-        computed[number_in_part] = 1;
-    if (listed == 0 || at_in_list != CLSDF_NOT_LISTED)
-        write_samples(layout, brick, relative_brick, at_in_list, sign_bits, &minimum, distance,
+        const size_t number_in_part =
+            ((size_t)relative_brick.z * bricks.y + relative_brick.y) * bricks.x + relative_brick.x;
+        uint at_in_list = CLSDF_NOT_LISTED;
+        if (listed != 0)
+            at_in_list =
+                list_brick(layout, relative_brick, number_in_part, sign_bits, &minimum, computed, listed, work.words);
+        else if (item == 0)
+            computed[number_in_part] = 1;
+        if (listed == 0 || at_in_list != CLSDF_NOT_LISTED)
+            write_samples(layout, brick, relative_brick, at_in_list, sign_bits, &minimum, distance,
 #ifdef NEAREST
-                      &work.room.minima, &finishing,
+                          &work.room.minima, &finishing,
 #endif
-                      counters);
+                          counters);
+    }
 #ifdef COUNT
+    barrier(CLK_LOCAL_MEM_FENCE);  // the counters are 0
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) atomic_add(group_counters + c, counters[c]);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < CLSDF_COUNTERS)

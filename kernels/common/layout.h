@@ -13,8 +13,8 @@
 // The bricks of a coarse brick. A mask of 64 bits has one bit per brick.
 #define CLSDF_COARSE_BRICKS 64
 
-// The minima of a brick in the vector body: of each sample a squared distance and, if more is asked for than
-// that, the number of the nearest polyhedron.
+// The minima of a brick: of each sample a squared distance and, if more is asked for than that, the number of the
+// nearest polyhedron.
 #define CLSDF_MINIMUM_BYTES(with_nearest) (CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK * ((with_nearest) ? 8 : 4))
 
 // The vector body takes so many polyhedra of a coarse brick's list at a time.
@@ -79,7 +79,21 @@ typedef struct Layout {
     float outside_fill;
 } Layout;
 
+// The group body looks at so many entries of a list together.
+#define CLSDF_WINDOW(group) (4 * (group))
+
+// The group body: the bricks of a coarse brick, a work-group each. A long list is shared, since a launch takes at least
+// as long as its longest group.
+typedef struct BrickTask {
+    clsdf_uint32 slot;    // of the coarse brick in the order
+    clsdf_uint32 shares;  // of its list
+    clsdf_uint32 share;   // 0 to shares - 1: takes the windows share, share + shares, ...; shares: joins their minima
+    clsdf_uint32 minima;  // where those of share 0 are stored, in sets for CLSDF_COARSE_BRICKS bricks
+    clsdf_uint32 window;  // entries of a window, CLSDF_WINDOW at most
+} BrickTask;
+
 #ifndef __OPENCL_VERSION__
+static_assert(sizeof(BrickTask) == 20);
 static_assert(sizeof(Layout) == 132);
 static_assert(offsetof(Layout, sign_words) == 72);
 static_assert(offsetof(Layout, unit) == 120);

@@ -128,11 +128,11 @@ INLINE doubleL best_of_all(__private const Vectors* v, uint faces, Vectors middl
     return best;
 }
 
-// True if three of the conditions surely contradict each other, at both edges and on both sides. try_all: with several
-// lanes, of vertices for which those a third of the fan apart do not suffice.
+// True if three of the conditions surely contradict each other, at both edges and on both sides. try_all: all sets of
+// three are tried. One lane tries those a third of the fan apart first.
 OUT_OF_LINE longL are_covered(__private const Fans* fans, uint faces, bool try_all) {
     doubleL least = 1.0;
-#if LANES == 1  // for compilers' sake: the loop is long
+#if LANES == 1  // a copy for each turn takes compilers seconds
 #pragma unroll 1
 #else
 #pragma unroll

@@ -18,7 +18,8 @@ using calls::Batch;
 using calls::Slab;
 using engine::Job;
 
-/// The bytes of samples that are worth two more launches, so that a half of them is read while the other is computed.
+/// The bytes of samples that are worth two or three more launches, so that a half of them is read while the other is
+/// computed.
 constexpr std::size_t least_bytes_in_halves = std::size_t{8} << 20;
 
 /// Computes a plan's samples, which are [begin, end) of the call's work, and returns when they are there. gather:

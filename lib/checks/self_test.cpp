@@ -101,10 +101,11 @@ OutputSet outputs_of(const engine::Workshop& workshop, const engine::BrickVarian
 
 /// From the values that the mesh keeps.
 std::unique_ptr<engine::GridPlan> make_plan(const engine::Workshop& workshop, engine::KeptMesh& kept_mesh,
-                                            const engine::JobKey& asked) {
+                                            const engine::JobKey& asked, bool shares_short_lists = false) {
     const engine::Job job = kept_mesh.checked(asked, workshop.sign);
     engine::Inputs inputs = engine::grid_inputs(kept_mesh, job, workshop.sign);
     if (asked.outputs != OutputSet{} && !workshop.method) inputs.sites = kept_mesh.sites(true, inputs.needs_normals);
+    inputs.shares_short_lists = shares_short_lists;
     return std::make_unique<engine::GridPlan>(workshop, std::move(inputs), job, std::function<void()>());
 }
 
@@ -124,7 +125,7 @@ std::optional<std::string> field_difference(const engine::Workshop& workshop, en
         own->for_samples(arrays_of(outputs, !kind.on_surface && !kind.fine, is_finished), grid.sample_count());
     targets::OutputMemories memories;
     memories.place(context, *workshop.pool, arrays, grid.sample_count());
-    const auto plan = make_plan(workshop, kept_mesh, {grid, known.band(), outputs, {}, variant.count});
+    const auto plan = make_plan(workshop, kept_mesh, {grid, known.band(), outputs, {}, variant.count}, kind.on_surface);
     if (watch.tests) watch.tests();
     context.run_or_drain([&] {
         engine::CommandChain chain(context.queue(), {});

@@ -303,7 +303,7 @@ private:
     std::vector<std::uint8_t> is_excluded_;
     std::vector<std::uint32_t> root_;
     std::vector<std::uint16_t> of_root_;
-    std::vector<std::uint8_t> tells_side_;  ///< by vertex: the point site of its faces has their side
+    std::vector<std::uint8_t> tells_side_;  ///< by vertex: 1 if its pseudonormal tells the side of its faces
 };
 
 }  // namespace

@@ -30,6 +30,7 @@ const std::set<std::string> passed_over{
     "clCreateProgramWithBinary",    // the program is compiled from its source
     "clBuildProgram",               // likewise, if it was a stored one; otherwise it is an error
     "clGetProgramInfo",             // its binary is not kept
+    "clCreateBuffer",               // one that may fail: longer than a list needs, or a block of the arena
     "clGetEventInfo",               // the library waits for the event
     "clSetEventCallback",           // likewise
     "clEnqueueMarkerWithWaitList",  // without the marker the library waits for the whole queue

@@ -4,6 +4,7 @@
 #include "support/hostile_meshes.hpp"
 #include "support/point_contract.hpp"
 #include "support/random_meshes.hpp"
+#include "support/shared_lists.hpp"
 #include "support/test_meshes.hpp"
 
 #include "checks/known_topology.hpp"
@@ -228,6 +229,14 @@ BOOST_AUTO_TEST_CASE(completed_frusta_of_a_gpu) {
     BOOST_TEST(!kernels.left.gaps.empty());
     BOOST_TEST(std::ranges::equal(kernels.frusta->sites, host.sites, {}, &engine::SiteFrustum::vertex,
                                   &engine::SiteFrustum::vertex));
+}
+
+BOOST_AUTO_TEST_CASE(groups_that_share_a_list) {
+    const Grid grid = around_cube(8, 0.4);
+    const Band band = Band::symmetric(0.5);
+    const DistanceTransform transform(test_device(), cube(1), {.body = KernelBody::by_group});
+    BOOST_TEST((bits_of(distances_by_shares(test_device(), cube(1), grid, band)) ==
+                bits_of(transform.compute(grid, band).distance())));
 }
 
 BOOST_AUTO_TEST_CASE(methods_of_the_papers) {

@@ -6,6 +6,6 @@ if(CLSDF_OCLGRIND AND NOT CLSDF_SANITIZE)
   target_link_libraries(test_races PRIVATE clsdf::papers clsdf::reference OpenCL::OpenCL)
   add_test(NAME races COMMAND ${CLSDF_OCLGRIND} --data-races --check-api $<TARGET_FILE:test_races>)
   set_tests_properties(races PROPERTIES FAIL_REGULAR_EXPRESSION "data race;Invalid;Error;OCLGRIND"
-                                        PASS_REGULAR_EXPRESSION "No errors detected"
+                                        PASS_REGULAR_EXPRESSION "No errors detected" TIMEOUT 900
                                         ENVIRONMENT_MODIFICATION "CLSDF_CACHE_DIR=set:;CLSDF_SELF_TEST=set:0")
 endif()

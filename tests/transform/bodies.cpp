@@ -1,12 +1,14 @@
 #include "support/exact_field.hpp"
 #include "support/float_width.hpp"
 #include "support/hostile_meshes.hpp"
+#include "support/shared_lists.hpp"
 #include "support/test_meshes.hpp"
 
 #include "layout.h"
 
 #include <clsdf/tuning.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace clsdf;
@@ -56,6 +58,49 @@ BOOST_AUTO_TEST_CASE(groups_compute_shapes_exactly) {
 BOOST_AUTO_TEST_CASE(groups_compute_long_lists_exactly) {
     const Mesh mesh = scaled(make_shape("sphere4"), 5);
     check_by_group(mesh, grid_at({0, 0, 0}, 1, 10), Band::symmetric(4));
+}
+
+// Eight groups share the list. Every triangle is there twice, and the first one is named.
+BOOST_AUTO_TEST_CASE(groups_share_long_lists) {
+    const Mesh once = scaled(make_shape("sphere5"), 5);
+    std::vector<Triangle> triangles = once.triangles();
+    triangles.insert(triangles.end(), once.triangles().begin(), once.triangles().end());
+    const Mesh twice(once.vertices(), triangles, "sphere twice");
+    const Grid grid = grid_at({0, 0, 0}, 1, 10);
+    const Band band = Band::symmetric(3);
+    check_by_group(twice, grid, band);
+
+    const DistanceTransform transform(test_device(), twice, {.body = KernelBody::by_group});
+    const Field whole = transform.compute(grid, band, all_outputs());
+    BOOST_TEST(std::ranges::none_of(whole.triangle(),
+                                    [&](std::uint32_t t) { return t != no_triangle && t >= once.triangles().size(); }));
+    BOOST_TEST((bits_of(transform.compute(grid, band).distance()) == bits_of(whole.distance())));
+    // The second part is far from most triangles: its list is shorter, and has fewer shares.
+    for (const Grid& part : {grid.part({4, 9, 2}, {7, 3, 12}), grid.part({16, 8, 8}, {5, 5, 5})}) {
+        const Field expected = part_of(whole, part);
+        BOOST_TEST(same_bytes(transform.compute(part, band, all_outputs()), expected));
+        const DistanceTransform near = transform.restrict_to({part.box(), band.outside, grid.voxel()});
+        BOOST_TEST(same_bytes(near.compute(part, band, all_outputs()), expected));
+    }
+    TransformStatistics counted;
+    const Field again = transform.compute(grid, band, {}, {.count_work = true}, &counted);
+    const auto in_band = std::ranges::count_if(whole.triangle(), [](std::uint32_t t) { return t != no_triangle; });
+    BOOST_TEST(counted.work->band_samples == static_cast<std::size_t>(in_band));
+    BOOST_TEST((bits_of(again.distance()) == bits_of(whole.distance())));
+}
+
+// Eight lists of eight shares each; the second device has room for the minima of one list at a time.
+BOOST_AUTO_TEST_CASE(groups_share_lists_one_after_the_other_if_memory_is_short) {
+    const Mesh mesh = tilted(make_shape("sphere2"));
+    Grid grid = grid_at({0, 0, 0}, 0.1, 12);
+    grid.first = {-12, -12, -12};  // the middle one is at a corner of coarse bricks
+    grid.origin = {0, 0, 0};
+    const Band band = Band::symmetric(0.3);
+    const Field field = DistanceTransform(test_device(), mesh, {.body = KernelBody::by_group}).compute(grid, band);
+    check_exact(mesh, field, guaranteed);
+    for (const std::size_t allocation : {std::size_t{1} << 28, std::size_t{1} << 20})
+        BOOST_TEST((bits_of(distances_by_shares(with_largest_allocation(allocation), mesh, grid, band)) ==
+                    bits_of(field.distance())));
 }
 
 BOOST_AUTO_TEST_CASE(groups_compute_large_triangles_and_unequal_spacing_exactly) {

@@ -182,6 +182,13 @@ BOOST_AUTO_TEST_CASE(all_outputs_have_the_bytes_of_the_dense_field) {
     }
 }
 
+// Groups share these lists, and bricks are listed by the groups that join their minima.
+BOOST_AUTO_TEST_CASE(long_lists_have_the_bytes_of_the_dense_field) {
+    const DistanceTransform transform(test_device(), scaled(make_shape("sphere5"), 5), {.body = KernelBody::by_group});
+    check_sparse(transform, grid_at({0, 0, 0}, 1, 12), Band::symmetric(2), Output::triangle);
+    check_sparse(transform, grid_at({0, 0, 0}, 1, 12), Band::symmetric(2), {});
+}
+
 // The samples of whole layers have the distance of the half width exactly: they are in the band, with a triangle.
 BOOST_AUTO_TEST_CASE(the_limits_of_the_band_belong_to_it) {
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {

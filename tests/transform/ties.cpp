@@ -3,7 +3,9 @@
 
 #include <clsdf/tuning.hpp>
 
+#include <algorithm>
 #include <array>
+#include <vector>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -11,6 +13,29 @@ using namespace clsdf::test;
 namespace {
 
 constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+
+/// Each triangle in four.
+Mesh divided(const Mesh& mesh) {
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+        const auto first = static_cast<std::uint32_t>(vertices.size());
+        vertices.insert(vertices.end(), {a, b, c});
+        triangles.push_back({first, first + 1, first + 2});
+    };
+    for (const Triangle& t : mesh.triangles()) {
+        const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
+        const auto between = [](const Vec3& p, const Vec3& q) {
+            return Vec3{0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]), 0.5 * (p[2] + q[2])};
+        };
+        const Vec3 ab = between(a, b), bc = between(b, c), ca = between(c, a);
+        add(a, ab, ca);
+        add(ab, b, bc);
+        add(ca, bc, c);
+        add(ab, bc, ca);
+    }
+    return {std::move(vertices), std::move(triangles), mesh.name() + " divided"};
+}
 
 }  // namespace
 
@@ -35,6 +60,20 @@ BOOST_AUTO_TEST_CASE(the_lowest_of_the_nearest_triangles_is_named) {
                 BOOST_TEST(inside == 15U * 15U * 15U);
             }
         }
+}
+
+// The same in a cube of 12,288 triangles: groups share their list, and faces that are equally near are in different
+// shares.
+BOOST_AUTO_TEST_CASE(the_lowest_of_the_nearest_triangles_is_named_among_shares) {
+    Random random(1);
+    Mesh fine = cube(1);
+    for (int round = 0; round < 5; ++round) fine = divided(fine);
+    const Mesh mesh = reordered(fine, random);
+    const Grid grid = grid_at({0, 0, 0}, 0.125, 7);
+    const Field expected = reference::reference_field(mesh, grid, Band::full());
+    const Field field = compute(mesh, grid, Band::full(), KernelBody::by_group);
+    BOOST_TEST((bits_of(field.distance()) == bits_of(expected.distance())));
+    BOOST_TEST(std::ranges::equal(field.triangle(), expected.triangle()));
 }
 
 // Over a face both copies are looked at, and equally far to the last bit. Beside an edge or a vertex, which many

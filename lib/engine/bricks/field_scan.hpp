@@ -33,6 +33,7 @@ struct ScanInputs {
     const Finishing* finishing = nullptr;           ///< null if the distance alone is asked for
     std::span<const Grid> wanted{};                 ///< blocks whose samples are needed; empty: all
     bool in_halves = false;                         ///< the lower slices first: see FieldScan::lower_half()
+    bool shares_short_lists = false;                ///< see Inputs
 };
 
 /// Computes every sample of a plan's part, in launches of bounded length: by bricks, or as another method does.

@@ -21,6 +21,7 @@ struct Inputs {
     std::shared_ptr<const DeviceSites> sites;     ///< null for the distance alone
     bool needs_normals = false;                   ///< set for outputs that take normals: see KeptMesh::needs_normals()
     bool is_inside_out = false;                   ///< the faces look inwards, and the field has a sign
+    bool shares_short_lists = false;              ///< of a known field: groups share them as they do long ones
 };
 
 /// The inputs of a job, without sites. The whole mesh's are kept for its lattice. A grid that is small beside the mesh

@@ -32,7 +32,8 @@ GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in
                                      .points = inputs.points,
                                      .finishing = finishing_ ? &*finishing_ : nullptr,
                                      .wanted = job.wanted,
-                                     .in_halves = in_halves};
+                                     .in_halves = in_halves,
+                                     .shares_short_lists = inputs.shares_short_lists};
         scan_ = workshop.method ? workshop.method->make_scan(scan_inputs) : make_brick_scan(scan_inputs);
         // To wait takes as long as a small kernel: the host waits for the sign and the lists together.
         sign_watch = Stopwatch();
