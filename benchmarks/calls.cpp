@@ -407,6 +407,104 @@ CallCost measure_plan_update(const Job& job) {
     return cost;
 }
 
+/// A mesh in memory of the device, and a field's distances there.
+class DeviceArrays {
+public:
+    DeviceArrays(const Device& device, const Mesh& mesh, std::size_t samples)
+        : context_(device.context(), true),
+          queue_(device.queue(), true),
+          vertices_(mesh.vertices().size()),
+          faces_(mesh.triangles().size()),
+          positions_(copied(mesh.vertices())),
+          triangles_(copied(mesh.triangles())),
+          distance_(context_, CL_MEM_READ_WRITE, samples * sizeof(float)) {}
+
+    InputArray positions() const { return {positions_(), ElementType::float64, vertices_}; }
+    MeshView mesh() const { return {positions(), InputArray(triangles_(), ElementType::uint32, faces_)}; }
+    OutputArray distance() const { return OutputArray(distance_()); }
+    void run(Plan& plan) const {
+        cl_event done = nullptr;
+        plan.enqueue(queue_(), distance_(), {}, &done);
+        cl::Event(done).wait();
+    }
+    void read(Field& field) const {
+        queue_.enqueueReadBuffer(distance_, CL_TRUE, 0, field.distance().size() * sizeof(float),
+                                 field.distance().data());
+    }
+    void wait() const { queue_.finish(); }
+
+private:
+    template <typename Item>
+    cl::Buffer copied(const std::vector<Item>& items) const {
+        const cl::Buffer buffer(context_, CL_MEM_READ_WRITE, items.size() * sizeof(Item));
+        queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, items.size() * sizeof(Item), items.data());
+        return buffer;
+    }
+
+    cl::Context context_;
+    cl::CommandQueue queue_;
+    std::size_t vertices_, faces_;
+    cl::Buffer positions_, triangles_, distance_;
+};
+
+CallCost measure_device_first(const Job& job, CallJudge& judge) {
+    CallCost cost{
+        "device_first",
+        "a transform is made of a mesh in memory of the device, and its first field goes there; a band of 10% "
+        "on 256 samples on the longest side / the same from and to memory of the host"};
+    const Band wide = Band::symmetric(0.1 * job.mesh.box().longest_side());
+    const Grid grid = Grid::around(job.mesh, job.scaled(256), wide);
+    Field field = job.transform().compute(grid, wide);
+    const DeviceArrays arrays(job.device, job.mesh, field.distance().size());
+    job.measure(
+        cost,
+        [&] {
+            return seconds_of([&] {
+                DistanceTransform(job.device, arrays.mesh()).compute(grid, wide, arrays.distance());
+                arrays.wait();
+            });
+        },
+        [&] { return seconds_of([&] { job.transform().compute(grid, wide, field.distance()); }); });
+    arrays.read(field);
+    judge.look_at(field, job.options.samples_judged, cost);
+    return cost;
+}
+
+CallCost measure_device_step(const Job& job) {
+    CallCost cost{"device_step",
+                  "vertices in memory of the device and a plan move, and a run of the plan, a field of 256 samples on "
+                  "the longest side there / vertices of the host move, and the field in host memory"};
+    const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
+    const Grid grid = job.grid(256);
+    const Band band = Job::band(grid);
+    Field field = job.transform().compute(grid, band);
+    const DeviceArrays before(job.device, job.mesh, 1), after(job.device, moved, field.distance().size());
+    DistanceTransform transform(job.device, before.mesh()), on_host = job.transform();
+    Plan plan = transform.plan(grid, band);
+    const auto run = [&](const InputArray& positions) {
+        transform.set_positions(positions);
+        plan.update(transform);
+        after.run(plan);
+    };
+    const auto compute = [&](const Mesh& mesh) {
+        on_host.set_positions(mesh.vertices());
+        on_host.compute(grid, band, field.distance());
+    };
+    job.measure(
+        cost,
+        [&] {
+            run(before.positions());
+            return seconds_of([&] { run(after.positions()); });
+        },
+        [&] {
+            compute(job.mesh);
+            return seconds_of([&] { compute(moved); });
+        });
+    after.read(field);
+    CallJudge(moved, job.options.seed).look_at(field, job.options.samples_judged, cost);
+    return cost;
+}
+
 CallCost measure_small_meshes(const Job& job) {
     CallCost cost{"small_meshes", "1000 transforms of 512 triangles, 32 samples a side each / one field of 256 a side"};
     const Mesh small = make_shape("sphere3");
@@ -482,12 +580,23 @@ std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, cons
                                     bool is_quick) {
     const Job job{mesh, device, options, is_quick};
     CallJudge judge(mesh, options.seed);
-    return {
-        measure_again(job, judge),          measure_outputs(job, judge, false),   measure_outputs(job, judge, true),
-        measure_one_sample(job, judge),     measure_one_point(job, judge, false), measure_one_point(job, judge, true),
-        measure_patches(job, judge, false), measure_patches(job, judge, true),    measure_band_boxes(job, judge),
-        measure_moved(job, "moved", 256),   measure_moved(job, "moved_128", 128), measure_moved_points(job),
-        measure_plan_update(job),           measure_classify(job, judge),         measure_small_meshes(job)};
+    return {measure_again(job, judge),
+            measure_outputs(job, judge, false),
+            measure_outputs(job, judge, true),
+            measure_one_sample(job, judge),
+            measure_one_point(job, judge, false),
+            measure_one_point(job, judge, true),
+            measure_patches(job, judge, false),
+            measure_patches(job, judge, true),
+            measure_band_boxes(job, judge),
+            measure_moved(job, "moved", 256),
+            measure_moved(job, "moved_128", 128),
+            measure_moved_points(job),
+            measure_plan_update(job),
+            measure_device_first(job, judge),
+            measure_device_step(job),
+            measure_classify(job, judge),
+            measure_small_meshes(job)};
 }
 
 }  // namespace clsdf::bench

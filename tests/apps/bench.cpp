@@ -180,9 +180,9 @@ BOOST_AUTO_TEST_CASE(calls_have_ratios_limits_and_errors) {
         BOOST_TEST((row["limit"].is_null() || row["limit"].get<double>() > 0));
     }
     const std::vector<std::string> expected = {
-        "again",       "outputs",         "outputs_again", "one_sample", "one_point", "one_point_all_outputs",
-        "patches",     "patches_at_once", "band_boxes",    "moved",      "moved_128", "moved_points",
-        "plan_update", "classify",        "small_meshes"};
+        "again",       "outputs",         "outputs_again", "one_sample", "one_point",   "one_point_all_outputs",
+        "patches",     "patches_at_once", "band_boxes",    "moved",      "moved_128",   "moved_points",
+        "plan_update", "device_first",    "device_step",   "classify",   "small_meshes"};
     BOOST_TEST(names == expected, boost::test_tools::per_element());
 }
 
