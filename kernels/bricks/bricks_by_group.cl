@@ -230,13 +230,11 @@ typedef struct ItemMinimum {
 } ItemMinimum;
 
 #ifdef NEAREST
-// Whether a polyhedron is the nearer one. If two are equally near, that of the first triangle in the caller's order is
-// taken, and the first one of a triangle: a vertex that closes a gap has a polyhedron with the name of a face.
+// Whether a polyhedron's triangle is the nearer one. If two are equally near, the first in the caller's order is taken.
 static inline bool is_nearer(float squared, uint polyhedron, float least, uint nearest,
                              __global const Polyhedron* polyhedra) {
     if (squared != least || nearest == CLSDF_NO_POLYHEDRON) return squared < least;
-    const uint own = polyhedra[polyhedron].triangle, other = polyhedra[nearest].triangle;
-    return own == other ? polyhedron < nearest : own < other;
+    return polyhedra[polyhedron].triangle < polyhedra[nearest].triangle;
 }
 #endif
 
@@ -346,6 +344,18 @@ INLINE void store_minima(__private const ItemMinimum* minimum, __global uint* se
 #endif
     }
 }
+#ifdef NEAREST
+// As is_nearer, of polyhedra in any order. A triangle may have two that are equally near, its own and that of a vertex
+// that closes a gap: the first one is taken, as in a list.
+static inline bool is_nearer_of_shares(float squared, uint polyhedron, float least, uint nearest,
+                                       __global const Polyhedron* polyhedra) {
+    if (polyhedron == CLSDF_NO_POLYHEDRON) return false;
+    if (squared == least && nearest != CLSDF_NO_POLYHEDRON &&
+        polyhedra[polyhedron].triangle == polyhedra[nearest].triangle)
+        return polyhedron < nearest;
+    return is_nearer(squared, polyhedron, least, nearest, polyhedra);
+}
+#endif
 INLINE void join_minima(__private ItemMinimum* minimum, __global const uint* set,
                         __global const Polyhedron* polyhedra) {
 #pragma unroll
@@ -353,9 +363,7 @@ INLINE void join_minima(__private ItemMinimum* minimum, __global const uint* set
         const float squared = as_float(set[s * GROUP + get_local_id(0)]);
 #ifdef NEAREST
         const uint polyhedron = set[512 + s * GROUP + get_local_id(0)];
-        if (polyhedron == CLSDF_NO_POLYHEDRON ||
-            !is_nearer(squared, polyhedron, minimum->squared[s], minimum->polyhedron[s], polyhedra))
-            continue;
+        if (!is_nearer_of_shares(squared, polyhedron, minimum->squared[s], minimum->polyhedron[s], polyhedra)) continue;
         minimum->squared[s] = squared;
         minimum->polyhedron[s] = polyhedron;
 #else
