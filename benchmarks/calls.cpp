@@ -368,45 +368,6 @@ CallCost measure_one_point(const Job& job, CallJudge& judge, bool has_all_output
     return cost;
 }
 
-CallCost measure_plan_update(const Job& job) {
-    CallCost cost{"plan_update",
-                  "vertices and a plan move, and a run of the plan, a field of 256 samples on the longest side in "
-                  "device memory / vertices move, and the field in host memory"};
-    const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
-    const Grid grid = job.grid(256);
-    const Band band = Job::band(grid);
-    Field field = job.transform().compute(grid, band);
-    DistanceTransform transform = job.transform(), on_host = job.transform();
-    Plan plan = transform.plan(grid, band);
-    const cl::Buffer buffer(cl::Context(job.device.context(), true), CL_MEM_READ_WRITE,
-                            field.distance().size() * sizeof(float));
-    const cl::CommandQueue queue(job.device.queue(), true);
-    const auto run = [&](const Mesh& mesh) {
-        transform.set_positions(mesh.vertices());
-        plan.update(transform);
-        cl_event done = nullptr;
-        plan.enqueue(queue(), buffer(), {}, &done);
-        cl::Event(done).wait();
-    };
-    const auto compute = [&](const Mesh& mesh) {
-        on_host.set_positions(mesh.vertices());
-        on_host.compute(grid, band, field.distance());
-    };
-    job.measure(
-        cost,
-        [&] {
-            run(job.mesh);
-            return seconds_of([&] { run(moved); });
-        },
-        [&] {
-            compute(job.mesh);
-            return seconds_of([&] { compute(moved); });
-        });
-    queue.enqueueReadBuffer(buffer, CL_TRUE, 0, field.distance().size() * sizeof(float), field.distance().data());
-    CallJudge(moved, job.options.seed).look_at(field, job.options.samples_judged, cost);
-    return cost;
-}
-
 /// A mesh in memory of the device, and a field's distances there.
 class DeviceArrays {
 public:
@@ -470,19 +431,26 @@ CallCost measure_device_first(const Job& job, CallJudge& judge) {
     return cost;
 }
 
-CallCost measure_device_step(const Job& job) {
-    CallCost cost{"device_step",
-                  "vertices in memory of the device and a plan move, and a run of the plan, a field of 256 samples on "
-                  "the longest side there / vertices of the host move, and the field in host memory"};
+/// A moved step into memory of the device; the positions come from there, too, or from the host.
+CallCost measure_step(const Job& job, bool from_device) {
+    CallCost cost{
+        from_device ? "device_step" : "plan_update",
+        fmt::format("vertices{} and a plan move, and a run of the plan, a field of 256 samples on the longest "
+                    "side in device memory / vertices of the host move, and the field in host memory",
+                    from_device ? " in device memory" : "")};
     const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
     const Grid grid = job.grid(256);
     const Band band = Job::band(grid);
     Field field = job.transform().compute(grid, band);
     const DeviceArrays before(job.device, job.mesh, 1), after(job.device, moved, field.distance().size());
-    DistanceTransform transform(job.device, before.mesh()), on_host = job.transform();
+    DistanceTransform transform = from_device ? DistanceTransform(job.device, before.mesh()) : job.transform();
+    DistanceTransform on_host = job.transform();
     Plan plan = transform.plan(grid, band);
-    const auto run = [&](const InputArray& positions) {
-        transform.set_positions(positions);
+    const auto run = [&](const Mesh& mesh, const DeviceArrays& arrays) {
+        if (from_device)
+            transform.set_positions(arrays.positions());
+        else
+            transform.set_positions(mesh.vertices());
         plan.update(transform);
         after.run(plan);
     };
@@ -493,8 +461,8 @@ CallCost measure_device_step(const Job& job) {
     job.measure(
         cost,
         [&] {
-            run(before.positions());
-            return seconds_of([&] { run(after.positions()); });
+            run(job.mesh, before);
+            return seconds_of([&] { run(moved, after); });
         },
         [&] {
             compute(job.mesh);
@@ -592,9 +560,9 @@ std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, cons
             measure_moved(job, "moved", 256),
             measure_moved(job, "moved_128", 128),
             measure_moved_points(job),
-            measure_plan_update(job),
+            measure_step(job, false),
             measure_device_first(job, judge),
-            measure_device_step(job),
+            measure_step(job, true),
             measure_classify(job, judge),
             measure_small_meshes(job)};
 }

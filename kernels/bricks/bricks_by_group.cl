@@ -331,9 +331,9 @@ static inline void keep_minima(__private const ItemMinimum* minimum, __local Bri
 
 // The minima that a share stores for a brick: 512 squares, then with NEAREST 512 polyhedra.
 #ifdef NEAREST
-#define MINIMA_WORDS 1024
+#define MINIMA_WORDS (CLSDF_MINIMUM_BYTES(1) / 4)
 #else
-#define MINIMA_WORDS 512
+#define MINIMA_WORDS (CLSDF_MINIMUM_BYTES(0) / 4)
 #endif
 INLINE void store_minima(__private const ItemMinimum* minimum, __global uint* set) {
 #pragma unroll
