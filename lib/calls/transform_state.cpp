@@ -39,9 +39,14 @@ bool kernels_can_read(const InputArray& array) {
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
     : State(std::move(device_in), options, call, std::move(method_in)) {
-    auto made = make_topology(mesh.vertices().size(), mesh.triangles().size(), call,
-                              [&](const engine::DeviceSetUp& job) { return engine::make_device_topology(job, mesh); });
-    set_mesh(std::move(mesh), std::move(made), options, call);
+    auto made =
+        make_topology(mesh.vertices().size(), mesh.triangles().size(), call,
+                      [&](const engine::DeviceSetUp& set_up) { return engine::make_device_topology(set_up, mesh); });
+    auto own = std::make_shared<Mesh>(std::move(mesh));
+    if (made)
+        set_mesh(std::move(own), std::move(*made), options, call);
+    else
+        set_mesh(std::move(*own), options, call);
 }
 
 DistanceTransform::State::State(Device device_in, const TransformOptions& options, const CallOptions& call,
@@ -55,42 +60,49 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_device_me
     const InputArray &vertices = mesh.vertices(), &triangles = mesh.triangles();
     if (!kernels_can_read(vertices) || !kernels_can_read(triangles)) return nullptr;
     std::unique_ptr<State> state(new State(device, options, call, nullptr));
-    auto made = state->make_topology(vertices.count, triangles.count, call, [&](const engine::DeviceSetUp& job) {
-        return engine::make_device_topology(job, engine::device_triples(vertices), engine::device_triples(triangles));
+    auto made = state->make_topology(vertices.count, triangles.count, call, [&](const engine::DeviceSetUp& set_up) {
+        return engine::make_device_topology(set_up, engine::device_triples(vertices),
+                                            engine::device_triples(triangles));
     });
     if (!made) return nullptr;
-    Mesh on_host = engine::mesh_without_arrays(made->box());
-    state->set_mesh(std::move(on_host), std::move(made), options, call);
+    state->set_mesh(nullptr, std::move(*made), options, call);
     return state;
 }
 
-void DistanceTransform::State::set_mesh(Mesh mesh, std::optional<engine::MadeTopology> made,
+void DistanceTransform::State::set_mesh(Mesh mesh, const TransformOptions& options, const CallOptions& call) {
+    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
+    topology = describe_vertices(mesh, first);
+    engine::Vertices vertices(mesh.vertices().size());
+    if (topology.coincident_vertices > 0) vertices = engine::Vertices(mesh, first);
+    kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh), std::move(vertices),
+                                                   kept_options(options));
+    const engine::MeshTopology& of_mesh = kept_mesh->topology();
+    set_sign(
+        describe_edges(kept_mesh->mesh(), of_mesh.faces.triangles, of_mesh.edges.are_paired, options.sign, topology),
+        options, call);
+}
+
+void DistanceTransform::State::set_mesh(std::shared_ptr<const Mesh> given, engine::MadeTopology made,
                                         const TransformOptions& options, const CallOptions& call) {
-    const engine::KeptMesh::Options kept{programs, method, options.kept_bytes};
+    const TopologyResults& found = made.results;
+    topology.unused_vertices = made.given_vertices - found.used_vertices;
+    topology.coincident_vertices = found.used_vertices - found.different_vertices;
+    const bool are_paired = made.topology->are_paired, is_one_part = made.is_one_part(),
+               is_inside_out = made.encloses_negative_volume();
+    kept_mesh =
+        std::make_unique<engine::KeptMesh>(context(), pool, std::move(given), std::move(made), kept_options(options));
     SignSurface surface;
-    if (!made) {
-        const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
-        topology = describe_vertices(mesh, first);
-        engine::Vertices vertices(mesh.vertices().size());
-        if (topology.coincident_vertices > 0) vertices = engine::Vertices(mesh, first);
-        kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh), std::move(vertices), kept);
-        const engine::MeshTopology& of_mesh = kept_mesh->topology();
-        surface = describe_edges(kept_mesh->mesh(), of_mesh.faces.triangles, of_mesh.edges.are_paired, options.sign,
-                                 topology);
-    } else {
-        const TopologyResults& found = made->results;
-        topology.unused_vertices = made->given_vertices - found.used_vertices;
-        topology.coincident_vertices = found.used_vertices - found.different_vertices;
-        const bool are_paired = made->topology->are_paired, is_one_part = made->is_one_part(),
-                   is_inside_out = made->encloses_negative_volume();
-        kept_mesh = std::make_unique<engine::KeptMesh>(context(), pool, std::move(mesh), std::move(*made), kept);
-        if (are_paired) {
-            describe_paired_edges(is_inside_out, topology);
-            if (!is_one_part) describe_parts(kept_mesh->mesh(), kept_mesh->mesh().triangles(), topology);
-        } else {  // edges have to be counted, so a good order of the faces is worth little
-            surface = describe_edges(kept_mesh->mesh(), kept_mesh->mesh().triangles(), false, options.sign, topology);
-        }
+    if (are_paired) {
+        kept_mesh->set_encloses_negative_volume(is_inside_out);
+        describe_paired_edges(is_inside_out, topology);
+        if (!is_one_part) describe_parts(kept_mesh->mesh(), kept_mesh->mesh().triangles(), topology);
+    } else {  // edges have to be counted, so a good order of the faces is worth little
+        surface = describe_edges(kept_mesh->mesh(), kept_mesh->mesh().triangles(), false, options.sign, topology);
     }
+    set_sign(std::move(surface), options, call);
+}
+
+void DistanceTransform::State::set_sign(SignSurface surface, const TransformOptions& options, const CallOptions& call) {
     kept_points = std::make_unique<points::KeptPoints>(*kept_mesh);
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
@@ -106,12 +118,13 @@ std::optional<engine::MadeTopology> DistanceTransform::State::make_topology(std:
                                                                             std::size_t face_count,
                                                                             const CallOptions& call,
                                                                             const Make& make) const {
-    if (method || !engine::suits_device_topology(tools(), vertex_count, face_count)) return std::nullopt;
+    const engine::DeviceSetUp set_up(tools(), engine::SetUpWays(tools(), vertex_count, face_count));
+    if (method || !set_up.ways.topology_by_kernels) return std::nullopt;
     context().begin_call();
     calls::RunningCall running{call};
     test(checks::topology_subject(*this), running);
     try {
-        return make(engine::DeviceSetUp{tools()});
+        return make(set_up);
     } catch (const Error& error) {
         // The host needs no memory of the device.
         if (error.code() != ErrorCode::out_of_memory) throw;
@@ -290,6 +303,13 @@ void DistanceTransform::State::keep_within_budget() {
         return false;
     });
     if (lattices > budget) kept_mesh->keep_within(budget);
+}
+
+bool DistanceTransform::State::read_only_copies() {
+    const std::size_t bytes_before = kept_mesh->device_bytes();
+    kept_mesh->read_only_copies();
+    kept_mesh->release();
+    return pool->release() || kept_mesh->device_bytes() < bytes_before;
 }
 
 bool DistanceTransform::State::forget() {

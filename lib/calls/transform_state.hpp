@@ -18,7 +18,6 @@
 #include "points/usable_points.hpp"
 #include "targets/output_targets.hpp"
 
-#include <exception>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -92,20 +91,21 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
         KeepsBudget& operator=(const KeepsBudget&) = delete;
         ~KeepsBudget() {
             const std::scoped_lock lock(state.mutex);
-            try {
-                state.keep_within_budget();
-            } catch (const std::exception&) {
-                // The host has no memory for what it reads back first, or the device is lost: what is kept stays.
-            }
+            state.keep_within_budget();
         }
     };
     /// Device memory that a kept plan holds, beside what the kept mesh counts itself.
     std::size_t bytes_of(const engine::GridPlan& plan) const;
     /// Releases what is kept for later calls. Returns whether there was something.
     bool forget();
-    /// Forgets what is kept: see with_remedies().
+    /// Reads what only the device has to the host, and releases it. Returns whether there was something.
+    bool read_only_copies();
+    /// Forgets what is kept, also what has to be read before: see with_remedies().
     calls::Remedy forgetting() {
-        return {[this] { return forget(); }};
+        return {[this] {
+            const bool has_forgotten = forget();
+            return read_only_copies() || has_forgotten;
+        }};
     }
     /// For a query of `most` points at once: forgets, halves `most`, gives up the tables.
     std::vector<calls::Remedy> remedies_for_points(std::size_t& most);
@@ -213,9 +213,16 @@ private:
     /// Without a mesh.
     State(Device device_in, const TransformOptions& options, const CallOptions& call,
           std::shared_ptr<const FieldMethod> method_in);
-    /// Sets the mesh and all that describes it. made: by kernels; it has the mesh's arrays if the mesh lacks them.
-    void set_mesh(Mesh mesh, std::optional<engine::MadeTopology> made, const TransformOptions& options,
+    /// Each sets the mesh and all that describes it.
+    void set_mesh(Mesh mesh, const TransformOptions& options, const CallOptions& call);
+    /// made: by kernels, of the mesh as given; it has the mesh's arrays if `given` is null.
+    void set_mesh(std::shared_ptr<const Mesh> given, engine::MadeTopology made, const TransformOptions& options,
                   const CallOptions& call);
+    /// Sets the sign by the surface that decides it, the last of them.
+    void set_sign(SignSurface surface, const TransformOptions& options, const CallOptions& call);
+    engine::KeptMesh::Options kept_options(const TransformOptions& options) const {
+        return {programs, method, options.kept_bytes};
+    }
     /// What make(job), make_device_topology(), returns, by kernels that are tested; nothing if the host is to make the
     /// topology of so many vertices and faces.
     template <class Make>

@@ -184,7 +184,7 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
                              made->results.used_vertices - made->results.different_vertices,
                              counts.coincident_vertices);
     if (comparison.difference()) return comparison.difference();
-    const engine::EqualVertices* const equal = made->equal.get();
+    const engine::EqualVertices* const equal = made->topology->equal.get();
     if (equal != nullptr) comparison.compare("equal vertices", equal->read(job), first);
     const Mesh mesh = equal != nullptr ? merged(given, first) : given;
     const Numbers numbers = equal != nullptr ? engine::Vertices::numbers(first) : Numbers();
@@ -199,7 +199,8 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
                        names_of(expected));
     comparison.compare("positions", read<Vec3>(job, *made->positions, topology.vertex_count()),
                        engine::ordered_positions(expected, mesh.vertices()));
-    const engine::DeviceFaces faces{topology.names, {nullptr, *made->positions, 0}, {}};
+    const engine::DeviceFaces faces{
+        topology.names, std::make_shared<const device::BufferPool::Lease>(nullptr, *made->positions, 0), {}};
     comparison.compare("sides of clusters' boxes", sides_of(engine::cluster_boxes(job, faces)),
                        sides_of(engine::cluster_boxes(expected.faces.triangles,
                                                       engine::ordered_positions(expected, mesh.vertices()))));
@@ -209,7 +210,7 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
     const Box& box = mesh.box();
     comparison.compare("sides of the box", std::span(made->results.box),
                        std::array{box.lower[0], box.lower[1], box.lower[2], box.upper[0], box.upper[1], box.upper[2]});
-    const engine::MovedVertices moved = engine::move_vertices(job, topology, equal, given.vertices());
+    const engine::MovedVertices moved = engine::move_vertices(job, topology, given.vertices());
     comparison.compare("positions that are set", read<Vec3>(job, *moved.positions, topology.vertex_count()),
                        engine::ordered_positions(expected, mesh.vertices()));
     comparison.compare("sides of their box", sides_of({moved.box}), sides_of({box}));
@@ -237,9 +238,9 @@ Mesh without_unused_vertices(const Mesh& mesh) {
 std::optional<std::string> move_difference(const engine::DeviceSetUp& job, const Mesh& mesh) {
     const Mesh used = without_unused_vertices(mesh);
     const auto made = engine::make_device_topology(job, used);
-    if (!made || !made->equal) return std::nullopt;
+    if (!made || !made->topology->equal) return std::nullopt;
     const auto is_taken = [&](const std::vector<Vec3>& positions) {
-        return engine::move_vertices(job, *made->topology, made->equal.get(), positions).are_usable;
+        return engine::move_vertices(job, *made->topology, positions).are_usable;
     };
     Comparison comparison;
     comparison.compare_count("equal vertices that move together and are taken", is_taken(used.vertices()), 1);
@@ -276,7 +277,8 @@ std::optional<std::string> sweep_difference(const engine::DeviceSetUp& job) {
                                                                    nullptr,
                                                                    job.upload(topology.faces.triangles, "triangles"),
                                                                    {}}),
-                                    job.upload(engine::ordered_positions(topology, mesh.vertices()), "vertices"),
+                                    std::make_shared<const device::BufferPool::Lease>(
+                                        job.upload(engine::ordered_positions(topology, mesh.vertices()), "vertices")),
                                     {}};
     constexpr std::size_t cluster = engine::ClusterIndex::cluster;
     const std::size_t last = (mesh.triangles().size() - 1) / cluster * cluster;

@@ -36,7 +36,7 @@ endfunction()
 
 # The core's folders, in order.
 set(folders foundations/core foundations/device)
-foreach(stage launch mesh lattice frusta tree lists sign finish bricks plan)
+foreach(stage launch homes mesh lattice frusta tree lists sign finish bricks plan)
   list(APPEND folders engine/${stage})
 endforeach()
 list(APPEND folders targets points checks calls)

@@ -40,7 +40,7 @@ private:
     std::shared_ptr<device::BufferPool> pool_ =
         std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
     engine::Programs programs_{context_, KernelBody::by_group};
-    engine::DeviceSetUp job_{{context_, pool_, programs_}};
+    engine::DeviceSetUp job_{engine::DeviceTools{context_, pool_, programs_}};
 };
 
 /// Triangles at random over few vertices, of which many are equal: edges and faces of all kinds.

@@ -203,7 +203,7 @@ BOOST_AUTO_TEST_CASE(a_topology_is_that_of_the_host) {
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
     const engine::Programs programs(context, KernelBody::by_group);
     Mesh mesh = together({make_shape("sphere3"), unwelded(cube(2)), fins(), moebius_strip(20)}, "edges of all kinds");
-    const auto difference = checks::topology_difference({{context, pool, programs}}, mesh);
+    const auto difference = checks::topology_difference(engine::DeviceSetUp({context, pool, programs}), mesh);
     BOOST_TEST(!difference.has_value(), difference.value_or(""));
 }
 
@@ -214,7 +214,7 @@ BOOST_AUTO_TEST_CASE(completed_frusta_of_a_gpu) {
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
     const engine::Programs programs(context, KernelBody::by_group);
     if (programs.mesh_lanes() != 1) return;
-    const engine::DeviceSetUp job{{context, pool, programs}};
+    const engine::DeviceSetUp job({context, pool, programs});
     const Mesh mesh = together({gap(), shifted(tip(8, 7, 0.5), {300, 0, 0}), shifted(tip(13, 0.5, 5), {330, 0, 0}),
                                 shifted(fins(), {300, 30, 0}), shifted(tilted(make_shape("sphere1")), {330, 30, 0})},
                                "fans");
@@ -222,12 +222,15 @@ BOOST_AUTO_TEST_CASE(completed_frusta_of_a_gpu) {
     const engine::Frusta host = engine::make_frusta(topology, mesh.vertices());
     std::optional<engine::MadeTopology> made = engine::make_device_topology(job, mesh);
     BOOST_REQUIRE(made.has_value());
-    const engine::MadeFrusta kernels = frusta_by_kernels(
-        job, *made->topology, std::move(made->positions), mesh.box(),
-        [&]() -> const engine::MeshTopology& { return topology; }, nullptr);
+    engine::KeptValues kept;
+    engine::HomedTopology on_device(kept, engine::MadeOf::triangles, nullptr, nullptr);
+    on_device.set(nullptr, made->topology);
+    const engine::MadeFrusta kernels =
+        frusta_by_kernels(job, on_device, std::make_shared<const device::BufferPool::Lease>(std::move(made->positions)),
+                          mesh.box(), nullptr);
     BOOST_TEST(kernels.faces.part != nullptr);
     BOOST_TEST(!kernels.left.gaps.empty());
-    BOOST_TEST(std::ranges::equal(kernels.frusta->sites, host.sites, {}, &engine::SiteFrustum::vertex,
+    BOOST_TEST(std::ranges::equal(kernels.faces.found->sites, host.sites, {}, &engine::SiteFrustum::vertex,
                                   &engine::SiteFrustum::vertex));
 }
 

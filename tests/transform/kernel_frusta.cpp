@@ -47,17 +47,22 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     BothFrusta both{std::make_shared<const engine::MeshTopology>(mesh), {}, {}};
     both.host = engine::make_frusta(*both.topology, mesh.vertices());
-    const engine::DeviceSetUp job{context, pool, programs};
+    const engine::DeviceSetUp job({context, pool, programs});
     const auto names = std::make_shared<const engine::DeviceFaces::Names>(device_names(job, both.topology));
     const auto make = [&](const engine::LatticeView* lattice) {
-        if (job.shares_memory())
+        if (job.ways.arrays_are_shared)
             return frusta_by_kernels(job, names, std::make_shared<const engine::FrustaSources>(job, *both.topology),
                                      mesh, lattice);
-        engine::MadeFrusta made = frusta_by_kernels(
-            job, device_topology(job, names, *both.topology),
-            job.upload(ordered_positions(*both.topology, mesh.vertices()), "vertices"), mesh.box(),
-            [&]() -> const engine::MeshTopology& { return *both.topology; }, lattice);
-        if (made.faces.part) fill(job, made.faces, *made.frusta);
+        engine::KeptValues kept;
+        engine::HomedTopology topology(kept, engine::MadeOf::triangles, nullptr, nullptr);
+        topology.set(both.topology,
+                     std::make_shared<const engine::DeviceTopology>(device_topology(job, names, *both.topology)));
+        engine::MadeFrusta made =
+            frusta_by_kernels(job, topology,
+                              std::make_shared<const device::BufferPool::Lease>(
+                                  job.upload(ordered_positions(*both.topology, mesh.vertices()), "vertices")),
+                              mesh.box(), lattice);
+        if (made.faces.part) made.frusta = std::make_shared<const engine::Frusta>(made.faces.read(job));
         return made;
     };
     const engine::LatticeView lattice = engine::lattice_of(grid);

@@ -3,14 +3,10 @@
 #include "frusta/frusta.hpp"
 #include "frusta/records.hpp"
 #include "frusta/topology.hpp"
-#include "mesh/mesh_arrays.hpp"
-#include "mesh/sign_surface.hpp"
 
 #include <clsdf/mesh.hpp>
 
 #include <cstddef>
-#include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -61,33 +57,5 @@ private:
 
 /// Boxes around all balls of each cluster, and its faces, without rounding.
 std::vector<Box> cluster_boxes(std::span<const Triangle> triangles, std::span<const Vec3> positions);
-
-/// A part of a mesh's triangles, with the polyhedra that they have in the whole mesh.
-struct MeshPart {
-    Mesh mesh;                             ///< its triangles and vertices ascend as in the whole, and it has its box
-    SignSurface surface;                   ///< the part of the whole mesh's
-    std::vector<std::uint32_t> triangles;  ///< of each triangle, its index in the whole
-    std::shared_ptr<const MeshTopology> topology;
-    Frusta frusta;
-};
-
-/// Whole clusters of faces (ClusterIndex) and whole groups of point sites, so that clusters and groups of the part are
-/// those of the whole. Ranges of faces may overlap; those of the point sites' vertices are added. `mesh`: with its
-/// present positions.
-MeshPart part_of(const Mesh& mesh, const SignSurface& surface, const MeshTopology& topology, const Frusta& frusta,
-                 const NearRecords& near);
-
-/// A mesh whose arrays are on the device; it has the name that a MeshView's has.
-Mesh mesh_without_arrays(const Box& box);
-/// Its arrays; name and box stay.
-void set_arrays(Mesh& mesh, MeshArrays arrays);
-
-/// As mesh.set_positions(), without a look at the triangles. `topology`: the mesh's.
-void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions);
-/// The same of finite positions of the vertices in use, whose box is known; or of their box alone.
-void move(Mesh& mesh, const Box& box, std::vector<Vec3> positions);
-void move(Mesh& mesh, const Box& box);
-/// The positions that belong to the box, of the vertices in use. `ordered`: as the topology numbers them.
-void set_ordered_positions(Mesh& mesh, const MeshTopology& topology, std::span<const Vec3> ordered);
 
 }  // namespace clsdf::engine

@@ -1,6 +1,7 @@
 #include "frusta/device_faces.hpp"
 
 #include "core/parallel.hpp"
+#include "frusta/device_topology.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 
@@ -22,8 +23,8 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const Latti
             const std::size_t first = begin * record_group, last = end * record_group;
             launch(job.tools.context.queue(), kernel, job.items_of(last - first), face_lattice(lattice),
                    static_cast<cl_uint>(first), static_cast<cl_uint>(last),
-                   static_cast<cl_uint>(faces.names->face_count), static_cast<cl_uint>(job.item_faces()),
-                   *group_numbers, *faces.names->triangles, *faces.positions, *faces.slopes, *faces.names->names,
+                   static_cast<cl_uint>(faces.names->face_count), static_cast<cl_uint>(job.ways.item_faces),
+                   *group_numbers, *faces.names->triangles, **faces.positions, *faces.slopes, *faces.names->names,
                    records);
         });
 }
@@ -44,9 +45,24 @@ DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const Me
 }
 
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+                         std::shared_ptr<const device::BufferPool::Lease> positions,
                          const std::shared_ptr<const Frusta>& frusta) {
-    return {std::move(names), job.input(frusta, frusta->positions, "vertices"),
-            job.input(frusta, frusta->slopes, "slopes of the polyhedra")};
+    if (!positions)
+        positions = std::make_shared<const device::BufferPool::Lease>(job.shared(frusta, frusta->positions));
+    return {std::move(names), std::move(positions), job.input(frusta, frusta->slopes, "slopes of the polyhedra"),
+            frusta};
+}
+
+Frusta DeviceFaces::read(const DeviceSetUp& set_up) const {
+    Frusta frusta;
+    static_cast<FoundFrusta&>(frusta) = *found;
+    frusta.positions = UninitializedVector<Vec3>(names->vertex_count);
+    frusta.slopes = UninitializedVector<FaceSlopes>(names->face_count);
+    set_up.tools.context.run_or_drain([&] {
+        read_values(set_up, **positions, frusta.positions);
+        read_values(set_up, *slopes, frusta.slopes);
+    });
+    return frusta;
 }
 
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
@@ -84,10 +100,10 @@ void WrittenRecords::place(const DeviceSetUp& job, const cl::Buffer& records) co
     place_items(job, sites_, site_places_, records);
 }
 
-bool is_plain(const Mesh& mesh, const LatticeView& lattice) {
+bool is_plain(const Box& box, const LatticeView& lattice) {
     double greatest_side = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double low = mesh.box().lower[axis], high = mesh.box().upper[axis];
+        const double low = box.lower[axis], high = box.upper[axis];
         const double reach = std::max(std::abs(low - lattice.origin[axis]), std::abs(high - lattice.origin[axis]));
         if (!(reach / lattice.unit <= LatticeView::far / 2)) return false;
         greatest_side = std::max(greatest_side, high - low);
@@ -96,10 +112,10 @@ bool is_plain(const Mesh& mesh, const LatticeView& lattice) {
 }
 
 PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const WrittenFaces& from,
-                               const Frusta& frusta, const LatticeView& lattice, std::span<const RecordRange> of_faces,
+                               const LatticeView& lattice, std::span<const RecordRange> of_faces,
                                std::span<const RecordRange> of_sites) {
     constexpr std::size_t group = record_group;
-    WrittenRecords written(from, lattice, frusta.slivers);
+    WrittenRecords written(from, lattice, faces.found->slivers);
     std::vector<cl_uint> groups;
     for (const RecordRange& range : of_faces) {
         written.add_faces(range, groups.size() * group);
@@ -114,7 +130,7 @@ PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
         prepared.record_count += range.end - range.begin;
     }
     prepared.polyhedra = job.tools.pool->lease(prepared.record_count * sizeof(Polyhedron), "polyhedra");
-    set_counts(faces.names->face_count, frusta, prepared);
+    set_counts(faces.names->face_count, *faces.found, prepared);
     device::guarded([&] {
         if (!groups.empty()) enqueue_faces(job, faces, lattice, groups, *prepared.polyhedra);
         written.place(job, *prepared.polyhedra);

@@ -6,9 +6,7 @@
 #include "frusta/frusta.hpp"
 #include "frusta/prepared_mesh.hpp"
 #include "frusta/topology.hpp"
-#include "launch/commands.hpp"
-#include "launch/device_tools.hpp"
-#include "launch/programs.hpp"
+#include "homes/device_set_up.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -24,44 +22,8 @@ struct HostPart;
 /// An upper estimate of a core's time for the record or the slopes of a face; it limits the work of a launch.
 inline constexpr double seconds_per_face = 1e-6;
 
-/// Makes data of a mesh on the device, by the program of kernels/frusta/mesh_records.cl.
-struct DeviceSetUp {
-    DeviceTools tools;
-
-    /// Faces of a work-item.
-    std::size_t item_faces() const { return tools.programs.mesh_lanes() == 1 ? 1 : 256; }
-    /// The launch of a kernel for so many faces.
-    WorkItems items_of(std::size_t faces) const {
-        return {(faces + item_faces() - 1) / item_faces(), item_faces() == 1 ? common_group : 1};
-    }
-
-    /// Whether kernels use arrays of the host in place.
-    bool shares_memory() const { return tools.context.capabilities().is_processor; }
-    /// A buffer in an array of the host; it has no bytes of its own. It keeps `owner` alive, which has the array.
-    template <class Values>
-    device::BufferPool::Lease shared(const std::shared_ptr<const void>& owner, const Values& values,
-                                     cl_mem_flags access = CL_MEM_READ_ONLY) const {
-        if (values.empty()) return {};
-        const std::shared_ptr<const void> memory(owner, values.data());
-        const std::size_t bytes = values.size() * sizeof(values[0]);
-        return {nullptr, device::guarded([&] { return device::buffer_in(tools.context, memory, bytes, access); }), 0};
-    }
-    /// Copies values to the device, and does not wait.
-    template <class Values>
-    device::BufferPool::Lease upload(const Values& values, const char* purpose) const {
-        return values.empty() ? device::BufferPool::Lease()
-                              : device::uploaded(tools.context, tools.pool, values, purpose);
-    }
-    /// Values of `owner` that kernels read: the host's own if it shares its memory, else a copy.
-    template <class Values>
-    device::BufferPool::Lease input(const std::shared_ptr<const void>& owner, const Values& values,
-                                    const char* purpose) const {
-        return shares_memory() ? shared(owner, values) : upload(values, purpose);
-    }
-};
-
-/// The faces of a mesh on the device. Records and the vertices of the sign's sweep are made of them there, for each
-/// lattice. If device and host share their memory, the arrays are those of the topology and of the frusta.
+/// The frusta of a mesh on the device. Records and the vertices of the sign's sweep are made of them there, for each
+/// lattice. If device and host share their memory, the arrays are those of the topology and of the host's frusta.
 struct DeviceFaces {
     /// The data that moving vertices leave as they are.
     struct Names {
@@ -75,21 +37,27 @@ struct DeviceFaces {
     };
 
     std::shared_ptr<const Names> names;
-    device::BufferPool::Lease positions;     ///< Vec3 of each vertex
-    device::BufferPool::Lease slopes;        ///< FaceSlopes of each face
+    std::shared_ptr<const device::BufferPool::Lease> positions;  ///< Vec3 of each vertex
+    device::BufferPool::Lease slopes;                            ///< FaceSlopes of each face
+    std::shared_ptr<const FoundFrusta> found{};
     std::shared_ptr<const HostPart> part{};  ///< null if the host has the topology and the frusta of the whole mesh
 
-    /// Without the names.
-    std::size_t device_bytes() const { return positions.bytes() + slopes.bytes(); }
+    /// Without names and positions.
+    std::size_t device_bytes() const { return slopes.bytes(); }
+
+    /// The same on the host. Waits. Throws Error.
+    Frusta read(const DeviceSetUp& set_up) const;
 };
 
 DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const MeshTopology> topology);
+/// `positions`: on the device; null if kernels use those of the frusta in place.
 DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+                         std::shared_ptr<const device::BufferPool::Lease> positions,
                          const std::shared_ptr<const Frusta>& frusta);
 
-/// Whether the kernels' plain arithmetic suffices for a lattice: the mesh is not far from its sample (0, 0, 0), and not
-/// vanishingly small beside a voxel. It is a function of mesh and lattice alone.
-bool is_plain(const Mesh& mesh, const LatticeView& lattice);
+/// Whether the kernels' plain arithmetic suffices for a lattice: a mesh with this box is not far from its sample
+/// (0, 0, 0), and not vanishingly small beside a voxel.
+bool is_plain(const Box& box, const LatticeView& lattice);
 
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items);
@@ -143,9 +111,8 @@ private:
 };
 
 /// The records of ranges of faces, each of which begins with a group (record_group), and of point sites.
-/// `frusta`: of the whole mesh, of which only the counts and the slivers are looked at.
 PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const WrittenFaces& from,
-                               const Frusta& frusta, const LatticeView& lattice, std::span<const RecordRange> of_faces,
+                               const LatticeView& lattice, std::span<const RecordRange> of_faces,
                                std::span<const RecordRange> of_sites);
 
 }  // namespace clsdf::engine

@@ -81,7 +81,7 @@ public:
             made_.mesh = std::make_shared<const DeviceMesh>(
                 DeviceMesh{std::move(positions_), std::move(triangles_), vertices_, faces_});
         if (made_.results.used_vertices != made_.results.different_vertices)
-            made_.equal = std::make_shared<const EqualVertices>(EqualVertices{std::move(first_equal_), vertices_});
+            topology_.equal = std::make_shared<const EqualVertices>(EqualVertices{std::move(first_equal_), vertices_});
         topology_.are_paired = made_.results.marked_edges == 0;
         topology_.has_irregular = made_.results.irregular_faces > 0;
         topology_.names = std::make_shared<const DeviceFaces::Names>(
@@ -268,14 +268,8 @@ MeshTopology DeviceTopology::read(const DeviceSetUp& job, std::span<const std::u
 }
 
 std::size_t DeviceTopology::device_bytes() const {
-    return order.bytes() + vertices.bytes() + starts.bytes() + corners.bytes() + edges.bytes() + opposite.bytes();
-}
-
-bool suits_device_topology(const DeviceTools& tools, std::size_t vertices, std::size_t faces) {
-    constexpr std::size_t least = 1024, most = std::size_t{1} << 28;  // the kernels number words by 32 bits
-    const device::Context::Capabilities& device = tools.context.capabilities();
-    return device.has_own_memory && !device.is_processor && tools.programs.body == KernelBody::by_group &&
-           faces >= least && faces <= most && vertices > 0 && vertices <= most;
+    return order.bytes() + vertices.bytes() + starts.bytes() + corners.bytes() + edges.bytes() + opposite.bytes() +
+           (equal ? equal->device_bytes() : 0);
 }
 
 std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const Mesh& mesh) {
@@ -287,9 +281,9 @@ std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const D
     return device::guarded([&] { return Making(job, vertices, triangles).make(); });
 }
 
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const EqualVertices* equal,
-                            const DeviceTriples& positions) {
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DeviceTriples& positions) {
     const DeviceTools& tools = job.tools;
+    const EqualVertices* const equal = topology.equal.get();
     const std::size_t count = topology.vertex_count(), group = tools.programs.group_size,
                       groups = std::min<std::size_t>(chunk_count(count, group), CLSDF_BOX_GROUPS);
     return device::guarded([&] {
@@ -314,11 +308,10 @@ MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topolo
     });
 }
 
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const EqualVertices* equal,
-                            std::span<const Vec3> positions) {
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, std::span<const Vec3> positions) {
     const device::BufferPool::Lease given = sent(job, positions, "vertices");
     constexpr cl_long words = 2;
-    return move_vertices(job, topology, equal, {*given, positions.size(), {0, 3 * words, words, 1, 0}});
+    return move_vertices(job, topology, {*given, positions.size(), {0, 3 * words, words, 1, 0}});
 }
 
 DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
@@ -345,7 +338,7 @@ std::vector<Box> cluster_boxes(const DeviceSetUp& job, const DeviceFaces& faces)
         const auto boxes = tools.pool->lease(count * sizeof(Box), "boxes of clusters");
         device::LentKernel kernel = tools.kernel(tools.programs.mesh_topology, "cluster_boxes");
         launch(tools.queue(), kernel, {count * group, group}, static_cast<cl_uint>(faces.names->face_count),
-               *faces.names->triangles, *faces.positions, *boxes);
+               *faces.names->triangles, **faces.positions, *boxes);
         read_values(job, *boxes, result);
     });
     return result;

@@ -7,6 +7,7 @@
 #include "device/read_back.hpp"
 #include "frusta/device_faces.hpp"
 #include "frusta/topology.hpp"
+#include "homes/homed.hpp"
 #include "mesh/mesh_arrays.hpp"
 #include "mesh_topology.h"
 
@@ -19,6 +20,16 @@
 
 namespace clsdf::engine {
 
+/// The first vertex of equal coordinates of each of the caller's vertices.
+struct EqualVertices {
+    device::BufferPool::Lease first;  ///< with CLSDF_IN_USE
+    std::size_t count = 0;
+
+    /// The same on the host, without marks. Waits. Throws Error.
+    std::vector<std::uint32_t> read(const DeviceSetUp& job) const;
+    std::size_t device_bytes() const { return first.bytes(); }
+};
+
 /// The topology of a mesh in memory of a GPU: the bytes of MeshTopology and of opposite_words(), by
 /// kernels/frusta/mesh_topology.cl or from the host. The host reads it back when it needs it.
 struct DeviceTopology {
@@ -29,8 +40,9 @@ struct DeviceTopology {
     device::BufferPool::Lease corners;   ///< packed
     device::BufferPool::Lease edges;     ///< FaceEdges
     device::BufferPool::Lease opposite;
-    bool are_paired = false;    ///< as PairedEdges
-    bool has_irregular = true;  ///< whether an edge may have another mark than edge_open
+    std::shared_ptr<const EqualVertices> equal{};  ///< among the given ones; null if no two are equal
+    bool are_paired = false;                       ///< as PairedEdges
+    bool has_irregular = true;                     ///< whether an edge may have another mark than edge_open
 
     std::size_t face_count() const { return names->face_count; }
     std::size_t vertex_count() const { return names->vertex_count; }
@@ -42,6 +54,8 @@ struct DeviceTopology {
     /// Without the names.
     std::size_t device_bytes() const;
 };
+/// The topology of a mesh on the host, on the device or on both.
+using HomedTopology = Homed<MeshTopology, DeviceTopology>;
 
 /// An array of the caller's in memory of the device.
 struct DeviceTriples {
@@ -64,24 +78,13 @@ struct DeviceMesh {
     std::size_t device_bytes() const { return vertices.bytes() + triangles.bytes(); }
 };
 
-/// The first vertex of equal coordinates of each of the caller's vertices.
-struct EqualVertices {
-    device::BufferPool::Lease first;  ///< with CLSDF_IN_USE
-    std::size_t count = 0;
-
-    /// The same on the host, without marks. Waits. Throws Error.
-    std::vector<std::uint32_t> read(const DeviceSetUp& job) const;
-    std::size_t device_bytes() const { return first.bytes(); }
-};
-
 /// The topology that the kernels have made, and what else they have found.
 struct MadeTopology {
     std::shared_ptr<const DeviceTopology> topology;
     TopologyResults results{};
-    std::shared_ptr<const DeviceMesh> mesh{};      ///< the caller's, if the host does not have it
-    std::shared_ptr<const EqualVertices> equal{};  ///< null unless vertices of equal coordinates count as one
-    std::size_t given_vertices = 0;                ///< of the caller's mesh
-    device::BufferPool::Lease positions;           ///< Vec3 of each vertex of the topology, as given
+    std::shared_ptr<const DeviceMesh> mesh{};  ///< the caller's, if the host does not have it
+    std::size_t given_vertices = 0;            ///< of the caller's mesh
+    device::BufferPool::Lease positions;       ///< Vec3 of each vertex of the topology, as given
 
     /// Whether all faces are joined over vertices.
     bool is_one_part() const { return results.joined_vertices + 1 >= results.vertex_count; }
@@ -107,10 +110,6 @@ void read_values(const DeviceSetUp& job, const cl::Buffer& from, Values& to) {
                            reinterpret_cast<std::byte*>(to.data()));
 }
 
-/// Whether a device makes the topology of such a mesh: it has memory of its own and runs the body by_group, and the
-/// mesh is so large that the host would take longer.
-bool suits_device_topology(const DeviceTools& tools, std::size_t vertices, std::size_t faces);
-
 /// The topology of a mesh by kernels; nothing if the mesh is beyond their limits. Waits once. Throws
 /// Error(out_of_memory or device_failure).
 std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const Mesh& mesh);
@@ -125,11 +124,9 @@ struct MovedVertices {
     bool are_usable = true;
 };
 
-/// New positions of the caller's vertices that are in use. equal: null if none count as one. Waits once. Throws Error.
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const EqualVertices* equal,
-                            const DeviceTriples& positions);
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const EqualVertices* equal,
-                            std::span<const Vec3> positions);
+/// New positions of the given vertices that are in use. Waits once. Throws Error.
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DeviceTriples& positions);
+MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, std::span<const Vec3> positions);
 
 /// The host's topology, in memory of the device.
 DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,

@@ -121,9 +121,12 @@ LatticeView view_of(const Box& box) {
     return {{}, largest > 0 ? std::ldexp(1.0, std::ilogb(largest) - 8) : 1.0};
 }
 
+std::size_t FoundFrusta::host_bytes() const {
+    return sites.size() * sizeof(SiteFrustum) + slivers.size() * sizeof(std::uint32_t);
+}
+
 std::size_t Frusta::host_bytes() const {
-    return positions.size() * sizeof(Vec3) + slopes.size() * sizeof(FaceSlopes) + sites.size() * sizeof(SiteFrustum) +
-           slivers.size() * sizeof(std::uint32_t);
+    return positions.size() * sizeof(Vec3) + slopes.size() * sizeof(FaceSlopes) + FoundFrusta::host_bytes();
 }
 
 UninitializedVector<Vec3> ordered_positions(const MeshTopology& topology, std::span<const Vec3> positions) {

@@ -19,17 +19,23 @@ struct SiteFrustum {
     FaceSlopes slopes{};
 };
 
+/// The part of a mesh's frusta that decisions of the host have found. Small: the host always has it.
+struct FoundFrusta {
+    std::vector<SiteFrustum> sites;      ///< ascending by vertex
+    std::vector<std::uint32_t> slivers;  ///< ascending: faces so thin that their frames may be special cases
+    std::size_t saddle_vertices = 0;     ///< with convex and concave edges (kernels: flat up to rounding is neither)
+    std::size_t boxes = 0;               ///< faces so degenerate that their polyhedron is a box
+
+    std::size_t host_bytes() const;
+};
+
 /// The exact bounding polyhedra of a mesh (docs/method.md, 'Leaned frusta'), for every lattice and every band: frames
 /// follow from the positions, and slopes have no unit. Together they are exact: every point y lies in the polyhedron of
 /// a triangle at the distance dist(y, mesh), if tests widen them by a slack of 1e-3 + 2e-5 d units or more, d the
 /// distance in units, which must exceed the tests' rounding, too.
-struct Frusta {
+struct Frusta : FoundFrusta {
     UninitializedVector<Vec3> positions;     ///< of the vertices, numbered as in MeshTopology::faces
     UninitializedVector<FaceSlopes> slopes;  ///< of each face
-    std::vector<SiteFrustum> sites;          ///< ascending by vertex
-    std::vector<std::uint32_t> slivers;      ///< ascending: faces so thin that their frames may be special cases
-    std::size_t saddle_vertices = 0;  ///< with convex and concave edges (kernels: flat up to rounding is neither)
-    std::size_t boxes = 0;            ///< faces so degenerate that their polyhedron is a box
 
     std::size_t host_bytes() const;
 };

@@ -56,9 +56,8 @@ public:
         const MeshTopology& topology = *faces_.names->topology;
         frusta_->positions = ordered_positions(topology, mesh.vertices());
         frusta_->slopes.resize(count_);
-        faces_.positions = job_.input(frusta_, frusta_->positions, "vertices");
-        faces_.slopes =
-            job_.shares_memory() ? job_.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE) : lease_slopes();
+        faces_.positions = std::make_shared<const device::BufferPool::Lease>(job_.shared(frusta_, frusta_->positions));
+        faces_.slopes = job_.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE);
         lease_vertex_answers(sources->of_kernels->fan_items.size() * CLSDF_FAN_ITEM);
         enqueue_slopes(*sources->opposite);
         if (!sources->of_kernels->fan_items.empty()) enqueue_fans(*sources);
@@ -68,19 +67,20 @@ public:
         return finish({topology, *frusta_});
     }
 
-    MadeFrusta make(const DeviceTopology& topology, device::BufferPool::Lease positions,
-                    const std::function<const MeshTopology&()>& on_host) {
+    MadeFrusta make(HomedTopology& homed, std::shared_ptr<const device::BufferPool::Lease> positions) {
+        const DeviceTopology& topology = *homed.on_device();
         faces_.positions = std::move(positions);
         faces_.slopes = lease_slopes();
         lease_vertex_answers(topology.vertex_count());
         enqueue_slopes(*topology.opposite);
         enqueue_ring_fans(topology);
-        std::optional<HostPart> part = host_part(job_, topology, {*face_answers_, *vertex_answers_, *faces_.positions});
+        std::optional<HostPart> part =
+            host_part(job_, topology, {*face_answers_, *vertex_answers_, **faces_.positions});
         if (!part) {
-            const MeshTopology& whole = on_host();
+            const MeshTopology& whole = *homed.on_host();
             frusta_->positions = UninitializedVector<Vec3>(topology.vertex_count());
             frusta_->slopes.resize(count_);
-            read_values(job_, *faces_.positions, frusta_->positions);
+            read_values(job_, **faces_.positions, frusta_->positions);
             complete(whole, [&](const Answers& answers) {
                 return left_by_answers(whole, answers.of_faces, answers.of_vertices);
             });
@@ -115,9 +115,9 @@ private:
                 const std::size_t last = std::min(end * unit, all);
                 launch(job_.tools.context.queue(), kernel, job_.items_of(last - begin * unit), face_lattice(view_),
                        cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
-                       static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()), *faces_.names->triangles,
-                       opposite, *faces_.positions, *faces_.names->names, *faces_.slopes, *signs_, *face_answers_,
-                       *records_);
+                       static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.ways.item_faces),
+                       *faces_.names->triangles, opposite, **faces_.positions, *faces_.names->names, *faces_.slopes,
+                       *signs_, *face_answers_, *records_);
             });
     }
 
@@ -128,7 +128,7 @@ private:
                   [&](std::size_t begin, std::size_t end) {
                       launch(job_.tools.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
                              static_cast<cl_uint>(begin), cl_double{1 / view_.unit}, *sources.fan_items,
-                             *sources.fan_words, *faces_.names->triangles, *faces_.positions, *signs_,
+                             *sources.fan_words, *faces_.names->triangles, **faces_.positions, *signs_,
                              *vertex_answers_);
                   });
     }
@@ -142,7 +142,7 @@ private:
         launches.over(topology.vertex_count(), seconds_per_fan, [&](std::size_t begin, std::size_t end) {
             launch(queue, fans, {end - begin}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
                    cl_double{1 / view_.unit}, *topology.starts, *topology.corners, *topology.edges, *topology.edges,
-                   *faces_.names->triangles, *faces_.positions, *signs_, *words, *vertex_answers_);
+                   *faces_.names->triangles, **faces_.positions, *signs_, *words, *vertex_answers_);
         });
         const LatticeView lattice = view_of(box_);
         if (lattice.unit < std::numeric_limits<double>::min()) return;
@@ -150,7 +150,7 @@ private:
         launches.over(topology.vertex_count(), seconds_per_gap, [&](std::size_t begin, std::size_t end) {
             launch(queue, gaps, {end - begin}, face_lattice(lattice), cl_double{least_length(box_, lattice)},
                    cl_double{gap_scale(lattice)}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
-                   *topology.starts, *words, *faces_.names->triangles, *topology.opposite, *faces_.positions,
+                   *topology.starts, *words, *faces_.names->triangles, *topology.opposite, **faces_.positions,
                    *vertex_answers_);
         });
     }
@@ -172,7 +172,7 @@ private:
             clEnqueueUnmapMemObject(queue(), (*faces_.slopes)(), memory, 0, nullptr, nullptr);
         };
         std::unique_ptr<void, decltype(unmap)> in_place(nullptr, unmap);
-        if (job_.shares_memory())
+        if (job_.ways.arrays_are_shared)
             in_place.reset(
                 queue.enqueueMapBuffer(*faces_.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes()));
         struct Copy {
@@ -232,9 +232,10 @@ private:
     }
 
     MadeFrusta finish(const WrittenFaces& from) {
+        faces_.found = frusta_;
         std::optional<PreparedMesh> records;
         if (records_of_ != nullptr) records = finish_records(from);
-        return {std::move(frusta_), std::move(faces_), std::move(records), std::move(left_)};
+        return {faces_.part ? nullptr : std::move(frusta_), std::move(faces_), std::move(records), std::move(left_)};
     }
 
     /// Completes the records: those of faces that the host has measured and of point sites are written after the
@@ -245,7 +246,7 @@ private:
         const std::size_t first_site = in_record_groups(count_), end = first_site + sites.end;
         const bool has_room = end * sizeof(Polyhedron) <= records_.bytes();
         if (!has_room || left_.faces.size() > count_ / 64)  // else the kernel makes them again, of all slopes
-            return records_on_device(job_, faces_, from, frusta, *records_of_, {&faces, 1}, {&sites, 1});
+            return records_on_device(job_, faces_, from, *records_of_, {&faces, 1}, {&sites, 1});
         WrittenRecords written(from, *records_of_, left_.faces);
         written.add_faces(faces, 0);
         written.add_sites(sites, first_site);
@@ -279,33 +280,18 @@ FrustaSources::FrustaSources(const DeviceSetUp& job, const MeshTopology& topolog
     fan_items = job.input(of_kernels, of_kernels->fan_items, "items of vertices");
 }
 
-bool suits_kernels(std::size_t faces) {
-    constexpr std::size_t most = std::size_t{1} << 28;  // numbers of words have 32 bits
-    return faces > 0 && faces <= most;
-}
-
 MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
                              const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
                              const LatticeView* lattice) {
     return device::guarded([&] { return KernelFrusta(job, names, mesh.box(), lattice).make(sources, mesh); });
 }
 
-MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const DeviceTopology& topology,
-                             device::BufferPool::Lease positions, const Box& box,
-                             const std::function<const MeshTopology&()>& on_host, const LatticeView* lattice) {
-    return device::guarded(
-        [&] { return KernelFrusta(job, topology.names, box, lattice).make(topology, std::move(positions), on_host); });
-}
-
-void fill(const DeviceSetUp& job, const DeviceFaces& faces, Frusta& frusta) {
-    UninitializedVector<Vec3> positions(faces.names->vertex_count);
-    UninitializedVector<FaceSlopes> slopes(faces.names->face_count);
-    job.tools.context.run_or_drain([&] {
-        read_values(job, *faces.positions, positions);
-        read_values(job, *faces.slopes, slopes);
+MadeFrusta frusta_by_kernels(const DeviceSetUp& job, HomedTopology& topology,
+                             std::shared_ptr<const device::BufferPool::Lease> positions, const Box& box,
+                             const LatticeView* lattice) {
+    return device::guarded([&] {
+        return KernelFrusta(job, topology.on_device()->names, box, lattice).make(topology, std::move(positions));
     });
-    frusta.positions = std::move(positions);
-    frusta.slopes = std::move(slopes);
 }
 
 }  // namespace clsdf::engine

@@ -8,7 +8,6 @@
 #include "frusta/prepared_mesh.hpp"
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <optional>
 
@@ -25,13 +24,13 @@ struct FrustaSources {
     std::size_t device_bytes() const { return opposite.bytes() + fan_words.bytes() + fan_items.bytes(); }
 };
 
-/// Whether so many faces are few enough for the kernels' numbers.
-bool suits_kernels(std::size_t faces);
+/// The frusta of a mesh on the host, on the device or on both.
+using HomedFrusta = Homed<Frusta, DeviceFaces>;
 
 struct MadeFrusta {
-    /// Without positions and slopes if faces.part is set; see fill(). Otherwise the faces share its arrays if device
+    /// Null if faces.part is set: positions and slopes are on the device alone. The faces share its arrays if device
     /// and host share their memory.
-    std::shared_ptr<Frusta> frusta;
+    std::shared_ptr<const Frusta> frusta;
     DeviceFaces faces;
     std::optional<PreparedMesh> records{};  ///< for the lattice, if there is one
     LeftToHost left{};                      ///< decisions that the host has made
@@ -43,13 +42,10 @@ MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const
                              const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
                              const LatticeView* lattice);
 
-/// The same from the topology that a GPU has made. `positions`: Vec3 of each of its vertices. `on_host`: the topology,
-/// which is asked for only if kernels leave much to the host; then the whole is completed there. Two waits otherwise.
-MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const DeviceTopology& topology,
-                             device::BufferPool::Lease positions, const Box& box,
-                             const std::function<const MeshTopology&()>& on_host, const LatticeView* lattice);
-
-/// Reads the positions and the slopes from the device. Waits. Throws Error.
-void fill(const DeviceSetUp& job, const DeviceFaces& faces, Frusta& frusta);
+/// The same on a device that has its own arrays. `positions`: Vec3 of each vertex of the topology. If kernels leave
+/// much to the host, the topology comes to the host, and the whole is completed there. Two waits otherwise.
+MadeFrusta frusta_by_kernels(const DeviceSetUp& job, HomedTopology& topology,
+                             std::shared_ptr<const device::BufferPool::Lease> positions, const Box& box,
+                             const LatticeView* lattice);
 
 }  // namespace clsdf::engine

@@ -35,7 +35,7 @@ RecordSelection select_records(const device::Context& context, const NearRecords
     return selection;
 }
 
-void set_counts(std::size_t faces, const Frusta& frusta, PreparedMesh& prepared) {
+void set_counts(std::size_t faces, const FoundFrusta& frusta, PreparedMesh& prepared) {
     prepared.triangle_count = faces;
     prepared.polyhedron_count = faces + frusta.sites.size();
     prepared.saddle_vertices = frusta.saddle_vertices;
@@ -43,15 +43,15 @@ void set_counts(std::size_t faces, const Frusta& frusta, PreparedMesh& prepared)
     prepared.boxes = frusta.boxes;
 }
 
-void check_distance(const Mesh& mesh, const LatticeView& lattice) {
+void check_distance(const Box& box, const std::string& mesh_name, const LatticeView& lattice) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double low = (mesh.box().lower[axis] - lattice.origin[axis]) / lattice.unit;
-        const double high = (mesh.box().upper[axis] - lattice.origin[axis]) / lattice.unit;
+        const double low = (box.lower[axis] - lattice.origin[axis]) / lattice.unit;
+        const double high = (box.upper[axis] - lattice.origin[axis]) / lattice.unit;
         if (!(std::abs(low) < farthest) || !(std::abs(high) < farthest))
             throw Error(ErrorCode::invalid_argument, fmt::format("{} reaches more than 1e14 voxels from the grid's "
                                                                  "origin on axis {}; use a larger spacing, or a grid "
                                                                  "near the mesh",
-                                                                 mesh.name(), "xyz"[axis]));
+                                                                 mesh_name, "xyz"[axis]));
     }
 }
 

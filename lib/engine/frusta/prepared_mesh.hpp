@@ -59,7 +59,7 @@ struct RecordSelection {
 RecordSelection select_records(const device::Context& context, const NearRecords& kept, const NearRecords& near);
 
 /// Sets the numbers that belong to the whole mesh.
-void set_counts(std::size_t faces, const Frusta& frusta, PreparedMesh& prepared);
+void set_counts(std::size_t faces, const FoundFrusta& frusta, PreparedMesh& prepared);
 
 /// The records of ranges of faces, each of which begins with a group (record_group), and of point sites, by
 /// the host: for any lattice.
@@ -67,7 +67,7 @@ PreparedMesh records_by_host(const DeviceTools& tools, const MeshTopology& topol
                              const LatticeView& lattice, std::span<const RecordRange> of_faces,
                              std::span<const RecordRange> of_sites);
 
-/// Throws Error(invalid_argument) if squares of distances would leave a float's range.
-void check_distance(const Mesh& mesh, const LatticeView& lattice);
+/// box: of the mesh. Throws Error(invalid_argument) if squares of distances would leave a float's range.
+void check_distance(const Box& box, const std::string& mesh_name, const LatticeView& lattice);
 
 }  // namespace clsdf::engine

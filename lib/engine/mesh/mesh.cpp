@@ -111,7 +111,7 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::str
     : vertices_(std::move(vertices)),
       triangles_(std::move(triangles)),
       name_(std::move(name)),
-      box_(check(vertices_, triangles_, name_)) {}
+      box_(check(vertices_, triangles_.get(), name_)) {}
 
 Mesh::Mesh(const MeshView& view, std::string name)
     : Mesh(read_positions(view.vertices()), read_triangles(view.triangles(), name), std::string(name)) {}
@@ -121,7 +121,7 @@ void Mesh::set_positions(std::vector<Vec3> positions) {
         throw Error(ErrorCode::invalid_argument, fmt::format("{} has {} vertices, and {} positions are given; give one "
                                                              "for each",
                                                              name_, vertices_.size(), positions.size()));
-    box_ = check(positions, triangles_, name_);
+    box_ = check(positions, triangles_.get(), name_);
     // Not moved: the C interface promises that the address of the vertices stays.
     std::ranges::copy(positions, vertices_.begin());
 }
@@ -142,7 +142,7 @@ std::uint64_t Mesh::hash() const {
     add(vertices_.size());
     for (const Vec3& vertex : vertices_)
         for (const double coordinate : vertex) add(std::bit_cast<std::uint64_t>(coordinate));
-    for (const Triangle& triangle : triangles_)
+    for (const Triangle& triangle : triangles())
         for (const std::uint32_t index : triangle) add(index);
     return hash;
 }

@@ -70,7 +70,7 @@ private:
     template <class Most>
     bool is_own(const std::optional<NearRecords>& near, bool lone, bool is_kept, std::size_t made, const Most& most) {
         if (!near) return false;
-        if (lone || !kept_mesh_.has_selections()) return true;
+        if (lone || !kept_mesh_.ways().selections_by_kernels) return true;
         if (is_kept) return false;
         return count(made + near->face_count) <= most() ||
                kept_mesh_.device_bytes() + kept_mesh_.record_bytes() > kept_mesh_.budget();
@@ -129,7 +129,7 @@ Inputs grid_inputs(KeptMesh& kept_mesh, const Job& job, SignRule sign, bool lone
 }
 
 void select_inputs(KeptMesh& kept_mesh, const Job& part, Inputs& inputs) {
-    if (!kept_mesh.has_selections() || kept_mesh.options().method) return;
+    if (!kept_mesh.ways().selections_by_kernels || kept_mesh.options().method) return;
     kept_mesh.prepare([&] { GridInputs(kept_mesh, part).select(inputs); });
 }
 

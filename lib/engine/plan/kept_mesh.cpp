@@ -1,7 +1,6 @@
 #include "plan/kept_mesh.hpp"
 
 #include "finish/sites.hpp"
-#include "frusta/host_part.hpp"
 #include "lattice/layout_of.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/topology.hpp"
@@ -11,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 #include <utility>
 
 namespace clsdf::engine {
@@ -18,10 +18,10 @@ namespace clsdf::engine {
 namespace {
 
 /// Throws Error(invalid_argument) if no end of the band keeps distances within the range of a float.
-void check_unbounded_distances(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign) {
+void check_unbounded_distances(const Box& mesh, const Grid& grid, const Band& band, SignRule sign) {
     if (std::isfinite(sign == SignRule::none ? band.outside : band.widest())) return;
     Box all = grid.box();
-    add(all, mesh.box());
+    add(all, mesh);
     const double diagonal =
         std::hypot(all.upper[0] - all.lower[0], all.upper[1] - all.lower[1], all.upper[2] - all.lower[2]);
     if (diagonal > static_cast<double>(std::numeric_limits<float>::max()))
@@ -38,34 +38,24 @@ KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool>
     : context_(context),
       pool_(std::move(pool)),
       options_(std::move(options)),
-      mesh_(std::move(mesh)),
-      vertices_(std::move(vertices)),
-      face_count_(mesh_.triangles().size()) {
+      mesh_(kept_, tools(), std::move(mesh), std::move(vertices)) {
     set_sign_surface({});
 }
 
-KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, MadeTopology made,
-                   Options options)
-    : KeptMesh(context, std::move(pool), std::move(mesh), Vertices(made.given_vertices), std::move(options)) {
-    face_count_ = made.topology->face_count();
-    is_as_given_ = made.equal != nullptr;
-    // Of other meshes another surface may decide the sign.
-    if (made.topology->are_paired)
-        encloses_negative_volume_.set(std::make_shared<const bool>(made.encloses_negative_volume()));
-    device_mesh_.set(std::move(made.mesh));
-    equal_vertices_.set(std::move(made.equal));
-    positions_.set(std::make_shared<const device::BufferPool::Lease>(std::move(made.positions)));
-    names_.set(made.topology->names);
-    device_topology_.set(std::move(made.topology));
+KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool,
+                   std::shared_ptr<const Mesh> given, MadeTopology made, Options options)
+    : context_(context),
+      pool_(std::move(pool)),
+      options_(std::move(options)),
+      mesh_(kept_, tools(), std::move(given), std::move(made)) {
+    set_sign_surface({});
+    keep_only_copies_within_budget();
 }
 
 KeptMesh::KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, MeshPart part,
                    Restriction restriction, Options options)
-    : KeptMesh(context, std::move(pool), std::move(part.mesh), Vertices(), std::move(options)) {
+    : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(kept_, tools(), std::move(part)) {
     restriction_.set(std::make_shared<const Restriction>(std::move(restriction)));
-    set_sign_surface(std::move(part.surface));
-    topology_.set(std::move(part.topology));
-    frusta_.set(std::make_shared<const Frusta>(std::move(part.frusta)));
 }
 
 std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
@@ -76,9 +66,11 @@ std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPoo
             part_of(mesh(), sign_surface(), topology(), frusta(), restriction.near(index(), sign, sign_surface_gap()));
         restriction.numbers = std::move(part.triangles);
         restriction.sample = surface_sample(topology(), frusta());
+        SignSurface surface = std::move(part.surface);
         std::unique_ptr<KeptMesh> kept_mesh(
             new KeptMesh(context_, std::move(pool), std::move(part), std::move(restriction), options_));
-        kept_mesh->encloses_negative_volume_.set(std::make_shared<const bool>(encloses_negative_volume()));
+        kept_mesh->set_sign_surface(std::move(surface));
+        kept_mesh->set_encloses_negative_volume(encloses_negative_volume());
         if (boundary() != nullptr) {
             kept_mesh->open_loops_.set(open_loops_.get());
             kept_mesh->boundary_.set(boundary_.get());
@@ -91,194 +83,62 @@ Job KeptMesh::checked(JobKey asked, SignRule sign) const {
     if (restriction_) restriction_->check(asked.grid, asked.band, sign);
     Job job{std::move(asked)};
     job.lattice = lattice_of(job.grid);
-    check_distance(mesh_, job.lattice);
+    check_distance(box(), name(), job.lattice);
     job.layout = layout_of(job.grid, job.band, sign);
-    check_unbounded_distances(mesh_, job.grid, job.band, sign);
+    check_unbounded_distances(box(), job.grid, job.band, sign);
     return job;
 }
 
-void KeptMesh::read_mesh() {
-    if (!device_mesh_ && !is_as_given_) return;
-    context_.begin_call();
-    // Other threads may read the mesh's name and its box, which stay.
-    if (device_mesh_) {
-        set_arrays(mesh_, device_mesh_->read(set_up()));
-        device_mesh_.set(nullptr);
-    }
-    if (is_as_given_) {
-        const std::vector<std::uint32_t> first = equal_vertices_->read(set_up());
-        Mesh one_of_each = mesh_;
-        vertices_ = Vertices(one_of_each, first);
-        numbers_ = Vertices::numbers(first);
-        set_arrays(mesh_, {one_of_each.vertices(), one_of_each.triangles()});
-        is_as_given_ = false;
-    }
-    if (has_moved_) first_positions_ = mesh_.vertices();
-}
-
-void KeptMesh::keep_first_positions() {
-    if (!has_moved_ && !device_mesh_ && !is_as_given_) first_positions_ = mesh_.vertices();
-}
-
-const std::vector<Vec3>& KeptMesh::first_positions() {
-    read_mesh();
-    return has_moved_ ? first_positions_ : mesh_.vertices();
-}
-
-const Mesh& KeptMesh::mesh() {
-    read_mesh();
-    if (!has_old_positions_) return mesh_;
-    context_.begin_call();
-    UninitializedVector<Vec3> ordered(topology().faces.vertices.size());
-    context_.run_or_drain([&] { read_values(set_up(), **positions_, ordered); });
-    set_ordered_positions(mesh_, topology(), ordered);
-    has_old_positions_ = false;
-    return mesh_;
-}
-
 void KeptMesh::move(std::vector<Vec3> positions) {
-    read_mesh();  // now: a later read would replace the new positions
-    keep_first_positions();
-    // A topology that a GPU has made has the caller's numbers.
-    if (numbers_.empty() && positions.size() == mesh_.vertices().size())
-        if (const auto moved = moved_on_device(std::span<const Vec3>(positions), nullptr)) {
-            engine::move(mesh_, moved->box, std::move(positions));
-            has_old_positions_ = false;
-            return;
-        }
-    topology();                                             // of the first positions
-    engine::move(mesh_, *topology_, std::move(positions));  // which finds what is wrong
+    mesh_.move(std::move(positions));
     forget_positions();
 }
 
 template <class Positions>
-bool KeptMesh::move_given(const Positions& positions, std::size_t count) {
-    const bool knows_equal = equal_vertices_ || (!is_as_given_ && !vertices_.are_merged());
-    if (!sign_surface().vertices.empty() || !knows_equal || count != vertices_.count()) return false;
-    keep_first_positions();
-    const auto moved = moved_on_device(positions, equal_vertices_.get().get());
-    if (!moved) return false;
-    engine::move(mesh_, moved->box);
-    has_old_positions_ = true;
+bool KeptMesh::move_on_device(const Positions& positions, std::size_t count) {
+    if (!sign_surface().vertices.empty() || !mesh_.move_on_device(positions, count)) return false;
+    forget_positions();
+    keep_only_copies_within_budget();
     return true;
 }
-template bool KeptMesh::move_given(const DeviceTriples&, std::size_t);
-template bool KeptMesh::move_given(const std::span<const Vec3>&, std::size_t);
-
-template <class Positions>
-std::optional<MovedVertices> KeptMesh::moved_on_device(const Positions& positions, const EqualVertices* equal) {
-    if (!device_topology_) return std::nullopt;
-    context_.begin_call();
-    MovedVertices moved;
-    try {
-        moved = move_vertices(set_up(), *device_topology_, equal, positions);
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::out_of_memory) throw;
-        return std::nullopt;
-    }
-    if (!moved.are_usable) return std::nullopt;
-    auto kept = std::make_shared<const device::BufferPool::Lease>(std::move(moved.positions));
-    forget_positions();
-    positions_.set(std::move(kept));
-    return moved;
-}
+template bool KeptMesh::move_on_device(const DeviceTriples&, std::size_t);
+template bool KeptMesh::move_on_device(const std::span<const Vec3>&, std::size_t);
 
 void KeptMesh::forget_positions() {
-    is_moving_ = true;
-    has_moved_ = true;
-    has_old_positions_ = false;
-    forget_if([](const KeptValue& value) { return value.made_of == MadeOf::positions; });
-    is_moving_ = false;
+    for (KeptValue* value : all_kept())
+        if (value->made_of == MadeOf::positions) value->forget();
+}
+
+void KeptMesh::keep_only_copies_within_budget() {
+    if (mesh_.only_copy_bytes() <= budget()) return;
+    mesh_.read_only_copies();
+    keep_within(budget());
 }
 
 void KeptMesh::refuse_memory() const {
     throw Error(ErrorCode::out_of_memory,
-                fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh",
-                            mesh_.name(), face_count_));
-}
-
-std::shared_ptr<const MeshTopology> KeptMesh::shared_topology() {
-    return topology_.get_or([&] {
-        if (is_as_given_ || !device_topology_) read_mesh();  // which finds numbers_
-        if (device_topology_) return device_topology_->read(set_up(), numbers_);
-        return MeshTopology(mesh_);
-    });
-}
-
-const Frusta& KeptMesh::counted_frusta() {
-    if (!frusta_) make_frusta(nullptr);
-    return *frusta_;
-}
-
-const Frusta& KeptMesh::frusta() {
-    counted_frusta();
-    if (partial_frusta_) {
-        fill(set_up(), *faces_, *partial_frusta_);
-        partial_frusta_.reset();
-    }
-    return *frusta_;
-}
-
-const std::shared_ptr<const DeviceFaces::Names>& KeptMesh::names() {
-    return names_.get_or([&] { return device_names(set_up(), shared_topology()); });
-}
-
-std::optional<PreparedMesh> KeptMesh::make_frusta(const LatticeView* lattice) {
-    if (!suits_kernels(face_count())) {
-        frusta_.get_or([&] { return engine::make_frusta(topology(), mesh().vertices()); });
-        return std::nullopt;
-    }
-    const DeviceSetUp job = set_up();
-    MadeFrusta made = [&] {
-        if (job.shares_memory()) {
-            frusta_sources_.get_or([&] { return FrustaSources(job, topology()); });
-            return frusta_by_kernels(job, names(), frusta_sources_.get(), mesh(), lattice);
-        }
-        device_topology_.get_or([&] {
-            equal_vertices_.forget();  // from now on it has the mesh's numbers of vertices, not the caller's
-            return device_topology(job, names(), topology());
-        });
-        positions_.get_or([&] { return job.upload(ordered_positions(topology(), mesh().vertices()), "vertices"); });
-        return frusta_by_kernels(
-            job, *device_topology_, {nullptr, **positions_, 0}, mesh_.box(),
-            [this]() -> const MeshTopology& { return topology(); }, lattice);
-    }();
-    partial_frusta_ = made.faces.part ? made.frusta : nullptr;
-    frusta_.set(std::move(made.frusta));
-    faces_.set(std::make_shared<const DeviceFaces>(std::move(made.faces)));
-    if (!has_moved_) frusta_sources_.forget();
-    return std::move(made.records);
+                fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh", name(),
+                            face_count()));
 }
 
 const ClusterIndex& KeptMesh::index() {
-    return *index_.get_or([&] {
-        counted_frusta();
-        if (has_faces_of_gpu())
-            return ClusterIndex(face_count_, cluster_boxes(set_up(), *faces_), faces_->part->frusta);
-        return ClusterIndex(face_count_, cluster_boxes(topology().faces.triangles, frusta().positions), frusta());
-    });
+    return *index_.get_or([&] { return mesh_.make_index(); });
 }
 
 std::shared_ptr<const DeviceFaces> KeptMesh::device_faces(const LatticeView& lattice) {
-    if (options_.method || !suits_kernels(face_count()) || !is_plain(mesh_, lattice)) return nullptr;
-    counted_frusta();
-    return faces_.get_or([&] { return engine::device_faces(set_up(), names(), frusta_.get()); });
-}
-
-WrittenFaces KeptMesh::written_faces(const DeviceFaces& faces) {
-    if (faces.part) return {faces.part->topology, faces.part->frusta, faces.part->faces};
-    return {topology(), frusta()};
+    if (options_.method || !ways().frusta_by_kernels || !is_plain(box(), lattice)) return nullptr;
+    return mesh_.faces();
 }
 
 PreparedMesh KeptMesh::all_records(const LatticeView& lattice) {
-    if (!frusta_ && is_plain(mesh_, lattice))
-        if (std::optional<PreparedMesh> first = make_frusta(&lattice)) return std::move(*first);
+    if (!has_frusta() && is_plain(box(), lattice))
+        if (std::optional<PreparedMesh> first = mesh_.make_frusta(&lattice)) return std::move(*first);
     return records(lattice, all_ranges());
 }
 
 PreparedMesh KeptMesh::records(const LatticeView& lattice, const NearRecords& ranges) {
     if (const auto faces = device_faces(lattice))
-        return records_on_device(set_up(), *faces, written_faces(*faces), *frusta_, lattice, ranges.faces,
+        return records_on_device(mesh_.set_up(), *faces, mesh_.written_faces(*faces), lattice, ranges.faces,
                                  ranges.sites);
     return records_by_host(tools(), topology(), frusta(), lattice, ranges.faces, ranges.sites);
 }
@@ -296,7 +156,7 @@ Lattice& KeptMesh::lattice(const Grid& grid) {
 }
 
 NearRecords KeptMesh::all_ranges() {
-    const std::size_t faces = face_count(), sites = counted_frusta().sites.size();
+    const std::size_t faces = face_count(), sites = mesh_.found().sites.size();
     return {{{0, faces}}, {{0, sites}}, faces, sites};
 }
 
@@ -311,26 +171,19 @@ SurfacePoints KeptMesh::points_of(const LatticeView& view) {
     return surface_points(restriction_ ? restriction_->sample : surface_sample(topology(), frusta()), view);
 }
 
-bool KeptMesh::has_faces_of_gpu() const {
-    return partial_frusta_ != nullptr && faces_->names->topology == nullptr;
-}
-
 bool KeptMesh::is_swept_on_device(const Job& job, const DeviceFaces* faces) const {
-    return faces != nullptr && sign_surface().is_mesh() && is_within_sweep(mesh_.box(), job.grid, job.lattice);
+    return faces != nullptr && sign_surface().is_mesh() && is_within_sweep(box(), job.grid, job.lattice);
 }
 
 SweepMesh KeptMesh::sweep_mesh(const Job& job) {
     const auto faces = device_faces(job.lattice);
-    const Mesh& swept = is_swept_on_device(job, faces.get()) ? mesh_ : mesh();
-    return make_sweep_mesh(
-        set_up(), job.grid, job.lattice, swept, sign_surface(), boundary().get(), names(),
-        [this]() -> const MeshTopology& { return topology(); }, faces.get());
+    return make_sweep_mesh(mesh_.set_up(), job.grid, job.lattice, mesh_, sign_surface(), boundary().get(), faces.get());
 }
 
 SweepMesh KeptMesh::near_sweep_mesh(const Job& job, const NearRecords& near) {
-    const auto faces = has_faces_of_gpu() && boundary() == nullptr ? device_faces(job.lattice) : nullptr;
+    const auto faces = mesh_.is_on_device_alone() && boundary() == nullptr ? device_faces(job.lattice) : nullptr;
     if (is_swept_on_device(job, faces.get()))
-        return engine::near_sweep_mesh(set_up(), job.grid, job.lattice, mesh_.box(), *faces, near);
+        return engine::near_sweep_mesh(mesh_.set_up(), job.grid, job.lattice, box(), *faces, near);
     return engine::near_sweep_mesh(tools(), job.grid, job.lattice, mesh(), sign_surface(), boundary().get(), topology(),
                                    near.faces);
 }
@@ -376,13 +229,6 @@ KeptValues KeptMesh::all_kept() {
     return all;
 }
 
-void KeptMesh::forget_if(bool (*condition)(const KeptValue&)) {
-    KeptValues all = all_kept();
-    std::ranges::reverse(all);
-    for (KeptValue* value : all)
-        if (condition(*value)) value->forget();
-}
-
 std::size_t KeptMesh::budget() {
     std::size_t point_bytes = 0, shared_bytes = 0;
     for (const KeptValue* value : kept_) {
@@ -397,21 +243,22 @@ void KeptMesh::keep_within(std::size_t budget) {
     for (KeptValue* value : all_kept()) {
         const std::size_t bytes = value->memory().device_bytes;
         if (bytes > budget)
-            value->forget();
+            value->leave_device();
         else
             budget -= bytes;
     }
 }
 
 void KeptMesh::release() {
-    // Views of the host's arrays have no bytes of the device, but hold the names.
-    if (faces_.memory().device_bytes == 0 && !faces_.is_in_use()) faces_.forget();
-    forget_if([](const KeptValue& value) { return value.memory().device_bytes > 0 && !value.is_in_use(); });
+    // The last first: before the values whose memory they hold.
+    KeptValues all = all_kept();
+    for (KeptValue* value : std::views::reverse(all))
+        if (!value->is_in_use()) value->leave_device();
 }
 
 KeptMemory KeptMesh::memory() {
     KeptMemory sum;
-    if (has_moved_) sum.host_bytes = first_positions_.size() * sizeof(Vec3);
+    sum.host_bytes = mesh_.first_position_bytes();
     for (const KeptValue* value : all_kept()) {
         const KeptMemory memory = value->memory();
         sum.host_bytes += memory.host_bytes;
@@ -429,7 +276,7 @@ bool KeptMesh::keeps(const std::shared_ptr<const SweepMesh>& sweep_mesh) const {
 }
 
 std::size_t KeptMesh::record_bytes() const {
-    return (restriction_ ? restriction_->record_count : face_count_) * sizeof(Polyhedron);
+    return (restriction_ ? restriction_->record_count : face_count()) * sizeof(Polyhedron);
 }
 
 }  // namespace clsdf::engine

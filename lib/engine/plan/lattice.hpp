@@ -4,8 +4,8 @@
 
 #include "frusta/cluster_index.hpp"
 #include "frusta/prepared_mesh.hpp"
+#include "homes/kept.hpp"
 #include "lists/surface_points.hpp"
-#include "plan/kept.hpp"
 #include "sign/sweep_mesh.hpp"
 
 #include <cstddef>
@@ -33,6 +33,9 @@ public:
         return records.use_count() > 1 || sweep_mesh.use_count() > 1 || points.use_count() > 1;
     }
     void forget() override { *this = Lattice(origin, spacing); }
+    void leave_device() override {
+        if (memory().device_bytes > 0) forget();
+    }
 
     Vec3 origin;
     Vec3 spacing;

@@ -94,12 +94,12 @@ struct SweepLattice {
     double scale_y, scale_z;
 };
 
-[[noreturn]] void refuse_far(const Mesh& mesh, const std::string& vertex) {
+[[noreturn]] void refuse_far(const std::string& mesh_name, const std::string& vertex) {
     throw Error(
         ErrorCode::unsupported,
         fmt::format("{} of {} lies more than 2^40 voxels from the grid's origin, too far for an exact sign; use "
                     "a larger spacing or an unsigned field",
-                    vertex, mesh.name()));
+                    vertex, mesh_name));
 }
 
 /// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.
@@ -114,7 +114,7 @@ device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLatt
     for_each_index(numbers.size(), [&](std::size_t v) {
         if (!lattice.snap(mesh.vertices()[surface.vertex(numbers[v])], vertices[v])) far.take(numbers[v]);
     });
-    if (far.get() != none) refuse_far(mesh, fmt::format("vertex {}", far.get()));
+    if (far.get() != none) refuse_far(mesh.name(), fmt::format("vertex {}", far.get()));
     return filling.finish();
 }
 
@@ -126,7 +126,7 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
     device::LentKernel kernel = job.tools.kernel(job.tools.programs.mesh_records, "sweep_vertices");
     ShortLaunches(job.tools.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
         set_arguments(kernel, 0, face_lattice(lattice.view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
-                      begin, end, *faces.positions, *vertices);
+                      begin, end, **faces.positions, *vertices);
     });
     return vertices;
 }
@@ -145,7 +145,7 @@ device::BufferPool::Lease triangles_of(const DeviceSetUp& job, const SignSurface
 }
 
 /// Throws if a corner is beyond the sweep's integers: but then a vertex of the mesh is.
-std::shared_ptr<const LatticeBoundary> boundary_on(const SweepLattice& lattice, const Mesh& mesh,
+std::shared_ptr<const LatticeBoundary> boundary_on(const SweepLattice& lattice, const std::string& mesh_name,
                                                    const OpenBoundary* boundary) {
     if (boundary == nullptr || boundary->empty()) return nullptr;
     auto result = std::make_shared<LatticeBoundary>();
@@ -161,7 +161,7 @@ std::shared_ptr<const LatticeBoundary> boundary_on(const SweepLattice& lattice, 
         SweepVertex vertex;
         if (!lattice.snap(boundary->corners[i], vertex, &result->corners[i])) far.take(i);
     });
-    if (far.get() != none) refuse_far(mesh, "a vertex of an open edge");
+    if (far.get() != none) refuse_far(mesh_name, "a vertex of an open edge");
     return result;
 }
 
@@ -183,25 +183,23 @@ const cl::Buffer& SweepMesh::triangles() const {
     return faces ? *faces->triangles : *own_triangles;
 }
 
-SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const SignSurface& surface, const OpenBoundary* boundary,
-                          const std::shared_ptr<const DeviceFaces::Names>& names,
-                          const std::function<const MeshTopology&()>& topology, const DeviceFaces* faces) {
+SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, HomedMesh& mesh,
+                          const SignSurface& surface, const OpenBoundary* boundary, const DeviceFaces* faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, view, mesh.box());
         SweepMesh result;
         if (surface.faces.empty())
-            result.faces = names;
+            result.faces = mesh.names();
         else
-            result.own_triangles = triangles_of(job, surface, topology());
+            result.own_triangles = triangles_of(job, surface, mesh.topology());
         result.vertices = faces != nullptr && surface.vertices.empty() && is_within_sweep(mesh.box(), grid, view)
                               ? vertices_on_device(job, lattice, *faces)
-                              : sweep_vertices(job, lattice, mesh, surface, topology().faces.vertices);
-        result.triangle_count = names->face_count;
+                              : sweep_vertices(job, lattice, mesh.on_host(), surface, mesh.topology().faces.vertices);
+        result.triangle_count = mesh.face_count();
         result.bits_y = lattice.bits_y;
         result.bits_z = lattice.bits_z;
         result.first_x = lattice.first_x;
-        result.boundary = boundary_on(lattice, mesh, boundary);
+        result.boundary = boundary_on(lattice, mesh.name(), boundary);
         return result;
     });
 }
@@ -248,7 +246,7 @@ SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Latt
                          .bits_y = lattice.bits_y,
                          .bits_z = lattice.bits_z,
                          .first_x = lattice.first_x,
-                         .boundary = boundary_on(lattice, mesh, boundary)};
+                         .boundary = boundary_on(lattice, mesh.name(), boundary)};
     });
 }
 
@@ -275,7 +273,7 @@ SweepMesh near_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Lattic
         ShortLaunches(job.tools.context, {})
             .over_items(kernel, corners, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
                 set_arguments(kernel, 0, face_lattice(view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
-                              begin, end, *clusters, *faces.names->triangles, *faces.positions, *result.own_triangles,
+                              begin, end, *clusters, *faces.names->triangles, **faces.positions, *result.own_triangles,
                               *result.vertices);
             });
         return result;

@@ -6,6 +6,7 @@
 #include "device/buffer_pool.hpp"
 #include "frusta/cluster_index.hpp"
 #include "frusta/device_faces.hpp"
+#include "frusta/homed_mesh.hpp"
 #include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
 #include "mesh/open_edges.hpp"
@@ -14,7 +15,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 
 namespace clsdf::engine {
@@ -49,11 +49,9 @@ SweepSelection select_triangles(const device::Context& context, const NearRecord
 
 /// The mesh with the surface that decides its sign. Throws Error(unsupported) if it reaches farther from the grid's
 /// origin than the sweep's integers. view: of the grid's lattice. `faces`: null if the host makes the vertices.
-/// boundary: null unless open edges count. topology: is asked for if the host makes triangles or vertices.
-SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Mesh& mesh,
-                          const SignSurface& surface, const OpenBoundary* boundary,
-                          const std::shared_ptr<const DeviceFaces::Names>& names,
-                          const std::function<const MeshTopology&()>& topology, const DeviceFaces* faces);
+/// boundary: null unless open edges count. Mesh and topology come to the host if it makes triangles or vertices.
+SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, HomedMesh& mesh,
+                          const SignSurface& surface, const OpenBoundary* boundary, const DeviceFaces* faces);
 
 /// Whether all of a mesh with this box lies near enough for the sweep's integers, and a part of it can be swept by
 /// itself.

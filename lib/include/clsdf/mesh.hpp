@@ -6,7 +6,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace clsdf {
@@ -50,7 +52,22 @@ private:
 
 namespace detail {
 struct MeshAccess;
-}
+
+/// The triangles of a mesh, which its copies share. A mesh that was moved from still has them.
+class SharedTriangles {
+public:
+    SharedTriangles(std::vector<Triangle> triangles)  // NOLINT(google-explicit-constructor): an array becomes shared
+        : triangles_(std::make_shared<const std::vector<Triangle>>(std::move(triangles))) {}
+    SharedTriangles(const SharedTriangles&) noexcept = default;
+    SharedTriangles& operator=(const SharedTriangles&) noexcept = default;
+    ~SharedTriangles() = default;
+
+    const std::vector<Triangle>& get() const { return *triangles_; }
+
+private:
+    std::shared_ptr<const std::vector<Triangle>> triangles_;
+};
+}  // namespace detail
 
 /// An indexed triangle mesh in double precision, checked: it has a triangle, every index is in range, and every vertex
 /// in use is finite. Everything else (degenerate faces, holes, any orientation, unused vertices) is allowed and
@@ -71,7 +88,7 @@ public:
     void set_positions(const InputArray& positions);
 
     const std::vector<Vec3>& vertices() const { return vertices_; }
-    const std::vector<Triangle>& triangles() const { return triangles_; }
+    const std::vector<Triangle>& triangles() const { return triangles_.get(); }
     const std::string& name() const { return name_; }
 
     /// The box of the vertices in use.
@@ -85,9 +102,11 @@ public:
 
 private:
     friend struct detail::MeshAccess;
-    Mesh() = default;
+    Mesh(std::vector<Vec3> vertices, detail::SharedTriangles triangles, std::string name, const Box& box)
+        : vertices_(std::move(vertices)), triangles_(std::move(triangles)), name_(std::move(name)), box_(box) {}
+
     std::vector<Vec3> vertices_;
-    std::vector<Triangle> triangles_;
+    detail::SharedTriangles triangles_;
     std::string name_;
     Box box_;
 };

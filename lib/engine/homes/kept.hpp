@@ -4,7 +4,6 @@
 
 #include "device/buffer_pool.hpp"
 
-#include <functional>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -12,8 +11,8 @@
 
 namespace clsdf::engine {
 
-/// The input of a kept value, which is forgotten when it changes.
-enum class MadeOf { triangles, positions };
+/// The input of a kept value, which is out of date when it changes.
+enum class MadeOf { caller, triangles, positions };
 
 enum class UsedBy { grids, points, both };
 
@@ -24,9 +23,12 @@ public:
     virtual ~KeptValue() = default;
 
     virtual KeptMemory memory() const = 0;
-    /// Whether somebody else holds it, or a part of it, too.
+    /// Whether somebody else holds what it has on the device, or a part of it.
     virtual bool is_in_use() const = 0;
+    /// Gives up a value that is out of date.
     virtual void forget() = 0;
+    /// Gives up what it has on the device, unless that could not be made again. Neither allocates nor reads.
+    virtual void leave_device() = 0;
 
     MadeOf made_of;
     UsedBy used_by;
@@ -36,13 +38,23 @@ public:
 /// holds.
 using KeptValues = std::vector<KeptValue*>;
 
+/// The memory that a value takes by its own account; none if it gives no account.
+template <class T>
+KeptMemory memory_of(const T* value) {
+    KeptMemory memory;
+    if (value == nullptr) return memory;
+    if constexpr (requires { value->host_bytes(); }) memory.host_bytes = value->host_bytes();
+    if constexpr (requires { value->device_bytes(); }) memory.device_bytes = value->device_bytes();
+    if constexpr (std::is_same_v<T, device::BufferPool::Lease>) memory.device_bytes = value->bytes();
+    return memory;
+}
+
+/// A value that has one form. It can be made again.
 template <class T>
 class Kept final : public KeptValue {
 public:
-    /// all: the list that this is added to; it must not be used any more when this is destroyed. also_forget: is called
-    /// before the value is forgotten.
-    Kept(KeptValues& all, MadeOf made_of_in, UsedBy used_by_in = UsedBy::grids, std::function<void()> also_forget = {})
-        : KeptValue(made_of_in, used_by_in), also_forget_(std::move(also_forget)) {
+    /// all: the list that this is added to; it must not be used any more when this is destroyed.
+    Kept(KeptValues& all, MadeOf made_of_in, UsedBy used_by_in = UsedBy::grids) : KeptValue(made_of_in, used_by_in) {
         all.push_back(this);
     }
     Kept(const Kept&) = delete;
@@ -62,23 +74,15 @@ public:
         return value_;
     }
 
-    KeptMemory memory() const override {
-        KeptMemory memory;
-        if (!value_) return memory;
-        if constexpr (requires { value_->host_bytes(); }) memory.host_bytes = value_->host_bytes();
-        if constexpr (requires { value_->device_bytes(); }) memory.device_bytes = value_->device_bytes();
-        if constexpr (std::is_same_v<T, device::BufferPool::Lease>) memory.device_bytes = value_->bytes();
-        return memory;
-    }
+    KeptMemory memory() const override { return memory_of(value_.get()); }
     bool is_in_use() const override { return value_.use_count() > 1; }
-    void forget() override {
-        if (also_forget_) also_forget_();
-        value_.reset();
+    void forget() override { value_.reset(); }
+    void leave_device() override {
+        if (memory().device_bytes > 0) value_.reset();
     }
 
 private:
     std::shared_ptr<const T> value_;
-    std::function<void()> also_forget_;
 };
 
 }  // namespace clsdf::engine

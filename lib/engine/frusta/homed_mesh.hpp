@@ -1,0 +1,132 @@
+#pragma once
+
+#include <clsdf/calls.hpp>
+#include <clsdf/mesh.hpp>
+
+#include "device/buffer_pool.hpp"
+#include "frusta/cluster_index.hpp"
+#include "frusta/device_faces.hpp"
+#include "frusta/device_topology.hpp"
+#include "frusta/frusta.hpp"
+#include "frusta/kernel_frusta.hpp"
+#include "frusta/mesh_part.hpp"
+#include "frusta/topology.hpp"
+#include "homes/device_set_up.hpp"
+#include "homes/homed.hpp"
+#include "homes/kept.hpp"
+#include "mesh/vertices.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace clsdf::engine {
+
+/// The mesh of a transform, and the values that follow from it alone, each on the host, on the device or on both.
+///
+///     given      the caller's arrays            until the host has a mesh of its own
+///     first      one of each vertex, on the     of given. Vertices of equal coordinates count as one
+///                host, at its first positions
+///     topology   of the triangles               of first, or of given by a GPU
+///     positions  the present ones               of first, until the vertices move
+///     frusta     topology and positions         by kernels, completed by the host
+///
+/// On a processor kernels use the host's arrays in place. Vertices of a GPU are numbered as the topology's.
+///
+/// For one thread at a time, but name() and box() between moves.
+class HomedMesh {
+public:
+    /// vertices: the caller's, as the mesh has them. all: the list of the values, which must outlive this.
+    HomedMesh(KeptValues& all, const DeviceTools& tools, Mesh mesh, Vertices vertices);
+    /// A GPU has made the topology of the mesh as given; null if made.mesh has the arrays.
+    HomedMesh(KeptValues& all, const DeviceTools& tools, std::shared_ptr<const Mesh> given, MadeTopology made);
+    /// A part of a mesh, which does not move. Its frusta are on the host.
+    HomedMesh(KeptValues& all, const DeviceTools& tools, MeshPart part);
+    HomedMesh(const HomedMesh&) = delete;
+    HomedMesh& operator=(const HomedMesh&) = delete;
+
+    const std::string& name() const { return name_; }
+    /// At the present positions.
+    const Box& box() const { return box_; }
+    std::size_t face_count() const { return face_count_; }
+    const DeviceSetUp& set_up() const { return set_up_; }
+
+    /// At its present positions, with one of each vertex.
+    const Mesh& on_host() { return *positions_.on_host(); }
+    /// The caller's vertices as on_host() has them.
+    const Vertices& vertices() { return first().vertices; }
+    const std::vector<Vec3>& first_positions() { return first().mesh->vertices(); }
+
+    const MeshTopology& topology() { return *topology_.on_host(); }
+    const std::shared_ptr<const MeshTopology>& shared_topology() { return topology_.on_host(); }
+    const std::shared_ptr<const DeviceFaces::Names>& names();
+
+    /// Makes frusta that are not made, and their records for the lattice if kernels make them. lattice: may be null.
+    std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);
+    bool has_frusta() const { return frusta_.is_made(); }
+    const Frusta& frusta() { return *frusta_.on_host(); }
+    const FoundFrusta& found();
+    /// The frusta on the device, if kernels make the records.
+    const std::shared_ptr<const DeviceFaces>& faces() { return frusta_.on_device(); }
+    /// The faces that the host writes records of.
+    WrittenFaces written_faces(const DeviceFaces& faces);
+    /// Whether kernels make what follows from all faces: a GPU has made the topology, and the frusta are there alone.
+    bool is_on_device_alone() const;
+
+    /// The boxes of all clusters, and what else an index needs.
+    ClusterIndex make_index();
+
+    /// New positions of the vertices of on_host(). Throws Error(invalid_mesh) if one in use is not finite.
+    void move(std::vector<Vec3> positions);
+    /// New positions of the caller's vertices: DeviceTriples, or a span. The device gets them, and the host when it
+    /// needs them. Returns false, and has done nothing, if the host has to look at them.
+    template <class Positions>
+    bool move_on_device(const Positions& positions, std::size_t count);
+    /// Whether vertices count as one, and a GPU knows which.
+    bool has_equal_on_device() const;
+
+    /// Bytes on the device that leave_device() leaves there: nobody else has these values.
+    std::size_t only_copy_bytes() const;
+    /// Reads such values to the host, so that they can leave the device. Waits. Throws Error.
+    void read_only_copies();
+
+    /// Bytes of the first positions, if there are others.
+    std::size_t first_position_bytes() const;
+
+private:
+    /// On the host, as the caller gave it but for equal vertices.
+    struct FirstMesh {
+        std::shared_ptr<const Mesh> mesh;
+        Vertices vertices;
+        std::vector<std::uint32_t> numbers{};  ///< in `mesh`, of the caller's vertices; empty if they are the same
+    };
+
+    HomedMesh(KeptValues& all, const DeviceTools& tools, std::string name, const Box& box, std::size_t vertex_count,
+              std::size_t face_count);
+
+    const FirstMesh& first();
+    /// The vertices at new positions, on the device. Nothing if the host has to look at them.
+    template <class Positions>
+    std::optional<MovedVertices> moved_on_device(const Positions& positions);
+
+    DeviceSetUp set_up_;
+    std::string name_;
+    Box first_box_, box_;
+    std::size_t vertex_count_;  // of the caller's
+    std::size_t face_count_;
+    bool has_equal_ = false;  // vertices that count as one
+    bool has_moved_ = false;
+    Homed<Mesh, DeviceMesh> given_;
+    Kept<FirstMesh> first_;
+    Kept<DeviceFaces::Names> names_;
+    HomedTopology topology_;
+    Homed<Mesh, device::BufferPool::Lease> positions_;
+    HomedFrusta frusta_;
+    Kept<FrustaSources> frusta_sources_;  // of processors; from the first move on
+};
+
+}  // namespace clsdf::engine
