@@ -1,5 +1,6 @@
-# clsdf_test_defaults(): at the end of a directory that adds tests. Every test gets a time limit, and an environment in
-# which nothing of the user's decides the outcome.
+# clsdf_test_defaults([<label>...]): at the end of a directory that adds tests. Every test gets these labels, a time limit,
+# and an environment in which nothing of the user's decides the outcome. A test has a label that says what it is about
+# (docs/architecture.md, "Folders").
 function(clsdf_test_defaults)
   set(limit 300)
   if(CLSDF_SANITIZE)
@@ -7,6 +8,12 @@ function(clsdf_test_defaults)
   endif()
   get_property(tests DIRECTORY PROPERTY TESTS)
   foreach(test IN LISTS tests)
+    set_property(TEST ${test} APPEND PROPERTY LABELS ${ARGN})
+    get_test_property(${test} LABELS subjects)
+    list(REMOVE_ITEM subjects NOTFOUND as_gpu implementation nightly threads)
+    if(NOT subjects)
+      message(SEND_ERROR "The test ${test} has no label that says what it is about (docs/architecture.md, \"Folders\")")
+    endif()
     get_test_property(${test} TIMEOUT timeout)
     if(NOT timeout)
       set_tests_properties(${test} PROPERTIES TIMEOUT ${limit})

@@ -9,5 +9,6 @@ target_include_directories(acceptance PRIVATE ${PROJECT_SOURCE_DIR}/tests)
 target_link_libraries(acceptance PRIVATE clsdf::io clsdf::reference clsdf_internals Eigen3::Eigen CLI11::CLI11 ${CLSDF_FMT}
                                          clsdf_warnings)
 add_test(NAME acceptance COMMAND acceptance --sampled)
+set_tests_properties(acceptance PROPERTIES LABELS accuracy)
 
 add_custom_target(accept COMMAND ${PROJECT_SOURCE_DIR}/scripts/accept VERBATIM USES_TERMINAL)

@@ -73,13 +73,25 @@ set(known ${folders} foundations engine io papers picture reference tools ${all_
 list(TRANSFORM known REPLACE ".*/" "")
 list(APPEND known ${public_headers})
 
-# The face of the top layer, and what stands beside the core.
-set(face clsdf/distance_transform.hpp clsdf/plan.hpp clsdf/sparse_plan.hpp
-    clsdf/clsdf.hpp)
-set(beside clsdf/io.hpp clsdf/mesh_files.hpp clsdf/openvdb.hpp clsdf/papers.hpp clsdf/picture.hpp clsdf/reference.hpp)
-set(allowed ${public_headers})
-list(REMOVE_ITEM allowed ${face} ${beside})
-set(public_of_core ${allowed})
+# The public headers: those of the core that every layer may include, the face of the top layer, and those beside the core,
+# which the core does not include. Each is in one of the lists.
+set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hpp grid.hpp mesh.hpp output_table.h outputs.hpp
+                   sparse.hpp topology.hpp tuning.hpp version.hpp)
+set(face clsdf.hpp distance_transform.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
+set(beside eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp picture.hpp reference.hpp)
+foreach(list public_of_core face beside)
+  list(TRANSFORM ${list} PREPEND clsdf/)
+endforeach()
+set(named ${public_of_core} ${face} ${beside})
+foreach(header ${public_headers} ${named})
+  set(count ${named})
+  list(FILTER count INCLUDE REGEX "^${header}$")
+  list(LENGTH count count)
+  if(NOT header IN_LIST public_headers OR NOT count EQUAL 1)
+    message(SEND_ERROR "${header}: each public header is once in public_of_core, face or beside")
+  endif()
+endforeach()
+set(allowed ${public_of_core})
 
 allow_kernels(common)
 foreach(folder ${folders})

@@ -4,7 +4,7 @@
 set(treacherous ${CMAKE_CURRENT_BINARY_DIR}/treacherous.cl)
 string(REPEAT "${CMAKE_CURRENT_LIST_DIR}/treacherous.txt;" 256 copies)
 execute_process(COMMAND ${CMAKE_COMMAND} -E cat ${copies} OUTPUT_FILE ${treacherous} COMMAND_ERROR_IS_FATAL ANY)
-clsdf_test(embedding ${CMAKE_CURRENT_LIST_DIR}/embedding.cpp)
+clsdf_test(embedding LABELS build launch)
 clsdf_embed_kernels(test_embedding ${treacherous} ${CMAKE_CURRENT_LIST_DIR}/empty.h)
 target_compile_definitions(test_embedding PRIVATE TREACHEROUS="${treacherous}")
 
@@ -20,6 +20,10 @@ add_test(NAME citations COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} 
 
 # The folders of the core are layers.
 add_test(NAME layers COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_LIST_DIR}/layers.cmake)
+
+# Each folder has tests with the label that docs/architecture.md names.
+add_test(NAME labels COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -DBUILD=${PROJECT_BINARY_DIR} -DCTEST=${CMAKE_CTEST_COMMAND}
+                             -DAPPS=${CLSDF_BUILD_APPS} -P ${CMAKE_CURRENT_LIST_DIR}/labels.cmake)
 
 # Instruction sets are named in one kernel file.
 add_test(NAME simd COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_LIST_DIR}/simd.cmake)
@@ -46,6 +50,7 @@ add_test(NAME scripts COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DS
                               ${CMAKE_CURRENT_LIST_DIR}/scripts.cmake)
 add_test(NAME release COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/release -P
                               ${CMAKE_CURRENT_LIST_DIR}/release.cmake)
+set_tests_properties(licences citations layers labels simd joins slow_headers needs_cxx20 users_build setup scripts release PROPERTIES LABELS build)
 set_tests_properties(release PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
 
 # Enumerations and plain structs of the public headers have counterparts in C. The headers left out are Eigen's, and those
@@ -53,4 +58,5 @@ set_tests_properties(release PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
 if(CLSDF_TEST_PYTHON)
   add_test(NAME c_names COMMAND ${CLSDF_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/c_names.py ${PROJECT_SOURCE_DIR}/lib/include/clsdf
                                 ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp openvdb.hpp)
+  set_tests_properties(c_names PROPERTIES LABELS bindings)
 endif()

@@ -18,9 +18,9 @@ if(NOT CLSDF_SANITIZE)
         -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/consumer/${way} -DGENERATOR=${CMAKE_GENERATOR}
         -DCOMPILER=${CMAKE_CXX_COMPILER} -DLAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
         -P ${CMAKE_CURRENT_LIST_DIR}/run.cmake ${configurations})
-    set_tests_properties(consumer_${way} PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
+    set_tests_properties(consumer_${way} PROPERTIES LABELS build SKIP_REGULAR_EXPRESSION "skipped: ")
   endforeach()
-  set_tests_properties(consumer_shared PROPERTIES LABELS nightly TIMEOUT 3600)
+  set_tests_properties(consumer_shared PROPERTIES LABELS "build;nightly" TIMEOUT 3600)
   # It compiles the library once more.
   set_tests_properties(consumer_add_subdirectory PROPERTIES TIMEOUT 900)
 endif()

@@ -1,5 +1,3 @@
-clsdf_test(grid ${CMAKE_CURRENT_LIST_DIR}/grid.cpp)
-clsdf_test(length ${CMAKE_CURRENT_LIST_DIR}/length.cpp)
-clsdf_test(atomic_file ${CMAKE_CURRENT_LIST_DIR}/atomic_file.cpp)
-clsdf_test(real_numbers ${CMAKE_CURRENT_LIST_DIR}/real_numbers.cpp)
-clsdf_test(field_array ${CMAKE_CURRENT_LIST_DIR}/field_array.cpp)
+foreach(name grid length atomic_file real_numbers field_array)
+  clsdf_test(${name} LABELS core)
+endforeach()

@@ -1,20 +1,22 @@
-# The code of pages, which is a part of programs that are tested.
-function(clsdf_documented_code page blocks)
+# clsdf_documented_code(<page> <blocks> <label> <source>...): the code of a page, which is a part of programs that are tested.
+function(clsdf_documented_code page blocks label)
   list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/)
   add_test(
     NAME code_of_${page}
     COMMAND ${CMAKE_COMMAND} -DPAGE=${PROJECT_SOURCE_DIR}/docs/${page}.md "-DSOURCES=${ARGN}" -DBLOCKS=${blocks}
             -P ${PROJECT_SOURCE_DIR}/tests/documents/documented_code.cmake)
+  set_tests_properties(code_of_${page} PROPERTIES LABELS ${label})
 endfunction()
 
-clsdf_documented_code(parallel 8 examples/mesh_on_ranks.cpp)
-clsdf_documented_code(petsc 4 integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c
+clsdf_documented_code(parallel 8 examples examples/mesh_on_ranks.cpp)
+clsdf_documented_code(petsc 4 integrations integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c
                       integrations/petsc/examples/dmda.F90 integrations/petsc/tests/dmda_test.cpp)
-clsdf_documented_code(flow 1 integrations/peclet/flow_past_a_body.py)
-clsdf_documented_code(dealii 3 integrations/dealii/examples/forest.cpp integrations/dealii/tests/forest_test.cpp)
-clsdf_documented_code(amrex 2 tests/documents/amrex.cpp)
+clsdf_documented_code(flow 1 integrations integrations/peclet/flow_past_a_body.py)
+clsdf_documented_code(dealii 3 integrations integrations/dealii/examples/forest.cpp integrations/dealii/tests/forest_test.cpp)
+clsdf_documented_code(amrex 2 integrations tests/documents/amrex.cpp)
 
 # AMReX is not installed: a stand-in for its classes.
 add_executable(test_code_for_amrex ${CMAKE_CURRENT_LIST_DIR}/amrex.cpp)
 target_link_libraries(test_code_for_amrex PRIVATE clsdf::meshes clsdf::clsdf clsdf_warnings)
 add_test(NAME code_for_amrex COMMAND test_code_for_amrex)
+set_tests_properties(code_for_amrex PROPERTIES LABELS integrations)

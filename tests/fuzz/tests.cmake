@@ -25,9 +25,10 @@ foreach(format ${formats})
   else()
     add_test(NAME fuzz_${format} COMMAND fuzz_readers --format=${format} --runs=3000)
   endif()
+  set_tests_properties(fuzz_${format} PROPERTIES LABELS io)
 endforeach()
 if(CLSDF_SANITIZE)
-  # As in tests/field/tests.cmake: HDF5's leaks with damaged files.
+  # As in tests/io/tests.cmake: HDF5's leaks with damaged files.
   set_tests_properties(fuzz_h5 PROPERTIES ENVIRONMENT_MODIFICATION
                        "ASAN_OPTIONS=string_append::fast_unwind_on_malloc=0:malloc_context_size=12")
 endif()

@@ -1,7 +1,7 @@
 #include "papers/pieces.hpp"
+#include "frusta/awkward_meshes.hpp"
+#include "frusta/pointwise.hpp"
 #include "papers/scans.hpp"
-#include "polyhedra/awkward_meshes.hpp"
-#include "polyhedra/pointwise.hpp"
 
 #include <clsdf/tuning.hpp>
 

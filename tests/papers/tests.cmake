@@ -1,27 +1,25 @@
-# clsdf_papers_test(<name> <source>...): what the papers published, held against the reference. It sees their library's headers.
+# clsdf_papers_test(<name> <source>... [AS_GPU]): what the papers published, held against the reference. It sees their library's headers.
 function(clsdf_papers_test name)
-  clsdf_test(${name} ${ARGN})
-  target_link_libraries(test_${name} PRIVATE clsdf::papers clsdf_papers_internals clsdf::reference OpenCL::OpenCL)
+  clsdf_test(${name} ${ARGN} LABELS papers LINK clsdf::papers clsdf_papers_internals clsdf::reference OpenCL::OpenCL)
 endfunction()
 
 foreach(name classification root_sums saddles)
-  clsdf_papers_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
+  clsdf_papers_test(${name} ${name}.cpp)
   target_link_libraries(test_${name} PRIVATE CGAL::CGAL)
 endforeach()
-clsdf_papers_test(polyhedra_convex_polyhedron ${CMAKE_CURRENT_LIST_DIR}/convex_polyhedron.cpp)
-clsdf_papers_test(peikert_sigg_polyhedra ${CMAKE_CURRENT_LIST_DIR}/polyhedra.cpp)
-clsdf_papers_test(bounding_solids ${CMAKE_CURRENT_LIST_DIR}/solids.cpp)
+clsdf_papers_test(papers_convex_polyhedron convex_polyhedron.cpp)
+clsdf_papers_test(peikert_sigg_polyhedra polyhedra.cpp)
+clsdf_papers_test(bounding_solids solids.cpp)
 foreach(name paper scan pieces)
-  clsdf_papers_test(slices_${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
+  clsdf_papers_test(slices_${name} ${name}.cpp AS_GPU)
 endforeach()
 foreach(name leaned mauch)
-  clsdf_papers_test(slices_${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp ${CMAKE_CURRENT_LIST_DIR}/exact.cpp)
+  clsdf_papers_test(slices_${name} ${name}.cpp exact.cpp AS_GPU)
   target_compile_definitions(test_slices_${name} PRIVATE CLSDF_SCANNED=${name})
 endforeach()
 
-clsdf_papers_test(brute_force ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp)
-clsdf_papers_test(software_scan ${CMAKE_CURRENT_LIST_DIR}/software_scan.cpp)
+clsdf_papers_test(brute_force brute_force.cpp AS_GPU)
+clsdf_papers_test(software_scan software_scan.cpp)
 
 # The messages of a command that is built without clsdf::papers.
-clsdf_test(papers_absent ${CMAKE_CURRENT_LIST_DIR}/absent.cpp)
-target_link_libraries(test_papers_absent PRIVATE clsdf_papers_absent)
+clsdf_test(papers_absent absent.cpp LABELS papers LINK clsdf_papers_absent)

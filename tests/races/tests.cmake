@@ -2,10 +2,11 @@
 find_program(CLSDF_OCLGRIND oclgrind)
 mark_as_advanced(CLSDF_OCLGRIND)
 if(CLSDF_OCLGRIND AND NOT CLSDF_SANITIZE)
-  clsdf_test_program(races ${CMAKE_CURRENT_LIST_DIR}/races.cpp)
+  clsdf_test_program(races races.cpp)
   target_link_libraries(test_races PRIVATE clsdf::papers clsdf::reference OpenCL::OpenCL)
   add_test(NAME races COMMAND ${CLSDF_OCLGRIND} --data-races --check-api $<TARGET_FILE:test_races>)
   set_tests_properties(races PROPERTIES FAIL_REGULAR_EXPRESSION "data race;Invalid;Error;OCLGRIND"
                                         PASS_REGULAR_EXPRESSION "No errors detected" TIMEOUT 900
+                                        LABELS "launch;frusta;tree;lists;sign;finish;bricks;targets;points;papers"
                                         ENVIRONMENT_MODIFICATION "CLSDF_CACHE_DIR=set:;CLSDF_SELF_TEST=set:0")
 endif()

@@ -1,0 +1,51 @@
+# SOURCE: the source tree, BUILD: the build folder, CTEST: ctest.
+#
+# docs/architecture.md names for each folder the label of its tests. Each of these labels and each folder of lib has tests,
+# and no test has another label, but for those of scripts.
+cmake_minimum_required(VERSION 3.25)
+
+execute_process(COMMAND ${CTEST} --test-dir ${BUILD} -C nightly --print-labels OUTPUT_VARIABLE labels COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX REPLACE ".*All Labels:" "" labels "${labels}")
+string(REGEX MATCHALL "[a-z_]+" labels "${labels}")
+
+# The rows of the tables under "Folders": folders in the first cell, labels in the last one.
+file(READ ${SOURCE}/docs/architecture.md page)
+string(REPLACE ";" "," page "${page}")
+string(REGEX MATCH "\n## Folders\n.*\n### Borders\n" page "${page}")
+string(REGEX MATCHALL "\n[|] `[^\n]*" rows "${page}")
+set(named "")
+foreach(row IN LISTS rows)
+  string(REGEX MATCH "^\n[|] `([a-z]+/)?([a-z_]+)" folder "${row}")
+  set(folder ${CMAKE_MATCH_2})
+  string(REGEX MATCH "[^|]*[|]$" cell "${row}")
+  string(REGEX MATCHALL "`[a-z]+`" cell "${cell}")
+  string(REPLACE "`" "" cell "${cell}")
+  list(APPEND named ${cell})
+  if(folder IN_LIST cell)
+    list(APPEND folders ${folder})
+  endif()
+endforeach()
+
+file(GLOB all RELATIVE ${SOURCE}/lib LIST_DIRECTORIES true ${SOURCE}/lib/* ${SOURCE}/lib/foundations/* ${SOURCE}/lib/engine/*)
+list(FILTER all EXCLUDE REGEX "^(CMakeLists.txt|foundations|engine|include)$")
+foreach(folder ${all})
+  get_filename_component(name ${folder} NAME)
+  if(NOT name IN_LIST folders)
+    message(SEND_ERROR "docs/architecture.md has no row of lib/${folder} that ends with the label `${name}`")
+  endif()
+endforeach()
+# Without the command there are no tests of it.
+if(NOT APPS)
+  list(APPEND labels command benchmarks)
+endif()
+foreach(label ${named})
+  if(NOT label IN_LIST labels)
+    message(SEND_ERROR "no test has the label ${label}, which docs/architecture.md names")
+  endif()
+endforeach()
+list(REMOVE_ITEM labels as_gpu implementation nightly threads)
+foreach(label ${labels})
+  if(NOT label IN_LIST named)
+    message(SEND_ERROR "tests have the label ${label}, which docs/architecture.md does not name")
+  endif()
+endforeach()

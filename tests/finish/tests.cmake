@@ -1,0 +1,6 @@
+clsdf_field_test(outputs LABELS finish targets)
+clsdf_field_test(double_distances LABELS finish points)
+clsdf_field_test(ties LABELS finish bricks)
+foreach(name outputs double_distances)
+  target_link_libraries(test_finish_${name} PRIVATE clsdf::papers)
+endforeach()

@@ -1,0 +1,3 @@
+clsdf_field_test(grids LABELS plans)
+clsdf_field_test(runs LABELS plans calls)
+clsdf_field_test(points LABELS plans points)
