@@ -1,5 +1,6 @@
 #include "plan/kept_mesh.hpp"
 
+#include "device/read_back.hpp"
 #include "finish/sites.hpp"
 #include "frusta/host_part.hpp"
 #include "lattice/layout_of.hpp"
@@ -130,7 +131,7 @@ const Mesh& KeptMesh::mesh() {
     if (!has_old_positions_) return mesh_;
     context_.begin_call();
     UninitializedVector<Vec3> ordered(topology().faces.vertices.size());
-    context_.run_or_drain([&] { read_values(set_up(), **positions_, ordered); });
+    context_.run_or_drain([&] { device::read_values(context_, **positions_, ordered); });
     set_ordered_positions(mesh_, topology(), ordered);
     has_old_positions_ = false;
     return mesh_;
