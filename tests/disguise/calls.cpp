@@ -1,4 +1,5 @@
 // The calls that are only counted, and may fail.
+#include "disguise/failing.hpp"
 #include "disguise/gpu.hpp"
 
 #include <array>
@@ -44,6 +45,14 @@ using namespace clsdf::disguise;
         const InCall in_call;                                              \
         if (const cl_int code = begin(#name)) return refused(code, error); \
         return CLSDF_NEXT(name)(__VA_ARGS__);                              \
+    }
+// clNAME(queue, events in the wait list, wait list, event)
+#define CLSDF_PASS_COMMAND(name)                                                                     \
+    cl_int name(cl_command_queue queue, cl_uint waits, const cl_event* wait_list, cl_event* event) { \
+        const InCall in_call;                                                                        \
+        if (const cl_int code = begin(#name)) return code;                                           \
+        if (is_failing(queue, waits, wait_list)) return fail_command(queue, false, event);           \
+        return CLSDF_NEXT(name)(queue, waits, wait_list, event);                                     \
     }
 // clNAME(object, what, size, value, needed)
 #define CLSDF_PASS_INFO(name, object_type, info_type)                                                                  \
@@ -95,12 +104,8 @@ CLSDF_PASS(clSetEventCallback,
            (cl_event event, cl_int status, void(CL_CALLBACK* notify)(cl_event, cl_int, void*), void* user), event,
            status, notify, user)
 CLSDF_PASS(clFlush, (cl_command_queue queue), queue)
-CLSDF_PASS(clEnqueueMarkerWithWaitList,
-           (cl_command_queue queue, cl_uint waits, const cl_event* wait_list, cl_event* event), queue, waits, wait_list,
-           event)
-CLSDF_PASS(clEnqueueBarrierWithWaitList,
-           (cl_command_queue queue, cl_uint waits, const cl_event* wait_list, cl_event* event), queue, waits, wait_list,
-           event)
+CLSDF_PASS_COMMAND(clEnqueueMarkerWithWaitList)
+CLSDF_PASS_COMMAND(clEnqueueBarrierWithWaitList)
 
 cl_int clBuildProgram(cl_program program, cl_uint count_of_devices, const cl_device_id* devices, const char* options,
                       void(CL_CALLBACK* notify)(cl_program, void*), void* user) {
@@ -129,6 +134,7 @@ cl_int clFinish(cl_command_queue queue) {
     const InCall in_call;
     if (const cl_int code = begin("clFinish")) return code;
     count_wait();
+    end_failing(queue);
     return CLSDF_NEXT(clFinish)(queue);
 }
 
@@ -139,6 +145,7 @@ cl_int clWaitForEvents(cl_uint events, const cl_event* list) {
         count([](Counts& counts) { ++counts.pinned_reads; });
     else
         count_wait();
+    end_failing(events, list);
     return CLSDF_NEXT(clWaitForEvents)(events, list);
 }
 
@@ -151,6 +158,7 @@ cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocki
     count_command();
     count_down(bytes);
     note_transfer(target, bytes);
+    if (is_failing(queue, waits, wait_list)) return fail_command(queue, blocking != CL_FALSE, event);
     const cl_int code =
         CLSDF_NEXT(clEnqueueReadBuffer)(queue, buffer, blocking, offset, bytes, target, waits, wait_list, event);
     if (code == CL_SUCCESS && event != nullptr) note_read(*event, target, bytes);
@@ -167,6 +175,7 @@ cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool block
     count_command();
     count_up(bytes);
     note_transfer(source, bytes);
+    if (is_failing(queue, waits, wait_list)) return fail_command(queue, blocking != CL_FALSE, event);
     return CLSDF_NEXT(clEnqueueWriteBuffer)(queue, buffer, blocking, offset, bytes, source, waits, wait_list, event);
 }
 
@@ -178,6 +187,7 @@ cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void* pa
     if (const cl_int code = use(buffer)) return code;
     count_command();
     count([](Counts& counts) { ++counts.fills; });
+    if (is_failing(queue, waits, wait_list)) return fail_command(queue, false, event);
     return CLSDF_NEXT(clEnqueueFillBuffer)(queue, buffer, pattern, pattern_bytes, offset, bytes, waits, wait_list,
                                            event);
 }
@@ -191,6 +201,7 @@ cl_int clEnqueueCopyBuffer(cl_command_queue queue, cl_mem from, cl_mem to, std::
         if (const cl_int code = use(buffer)) return code;
     count_command();
     count([](Counts& counts) { ++counts.copies; });
+    if (is_failing(queue, waits, wait_list)) return fail_command(queue, false, event);
     return CLSDF_NEXT(clEnqueueCopyBuffer)(queue, from, to, from_offset, to_offset, bytes, waits, wait_list, event);
 }
 
@@ -198,14 +209,21 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
                               const std::size_t* items, const std::size_t* group, cl_uint waits,
                               const cl_event* wait_list, cl_event* event) {
     const InCall in_call;
-    if (const cl_int code = begin("clEnqueueNDRangeKernel")) return code;
+    cl_int status = CL_SUCCESS;  // of the kernel
+    if (const cl_int code = begin("clEnqueueNDRangeKernel", &status)) return code;
     if (is_gpu()) {
         if (group != nullptr && product(dimensions, group) > largest_group) return CL_INVALID_WORK_GROUP_SIZE;
         if (has_too_many_groups(dimensions, items, group) || product(dimensions, items) > most_items)
             return CL_INVALID_VALUE;
         if (const cl_int code = use_arguments(kernel)) return code;
     }
-    count_launch(name_of(kernel), product(dimensions, items));
+    const std::string name = name_of(kernel);
+    count_launch(name, product(dimensions, items));
+    if (status != CL_SUCCESS) {
+        count([&](Counts& counts) { counts.failed = name; });
+        return fail_kernel(queue, status, event);
+    }
+    if (is_failing(queue, waits, wait_list)) return fail_command(queue, false, event);
     return CLSDF_NEXT(clEnqueueNDRangeKernel)(queue, kernel, dimensions, offsets, items, group, waits, wait_list,
                                               event);
 }

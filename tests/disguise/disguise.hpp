@@ -17,7 +17,7 @@
 ///   CLSDF_DISGUISE_EXTERNAL=memory, memory+semaphores or memory+unshared-semaphores   as Settings::external_memory,
 ///                                 external_semaphores and unshared_semaphores
 ///   CLSDF_DISGUISE_COUNTS=FILE    each process appends its counts to the file when it ends, a line of JSON
-///   CLSDF_DISGUISE_FAULT=[CALL:]NUMBER[+]   as Fault; + for `onwards`
+///   CLSDF_DISGUISE_FAULT=[CALL:]NUMBER[+]   as Fault; + for `onwards`; CALL is `kernel` for in_kernel
 ///   CLSDF_DISGUISE_CODE=CODE      as Fault::code
 namespace clsdf::disguise {
 
@@ -59,6 +59,7 @@ struct Fault {
     std::uint64_t number = 0;  ///< 0: none fails
     int code = -5;             ///< CL_OUT_OF_RESOURCES
     bool onwards = false;      ///< and all of these calls after it
+    bool in_kernel = false;    ///< the call, clEnqueueNDRangeKernel, succeeds, and its kernel fails: see failing.hpp
 };
 
 struct KernelCounts {
@@ -85,7 +86,7 @@ struct Counts {
     std::uint64_t allocated_bytes = 0;
     std::uint64_t programs_built = 0;
     std::uint64_t host_ns = 0;  ///< see time_host()
-    std::string failed;         ///< the first call that failed on purpose; empty: none
+    std::string failed;         ///< the first call, or the kernel, that failed on purpose; empty: none
 };
 
 /// The counts since restart().

@@ -2,6 +2,7 @@
 #include "disguise/gpu.hpp"
 
 #include "disguise/external.hpp"
+#include "disguise/failing.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -287,6 +288,13 @@ void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking
     if (const cl_int code = use(buffer)) return refused(code, error);
     count_command();
     if (blocking != CL_FALSE) count_wait();
+    if (is_failing(queue, waits, wait_list)) {  // the host sees what the buffer holds
+        if (const cl_int code = fail_command(queue, blocking != CL_FALSE, event)) return refused(code, error);
+        blocking = CL_TRUE;
+        waits = 0;
+        wait_list = nullptr;
+        event = nullptr;
+    }
     if (is_gpu())
         return map_on_gpu(queue, buffer, blocking != CL_FALSE, flags, offset, bytes, waits, wait_list, event, error);
     return CLSDF_NEXT(clEnqueueMapBuffer)(queue, buffer, blocking, flags, offset, bytes, waits, wait_list, event,
@@ -298,6 +306,12 @@ cl_int clEnqueueUnmapMemObject(cl_command_queue queue, cl_mem buffer, void* mapp
     const InCall in_call;
     if (const cl_int code = begin("clEnqueueUnmapMemObject")) return code;
     count_command();
+    if (is_failing(queue, waits, wait_list)) {
+        if (const cl_int code = fail_command(queue, false, event)) return code;
+        waits = 0;
+        wait_list = nullptr;
+        event = nullptr;
+    }
     if (is_gpu()) return unmap_on_gpu(queue, buffer, mapped, waits, wait_list, event);
     return CLSDF_NEXT(clEnqueueUnmapMemObject)(queue, buffer, mapped, waits, wait_list, event);
 }

@@ -21,7 +21,7 @@ std::string variable(const char* name) {
     return value == nullptr ? "" : value;
 }
 
-/// [CALL:]NUMBER[+]
+/// [CALL:]NUMBER[+] or kernel:NUMBER
 Fault fault_of_environment() {
     Fault fault;
     std::string text = variable("CLSDF_DISGUISE_FAULT");
@@ -32,6 +32,8 @@ Fault fault_of_environment() {
     }
     const std::size_t colon = text.find(':');
     if (colon != std::string::npos) fault.call = text.substr(0, colon);
+    fault.in_kernel = fault.call == "kernel";
+    if (fault.in_kernel) fault.call = "clEnqueueNDRangeKernel";
     fault.number = std::strtoull(text.c_str() + (colon == std::string::npos ? 0 : colon + 1), nullptr, 10);
     if (const std::string code = variable("CLSDF_DISGUISE_CODE"); !code.empty()) fault.code = std::stoi(code);
     return fault;
@@ -131,7 +133,7 @@ Record& record() {
     return *only;
 }
 
-cl_int begin(const char* call) {
+cl_int begin(const char* call, cl_int* status) {
     Record& all = record();
     const std::scoped_lock lock(all.mutex);
     const std::uint64_t of_name = ++all.counts.calls[call];
@@ -140,6 +142,10 @@ cl_int begin(const char* call) {
     if (fault.number == 0 || (!fault.call.empty() && fault.call != call)) return CL_SUCCESS;
     const std::uint64_t number = fault.call.empty() ? of_all : of_name;
     if (number != fault.number && !(fault.onwards && number > fault.number)) return CL_SUCCESS;
+    if (fault.in_kernel) {
+        if (status != nullptr) *status = fault.code;
+        return CL_SUCCESS;
+    }
     if (all.counts.failed.empty()) all.counts.failed = call;
     return fault.code;
 }

@@ -43,8 +43,9 @@ public:
     ~InCall();
 };
 
-/// Counts a call. Returns the code that it is to fail with, or CL_SUCCESS.
-cl_int begin(const char* call);
+/// Counts a call. Returns the code that it is to fail with, or CL_SUCCESS. status: that of its kernel, if this is to
+/// fail in its place.
+cl_int begin(const char* call, cl_int* status = nullptr);
 
 /// change(counts), one thread at a time.
 template <class Change>

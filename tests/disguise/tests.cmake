@@ -2,7 +2,7 @@
 # counts of what is asked of the driver, and calls that fail on purpose.
 add_library(clsdf_disguise SHARED ${CMAKE_CURRENT_LIST_DIR}/record.cpp ${CMAKE_CURRENT_LIST_DIR}/gpu.cpp
                                   ${CMAKE_CURRENT_LIST_DIR}/memory.cpp ${CMAKE_CURRENT_LIST_DIR}/calls.cpp
-                                  ${CMAKE_CURRENT_LIST_DIR}/external.cpp)
+                                  ${CMAKE_CURRENT_LIST_DIR}/failing.cpp ${CMAKE_CURRENT_LIST_DIR}/external.cpp)
 target_include_directories(clsdf_disguise PUBLIC ${PROJECT_SOURCE_DIR}/tests)
 target_link_libraries(clsdf_disguise PRIVATE clsdf_warnings nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS})
 

@@ -1,7 +1,7 @@
 #include "frusta/device_faces.hpp"
 
 #include "core/parallel.hpp"
-#include "frusta/device_topology.hpp"
+#include "device/read_back.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 
@@ -59,8 +59,8 @@ Frusta DeviceFaces::read(const DeviceSetUp& set_up) const {
     frusta.positions = UninitializedVector<Vec3>(names->vertex_count);
     frusta.slopes = UninitializedVector<FaceSlopes>(names->face_count);
     set_up.tools.context.run_or_drain([&] {
-        read_values(set_up, **positions, frusta.positions);
-        read_values(set_up, *slopes, frusta.slopes);
+        device::read_values(set_up.tools.context, **positions, frusta.positions);
+        device::read_values(set_up.tools.context, *slopes, frusta.slopes);
     });
     return frusta;
 }

@@ -1,6 +1,7 @@
 #include "frusta/device_topology.hpp"
 
 #include "core/parallel.hpp"
+#include "device/read_back.hpp"
 #include "frusta/kernel_topology.hpp"
 #include "launch/commands.hpp"
 #include "launch/programs.hpp"
@@ -74,7 +75,7 @@ public:
         order_corners();
         pair_edges();
         sum_volumes();
-        made_.results = read_value<TopologyResults>(tools_, *zeros_);
+        made_.results = device::read_value<TopologyResults>(tools_.context, *zeros_);
         if (made_.results.is_refused != 0) return std::nullopt;
         made_.given_vertices = vertices_;
         if (is_copied_)
@@ -213,8 +214,8 @@ DeviceTriples device_triples(const InputArray& array) {
 MeshArrays DeviceMesh::read(const DeviceSetUp& job) const {
     MeshArrays arrays{std::vector<Vec3>(vertex_count), std::vector<Triangle>(face_count)};
     job.tools.context.run_or_drain([&] {
-        read_values(job, *vertices, arrays.vertices);
-        read_values(job, *triangles, arrays.triangles);
+        device::read_values(job.tools.context, *vertices, arrays.vertices);
+        device::read_values(job.tools.context, *triangles, arrays.triangles);
     });
     return arrays;
 }
@@ -229,7 +230,7 @@ Box MadeTopology::box() const {
 
 std::vector<std::uint32_t> EqualVertices::read(const DeviceSetUp& job) const {
     std::vector<std::uint32_t> numbers(count);
-    job.tools.context.run_or_drain([&] { read_values(job, *first, numbers); });
+    job.tools.context.run_or_drain([&] { device::read_values(job.tools.context, *first, numbers); });
     for (std::uint32_t& number : numbers) number &= ~CLSDF_IN_USE;
     return numbers;
 }
@@ -243,12 +244,12 @@ MeshTopology DeviceTopology::read(const DeviceSetUp& job, std::span<const std::u
     PairedEdges pairs;
     pairs.faces = UninitializedVector<FaceEdges>(face_count());
     job.tools.context.run_or_drain([&] {
-        read_values(job, *order, of_faces);
-        read_values(job, *names->triangles, faces.triangles);
-        read_values(job, *vertices, faces.vertices);
-        read_values(job, *starts, of_vertices);
-        read_values(job, *corners, of_corners);
-        read_values(job, *edges, pairs.faces);
+        device::read_values(job.tools.context, *order, of_faces);
+        device::read_values(job.tools.context, *names->triangles, faces.triangles);
+        device::read_values(job.tools.context, *vertices, faces.vertices);
+        device::read_values(job.tools.context, *starts, of_vertices);
+        device::read_values(job.tools.context, *corners, of_corners);
+        device::read_values(job.tools.context, *edges, pairs.faces);
     });
     if (!numbers.empty())
         for (std::uint32_t& vertex : faces.vertices) vertex = numbers[vertex];
@@ -301,7 +302,7 @@ MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topolo
         launch(tools.queue(), move, {groups * group, group}, static_cast<cl_uint>(count), *topology.vertices,
                positions.steps, positions.memory, *moved.positions, *boxes, *results);
         launch(tools.queue(), join, {1, group}, static_cast<cl_uint>(groups), *boxes, *results);
-        const auto found = read_value<TopologyResults>(tools, *results);
+        const auto found = device::read_value<TopologyResults>(tools.context, *results);
         moved.are_usable = found.is_refused == 0;
         moved.box = box_of(found);
         return moved;
@@ -339,7 +340,7 @@ std::vector<Box> cluster_boxes(const DeviceSetUp& job, const DeviceFaces& faces)
         device::LentKernel kernel = tools.kernel(tools.programs.mesh_topology, "cluster_boxes");
         launch(tools.queue(), kernel, {count * group, group}, static_cast<cl_uint>(faces.names->face_count),
                *faces.names->triangles, **faces.positions, *boxes);
-        read_values(job, *boxes, result);
+        device::read_values(job.tools.context, *boxes, result);
     });
     return result;
 }

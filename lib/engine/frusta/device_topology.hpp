@@ -4,7 +4,6 @@
 #include <clsdf/mesh.hpp>
 
 #include "device/buffer_pool.hpp"
-#include "device/read_back.hpp"
 #include "frusta/device_faces.hpp"
 #include "frusta/topology.hpp"
 #include "homes/homed.hpp"
@@ -91,24 +90,6 @@ struct MadeTopology {
     bool encloses_negative_volume() const;
     Box box() const;
 };
-
-/// Reads a value from the beginning of a buffer. Waits. Throws cl::Error, also if a kernel has failed.
-template <class Value>
-Value read_value(const DeviceTools& tools, const cl::Buffer& buffer) {
-    device::ReadBack<Value> read(tools.context);
-    cl::Event is_read;  // a blocking read by PoCL does not fail if a kernel has
-    read.enqueue(tools.queue(), buffer, 0, &is_read);
-    is_read.wait();
-    read.end();
-    return read.value();
-}
-
-/// Reads all values of an array from the device. Waits. Throws cl::Error.
-template <class Values>
-void read_values(const DeviceSetUp& job, const cl::Buffer& from, Values& to) {
-    job.tools.context.read(job.tools.queue(), from, 0, to.size() * sizeof(to[0]),
-                           reinterpret_cast<std::byte*>(to.data()));
-}
 
 /// The topology of a mesh by kernels; nothing if the mesh is beyond their limits. Waits once. Throws
 /// Error(out_of_memory or device_failure).

@@ -1,6 +1,7 @@
 #include "frusta/homed_mesh.hpp"
 
 #include "core/parallel.hpp"
+#include "device/read_back.hpp"
 #include "frusta/host_part.hpp"
 #include "mesh/moved_mesh.hpp"
 #include "mesh/topology.hpp"
@@ -24,7 +25,7 @@ Mesh read_positions(const DeviceSetUp& set_up, const Lease& positions, const Mes
     set_up.tools.context.begin_call();
     const UninitializedVector<std::uint32_t>& used = topology.faces.vertices;
     UninitializedVector<Vec3> ordered(used.size());
-    set_up.tools.context.run_or_drain([&] { read_values(set_up, *positions, ordered); });
+    set_up.tools.context.run_or_drain([&] { device::read_values(set_up.tools.context, *positions, ordered); });
     std::vector<Vec3> result = first.vertices();
     for_each_index(used.size(), [&](std::size_t i) { result[used[i]] = ordered[i]; });
     return moved(first, std::move(result), box);

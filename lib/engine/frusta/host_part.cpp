@@ -127,7 +127,7 @@ std::optional<HostPart> host_part(const DeviceSetUp& job, const DeviceTopology& 
     const ListCounts& found = counts.value();
     if (found.is_refused != 0) return std::nullopt;
     std::vector<ListedFace> longer(found.near > short_list ? found.near : 0);
-    if (!longer.empty()) read_values(job, *near, longer);
+    if (!longer.empty()) device::read_values(job.tools.context, *near, longer);
     const std::span<const ListedFace> listed = longer.empty() ? first.values().first(found.near) : longer;
     HostPart part = part_of(listed, faces, vertices);
     part.left.saddles_elsewhere = found.saddles;

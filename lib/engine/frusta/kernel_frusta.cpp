@@ -3,6 +3,7 @@
 
 #include "core/parallel.hpp"
 #include "device/in_flight.hpp"
+#include "device/read_back.hpp"
 #include "frusta/gaps.hpp"
 #include "frusta/host_part.hpp"
 #include "launch/programs.hpp"
@@ -80,7 +81,7 @@ public:
             const MeshTopology& whole = *homed.on_host();
             frusta_->positions = UninitializedVector<Vec3>(topology.vertex_count());
             frusta_->slopes.resize(count_);
-            read_values(job_, **faces_.positions, frusta_->positions);
+            device::read_values(job_.tools.context, **faces_.positions, frusta_->positions);
             complete(whole, [&](const Answers& answers) {
                 return left_by_answers(whole, answers.of_faces, answers.of_vertices);
             });

@@ -54,4 +54,22 @@ private:
     bool is_under_way_ = false;
 };
 
+/// Reads a value from byte `begin` of a buffer, behind all commands in the context's queue. Waits. Throws cl::Error,
+/// also if a kernel has failed.
+template <class Value>
+Value read_value(const Context& context, const cl::Buffer& from, std::size_t begin = 0) {
+    ReadBack<Value> read(context);
+    cl::Event is_read;  // a blocking read by PoCL does not fail if a kernel has
+    read.enqueue(context.queue(), from, begin, &is_read);
+    is_read.wait();
+    read.end();
+    return read.value();
+}
+
+/// The same for all values of an array.
+template <class Values>
+void read_values(const Context& context, const cl::Buffer& from, Values& to, std::size_t begin = 0) {
+    context.read(context.queue(), from, begin, to.size() * sizeof(to[0]), reinterpret_cast<std::byte*>(to.data()));
+}
+
 }  // namespace clsdf::device
