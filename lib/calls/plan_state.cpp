@@ -71,39 +71,40 @@ void PlanState::add(const Slab& slab, std::unique_ptr<engine::GridPlan> plan,
     }
     device::Context& context = device::context_of(device);
     const cl::Program program = programs.store.get();
-    PerOutput<std::vector<Place>> all_places = places_of(planned, targets);
+    PerOutput<std::vector<targets::TargetBox>> all_places = places_of(planned, targets);
     for_each_output(
         [&](const OutputInfo& row, const targets::HostArray& array, const device::BufferPool::Lease& lease,
-            std::vector<Place>& places, std::optional<BoxStore>& store, cl::Buffer& buffer) {
+            std::vector<targets::TargetBox>& places, std::optional<targets::BoxStore>& store, cl::Buffer& buffer) {
             if (!array.is_wanted) return;
             buffer = *lease;
             if (array.in_double) planned.buffers.in_double |= bit_of(row);
-            const StoredElements elements{row.components, sample_bytes(row, array.in_double) / row.components};
+            const targets::StoredElements elements{row.components, sample_bytes(row, array.in_double) / row.components};
             if (!places.empty()) store.emplace(context, program, slab.grid, elements, *lease, std::move(places));
         },
         slab.batch->arrays, samples_, all_places, planned.stores, planned.buffers);
     planned_.push_back(std::move(planned));
 }
 
-PerOutput<std::vector<Place>> PlanState::places_of(const PlannedSlab& planned,
-                                                   std::span<const targets::DeviceTargets> targets) const {
-    PerOutput<std::vector<Place>> all_places;
+PerOutput<std::vector<targets::TargetBox>> PlanState::places_of(const PlannedSlab& planned,
+                                                                std::span<const targets::DeviceTargets> targets) const {
+    PerOutput<std::vector<targets::TargetBox>> all_places;
     const Batch& batch = *planned.slab.batch;
     for (const std::size_t n : batch.requests)
         for_each_output(
             [&](const OutputInfo&, const OutputArray& target, const targets::HostArray& array,
-                std::vector<Place>& places) {
+                std::vector<targets::TargetBox>& places) {
                 if (!array.is_wanted) return;
-                if (const auto box = stored_box(planned.slab.grid, requests[n].grid, target))
+                if (const auto box = targets::stored_box(planned.slab.grid, requests[n].grid, target))
                     places.push_back({target.device, *box});
             },
             targets[n].targets, batch.arrays, all_places);
     // A launch stores what goes to one buffer: the buffers in the order of the requests.
     for_each_output(
-        [](const OutputInfo&, std::vector<Place>& places) {
+        [](const OutputInfo&, std::vector<targets::TargetBox>& places) {
             std::map<cl_mem, std::size_t> numbers;
-            for (const Place& place : places) numbers.emplace(place.memory, numbers.size());
-            std::ranges::stable_sort(places, {}, [&](const Place& place) { return numbers.at(place.memory); });
+            for (const targets::TargetBox& place : places) numbers.emplace(place.memory, numbers.size());
+            std::ranges::stable_sort(places, {},
+                                     [&](const targets::TargetBox& place) { return numbers.at(place.memory); });
         },
         all_places);
     return all_places;
@@ -187,9 +188,9 @@ std::size_t PlanState::own_bytes(const engine::KeptMesh& kept_mesh) const {
         if (inputs.sweep_mesh == counted.sweep_mesh) inputs.sweep_mesh = nullptr;
         bytes += engine::bytes_beside(kept_mesh, inputs);
         counted = planned.plan->inputs;
-        for_each_output(
-            [&](const OutputInfo&, const std::optional<BoxStore>& store) { bytes += store ? store->bytes() : 0; },
-            planned.stores);
+        for_each_output([&](const OutputInfo&,
+                            const std::optional<targets::BoxStore>& store) { bytes += store ? store->bytes() : 0; },
+                        planned.stores);
     }
     return bytes;
 }
@@ -197,10 +198,10 @@ std::size_t PlanState::own_bytes(const engine::KeptMesh& kept_mesh) const {
 void PlanState::enqueue_stores(PlannedSlab& planned, engine::CommandChain& chain,
                                std::span<const targets::DeviceTargets> targets) const {
     if (is_in_place(planned.slab)) return;
-    PerOutput<std::vector<Place>> all_places;
+    PerOutput<std::vector<targets::TargetBox>> all_places;
     if (!targets.empty()) all_places = places_of(planned, targets);
     for_each_output(
-        [&](const OutputInfo&, std::optional<BoxStore>& store, const std::vector<Place>& places) {
+        [&](const OutputInfo&, std::optional<targets::BoxStore>& store, const std::vector<targets::TargetBox>& places) {
             if (store) store->enqueue(chain, places);
         },
         planned.stores, all_places);

@@ -4,9 +4,9 @@
 
 #include "calls/requests.hpp"
 #include "calls/runs.hpp"
-#include "calls/stored_boxes.hpp"
 #include "core/outputs.hpp"
 #include "plan/grid_plan.hpp"
+#include "targets/stored_boxes.hpp"
 
 #include <memory>
 #include <optional>
@@ -72,11 +72,11 @@ private:
         std::unique_ptr<engine::GridPlan> plan;
         targets::TargetArrays like;       ///< of the first request: all have the same types
         engine::OutputBuffers buffers{};  ///< that the samples are computed in
-        PerOutput<std::optional<BoxStore>> stores{};
+        PerOutput<std::optional<targets::BoxStore>> stores{};
     };
     /// The places of a slab's samples in the targets of its requests.
-    PerOutput<std::vector<Place>> places_of(const PlannedSlab& planned,
-                                            std::span<const targets::DeviceTargets> targets) const;
+    PerOutput<std::vector<targets::TargetBox>> places_of(const PlannedSlab& planned,
+                                                         std::span<const targets::DeviceTargets> targets) const;
     /// Throws if the slab cannot write to the target of one of its requests.
     void check(const PlannedSlab& planned, const targets::DeviceTargets& target) const;
     void enqueue_stores(PlannedSlab& planned, engine::CommandChain& chain,

@@ -1,5 +1,5 @@
 #include "calls/slab_plans.hpp"
-#include "calls/stored_boxes.hpp"
+#include "checks/known_targets.hpp"
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
@@ -78,7 +78,7 @@ void DistanceTransform::State::plan(calls::PlanState& made, std::span<const engi
     calls::RunningCall running{call};
     running.throw_if_stopped();
     made.divide(jobs, targets, kept_mesh->box());
-    if (made.has_copies()) test(calls::stored_boxes_subject(device, programs), running);
+    if (made.has_copies()) test(checks::stored_boxes_subject(device, programs), running);
     for (const calls::Batch& batch : made.batches()) compile(batch.job, running);
     made.sign = sign;
     bool is_retry = false;

@@ -40,8 +40,8 @@ void refuse_overlap(std::span<const WrittenBytes> written) {
 }
 
 /// Checks a range of so many bytes of the caller's memory. name: begins a sentence.
-OrderedTargets::Place place_of(const device::Context& context, const DeviceRange& range, std::size_t bytes,
-                               const std::string& name, std::vector<WrittenBytes>& written) {
+targets::OrderedTargets::Place place_of(const device::Context& context, const DeviceRange& range, std::size_t bytes,
+                                        const std::string& name, std::vector<WrittenBytes>& written) {
     if (bytes == 0) return {};
     if (range.memory == nullptr)
         throw Error(ErrorCode::invalid_argument,
@@ -90,7 +90,7 @@ void SparsePlanState::make_room() {
 }
 
 void SparsePlanState::add(std::unique_ptr<engine::GridPlan> plan, const engine::Programs& programs) {
-    BrickOrder order({device::context_of(device), pool, programs}, plan->job.layout, plan->marks(), *listed_);
+    targets::BrickStore order({device::context_of(device), pool, programs}, plan->job.layout, plan->marks(), *listed_);
     planned_.push_back({std::move(plan), std::move(order)});
 }
 
@@ -125,10 +125,10 @@ std::size_t SparsePlanState::own_bytes(const engine::KeptMesh& kept_mesh) const 
     return bytes;
 }
 
-OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& given) const {
+targets::OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& given) const {
     const device::Context& context = device::context_of(device);
     std::vector<WrittenBytes> written;
-    OrderedTargets to;
+    targets::OrderedTargets to;
     to.room = room;
     to.counts = place_of(context, given.counts, sizeof(DeviceSparseCounts), "the memory of the counts", written);
     to.bricks = place_of(context, given.bricks, room.bricks * sizeof(Index3), "the array of bricks", written);
@@ -137,7 +137,7 @@ OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& given) con
         const targets::DeviceTargets checked(given.values, targets::row_of(room.bricks * brick_samples), context);
         for_each_output(
             [&](const OutputInfo& row, const targets::HostArray& expected, const targets::HostArray& array,
-                const OutputArray& target, OrderedTargets::Place& place) {
+                const OutputArray& target, targets::OrderedTargets::Place& place) {
                 if (array.is_wanted != expected.is_wanted)
                     throw Error(ErrorCode::invalid_argument,
                                 expected.is_wanted
@@ -172,7 +172,7 @@ OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& given) con
 }
 
 cl::Event SparsePlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
-                                   const OrderedTargets& targets) {
+                                   const targets::OrderedTargets& targets) {
     device::Context& context = device::context_of(device);
     if (queue() == context.queue()() && !before.empty()) context.add_waiting_run();
     engine::CommandChain& chain = runs_.begin(queue, std::move(before));

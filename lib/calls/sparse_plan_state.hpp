@@ -2,10 +2,10 @@
 
 #include <clsdf/sparse_plan.hpp>
 
-#include "calls/ordered_bricks.hpp"
 #include "calls/requests.hpp"
 #include "calls/runs.hpp"
 #include "plan/grid_plan.hpp"
+#include "targets/ordered_bricks.hpp"
 
 #include <memory>
 #include <optional>
@@ -36,8 +36,9 @@ struct SparsePlanState {
     void clear();
 
     /// Throws as SparsePlan::enqueue() does if a run cannot write to these.
-    OrderedTargets targets_of(const SparseDeviceTargets& given) const;
-    cl::Event enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before, const OrderedTargets& targets);
+    targets::OrderedTargets targets_of(const SparseDeviceTargets& given) const;
+    cl::Event enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
+                      const targets::OrderedTargets& targets);
 
     Device device;
     std::shared_ptr<device::BufferPool> pool;
@@ -50,13 +51,13 @@ struct SparsePlanState {
 private:
     struct PlannedSlab {
         std::unique_ptr<engine::GridPlan> plan;
-        BrickOrder order;
+        targets::BrickStore order;
     };
     std::size_t own_bytes(const engine::KeptMesh& kept_mesh) const;
 
     std::optional<Batch> batch_;
     std::vector<Slab> slabs_;
-    std::optional<ListedBricks> listed_;
+    std::optional<targets::ListedBricks> listed_;
     std::vector<PlannedSlab> planned_;
     Runs runs_;
 };

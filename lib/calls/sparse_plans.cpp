@@ -1,5 +1,6 @@
 #include "calls/slab_plans.hpp"
 #include "calls/sparse_plan_state.hpp"
+#include "checks/known_targets.hpp"
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "targets/mapped_memory.hpp"
@@ -48,7 +49,7 @@ void DistanceTransform::State::plan(calls::SparsePlanState& made, const engine::
     made.divide(job);
     compile(job, running,
             {checks::field_subject(*this, job, checks::FieldKernels::of_sparse_fields),
-             calls::ordered_bricks_subject(device, programs)});
+             checks::ordered_bricks_subject(device, programs)});
     made.sign = sign;
     const auto make = [&] {
         made.clear();
@@ -99,7 +100,7 @@ void SparsePlan::enqueue(cl_command_queue queue, const SparseDeviceTargets& targ
     with_host_memory("for a run of the plan", [&] {
         device::guarded([&] {
             const device::Context& context = device::context_of(state.device);
-            const calls::OrderedTargets to = state.targets_of(targets);
+            const targets::OrderedTargets to = state.targets_of(targets);
             const cl::Event last =
                 state.enqueue(targets::queue_of(context, queue), targets::events_of(context, wait_list), to);
             if (done == nullptr) return;
