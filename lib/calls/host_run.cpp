@@ -15,9 +15,9 @@ namespace clsdf {
 
 namespace {
 
-using calls::Batch;
-using calls::Slab;
 using engine::Job;
+using plans::Batch;
+using plans::Slab;
 
 /// The bytes of samples that are worth two or three more launches, so that a half of them is read while the other is
 /// computed.
@@ -143,7 +143,7 @@ public:
           batches_(batches),
           requests_(requests),
           store_(store),
-          slabs_(calls::slabs_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
+          slabs_(plans::slabs_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
           running_{call},
           plans_(state, state.pool, false, running_),
           pipeline_(state.context(), overlap && slabs_.size() > 1),
@@ -300,9 +300,9 @@ CallStatistics DistanceTransform::State::compute_slabs(const engine::Job& job, c
 CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request> requests, const CallOptions& call) {
     targets::wait_for(context(), call.wait_list);
     std::vector<engine::Job> jobs;
-    const auto targets = calls::targets_of(requests, host_targets(jobs, call.count_work));
+    const auto targets = plans::targets_of(requests, host_targets(jobs, call.count_work));
     const std::vector<Batch> batches =
-        calls::batches_of(std::span<const engine::Job>(jobs), std::span(targets), kept_mesh->box());
+        plans::batches_of(std::span<const engine::Job>(jobs), std::span(targets), kept_mesh->box());
     const HostRun::Store store = [&](const Slab& slab, const Gathering& gathered, const targets::HostArrays& values) {
         const std::vector<std::size_t>& chosen = slab.batch->requests;
         gathered.for_each_box([&](std::size_t n, const Grid& box, std::size_t start) {

@@ -39,7 +39,7 @@ set(folders foundations/core foundations/device)
 foreach(stage launch mesh lattice frusta tree lists sign finish bricks plan)
   list(APPEND folders engine/${stage})
 endforeach()
-list(APPEND folders targets points checks calls)
+list(APPEND folders targets points checks plans calls)
 
 # What is in lib, and the folders beside the core.
 file(GLOB all RELATIVE ${SOURCE}/lib LIST_DIRECTORIES true ${SOURCE}/lib/* ${SOURCE}/lib/foundations/* ${SOURCE}/lib/engine/*)
@@ -73,12 +73,12 @@ set(known ${folders} foundations engine io papers picture reference tools ${all_
 list(TRANSFORM known REPLACE ".*/" "")
 list(APPEND known ${public_headers})
 
-# The face of the top layer, and what stands beside the core.
-set(face clsdf/distance_transform.hpp clsdf/plan.hpp clsdf/sparse_plan.hpp
-    clsdf/clsdf.hpp)
+# The faces of the top layers, and what stands beside the core.
+set(face_of_plans clsdf/plan.hpp clsdf/point_plan.hpp clsdf/sparse_plan.hpp)
+set(face clsdf/distance_transform.hpp clsdf/clsdf.hpp)
 set(beside clsdf/io.hpp clsdf/mesh_files.hpp clsdf/openvdb.hpp clsdf/papers.hpp clsdf/picture.hpp clsdf/reference.hpp)
 set(allowed ${public_headers})
-list(REMOVE_ITEM allowed ${face} ${beside})
+list(REMOVE_ITEM allowed ${face_of_plans} ${face} ${beside})
 set(public_of_core ${allowed})
 
 allow_kernels(common)
@@ -88,16 +88,20 @@ foreach(folder ${folders})
   if(name IN_LIST kernel_folders)
     allow_kernels(${name})
   endif()
-  if(name STREQUAL calls)
+  if(name STREQUAL plans)
+    list(APPEND allowed ${face_of_plans})
+  elseif(name STREQUAL calls)
     list(APPEND allowed ${face})
   endif()
   check_folder(${SOURCE}/lib/${folder})
 endforeach()
 
-# The engine's face: calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid, and
-# GridPlan, which plans and runs.
-set(allowed ${public_of_core} ${face} core device plan launch mesh targets points checks calls)
+# The engine's face: plans and calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid,
+# and GridPlan, which plans and runs.
+set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh targets points checks plans)
 allow_kernels(targets)
+check_folder(${SOURCE}/lib/plans)
+list(APPEND allowed ${face} calls)
 check_folder(${SOURCE}/lib/calls)
 
 # Tools for meshes, beside the core.

@@ -1,6 +1,5 @@
-#include "calls/plan_state.hpp"
+#include "plans/plan_state.hpp"
 
-#include "core/lifetime.hpp"
 #include "device/opencl.hpp"
 #include "launch/programs.hpp"
 
@@ -10,7 +9,7 @@
 #include <map>
 #include <utility>
 
-namespace clsdf::calls {
+namespace clsdf::plans {
 
 namespace {
 
@@ -21,30 +20,26 @@ bool is_in_place(const Slab& slab) {
 
 }  // namespace
 
-PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, bool is_own_pool)
-    : device(std::move(device_in)), has_own_pool(is_own_pool), pool(std::move(pool_in)) {}
-
-PlanState::~PlanState() {
-    if (runs_.wait() == CL_SUCCESS) return;
-    keep_for_good(samples_);
-    keep_for_good(planned_);
-}
-
 void PlanState::divide(std::span<const engine::Job> jobs, std::span<const targets::DeviceTargets> targets,
                        const Box& box) {
-    const device::Context::Capabilities& capabilities = device::context_of(device).capabilities();
+    const device::Context::Capabilities& capabilities = context().capabilities();
     const std::size_t largest = capabilities.largest_allocation;
-    batches_ = batches_of(jobs, targets, box);
-    slabs_ = slabs_of(batches_, engine::stream_limits_of(capabilities), {largest, largest, largest});
+    made_.batches = batches_of(jobs, targets, box);
+    made_.slabs = slabs_of(made_.batches, engine::stream_limits_of(capabilities), {largest, largest, largest});
 }
 
 bool PlanState::has_copies() const {
-    return !std::ranges::all_of(slabs_, is_in_place);
+    return !std::ranges::all_of(made_.slabs, is_in_place);
+}
+
+void PlanState::clear() {
+    made_.planned.clear();
+    made_.samples = {};
 }
 
 void PlanState::make_room() {
     PerOutput<std::size_t> most{};
-    for (const Slab& slab : slabs_) {
+    for (const Slab& slab : made_.slabs) {
         if (is_in_place(slab)) continue;
         for_each_output(
             [&](const OutputInfo& row, const targets::HostArray& array, std::size_t& bytes) {
@@ -57,7 +52,7 @@ void PlanState::make_room() {
         [&](const OutputInfo&, std::size_t bytes, device::BufferPool::Lease& lease) {
             if (bytes > 0) lease = pool->lease(bytes, "samples of a plan's slabs");
         },
-        most, samples_);
+        most, made_.samples);
 }
 
 void PlanState::add(const Slab& slab, std::unique_ptr<engine::GridPlan> plan,
@@ -66,10 +61,9 @@ void PlanState::add(const Slab& slab, std::unique_ptr<engine::GridPlan> plan,
     PlannedSlab planned{slab, std::move(plan), first.targets};
     if (is_in_place(slab)) {
         planned.buffers = *first.in_place;
-        planned_.push_back(std::move(planned));
+        made_.planned.push_back(std::move(planned));
         return;
     }
-    device::Context& context = device::context_of(device);
     const cl::Program program = programs.store.get();
     PerOutput<std::vector<targets::TargetBox>> all_places = places_of(planned, targets);
     for_each_output(
@@ -79,10 +73,10 @@ void PlanState::add(const Slab& slab, std::unique_ptr<engine::GridPlan> plan,
             buffer = *lease;
             if (array.in_double) planned.buffers.in_double |= bit_of(row);
             const targets::StoredElements elements{row.components, sample_bytes(row, array.in_double) / row.components};
-            if (!places.empty()) store.emplace(context, program, slab.grid, elements, *lease, std::move(places));
+            if (!places.empty()) store.emplace(context(), program, slab.grid, elements, *lease, std::move(places));
         },
-        slab.batch->arrays, samples_, all_places, planned.stores, planned.buffers);
-    planned_.push_back(std::move(planned));
+        slab.batch->arrays, made_.samples, all_places, planned.stores, planned.buffers);
+    made_.planned.push_back(std::move(planned));
 }
 
 PerOutput<std::vector<targets::TargetBox>> PlanState::places_of(const PlannedSlab& planned,
@@ -94,7 +88,7 @@ PerOutput<std::vector<targets::TargetBox>> PlanState::places_of(const PlannedSla
             [&](const OutputInfo&, const OutputArray& target, const targets::HostArray& array,
                 std::vector<targets::TargetBox>& places) {
                 if (!array.is_wanted) return;
-                if (const auto box = targets::stored_box(planned.slab.grid, requests[n].grid, target))
+                if (const auto box = targets::stored_box(planned.slab.grid, asked().requests[n].grid, target))
                     places.push_back({target.device, *box});
             },
             targets[n].targets, batch.arrays, all_places);
@@ -115,15 +109,7 @@ void PlanState::check(const PlannedSlab& planned, const targets::DeviceTargets& 
     for_each_output(
         [&](const OutputInfo& row, const targets::HostArray& expected, const targets::HostArray& given,
             const OutputArray& like, const OutputArray& other) {
-            if (given.is_wanted != expected.is_wanted)
-                throw Error(ErrorCode::invalid_argument,
-                            expected.is_wanted
-                                ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
-                                              "memory, or plan without",
-                                              row.name)
-                                : fmt::format("the output {0} has a target, and the plan was made without; "
-                                              "leave the target out, or make the plan with {0}",
-                                              row.name));
+            require_target(row, expected.is_wanted, given.is_wanted);
             // Distances in double are other work.
             const bool is_fixed = !in_place || row.output == Output::distance;
             if (is_fixed && other.type != like.type)
@@ -142,6 +128,7 @@ void PlanState::check(const PlannedSlab& planned, const targets::DeviceTargets& 
 }
 
 std::vector<targets::DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> given) const {
+    const std::vector<Request>& requests = asked().requests;
     if (given.size() != requests.size())
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("the plan has {} requests, and the targets of {} are given; give each request its "
@@ -149,87 +136,63 @@ std::vector<targets::DeviceTargets> PlanState::targets_of(std::span<const Output
                                 requests.size(), given.size()));
     std::vector<Request> others = requests;
     for (std::size_t n = 0; n < given.size(); ++n) others[n].targets = given[n];
-    auto targets = calls::targets_of(others, [&](const Request& request) {
-        return targets::DeviceTargets(request.targets, request.grid, device::context_of(device));
+    auto targets = plans::targets_of(others, [&](const Request& request) {
+        return targets::DeviceTargets(request.targets, request.grid, context());
     });
-    for (const PlannedSlab& planned : planned_)
+    for (const PlannedSlab& planned : made_.planned)
         for (const std::size_t n : planned.slab.batch->requests)
             for_request(n, requests.size(), [&] { check(planned, targets[n]); });
     return targets;
 }
 
-void PlanState::complete(const CallStatistics& call, const engine::KeptMesh& kept_mesh) {
-    statistics = call;
-    for (const PlannedSlab& planned : planned_) add_slab(statistics, planned.plan->statistics);
-    statistics.device_bytes = own_bytes(kept_mesh);
-    published = statistics.published();
-    is_whole = true;
-}
-
-void PlanState::clear() {
-    device::guarded([&] {
-        if (const cl_int code = runs_.wait(); code != CL_SUCCESS) throw cl::Error(code, "clWaitForEvents");
-    });
-    is_whole = false;
-    planned_.clear();
-    samples_ = {};
-    statistics = {};
-}
-
-std::size_t PlanState::own_bytes(const engine::KeptMesh& kept_mesh) const {
-    std::size_t bytes = 0;
-    for_each_output([&](const OutputInfo&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
-                    samples_);
-    engine::Inputs counted;  // the slabs of a batch follow one another, and share them
-    for (const PlannedSlab& planned : planned_) {
-        bytes += planned.plan->own_bytes();
-        engine::Inputs inputs = planned.plan->inputs;
-        if (inputs.records == counted.records) inputs.records = nullptr;
-        if (inputs.sweep_mesh == counted.sweep_mesh) inputs.sweep_mesh = nullptr;
-        bytes += engine::bytes_beside(kept_mesh, inputs);
-        counted = planned.plan->inputs;
-        for_each_output([&](const OutputInfo&,
-                            const std::optional<targets::BoxStore>& store) { bytes += store ? store->bytes() : 0; },
-                        planned.stores);
-    }
-    return bytes;
-}
-
-void PlanState::enqueue_stores(PlannedSlab& planned, engine::CommandChain& chain,
-                               std::span<const targets::DeviceTargets> targets) const {
-    if (is_in_place(planned.slab)) return;
-    PerOutput<std::vector<targets::TargetBox>> all_places;
-    if (!targets.empty()) all_places = places_of(planned, targets);
+const CallStatistics& PlanState::complete(const CallStatistics& call, const engine::KeptMesh& kept_mesh) {
+    statistics = with_slabs(call, made_.planned, kept_mesh);
     for_each_output(
-        [&](const OutputInfo&, std::optional<targets::BoxStore>& store, const std::vector<targets::TargetBox>& places) {
-            if (store) store->enqueue(chain, places);
-        },
-        planned.stores, all_places);
+        [&](const OutputInfo&, const device::BufferPool::Lease& lease) { statistics.device_bytes += lease.bytes(); },
+        made_.samples);
+    for (const PlannedSlab& planned : made_.planned)
+        for_each_output(
+            [&](const OutputInfo&, const std::optional<targets::BoxStore>& store) {
+                statistics.device_bytes += store ? store->bytes() : 0;
+            },
+            planned.stores);
+    return statistics;
 }
 
 void PlanState::read_counters() {
     for (const auto count : device_counts) statistics.*count = 0;
-    for (const PlannedSlab& planned : planned_) {
-        planned.plan->read_back(device::context_of(device).queue());
+    for (const PlannedSlab& planned : made_.planned) {
+        planned.plan->read_back(context().queue());
         for (const auto count : device_counts) statistics.*count += planned.plan->statistics.*count;
     }
 }
 
-cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
-                             std::span<const targets::DeviceTargets> targets) {
-    device::Context& context = device::context_of(device);
-    if (queue() == context.queue()() && !before.empty()) context.add_waiting_run();
-    engine::CommandChain& chain = runs_.begin(queue, std::move(before));
-    if (planned_.empty())
-        chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
-    for (PlannedSlab& planned : planned_) {
-        const bool has_other = is_in_place(planned.slab) && !targets.empty();
-        const std::size_t first = planned.slab.batch->requests.front();
-        planned.plan->enqueue(chain, has_other ? *targets[first].in_place : planned.buffers, {});
-        enqueue_stores(planned, chain, targets);
-    }
-    queue.flush();
-    return chain.last();
+void PlanState::enqueue(const RunOptions& options) {
+    run(options, [&](engine::CommandChain& chain) { enqueue_slabs(chain, {}); });
 }
 
-}  // namespace clsdf::calls
+void PlanState::enqueue(const RunOptions& options, std::span<const OutputTargets> given) {
+    const std::vector<targets::DeviceTargets> targets = targets_of(given);
+    run(options, [&](engine::CommandChain& chain) { enqueue_slabs(chain, targets); });
+}
+
+void PlanState::enqueue_slabs(engine::CommandChain& chain, std::span<const targets::DeviceTargets> targets) {
+    for (PlannedSlab& planned : made_.planned) {
+        if (is_in_place(planned.slab)) {
+            const std::size_t first = planned.slab.batch->requests.front();
+            planned.plan->enqueue(chain, targets.empty() ? planned.buffers : *targets[first].in_place, {});
+            continue;
+        }
+        planned.plan->enqueue(chain, planned.buffers, {});
+        PerOutput<std::vector<targets::TargetBox>> all_places;
+        if (!targets.empty()) all_places = places_of(planned, targets);
+        for_each_output(
+            [&](const OutputInfo&, std::optional<targets::BoxStore>& store,
+                const std::vector<targets::TargetBox>& places) {
+                if (store) store->enqueue(chain, places);
+            },
+            planned.stores, all_places);
+    }
+}
+
+}  // namespace clsdf::plans
