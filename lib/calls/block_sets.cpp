@@ -1,5 +1,5 @@
-#include "calls/requests.hpp"
 #include "calls/transform_state.hpp"
+#include "plans/requests.hpp"
 
 #include <fmt/format.h>
 
@@ -23,11 +23,11 @@ void DistanceTransform::State::check_all(const BlockSet& blocks) const {
     for (std::size_t begin = 0; begin < count; begin += at_once) {
         std::size_t n = begin;
         std::vector<engine::Job> jobs;
-        for (const Request& request : calls::requests_of(blocks, begin, std::min(begin + at_once, count))) {
+        for (const Request& request : plans::requests_of(blocks, begin, std::min(begin + at_once, count))) {
             if (on_device)
-                calls::targets_of(request, n, count, device_targets(jobs), written);
+                plans::targets_of(request, n, count, device_targets(jobs), written);
             else
-                calls::targets_of(request, n, count, host_targets(jobs), written);
+                plans::targets_of(request, n, count, host_targets(jobs), written);
             ++n;
         }
     }
@@ -43,7 +43,7 @@ CallStatistics DistanceTransform::State::compute(const BlockSet& blocks, const C
         const std::size_t end = std::min(begin + most_at_once, count);
         try {
             add_call(total,
-                     compute(calls::requests_of(blocks, begin, end), calls::part_of(call, share(begin), share(end))));
+                     compute(plans::requests_of(blocks, begin, end), calls::part_of(call, share(begin), share(end))));
         } catch (const Error& error) {
             if (count <= most_at_once || error.code() != ErrorCode::invalid_argument) throw;
             throw Error(error.code(), fmt::format("of the blocks {} to {}: {}", begin, end - 1, error.what()),

@@ -211,7 +211,7 @@ std::vector<SparseField> DistanceTransform::compute_sparse(std::span<const Spars
         std::vector<engine::Job> jobs;
         std::vector<SparseField> fields;
         for (const auto& [grid, band, outputs] : requests) {
-            jobs.push_back(calls::for_request(jobs.size(), requests.size(), [&] {
+            jobs.push_back(plans::for_request(jobs.size(), requests.size(), [&] {
                 return state.check_sparse(grid, band, targets::extras_of(outputs), call.count_work);
             }));
             static_cast<FieldDescription&>(fields.emplace_back()) = state.description_of(grid, band);

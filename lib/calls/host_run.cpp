@@ -1,9 +1,10 @@
 #include "calls/slab_plans.hpp"
-#include "calls/stored_boxes.hpp"
+#include "checks/known_targets.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
 #include "targets/slab_pipeline.hpp"
+#include "targets/stored_boxes.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -14,9 +15,9 @@ namespace clsdf {
 
 namespace {
 
-using calls::Batch;
-using calls::Slab;
 using engine::Job;
+using plans::Batch;
+using plans::Slab;
 
 /// The bytes of samples that are worth two or three more launches, so that a half of them is read while the other is
 /// computed.
@@ -84,17 +85,17 @@ public:
                 const cl::Buffer& gathered) {
                 if (!array.is_wanted) return;
                 const std::size_t bytes = sample_bytes(row, array.in_double);
-                std::vector<calls::Place> places;
+                std::vector<targets::TargetBox> places;
                 for_each_box([&](std::size_t, const Grid& box, std::size_t start) {
                     OutputArray packed;
                     packed.offset = start * bytes;
                     const auto sample = static_cast<std::ptrdiff_t>(bytes);
                     packed.strides = {sample, sample * box.size[0], sample * box.size[0] * box.size[1]};
                     packed.component_stride = sample / static_cast<std::ptrdiff_t>(row.components);
-                    places.push_back({gathered(), *calls::stored_box(slab, box, packed)});
+                    places.push_back({gathered(), *targets::stored_box(slab, box, packed)});
                 });
                 stores_.emplace_back(context, program, slab,
-                                     calls::StoredElements{row.components, bytes / row.components}, samples,
+                                     targets::StoredElements{row.components, bytes / row.components}, samples,
                                      std::move(places));
                 stores_.back().enqueue(chain);
             },
@@ -120,7 +121,7 @@ private:
     std::vector<std::optional<Grid>> boxes_;  // of each request of the batch
     std::vector<std::size_t> starts_;
     std::size_t samples_ = 0;
-    std::vector<calls::BoxStore> stores_;
+    std::vector<targets::BoxStore> stores_;
 };
 
 }  // namespace
@@ -142,7 +143,7 @@ public:
           batches_(batches),
           requests_(requests),
           store_(store),
-          slabs_(calls::slabs_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
+          slabs_(plans::slabs_of(batches, engine::stream_limits_of(capabilities()), engine::limits_of(capabilities()))),
           running_{call},
           plans_(state, state.pool, false, running_),
           pipeline_(state.context(), overlap && slabs_.size() > 1),
@@ -186,7 +187,7 @@ private:
         running_.throw_if_stopped();
         for (const Batch& batch : batches_) state_.compile(batch.job, running_);
         const bool may_gather = state_.context().capabilities().has_own_memory && requests_.size() > batches_.size();
-        if (may_gather) state_.test(calls::stored_boxes_subject(state_.device, state_.programs), running_);
+        if (may_gather) state_.test(checks::stored_boxes_subject(state_.device, state_.programs), running_);
         state_.pool->restart_peak();
     }
 
@@ -299,9 +300,9 @@ CallStatistics DistanceTransform::State::compute_slabs(const engine::Job& job, c
 CallStatistics DistanceTransform::State::compute_on_host(std::span<const Request> requests, const CallOptions& call) {
     targets::wait_for(context(), call.wait_list);
     std::vector<engine::Job> jobs;
-    const auto targets = calls::targets_of(requests, host_targets(jobs, call.count_work));
+    const auto targets = plans::targets_of(requests, host_targets(jobs, call.count_work));
     const std::vector<Batch> batches =
-        calls::batches_of(std::span<const engine::Job>(jobs), std::span(targets), kept_mesh->box());
+        plans::batches_of(std::span<const engine::Job>(jobs), std::span(targets), kept_mesh->box());
     const HostRun::Store store = [&](const Slab& slab, const Gathering& gathered, const targets::HostArrays& values) {
         const std::vector<std::size_t>& chosen = slab.batch->requests;
         gathered.for_each_box([&](std::size_t n, const Grid& box, std::size_t start) {

@@ -1,111 +1,51 @@
-#include "calls/slab_plans.hpp"
-#include "calls/stored_boxes.hpp"
+#include "calls/planning.hpp"
+#include "checks/known_targets.hpp"
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
+#include "plans/plan_state.hpp"
 #include "targets/mapped_memory.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 
 namespace clsdf {
 
-namespace calls {
-
-namespace {
-
-/// done: for the caller, who releases it; may be null. targets: see PlanState::enqueue().
-void enqueue_run(PlanState& state, cl_command_queue queue, std::span<const cl_event> wait_list, cl_event* done,
-                 std::span<const targets::DeviceTargets> targets) {
-    const device::Context& context = device::context_of(state.device);
-    const cl::Event last =
-        state.enqueue(targets::queue_of(context, queue), targets::events_of(context, wait_list), targets);
-    if (done == nullptr) return;
-    clRetainEvent(last());
-    *done = last();
-}
-
-void require_whole(const PlanState& state) {
-    if (!state.is_whole)
-        throw Error(ErrorCode::invalid_argument,
-                    "the plan's last update failed, so that it has nothing to compute with; update it again");
-}
-
-}  // namespace
-
-}  // namespace calls
-
-std::unique_ptr<Plan::State> DistanceTransform::State::plan(bool has_own_pool, std::vector<Request> requests,
-                                                            std::optional<OutputSet> outputs_without_targets,
+std::unique_ptr<Plan::State> DistanceTransform::State::plan(bool has_own_pool, plans::AskedBoxes asked,
                                                             const CallOptions& call, bool counts) {
-    auto made = std::make_unique<Plan::State>(device, has_own_pool ? pool->beside() : pool, has_own_pool);
-    made->counts = counts;
-    plan(*made, std::move(requests), outputs_without_targets, call);
+    auto made = std::make_unique<Plan::State>(device, has_own_pool ? pool->beside() : pool, has_own_pool, counts);
+    plan(*made, std::move(asked), call);
     return made;
 }
 
-void DistanceTransform::State::plan(calls::PlanState& made, std::vector<Request> requests,
-                                    std::optional<OutputSet> outputs_without_targets, const CallOptions& call) {
-    const device::Context& context = device::context_of(device);
-    if (&device::context_of(made.device) != &context)
-        throw Error(ErrorCode::invalid_argument,
-                    "the transform has another device than the plan; update the plan with a transform of its Device");
+void DistanceTransform::State::plan(plans::PlanState& plan, plans::AskedBoxes asked, const CallOptions& call) {
+    plan.require_device(device);
     std::vector<engine::Job> jobs;
-    const auto targets = calls::targets_of(requests, device_targets(jobs, outputs_without_targets, made.counts));
+    const auto targets =
+        plans::targets_of(asked.requests, device_targets(jobs, asked.outputs_without_targets, plan.counts));
     mutex.check_thread();
-    made.clear();  // waits for its runs before the mutex is locked: other threads may use the transform
-    std::swap(made.requests, requests);
-    std::swap(made.outputs_without_targets, outputs_without_targets);
-    try {
-        plan(made, jobs, targets, call);
-    } catch (...) {
-        std::swap(made.requests, requests);
-        std::swap(made.outputs_without_targets, outputs_without_targets);
-        made.clear();
-        if (made.has_own_pool) made.pool->release();
-        throw;
-    }
-}
-
-void DistanceTransform::State::plan(calls::PlanState& made, std::span<const engine::Job> jobs,
-                                    std::span<const targets::DeviceTargets> targets, const CallOptions& call) {
-    device::Context& context = this->context();
-    const KeepsBudget keeps_budget(*this);
-    const std::scoped_lock lock(mutex);
-    calls::RunningCall running{call};
-    running.throw_if_stopped();
-    made.divide(jobs, targets, kept_mesh->box());
-    if (made.has_copies()) test(calls::stored_boxes_subject(device, programs), running);
-    for (const calls::Batch& batch : made.batches()) compile(batch.job, running);
-    made.sign = sign;
-    bool is_retry = false;
-    const auto make = [&] {
-        made.clear();
-        if (std::exchange(is_retry, true) && made.has_own_pool) made.pool->release();
-        // The set-up's commands use what is given back after an error.
-        context.run_or_drain([&] {
-            made.make_room();
-            SlabPlans slab_plans(*this, made.pool, true, running);
-            for (const calls::Slab& slab : made.slabs()) made.add(slab, slab_plans.make(slab), targets, programs);
-            keep_within_budget();
+    plan.give_back();
+    make(plan, std::move(asked), call, [&](calls::RunningCall& running) {
+        plan.divide(jobs, targets, kept_mesh->box());
+        if (plan.has_copies()) test(checks::stored_boxes_subject(device, programs), running);
+        for (const plans::Batch& batch : plan.batches()) compile(batch.job, running);
+        set_up_slabs(plan, running, [&](const plans::Slab& slab, std::unique_ptr<engine::GridPlan> of_slab) {
+            plan.add(slab, std::move(of_slab), targets, programs);
         });
-    };
-    calls::with_remedies(&running, {forgetting()}, make);
-    device::guarded([&] { context.queue().finish(); });
-    if (made.has_own_pool) made.pool->hand_back();
-    made.complete(running.statistics, *kept_mesh);
+        return plan.complete(running.statistics, *kept_mesh);
+    });
 }
 
 CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {
     const device::Context& context = this->context();
-    const auto plan = this->plan(true, {requests.begin(), requests.end()}, std::nullopt, call, call.count_work);
+    const auto plan = this->plan(true, {{requests.begin(), requests.end()}}, call, call.count_work);
     device::guarded([&] {
         const Stopwatch watch;
-        const cl::Event end = plan->enqueue(context.callers_queue(), targets::events_of(context, call.wait_list), {});
-        end.wait();
+        cl_event done = nullptr;
+        plan->enqueue({nullptr, call.wait_list, &done});
+        cl::Event(done).wait();
         targets::wait_for(context, call.wait_list);  // Intel's runtime reports success
         if (call.count_work) plan->read_counters();
         plan->statistics.field_seconds = watch.seconds();
@@ -124,7 +64,7 @@ Plan::State& Plan::state() const {
 }
 
 std::span<const Request> Plan::requests() const {
-    return state().requests;
+    return state().asked().requests;
 }
 
 SignRule Plan::sign() const {
@@ -137,21 +77,22 @@ const TransformStatistics& Plan::statistics() const {
 
 void Plan::enqueue(cl_command_queue queue, std::span<const cl_event> wait_list, cl_event* done) {
     State& state = this->state();
-    calls::require_whole(state);
-    if (state.outputs_without_targets)
+    state.require_whole();
+    if (state.asked().outputs_without_targets)
         throw Error(
             ErrorCode::invalid_argument,
             "the plan was made of a grid and has no targets; give this run targets, or make the plan of a request");
-    with_host_memory("for a run of the plan",
-                     [&] { device::guarded([&] { calls::enqueue_run(state, queue, wait_list, done, {}); }); });
+    with_host_memory("for a run of the plan", [&] {
+        device::guarded([&] { state.enqueue({queue, wait_list, done}); });
+    });
 }
 
 void Plan::enqueue(cl_command_queue queue, std::span<const OutputTargets> targets, std::span<const cl_event> wait_list,
                    cl_event* done) {
     State& state = this->state();
-    calls::require_whole(state);
+    state.require_whole();
     with_host_memory("for the targets of a run; give fewer", [&] {
-        device::guarded([&] { calls::enqueue_run(state, queue, wait_list, done, state.targets_of(targets)); });
+        device::guarded([&] { state.enqueue({queue, wait_list, done}, targets); });
     });
 }
 
@@ -163,49 +104,49 @@ void Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::sp
 void Plan::update(const DistanceTransform& transform, const CallOptions& call) {
     with_host_memory("for the plan", [&] {
         State& state = this->state();
-        transform.state().plan(state, state.requests, state.outputs_without_targets, call);
+        transform.state().plan(state, state.asked(), call);
     });
 }
 
 void Plan::update(const DistanceTransform& transform, std::span<const Grid> grids, const CallOptions& call) {
     with_host_memory("for the plan; give fewer requests", [&] {
         State& state = this->state();
-        if (grids.size() != state.requests.size())
+        plans::AskedBoxes asked = state.asked();
+        if (grids.size() != asked.requests.size())
             throw Error(ErrorCode::invalid_argument,
                         fmt::format("the plan has {} requests, and {} grids are given; give one for each",
-                                    state.requests.size(), grids.size()));
-        std::vector<Request> requests = state.requests;
-        for (std::size_t n = 0; n < grids.size(); ++n) requests[n].grid = grids[n];
-        transform.state().plan(state, std::move(requests), state.outputs_without_targets, call);
+                                    asked.requests.size(), grids.size()));
+        for (std::size_t n = 0; n < grids.size(); ++n) asked.requests[n].grid = grids[n];
+        transform.state().plan(state, std::move(asked), call);
     });
 }
 
 void Plan::update(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call) {
     with_host_memory("for the plan; give fewer requests", [&] {
-        transform.state().plan(state(), {requests.begin(), requests.end()}, std::nullopt, call);
+        transform.state().plan(state(), {{requests.begin(), requests.end()}}, call);
     });
 }
 
 void Plan::update(const DistanceTransform& transform, const BlockSet& blocks, const CallOptions& call) {
     with_host_memory("for the plan; give fewer blocks",
-                     [&] { update(transform, calls::requests_of(blocks, 0, blocks.first.size()), call); });
+                     [&] { update(transform, plans::requests_of(blocks, 0, blocks.first.size()), call); });
 }
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call) const {
     return with_host_memory("for the plan", [&] {
-        return Plan(state().plan(false, std::vector<Request>{{grid, band, {}}}, targets::extras_of(outputs), call));
+        return Plan(state().plan(false, {{{grid, band, {}}}, targets::extras_of(outputs)}, call));
     });
 }
 
 Plan DistanceTransform::plan(std::span<const Request> requests, const CallOptions& call) const {
     return with_host_memory("for the plan; give fewer requests", [&] {
-        return Plan(state().plan(requests.size() != 1, {requests.begin(), requests.end()}, std::nullopt, call));
+        return Plan(state().plan(requests.size() != 1, {{requests.begin(), requests.end()}}, call));
     });
 }
 
 Plan DistanceTransform::plan(const BlockSet& blocks, const CallOptions& call) const {
     return with_host_memory("for the plan; give fewer blocks",
-                            [&] { return plan(calls::requests_of(blocks, 0, blocks.first.size()), call); });
+                            [&] { return plan(plans::requests_of(blocks, 0, blocks.first.size()), call); });
 }
 
 std::size_t DistanceTransform::plan_bytes(std::span<const Request> requests, const CallOptions& call) const {

@@ -1,10 +1,10 @@
-#include "calls/point_plans.hpp"
 #include "calls/transform_state.hpp"
 #include "core/large_memory.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "device/in_flight.hpp"
+#include "plans/point_plan_state.hpp"
 #include "points/box_places.hpp"
 #include "points/device_points.hpp"
 #include "points/face_sides.hpp"
@@ -226,9 +226,9 @@ bool DistanceTransform::State::stay_on_device(const InputArray& points, const Ou
         std::vector<targets::WrittenArray> written;
         on_device.add_written(0, written);
         targets::refuse_overlap(written);
-        calls::check_device_points(context(), points);
+        points::check_device_points(context(), points);
         // The outputs of some points may lie on others: then the points are copied first.
-        return !calls::may_overlap(points, on_device);
+        return !plans::may_overlap(points, on_device);
     });
 }
 
@@ -313,7 +313,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
                                              const CallOptions& call) const {
     return with_host_memory("for the points; give fewer at once", [&] {
         State& state = this->state();
-        calls::check_half_width(half_width);
+        points::check_half_width(half_width);
         check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
         if (points.count == 0) {  // vectors without elements have no memory
             calls::RunningCall{call}.report({.fraction = 1});

@@ -18,7 +18,7 @@ engine::Inputs DistanceTransform::State::SlabPlans::inputs_of(const engine::Job&
     });
 }
 
-std::unique_ptr<engine::GridPlan> DistanceTransform::State::SlabPlans::make(const calls::Slab& slab, bool in_halves) {
+std::unique_ptr<engine::GridPlan> DistanceTransform::State::SlabPlans::make(const plans::Slab& slab, bool in_halves) {
     const engine::Job job = slab.batch->job.with_grid(slab.grid);
     if (batch_ != slab.batch) {
         const Stopwatch watch;

@@ -15,7 +15,7 @@ public:
         : state_(state), workshop_(state.with(std::move(pool))), lone_(lone), running_(running) {}
 
     /// in_halves: see GridPlan. Throws what engine::grid_inputs() and GridPlan do, and what the caller's functions do.
-    std::unique_ptr<engine::GridPlan> make(const calls::Slab& slab, bool in_halves = false);
+    std::unique_ptr<engine::GridPlan> make(const plans::Slab& slab, bool in_halves = false);
     /// Gives back the inputs of the latest batch.
     void release() {
         batch_ = nullptr;
@@ -29,7 +29,7 @@ private:
     engine::Workshop workshop_;
     bool lone_;
     calls::RunningCall& running_;
-    const calls::Batch* batch_ = nullptr;
+    const plans::Batch* batch_ = nullptr;
     engine::Inputs inputs_;  ///< of the batch
 };
 

@@ -18,9 +18,9 @@ namespace clsdf {
 
 namespace {
 
-using calls::Batch;
-using calls::Slab;
 using calls::SparseTarget;
+using plans::Batch;
+using plans::Slab;
 
 using ListHead = std::array<cl_uint, CLSDF_LISTED>;
 
@@ -383,7 +383,7 @@ CallStatistics DistanceTransform::State::compute_sparse(std::span<const engine::
     std::vector<targets::HostArrays> arrays;
     for (const engine::Job& job : jobs) arrays.push_back(targets::arrays_for(job.outputs));
     const std::vector<Batch> batches =
-        calls::batches_of(jobs, std::span<const targets::HostArrays>(arrays), kept_mesh->box());
+        plans::batches_of(jobs, std::span<const targets::HostArrays>(arrays), kept_mesh->box());
     double cost = 0, done = 0;
     for (const Batch& batch : batches) cost += batch.cost;
     CallStatistics total;

@@ -4,15 +4,16 @@
 #include <clsdf/error.hpp>
 
 #include "calls/call.hpp"
-#include "calls/plan_state.hpp"
-#include "calls/requests.hpp"
-#include "calls/sparse_plan_state.hpp"
 #include "calls/sparse_targets.hpp"
 #include "checks/self_test.hpp"
 #include "core/statistics.hpp"
 #include "launch/programs.hpp"
 #include "plan/grid_plan.hpp"
 #include "plan/kept_mesh.hpp"
+#include "plans/plan_state.hpp"
+#include "plans/point_plan_state.hpp"
+#include "plans/requests.hpp"
+#include "plans/sparse_plan_state.hpp"
 #include "points/kept_points.hpp"
 #include "points/point_query.hpp"
 #include "points/usable_points.hpp"
@@ -54,14 +55,14 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     }
     /// The job of what is asked for. Throws if it is refused, whatever the device does.
     engine::Job check(engine::JobKey asked) const;
-    /// For calls::targets_of(): functions that check a request, add its job to `jobs` and return its targets.
+    /// For plans::targets_of(): functions that check a request, add its job to `jobs` and return its targets.
     auto host_targets(std::vector<engine::Job>& jobs, bool counts = false) const {
         return [this, &jobs, counts](const Request& request) -> targets::HostTargets {
             jobs.push_back(check({request.grid, request.band, targets::outputs_of(request.targets), {}, counts}));
             return {request.targets, request.grid};
         };
     }
-    /// outputs_without_targets: see PlanState.
+    /// outputs_without_targets: see AskedBoxes.
     auto device_targets(std::vector<engine::Job>& jobs, const std::optional<OutputSet>& outputs_without_targets = {},
                         bool counts = false) const {
         return [this, &jobs, outputs_without_targets, counts](const Request& request) -> targets::DeviceTargets {
@@ -151,24 +152,24 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// Throws if one of the blocks is refused, or if their arrays overlap.
     void check_all(const BlockSet& blocks) const;
 
+    // planning.hpp
+    template <class Plan, class Asked, class MakeParts>
+    void make(Plan& plan, Asked asked, const CallOptions& call, const MakeParts& make_parts);
+    void set_up(calls::RunningCall& running, const std::function<void()>& enqueue);
+    template <class Plan, class Add>
+    void set_up_slabs(Plan& plan, calls::RunningCall& running, const Add& add);
+
     // plans.cpp
     /// has_own_pool: it takes its buffers from a pool of its own, not from those that the transform uses again.
-    /// outputs_without_targets and counts: see PlanState.
-    std::unique_ptr<Plan::State> plan(bool has_own_pool, std::vector<Request> requests,
-                                      std::optional<OutputSet> outputs_without_targets, const CallOptions& call,
+    /// counts: see PlanState.
+    std::unique_ptr<Plan::State> plan(bool has_own_pool, plans::AskedBoxes asked, const CallOptions& call,
                                       bool counts = false);
-    /// Makes the blocks of a plan anew, for these requests.
-    void plan(calls::PlanState& made, std::vector<Request> requests, std::optional<OutputSet> outputs_without_targets,
-              const CallOptions& call);
-    void plan(calls::PlanState& made, std::span<const engine::Job> jobs,
-              std::span<const targets::DeviceTargets> targets, const CallOptions& call);
+    /// Makes a plan, or makes it anew, for these boxes, this field, these points.
+    void plan(plans::PlanState& plan, plans::AskedBoxes asked, const CallOptions& call);
+    void plan(plans::SparsePlanState& plan, const plans::AskedBricks& asked, const CallOptions& call);
+    void plan(plans::PointPlanState& plan, const plans::AskedPoints& asked, const CallOptions& call);
     /// By way of a plan.
     CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
-
-    // sparse_plans.cpp
-    /// Makes the slabs of a plan anew, for this field.
-    void plan(calls::SparsePlanState& made, SparseRequest request, SparseCounts room, const CallOptions& call);
-    void plan(calls::SparsePlanState& made, const engine::Job& job, const CallOptions& call);
 
     // point_calls.cpp
     /// By the host, at most points::most_few_points.
@@ -183,10 +184,6 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// By the device, of which the host sees a short list. warning: about points that are not usable.
     CallStatistics query_on_device(const InputArray& points, double half_width, OutputSet outputs,
                                    const OutputTargets& targets, const CallOptions& call, std::string& warning);
-
-    // point_plans.cpp
-    /// Gives a plan of points the inputs at the present positions, and its memory if it has none.
-    void plan_points(PointPlan::State& made, const CallOptions& call);
 
     struct WindingInputs {
         std::shared_ptr<const engine::PointMesh> tree;

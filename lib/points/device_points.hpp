@@ -23,6 +23,9 @@ struct DevicePoints {
     DevicePoints part(std::size_t begin, std::size_t part_count) const;
 };
 
+/// Throws Error(invalid_argument) if the memory of an array of points, whose layout has been checked, is no buffer of
+/// the context, may not be read by kernels or is too small; Error(unsupported) for memory of the host.
+void check_device_points(const device::Context& context, const InputArray& points);
 /// Those of an array in memory of the device that has been checked.
 DevicePoints points_in(const InputArray& array);
 /// Packed positions, in a buffer of the library's own.

@@ -38,6 +38,19 @@ std::string reason_of(bool is_finite, const UsableRange& range) {
 
 }  // namespace
 
+void check_half_width(double half_width) {
+    if (!(half_width >= 0))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("points are looked up within the half width {}, which must be 0 or more; infinity is "
+                                "no limit",
+                                half_width));
+    if (std::isfinite(half_width) && half_width > static_cast<double>(std::numeric_limits<float>::max()))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("points are looked up within the half width {}, which is beyond the floats that "
+                                "distances are given in; infinity is no limit",
+                                half_width));
+}
+
 UsableRange usable_range(const Box& box) {
     const double longest = box.longest_side();
     const double far_voxels = engine::farthest * (longest > 0 ? longest / 256 : 1);

@@ -14,6 +14,9 @@
 
 namespace clsdf::points {
 
+/// Throws Error(invalid_argument) unless a half width is one that points can be looked up within.
+void check_half_width(double half_width);
+
 /// Where points have a distance that can be given.
 struct UsableRange {
     Box limits;

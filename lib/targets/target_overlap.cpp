@@ -16,7 +16,7 @@ namespace clsdf::targets {
 namespace {
 
 /// Runs of consecutive bytes: one at each point of a lattice of up to four axes, whose strides ascend.
-struct Runs {
+struct ByteRuns {
     const WrittenArray* array = nullptr;
     std::uint64_t begin = 0;  ///< of the first run
     std::uint64_t bytes = 0;  ///< of a run
@@ -32,8 +32,8 @@ struct Runs {
 };
 
 /// Axes with negative strides run from the other end. Values that lie side by side are one run.
-Runs runs_of(const WrittenArray& array) {
-    Runs runs{&array, array.first, array.width, {}, {}, 0};
+ByteRuns runs_of(const WrittenArray& array) {
+    ByteRuns runs{&array, array.first, array.width, {}, {}, 0};
     const auto add = [&](std::ptrdiff_t signed_stride, std::uint64_t count) {
         if (count < 2) return;
         const auto stride = static_cast<std::uint64_t>(std::abs(signed_stride));
@@ -79,7 +79,7 @@ struct ByteBox {
 
 /// The runs as boxes in the coordinates of an array with these strides, each a multiple of the one before. A run, row
 /// or slice that continues in the next one is cut in two.
-void add_boxes(const Runs& runs, std::uint64_t origin, std::vector<ByteBox>& boxes) {
+void add_boxes(const ByteRuns& runs, std::uint64_t origin, std::vector<ByteBox>& boxes) {
     const std::size_t first = boxes.size();
     ByteBox& box = boxes.emplace_back(ByteBox{runs.array, {}, {}});
     std::uint64_t rest = runs.begin - origin;
@@ -144,7 +144,7 @@ void refuse_overlap(std::span<ByteBox> boxes, std::size_t axes, std::size_t axis
 /// longest stride first. `budget`: of steps; false when it is used up.
 class Search {
 public:
-    Search(const Runs& a, const Runs& b, std::size_t& budget) : a_(a), b_(b), budget_(budget) {
+    Search(const ByteRuns& a, const ByteRuns& b, std::size_t& budget) : a_(a), b_(b), budget_(budget) {
         for (std::size_t axis = 0; axis < a.axes; ++axis) add(a.strides[axis], a.counts[axis], 1);
         for (std::size_t axis = 0; axis < b.axes; ++axis) add(b.strides[axis], b.counts[axis], -1);
         std::sort(axes_.begin(), axes_.end(), [](const Axis& x, const Axis& y) { return x.stride > y.stride; });
@@ -192,15 +192,15 @@ private:
         return false;
     }
 
-    const Runs& a_;
-    const Runs& b_;
+    const ByteRuns& a_;
+    const ByteRuns& b_;
     std::size_t& budget_;
     std::vector<Axis> axes_;
     std::vector<double> lowest_, highest_;  ///< that axes from this one on can add
 };
 
 /// Each stride is a multiple of the one before.
-bool are_nested(const Runs& runs) {
+bool are_nested(const ByteRuns& runs) {
     for (std::size_t axis = 1; axis < runs.axes; ++axis)
         if (runs.strides[axis] % runs.strides[axis - 1] != 0) return false;
     return true;
@@ -211,11 +211,11 @@ bool are_nested(const Runs& runs) {
 void refuse_overlap(const std::vector<WrittenArray>& arrays) {
     if (arrays.size() < 2) return;
     // Runs of one buffer with the same strides are a group: boxes of one large array.
-    std::map<std::tuple<const void*, std::size_t, std::array<std::uint64_t, 4>>, std::vector<Runs>> groups;
-    std::vector<std::pair<Runs, std::size_t>> all;  // with the number of the group
+    std::map<std::tuple<const void*, std::size_t, std::array<std::uint64_t, 4>>, std::vector<ByteRuns>> groups;
+    std::vector<std::pair<ByteRuns, std::size_t>> all;  // with the number of the group
     for (const WrittenArray& array : arrays) {
         if (std::any_of(array.size.begin(), array.size.end(), [](std::int64_t n) { return n < 1; })) continue;
-        const Runs runs = runs_of(array);
+        const ByteRuns runs = runs_of(array);
         groups[{array.memory, runs.axes, runs.strides}].push_back(runs);
     }
     std::map<const void*, std::size_t> groups_of_memory;
@@ -224,13 +224,13 @@ void refuse_overlap(const std::vector<WrittenArray>& arrays) {
     for (const auto& [key, group] : groups) {
         const bool is_exact = are_nested(group.front());
         if (is_exact) {
-            const auto first = std::ranges::min_element(group, {}, &Runs::begin);
+            const auto first = std::ranges::min_element(group, {}, &ByteRuns::begin);
             std::vector<ByteBox> boxes;
-            for (const Runs& runs : group) add_boxes(runs, first->begin, boxes);
+            for (const ByteRuns& runs : group) add_boxes(runs, first->begin, boxes);
             refuse_overlap(boxes, group.front().axes, group.front().axes);
         }
         if (is_exact && groups_of_memory.at(std::get<0>(key)) == 1) continue;
-        for (const Runs& runs : group) {
+        for (const ByteRuns& runs : group) {
             all.emplace_back(runs, number);
             if (!is_exact) ++number;  // compared with each other below
         }
@@ -241,7 +241,7 @@ void refuse_overlap(const std::vector<WrittenArray>& arrays) {
     std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
         return std::tuple(a.first.array->memory, a.first.begin) < std::tuple(b.first.array->memory, b.first.begin);
     });
-    std::vector<const std::pair<Runs, std::size_t>*> active;
+    std::vector<const std::pair<ByteRuns, std::size_t>*> active;
     for (const auto& entry : all) {
         std::erase_if(active, [&](const auto* other) {
             return other->first.array->memory != entry.first.array->memory || other->first.end() <= entry.first.begin;

@@ -39,7 +39,7 @@ set(folders foundations/core foundations/device)
 foreach(stage launch homes mesh lattice frusta tree lists sign finish bricks plan)
   list(APPEND folders engine/${stage})
 endforeach()
-list(APPEND folders targets points checks calls)
+list(APPEND folders targets points checks plans calls)
 
 # What is in lib, and the folders beside the core.
 file(GLOB all RELATIVE ${SOURCE}/lib LIST_DIRECTORIES true ${SOURCE}/lib/* ${SOURCE}/lib/foundations/* ${SOURCE}/lib/engine/*)
@@ -73,22 +73,23 @@ set(known ${folders} foundations engine io papers picture reference tools ${all_
 list(TRANSFORM known REPLACE ".*/" "")
 list(APPEND known ${public_headers})
 
-# The public headers: those of the core that every layer may include, the face of the top layer, and those beside the core,
+# The public headers: those of the core that every layer may include, the faces of the top layers, and those beside the core,
 # which the core does not include. Each is in one of the lists.
 set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hpp grid.hpp mesh.hpp output_table.h outputs.hpp
                    sparse.hpp topology.hpp tuning.hpp version.hpp)
-set(face clsdf.hpp distance_transform.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
+set(face_of_plans plan.hpp point_plan.hpp sparse_plan.hpp)
+set(face clsdf.hpp distance_transform.hpp)
 set(beside eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp picture.hpp reference.hpp)
-foreach(list public_of_core face beside)
+foreach(list public_of_core face_of_plans face beside)
   list(TRANSFORM ${list} PREPEND clsdf/)
 endforeach()
-set(named ${public_of_core} ${face} ${beside})
+set(named ${public_of_core} ${face_of_plans} ${face} ${beside})
 foreach(header ${public_headers} ${named})
   set(count ${named})
   list(FILTER count INCLUDE REGEX "^${header}$")
   list(LENGTH count count)
   if(NOT header IN_LIST public_headers OR NOT count EQUAL 1)
-    message(SEND_ERROR "${header}: each public header is once in public_of_core, face or beside")
+    message(SEND_ERROR "${header}: each public header is once in public_of_core, face_of_plans, face or beside")
   endif()
 endforeach()
 set(allowed ${public_of_core})
@@ -100,16 +101,20 @@ foreach(folder ${folders})
   if(name IN_LIST kernel_folders)
     allow_kernels(${name})
   endif()
-  if(name STREQUAL calls)
+  if(name STREQUAL plans)
+    list(APPEND allowed ${face_of_plans})
+  elseif(name STREQUAL calls)
     list(APPEND allowed ${face})
   endif()
   check_folder(${SOURCE}/lib/${folder})
 endforeach()
 
-# The engine's face: calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid, and
-# GridPlan, which plans and runs.
-set(allowed ${public_of_core} ${face} core device plan launch mesh targets points checks calls)
+# The engine's face: plans and calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid,
+# and GridPlan, which plans and runs.
+set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh targets points checks plans)
 allow_kernels(targets)
+check_folder(${SOURCE}/lib/plans)
+list(APPEND allowed ${face} calls)
 check_folder(${SOURCE}/lib/calls)
 
 # Tools for meshes, beside the core.

@@ -1,1 +1,1 @@
-clsdf_field_test(kept_values LABELS moves plan)
+clsdf_field_test(kept_values LABELS moves homes plan)

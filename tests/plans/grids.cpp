@@ -152,7 +152,7 @@ BOOST_AUTO_TEST_CASE(more_boxes_than_a_launch_has_groups_are_all_stored) {
     BOOST_TEST((memory.read(callers_queue()) == bits_of(transform.compute(grid, band).distance())));
 }
 
-BOOST_AUTO_TEST_CASE(a_plan_may_have_no_request_and_is_updated_on_its_own_device) {
+BOOST_AUTO_TEST_CASE(a_plan_may_have_no_request_and_every_plan_is_updated_on_its_own_device) {
     const DistanceTransform transform(test_device(), mesh());
     const TwoBoxes boxes(grid());
     Plan plan = transform.plan(boxes.requests());
@@ -162,9 +162,13 @@ BOOST_AUTO_TEST_CASE(a_plan_may_have_no_request_and_is_updated_on_its_own_device
     BOOST_TEST(boxes.are_untouched());
     const Device other = one_compute_unit();
     const DistanceTransform of_other(other, mesh());
-    if (device::context_of(other).context()() != context().context()())
-        check_throws(ErrorCode::invalid_argument, {"another device"},
-                     [&] { plan.update(of_other, std::span<const Request>()); });
+    if (device::context_of(other).context()() == context().context()()) return;
+    check_throws(ErrorCode::invalid_argument, {"another device"},
+                 [&] { plan.update(of_other, std::span<const Request>()); });
+    SparsePlan sparse = transform.plan_sparse({grid(), band(), {}}, {1, 1});
+    check_throws(ErrorCode::invalid_argument, {"another device"}, [&] { sparse.update(of_other); });
+    PointPlan of_points = transform.plan_points(1, 1);
+    check_throws(ErrorCode::invalid_argument, {"another device"}, [&] { of_points.update(of_other); });
 }
 
 BOOST_AUTO_TEST_CASE(targets_that_do_not_fit_the_outputs_of_a_plan_of_a_grid_are_refused) {

@@ -308,6 +308,13 @@ BOOST_AUTO_TEST_CASE(runs_follow_one_another_on_any_queue_and_the_plan_follows_t
     const DistanceTransform as_before(test_device(), mesh);
     transform->set_positions(moved);
     check(as_before);  // a plan keeps its positions
+    CallOptions stopped;
+    stopped.should_stop = [] { return true; };
+    check_throws(ErrorCode::cancelled, {}, [&] { plan.update(*transform, stopped); });
+    check_throws(ErrorCode::unsupported, {"restricted"}, [&] {
+        plan.update(transform->restrict_to({{{-2, -2, -2}, {2, 2, 2}}, 1, 0}));
+    });
+    check(as_before);  // also if an update fails
     plan.update(*transform);
     check(*transform);
     DistanceTransform again = std::move(*transform);

@@ -1,6 +1,5 @@
-#include "calls/sparse_plan_state.hpp"
+#include "plans/sparse_plan_state.hpp"
 
-#include "core/lifetime.hpp"
 #include "device/opencl.hpp"
 #include "targets/mapped_memory.hpp"
 
@@ -11,7 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace clsdf::calls {
+namespace clsdf::plans {
 
 namespace {
 
@@ -40,8 +39,8 @@ void refuse_overlap(std::span<const WrittenBytes> written) {
 }
 
 /// Checks a range of so many bytes of the caller's memory. name: begins a sentence.
-OrderedTargets::Place place_of(const device::Context& context, const DeviceRange& range, std::size_t bytes,
-                               const std::string& name, std::vector<WrittenBytes>& written) {
+targets::OrderedTargets::Place place_of(const device::Context& context, const DeviceRange& range, std::size_t bytes,
+                                        const std::string& name, std::vector<WrittenBytes>& written) {
     if (bytes == 0) return {};
     if (range.memory == nullptr)
         throw Error(ErrorCode::invalid_argument,
@@ -68,67 +67,39 @@ OrderedTargets::Place place_of(const device::Context& context, const DeviceRange
 
 }  // namespace
 
-SparsePlanState::SparsePlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in)
-    : device(std::move(device_in)), pool(std::move(pool_in)) {}
-
-SparsePlanState::~SparsePlanState() {
-    if (runs_.wait() == CL_SUCCESS) return;
-    keep_for_good(planned_);
-    keep_for_good(listed_);
+void SparsePlanState::divide(const engine::Job& job) {
+    made_.batch = Batch{.job = job, .arrays = targets::arrays_for(job.outputs)};
+    for (const Grid& part : engine::sparse_slabs_of(job.grid)) made_.slabs.push_back({&*made_.batch, part});
 }
 
-void SparsePlanState::divide(const engine::Job& job) {
-    batch_ = Batch{.job = job, .arrays = targets::arrays_for(job.outputs)};
-    slabs_.clear();
-    for (const Grid& part : engine::sparse_slabs_of(job.grid)) slabs_.push_back({&*batch_, part});
+void SparsePlanState::clear() {
+    made_.planned.clear();
+    made_.listed.reset();
 }
 
 void SparsePlanState::make_room() {
     std::size_t most = 0;
-    for (const Slab& slab : slabs_) most = std::max(most, bricks_of(slab.grid));
-    listed_.emplace(*pool, std::clamp<std::size_t>(room.bricks, 1, most), most, batch_->arrays);
+    for (const Slab& slab : made_.slabs) most = std::max(most, bricks_of(slab.grid));
+    made_.listed.emplace(*pool, std::clamp<std::size_t>(asked().room.bricks, 1, most), most, made_.batch->arrays);
 }
 
 void SparsePlanState::add(std::unique_ptr<engine::GridPlan> plan, const engine::Programs& programs) {
-    BrickOrder order({device::context_of(device), pool, programs}, plan->job.layout, plan->marks(), *listed_);
-    planned_.push_back({std::move(plan), std::move(order)});
+    targets::BrickStore store({context(), pool, programs}, plan->job.layout, plan->marks(), *made_.listed);
+    made_.planned.push_back({std::move(plan), std::move(store)});
 }
 
-void SparsePlanState::complete(const CallStatistics& call, const engine::KeptMesh& kept_mesh) {
-    CallStatistics statistics = call;
-    for (const PlannedSlab& planned : planned_) add_slab(statistics, planned.plan->statistics);
-    statistics.device_bytes = own_bytes(kept_mesh);
-    published = statistics.published();
-    is_whole = true;
+CallStatistics SparsePlanState::complete(const CallStatistics& call, const engine::KeptMesh& kept_mesh) const {
+    CallStatistics statistics = with_slabs(call, made_.planned, kept_mesh);
+    statistics.device_bytes += made_.listed->bytes();
+    for (const PlannedBricks::PlannedSlab& planned : made_.planned) statistics.device_bytes += planned.store.bytes();
+    return statistics;
 }
 
-void SparsePlanState::clear() {
-    device::guarded([&] {
-        if (const cl_int code = runs_.wait(); code != CL_SUCCESS) throw cl::Error(code, "clWaitForEvents");
-    });
-    is_whole = false;
-    planned_.clear();
-    listed_.reset();
-}
-
-std::size_t SparsePlanState::own_bytes(const engine::KeptMesh& kept_mesh) const {
-    std::size_t bytes = listed_->bytes();
-    engine::Inputs counted;  // the slabs share them
-    for (const PlannedSlab& planned : planned_) {
-        bytes += planned.plan->own_bytes() + planned.order.bytes();
-        engine::Inputs inputs = planned.plan->inputs;
-        if (inputs.records == counted.records) inputs.records = nullptr;
-        if (inputs.sweep_mesh == counted.sweep_mesh) inputs.sweep_mesh = nullptr;
-        bytes += engine::bytes_beside(kept_mesh, inputs);
-        counted = planned.plan->inputs;
-    }
-    return bytes;
-}
-
-OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& given) const {
-    const device::Context& context = device::context_of(device);
+targets::OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& given) const {
+    const device::Context& context = this->context();
+    const SparseCounts& room = asked().room;
     std::vector<WrittenBytes> written;
-    OrderedTargets to;
+    targets::OrderedTargets to;
     to.room = room;
     to.counts = place_of(context, given.counts, sizeof(DeviceSparseCounts), "the memory of the counts", written);
     to.bricks = place_of(context, given.bricks, room.bricks * sizeof(Index3), "the array of bricks", written);
@@ -137,16 +108,8 @@ OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& given) con
         const targets::DeviceTargets checked(given.values, targets::row_of(room.bricks * brick_samples), context);
         for_each_output(
             [&](const OutputInfo& row, const targets::HostArray& expected, const targets::HostArray& array,
-                const OutputArray& target, OrderedTargets::Place& place) {
-                if (array.is_wanted != expected.is_wanted)
-                    throw Error(ErrorCode::invalid_argument,
-                                expected.is_wanted
-                                    ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
-                                                  "memory, or plan without",
-                                                  row.name)
-                                    : fmt::format("the output {0} has a target, and the plan was made without; leave "
-                                                  "the target out, or make the plan with {0}",
-                                                  row.name));
+                const OutputArray& target, targets::OrderedTargets::Place& place) {
+                require_target(row, expected.is_wanted, array.is_wanted);
                 if (!array.is_wanted) return;
                 if (may_be_double(row) && array.in_double)
                     throw Error(ErrorCode::unsupported,
@@ -165,34 +128,32 @@ OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& given) con
                                    room.bricks * brick_samples * row.sample_bytes(),
                                    fmt::format("the target of the output {}", row.name)});
             },
-            batch_->arrays, checked.arrays, checked.targets, to.values);
+            made_.batch->arrays, checked.arrays, checked.targets, to.values);
     }
     refuse_overlap(written);
     return to;
 }
 
-cl::Event SparsePlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
-                                   const OrderedTargets& targets) {
-    device::Context& context = device::context_of(device);
-    if (queue() == context.queue()() && !before.empty()) context.add_waiting_run();
-    engine::CommandChain& chain = runs_.begin(queue, std::move(before));
-    chain.then_fill(*listed_->totals, 2 * sizeof(cl_ulong));
+void SparsePlanState::enqueue(const RunOptions& options, const SparseDeviceTargets& given) {
+    const targets::OrderedTargets targets = targets_of(given);
+    const targets::ListedBricks& listed = *made_.listed;
     engine::OutputBuffers buffers;
     for_each_output(
         [](const OutputInfo&, const device::BufferPool::Lease& lease, cl::Buffer& buffer) { buffer = *lease; },
-        listed_->values, buffers);
-    buffers.listed = *listed_->listed;
+        listed.values, buffers);
+    buffers.listed = *listed.listed;
     std::array<cl_uint, CLSDF_LISTED> head{};
-    head[CLSDF_LISTED_ROOM] = static_cast<cl_uint>(listed_->room);
-    for (PlannedSlab& planned : planned_) {
-        chain.then([&](auto& to, auto* wait, auto* event) {
-            to.enqueueFillBuffer(*listed_->listed, head, 0, sizeof head, wait, event);
-        });
-        planned.plan->enqueue(chain, buffers, {});
-        planned.order.enqueue(chain, targets);
-    }
-    queue.flush();
-    return chain.last();
+    head[CLSDF_LISTED_ROOM] = static_cast<cl_uint>(listed.room);
+    run(options, [&](engine::CommandChain& chain) {
+        chain.then_fill(*listed.totals, 2 * sizeof(cl_ulong));
+        for (PlannedBricks::PlannedSlab& planned : made_.planned) {
+            chain.then([&](auto& to, auto* wait, auto* event) {
+                to.enqueueFillBuffer(*listed.listed, head, 0, sizeof head, wait, event);
+            });
+            planned.plan->enqueue(chain, buffers, {});
+            planned.store.enqueue(chain, targets);
+        }
+    });
 }
 
-}  // namespace clsdf::calls
+}  // namespace clsdf::plans

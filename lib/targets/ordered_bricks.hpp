@@ -1,8 +1,7 @@
 #pragma once
 
-#include <clsdf/sparse_plan.hpp>
+#include <clsdf/sparse.hpp>
 
-#include "checks/self_test.hpp"
 #include "core/outputs.hpp"
 #include "launch/commands.hpp"
 #include "launch/device_tools.hpp"
@@ -11,20 +10,17 @@
 
 #include <cstddef>
 
-namespace clsdf::calls {
-
-/// The program that puts bricks in order.
-checks::TestSubject ordered_bricks_subject(const Device& device, const engine::Programs& programs);
+namespace clsdf::targets {
 
 /// Memory of the device that the parts of a sparse field share, one after another: the list of a part's bricks and
 /// their values as kernels leave them (CLSDF_LISTED), and what is needed to put them in order.
 struct ListedBricks {
     /// The list of `room` bricks, one at least, of parts with at most `most` bricks. wanted: the outputs.
-    ListedBricks(device::BufferPool& pool, std::size_t room_in, std::size_t most, const targets::HostArrays& wanted_in);
+    ListedBricks(device::BufferPool& pool, std::size_t room_in, std::size_t most, const HostArrays& wanted_in);
     std::size_t bytes() const;
 
     std::size_t room;
-    targets::HostArrays wanted;
+    HostArrays wanted;
     device::BufferPool::Lease listed;
     PerOutput<device::BufferPool::Lease> values;
     device::BufferPool::Lease counts, starts;  ///< of ranges of bricks
@@ -45,10 +41,10 @@ struct OrderedTargets {
 
 /// The launches that append the listed bricks of a part of a sparse field to the caller's arrays, in the order of the
 /// lattice, and its runs of bricks inside.
-class BrickOrder {
+class BrickStore {
 public:
     /// marks: of the part's bricks, as in engine::FieldScan. memory: must outlive it. Throws cl::Error.
-    BrickOrder(const engine::DeviceTools& tools, const Layout& layout, const cl::Buffer& marks,
+    BrickStore(const engine::DeviceTools& tools, const Layout& layout, const cl::Buffer& marks,
                const ListedBricks& memory);
 
     /// Allocates no device memory. Throws cl::Error.
@@ -65,4 +61,4 @@ private:
     std::size_t pieces_;                                  ///< of a brick, a work-item each
 };
 
-}  // namespace clsdf::calls
+}  // namespace clsdf::targets

@@ -1,4 +1,4 @@
-#include "calls/requests.hpp"
+#include "plans/requests.hpp"
 
 #include "core/outputs.hpp"
 
@@ -8,7 +8,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace clsdf::calls {
+namespace clsdf::plans {
 
 namespace {
 
@@ -193,4 +193,4 @@ std::vector<Slab> slabs_of(std::span<const Batch> batches, const engine::SlabLim
     return slabs;
 }
 
-}  // namespace clsdf::calls
+}  // namespace clsdf::plans

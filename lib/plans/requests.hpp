@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/distance_transform.hpp>
+#include <clsdf/calls.hpp>
 #include <clsdf/error.hpp>
 
 #include "plan/job.hpp"
@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace clsdf::calls {
+namespace clsdf::plans {
 
 /// Requests of one lattice, one band and the same outputs that are computed together, as one block of the lattice.
 struct Batch {
@@ -97,4 +97,4 @@ std::vector<Batch> batches_of(std::span<const engine::Job> jobs, std::span<const
     return batches;
 }
 
-}  // namespace clsdf::calls
+}  // namespace clsdf::plans

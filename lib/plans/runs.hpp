@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::calls {
+namespace clsdf::plans {
 
 /// Runs of a plan that may be unfinished. A run that fails ends at once, even before the runs that it waits for. So the
 /// end of the latest does not mean that all have ended.
@@ -48,4 +48,4 @@ private:
     std::deque<engine::CommandChain> running_;  // in their order
 };
 
-}  // namespace clsdf::calls
+}  // namespace clsdf::plans

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "calls/slab_plans.hpp"
+#include "calls/transform_state.hpp"
+
+#include <functional>
+#include <mutex>
+#include <utility>
+
+/// The way of every plan from a transform to its device. It is in calls, because it takes the transform's mutex, budget
+/// and tests.
+namespace clsdf {
+
+/// Makes a plan, or makes it anew, for what is asked for. make_parts(running): gives the plan what its runs use, and
+/// returns what that took.
+template <class Plan, class Asked, class MakeParts>
+void DistanceTransform::State::make(Plan& plan, Asked asked, const CallOptions& call, const MakeParts& make_parts) {
+    mutex.check_thread();
+    // It waits for the plan's runs before the mutex is locked: other threads may use the transform.
+    plan.update(std::move(asked), [&] {
+        const KeepsBudget keeps_budget(*this);
+        const std::scoped_lock lock(mutex);
+        calls::RunningCall running{call};
+        running.throw_if_stopped();
+        context().begin_call();
+        plan.published = make_parts(running).published();
+        plan.sign = sign;
+    });
+}
+
+/// Makes what a plan takes from the device's memory, and waits for it: runs on other queues read it. enqueue(): may be
+/// called again with less memory, when all commands of the call before have ended.
+inline void DistanceTransform::State::set_up(calls::RunningCall& running, const std::function<void()>& enqueue) {
+    calls::with_remedies(&running, {forgetting()}, [&] { context().run_or_drain(enqueue); });
+    device::guarded([&] { context().queue().finish(); });
+}
+
+/// The same for the slabs of a plan that has been divided. add(slab, its GridPlan).
+template <class Plan, class Add>
+void DistanceTransform::State::set_up_slabs(Plan& plan, calls::RunningCall& running, const Add& add) {
+    bool is_retry = false;
+    set_up(running, [&] {
+        plan.clear();
+        if (std::exchange(is_retry, true) && plan.has_own_pool) plan.pool->release();
+        plan.make_room();
+        SlabPlans slab_plans(*this, plan.pool, true, running);
+        for (const plans::Slab& slab : plan.slabs()) add(slab, slab_plans.make(slab));
+        keep_within_budget();
+    });
+    if (plan.has_own_pool) plan.pool->hand_back();
+}
+
+}  // namespace clsdf
