@@ -8,12 +8,15 @@ target_sources(
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mistaken_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy_header.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/ply_header.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/polygons.cpp
           ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_off_obj.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_ply.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_stl.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/text_scanner.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/write_meshes.cpp
           ${CMAKE_CURRENT_SOURCE_DIR}/tools/defects.cpp
           ${CMAKE_CURRENT_SOURCE_DIR}/tools/shape_surfaces.cpp
           ${CMAKE_CURRENT_SOURCE_DIR}/tools/shapes.cpp
