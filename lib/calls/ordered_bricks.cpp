@@ -1,6 +1,6 @@
 #include "calls/ordered_bricks.hpp"
 
-#include "brick_ranges.h"
+#include "brick_order.h"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 

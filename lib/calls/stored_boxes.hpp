@@ -4,10 +4,10 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/outputs.hpp>
 
+#include "box_store.h"
 #include "checks/self_test.hpp"
 #include "launch/commands.hpp"
 #include "launch/programs.hpp"
-#include "stored_box.h"
 
 #include <cstddef>
 #include <optional>

@@ -375,7 +375,7 @@ TestSubject point_subject(const Device& device, const engine::Programs& programs
         needed.insert(needed.end(),
                       {programs.scan, programs.binary_tree, are_deep ? programs.nearest_deep : programs.nearest});
     }
-    if (kernels == PointKernels::of_many) needed.insert(needed.end(), {programs.mesh_records, programs.point_scan});
+    if (kernels == PointKernels::of_many) needed.insert(needed.end(), {programs.face_records, programs.point_scan});
     subject.steps = needed.size();
     subject.build = [needed](const device::BuildWatch& watch) {
         std::vector<cl::Program> built;
@@ -394,7 +394,7 @@ TestSubject topology_subject(const engine::Workshop& workshop) {
     subject.steps = 3;
     subject.build = [&workshop](const device::BuildWatch& watch) -> std::vector<cl::Program> {
         return {workshop.programs.radix_sort.get(watch), workshop.programs.mesh_topology.get(watch),
-                workshop.programs.mesh_records.get(watch)};
+                workshop.programs.face_records.get(watch)};
     };
     subject.difference = [&workshop](const device::BuildWatch&) {
         const engine::DeviceSetUp job{workshop.tools()};

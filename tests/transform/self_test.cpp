@@ -224,7 +224,7 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_in_as_many_steps_as_it_tells) {
 
 // Each changed line of a kernel stands for wrong code that a compiler makes of a right line.
 BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
-    const std::string by_vector = "bricks_by_vector.cl", by_group = "bricks_by_group.cl", records = "mesh_records.cl",
+    const std::string by_vector = "bricks_by_vector.cl", by_group = "bricks_by_group.cl", records = "face_records.cl",
                       nearest = "nearest_by_group.cl";
     struct Mutation {
         const char* what;
@@ -414,15 +414,15 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
         {"bricks in the places of others",
          sparse_plan,
          both,
-         {"order_bricks.cl", "other < number; ++other", "other + 1 < number; ++other"}},
+         {"brick_order.cl", "other < number; ++other", "other + 1 < number; ++other"}},
         {"a run of bricks beyond its row",
          sparse_plan,
          vectors,
-         {"order_bricks.cl", "behind % row != 0 && marks", "marks"}},
+         {"brick_order.cl", "behind % row != 0 && marks", "marks"}},
         {"slices in the places of rows",
          boxes,
          vectors,
-         {"store_boxes.cl", "z * box->strides[2]", "z * box->strides[1]"}},
+         {"box_store.cl", "z * box->strides[2]", "z * box->strides[1]"}},
     };
     const TemporaryFolder folder;
     for (const Mutation& mutation : mutations)
@@ -440,7 +440,7 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
 }
 
 BOOST_AUTO_TEST_CASE(stops_every_way_to_a_field) {
-    Changed changed{"mesh_records.cl", "to_foot = is_right ? f.right : -f.left;",
+    Changed changed{"face_records.cl", "to_foot = is_right ? f.right : -f.left;",
                     "to_foot = is_right ? f.right : f.left;"};
     const Device device = changed.device("");
     const Mesh mesh = make_shape("cube");

@@ -16,7 +16,7 @@ namespace {
 void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const LatticeView& lattice,
                    const std::vector<cl_uint>& groups, const cl::Buffer& records) {
     const auto group_numbers = job.upload(groups, "numbers of the faces");
-    device::LentKernel kernel = job.tools.kernel(job.tools.programs.mesh_records, "face_records");
+    device::LentKernel kernel = job.tools.kernel(job.tools.programs.face_records, "face_records");
     ShortLaunches(job.tools.context, {})
         .over(groups.size(), seconds_per_face * record_group, [&](std::size_t begin, std::size_t end) {
             const std::size_t first = begin * record_group, last = end * record_group;
@@ -51,7 +51,7 @@ DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFac
 
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items) {
-    device::LentKernel kernel = job.tools.kernel(job.tools.programs.mesh_records, "place_items");
+    device::LentKernel kernel = job.tools.kernel(job.tools.programs.face_records, "place_items");
     launch(job.tools.context.queue(), kernel, {count}, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words),
            written, places, items);
 }

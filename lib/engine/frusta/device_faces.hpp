@@ -24,7 +24,7 @@ struct HostPart;
 /// An upper estimate of a core's time for the record or the slopes of a face; it limits the work of a launch.
 inline constexpr double seconds_per_face = 1e-6;
 
-/// Makes data of a mesh on the device, by the program of kernels/frusta/mesh_records.cl.
+/// Makes data of a mesh on the device, by the program of kernels/frusta/face_records.cl.
 struct DeviceSetUp {
     DeviceTools tools;
 

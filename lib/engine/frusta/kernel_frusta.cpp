@@ -107,7 +107,7 @@ private:
     }
 
     void enqueue_slopes(const cl::Buffer& opposite) const {
-        device::LentKernel kernel = job_.tools.kernel(job_.tools.programs.mesh_records, "face_slopes");
+        device::LentKernel kernel = job_.tools.kernel(job_.tools.programs.face_records, "face_slopes");
         const std::size_t all = in_record_groups(count_);
         const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
         ShortLaunches(job_.tools.context, {})
@@ -122,7 +122,7 @@ private:
     }
 
     void enqueue_fans(const FrustaSources& sources) const {
-        device::LentKernel kernel = job_.tools.kernel(job_.tools.programs.mesh_records, "vertex_fans");
+        device::LentKernel kernel = job_.tools.kernel(job_.tools.programs.face_records, "vertex_fans");
         ShortLaunches(job_.tools.context, {})
             .over(sources.of_kernels->fan_items.size(), CLSDF_FAN_ITEM * seconds_per_fan,
                   [&](std::size_t begin, std::size_t end) {
@@ -138,7 +138,7 @@ private:
         const cl::CommandQueue& queue = job_.tools.context.queue();
         const auto words = job_.tools.pool->lease(3 * count_ * sizeof(cl_uint), "faces around vertices");
         const ShortLaunches launches(job_.tools.context, {});
-        device::LentKernel fans = job_.tools.kernel(job_.tools.programs.mesh_records, "ring_fans");
+        device::LentKernel fans = job_.tools.kernel(job_.tools.programs.face_records, "ring_fans");
         launches.over(topology.vertex_count(), seconds_per_fan, [&](std::size_t begin, std::size_t end) {
             launch(queue, fans, {end - begin}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
                    cl_double{1 / view_.unit}, *topology.starts, *topology.corners, *topology.edges, *topology.edges,
@@ -146,7 +146,7 @@ private:
         });
         const LatticeView lattice = view_of(box_);
         if (lattice.unit < std::numeric_limits<double>::min()) return;
-        device::LentKernel gaps = job_.tools.kernel(job_.tools.programs.mesh_records, "vertex_gaps");
+        device::LentKernel gaps = job_.tools.kernel(job_.tools.programs.face_records, "vertex_gaps");
         launches.over(topology.vertex_count(), seconds_per_gap, [&](std::size_t begin, std::size_t end) {
             launch(queue, gaps, {end - begin}, face_lattice(lattice), cl_double{least_length(box_, lattice)},
                    cl_double{gap_scale(lattice)}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),

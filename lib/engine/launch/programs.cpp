@@ -121,7 +121,7 @@ Programs::Programs(device::Context& context, KernelBody asked) : ProgramSources(
 
 std::vector<cl::Program> Programs::of_fields(const device::BuildWatch& watch) const {
     std::vector<cl::Program> built;
-    for (const LazyProgram& program : {scan, coarse_lists, sign_sweep, fill, mesh_records})
+    for (const LazyProgram& program : {scan, coarse_lists, sign_sweep, fill, face_records})
         built.push_back(program.get(watch));
     if (mesh_lanes() == 1) built.push_back(host_lists.get(watch));
     return built;

@@ -38,14 +38,14 @@ using device::ProgramSource;
     ROW(coarse_lists, by_body("coarse_lists.cl", "coarse_lists_by_group.cl"), lanes, "", true)       \
     ROW(sign_sweep, "sign_sweep.cl", 1, "", true)                                                    \
     ROW(fill, "fill.cl", lanes, "", true)                                                            \
-    ROW(mesh_records, "mesh_records.cl", mesh_lanes(), "", true)                                     \
+    ROW(face_records, "face_records.cl", mesh_lanes(), "", true)                                     \
     ROW(mesh_topology, "mesh_topology.cl", lanes, group_option(), is_by_group())                     \
     /* lists what is left to the host */                                                             \
     ROW(host_lists, "host_lists.cl", lanes, group_option(), is_by_group())                           \
     /* copies boxes to targets with strides */                                                       \
-    ROW(store, "store_boxes.cl", 1, "", true)                                                        \
+    ROW(store, "box_store.cl", 1, "", true)                                                          \
     /* puts the bricks of a sparse field in order */                                                 \
-    ROW(order, "order_bricks.cl", 1, "", true)                                                       \
+    ROW(order, "brick_order.cl", 1, "", true)                                                        \
     /* the search of processors, and the outputs of points */                                        \
     ROW(points, "points.cl", lanes, "", true)                                                        \
     /* the order of points in memory of the device, and their signs */                               \
@@ -67,7 +67,7 @@ struct ProgramSources {
     /// Throws Error(unsupported) if the device's work-groups are too small for the body.
     ProgramSources(const device::Context::Capabilities& capabilities, KernelBody asked);
 
-    /// Lanes of vectors of doubles, in mesh_records.
+    /// Lanes of vectors of doubles, in face_records.
     std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
     ProgramSource bricks_source(const BrickVariant& variant) const;
     /// Every program that a transform may ask for, each once.

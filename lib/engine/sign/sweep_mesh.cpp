@@ -123,7 +123,7 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
                                              const DeviceFaces& faces) {
     const std::size_t count = faces.names->vertex_count;
     auto vertices = job.tools.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
-    device::LentKernel kernel = job.tools.kernel(job.tools.programs.mesh_records, "sweep_vertices");
+    device::LentKernel kernel = job.tools.kernel(job.tools.programs.face_records, "sweep_vertices");
     ShortLaunches(job.tools.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
         set_arguments(kernel, 0, face_lattice(lattice.view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
                       begin, end, *faces.positions, *vertices);
@@ -271,7 +271,7 @@ SweepMesh near_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Lattic
             .first_x = lattice.first_x};
         if (numbers.empty()) return result;
         const auto clusters = job.upload(numbers, "clusters near a grid");
-        device::LentKernel kernel = job.tools.kernel(job.tools.programs.mesh_records, "sweep_clusters");
+        device::LentKernel kernel = job.tools.kernel(job.tools.programs.face_records, "sweep_clusters");
         ShortLaunches(job.tools.context, {})
             .over_items(kernel, corners, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
                 set_arguments(kernel, 0, face_lattice(view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},

@@ -2,7 +2,7 @@
 // which they end them (layout.h); a brick's place in the caller's arrays is the number of bricks with values before it:
 // those of earlier parts, of earlier ranges of this part, and of its own range. Runs of bricks inside are placed alike.
 
-#include "brick_ranges.h"
+#include "brick_order.h"
 #include "layout.h"
 #include "simd.h"
 

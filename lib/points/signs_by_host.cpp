@@ -1,4 +1,4 @@
-#include "points/point_signs.hpp"
+#include "points/signs_by_host.hpp"
 
 #include "core/parallel.hpp"
 #include "mesh/predicates.hpp"

@@ -1,6 +1,6 @@
 // Samples on their way from a computed block, which is packed, to targets with strides.
 
-#include "stored_box.h"
+#include "box_store.h"
 
 #define STORE(Type)                                                                                              \
     for (int x = piece; x < box->size[0]; x += pieces) {                                                         \

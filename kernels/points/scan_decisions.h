@@ -1,7 +1,7 @@
 // The decisions of the scan of points (point_scan.cl): a triangle that may be the nearest is evaluated in double, and
 // so are the faces that share its site.
-#ifndef CLSDF_POINT_DECISIONS_H
-#define CLSDF_POINT_DECISIONS_H
+#ifndef CLSDF_SCAN_DECISIONS_H
+#define CLSDF_SCAN_DECISIONS_H
 
 #include "point_distance.h"
 #include "point_groups.h"

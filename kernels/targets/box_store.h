@@ -1,6 +1,6 @@
 // One definition for the host and the kernels: where samples of a computed block go.
-#ifndef CLSDF_STORED_BOX_H
-#define CLSDF_STORED_BOX_H
+#ifndef CLSDF_BOX_STORE_H
+#define CLSDF_BOX_STORE_H
 
 #include "polyhedron.h"
 
