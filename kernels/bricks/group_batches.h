@@ -13,11 +13,11 @@
 #define SAMPLES_PER_ITEM (512 / GROUP)
 
 #define BATCH 64                  // polyhedra that are evaluated together
-#define BATCH_WORDS (BATCH / 32)  // of a bit each
+#define BATCH_WORDS (BATCH / 32)  // with a bit for each
 #define WINDOW CLSDF_WINDOW(GROUP)
 #define WINDOW_WORDS (WINDOW / 32)
 #define ROOM (WINDOW + 2 * GROUP)  // for chosen polyhedra
-#define OCTANTS 8                  // of a brick, of 4 x 4 x 4 samples: eight sub-blocks each
+#define OCTANTS 8                  // 4 x 4 x 4 samples of a brick: eight sub-blocks
 #define PAIRS (BATCH * OCTANTS)
 
 // Sample `lane` of sub-block b, from the brick's first sample.
@@ -54,7 +54,7 @@ typedef struct Batch {
     float3 feet[BATCH];      // from the foot of the altitude to the brick's centre
     Offsets offsets[BATCH];  // at the brick's centre
     Steps steps[BATCH];
-    Extent extent[BATCH];  // of a sub-block, without slack
+    Extent extent[BATCH];  // a sub-block's, without slack
 } Batch;
 
 #ifdef NEAREST
@@ -87,7 +87,7 @@ typedef struct Brick {
     int3 first;  // sample
     float3 spacing;
     float bound, slack;
-    float radius;  // of a sub-block, with slack
+    float radius;  // a sub-block's, with slack
 } Brick;
 
 // Chooses those of entries [begin, end), a window at most, that overlap brick b; returns how many are chosen now. A

@@ -20,7 +20,7 @@ INLINE uint lane_bits(longL condition) {
 // two faces it is no saddle vertex, either. Writes the corners of others that vertex_gaps can look at.
 static inline uint border_answer(__global const uint* corners, uint begin, uint end, __global const uchar* marks,
                                  __global uint* words) {
-    uint all_marks = 0, uses = 0;  // of edges with two faces: two each
+    uint all_marks = 0, uses = 0;  // two for each edge with two faces
     for (uint i = begin; i < end; ++i) {
         const uint k = corners[i] & 3;
         for (uint which = 0; which < 2; ++which) {

@@ -48,8 +48,8 @@ INLINE FaceDistance take_face(ScanMesh mesh, uint face, uint vector, int part, _
 
 #define BITS_OF(mask) lanes_to_bits(convert_intL(mask))
 
-// Takes all faces at a vertex for the points of a part, whose nearest site it may be. The vertices that were taken last
-// are known, the latest first: a vertex may have thousands of faces, each of which asks for it.
+// Takes all faces at a vertex that may be the nearest site of points of the part. The vertices that were taken last are
+// known, the latest first: a vertex may have thousands of faces, each of which asks for it.
 static void take_vertex(ScanMesh mesh, uint vertex, uint vector, int part, __global PointBrick* brick) {
     __global uint* latest = brick->vertex + OF_VECTOR(part);
     const uint known = BITS_OF(load_lanes(0, latest) == (uintL)vertex);

@@ -62,7 +62,7 @@ enum class MeshFormat { off, obj, stl, ply };
 /// ".off", ".obj", ".stl" or ".ply".
 const char* ending_of(MeshFormat format);
 
-/// What a reader skipped or changed.
+/// Counts of the lines, faces and numbers that a reader skipped or changed.
 struct ReadingNotes {
     struct Count {
         std::size_t count = 0;

@@ -61,8 +61,8 @@ using device::ProgramSource;
 /// The kernel files and options of one body on devices with the same capabilities.
 struct ProgramSources {
     KernelBody body;             ///< never automatic
-    std::size_t lanes = 1;       ///< of a work-item's vectors
-    std::size_t group_size = 0;  ///< of the body by_group
+    std::size_t lanes = 1;       ///< in a work-item's vectors
+    std::size_t group_size = 0;  ///< work-items of a group, in the body by_group
 
     /// Throws Error(unsupported) if the device's work-groups are too small for the body.
     ProgramSources(const device::Context::Capabilities& capabilities, KernelBody asked);
@@ -77,7 +77,7 @@ struct ProgramSources {
     std::string common_options(std::size_t of_lanes) const;
 
 protected:
-    /// What the rows of CLSDF_PROGRAMS are written with.
+    /// For the rows of CLSDF_PROGRAMS.
     bool is_by_group() const { return body == KernelBody::by_group; }
     const char* by_body(const char* by_vector, const char* by_group) const {
         return is_by_group() ? by_group : by_vector;

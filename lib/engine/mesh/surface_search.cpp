@@ -128,7 +128,7 @@ std::size_t SurfaceSearch::uncounted() const {
 
 std::vector<std::uint32_t> SurfaceSearch::close_with(const std::vector<Triangle>& other) {
     const OrientedParts parts(other, mesh_.vertices().size());
-    std::vector<std::uint8_t> has_rim(other.size()), fits(other.size(), 1);  // of each part, by its lowest face
+    std::vector<std::uint8_t> has_rim(other.size()), fits(other.size(), 1);  // by the lowest face of a part
     for (std::size_t i = 0; i + 1 < parts.edges.size(); ++i) {
         if ((parts.edges[i + 1] - parts.edges[i]) % 2 == 0) continue;
         for (std::size_t n = parts.edges[i]; n < parts.edges[i + 1]; ++n) {

@@ -45,8 +45,8 @@ private:
     void count() { edges_ = count_edges(triangles_, mesh_.vertices().size()); }
 
     const Mesh& mesh_;
-    std::vector<Triangle> triangles_;  // of the surface so far; those that do not count have one vertex
-    EdgeCounts edges_;                 // of the surface so far
+    std::vector<Triangle> triangles_;  // the surface so far; those that do not count have one vertex
+    EdgeCounts edges_;                 // the surface's edges
     SignSurface surface_;
     std::size_t joined_ = 0;
     std::size_t reoriented_ = 0;

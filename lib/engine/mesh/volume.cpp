@@ -17,7 +17,7 @@ struct Volume {
     friend Volume operator+(const Volume& a, const Volume& b) { return {a.sum + b.sum, a.magnitude + b.magnitude}; }
 };
 
-/// Of faces [begin, end), divided by halves down to leaves of 64: an order that GPUs sum in, too
+/// Sums faces [begin, end), divided by halves down to leaves of 64: an order that GPUs sum in, too
 /// (kernels/frusta/mesh_volume.h).
 template <class TriangleOf>
 Volume volume_of(const LocalFrame& frame, const TriangleOf& triangle_of, std::size_t begin, std::size_t end) {
