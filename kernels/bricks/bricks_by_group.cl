@@ -95,13 +95,13 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 #endif
         const size_t number_in_part =
             ((size_t)relative_brick.z * bricks.y + relative_brick.y) * bricks.x + relative_brick.x;
-        uint at_in_list = CLSDF_NOT_LISTED;
+        uint at_in_list = CLSDF_NOT_STORED;
         if (listed != 0)
             at_in_list =
                 list_brick(layout, relative_brick, number_in_part, sign_bits, &minimum, computed, listed, work.words);
         else if (item == 0)
             computed[number_in_part] = 1;
-        if (listed == 0 || at_in_list != CLSDF_NOT_LISTED)
+        if (listed == 0 || at_in_list != CLSDF_NOT_STORED)
             write_samples(layout, brick, relative_brick, at_in_list, sign_bits, &minimum, distance,
 #ifdef NEAREST
                           &work.room.minima, &finishing,

@@ -8,9 +8,9 @@
 #include "finish.h"
 #endif
 
-// The place of a brick in the list of a sparse field, or CLSDF_NOT_LISTED if no sample of it is in the band or there
+// The place of a brick in the list of a sparse field, or CLSDF_NOT_STORED if no sample of it is in the band or there
 // is no more room. number: the brick's in the part. All work-items get the same.
-#define CLSDF_NOT_LISTED 0xFFFFFFFFu
+#define CLSDF_NOT_STORED 0xFFFFFFFFu
 static inline uint list_brick(Layout layout, int3 relative_brick, size_t number, __global const uint* sign_bits,
                               __private const ItemMinimum* minimum, __global uchar* computed, __global uint* listed,
                               __local uint* shared) {
@@ -33,14 +33,14 @@ static inline uint list_brick(Layout layout, int3 relative_brick, size_t number,
     const bool is_listed = *shared != 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item == 0) {
-        uint at = CLSDF_NOT_LISTED;
+        uint at = CLSDF_NOT_STORED;
         if (is_listed) {
             computed[number] = 1;
-            at = atomic_inc(listed + CLSDF_LISTED_COUNT);
-            if (at < listed[CLSDF_LISTED_ROOM])
-                listed[CLSDF_LISTED + at] = (uint)number;
+            at = atomic_inc(listed + CLSDF_STORED_COUNT);
+            if (at < listed[CLSDF_STORED_ROOM])
+                listed[CLSDF_STORED + at] = (uint)number;
             else
-                at = CLSDF_NOT_LISTED;
+                at = CLSDF_NOT_STORED;
         }
         *shared = at;
     }
@@ -49,7 +49,7 @@ static inline uint list_brick(Layout layout, int3 relative_brick, size_t number,
 }
 
 // Writes the work-item's samples. relative_brick: the brick's position in the part. at: its place in the list of a
-// sparse field, or CLSDF_NOT_LISTED in a dense one.
+// sparse field, or CLSDF_NOT_STORED in a dense one.
 static inline void write_samples(Layout layout, Brick brick, int3 relative_brick, uint at,
                                  __global const uint* sign_bits, __private const ItemMinimum* minimum,
                                  __global float* distance,
@@ -62,7 +62,7 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
         const uint sample = s * GROUP + get_local_id(0);
         const int3 in_brick = sample_of(sample / SMALL_SUBBLOCK_SAMPLES, sample % SMALL_SUBBLOCK_SAMPLES);
         const int3 to = brick.first + in_brick - part_first;
-        const bool is_sparse = at != CLSDF_NOT_LISTED;
+        const bool is_sparse = at != CLSDF_NOT_STORED;
         if (!is_sparse && (any(to < 0) || any(to >= size))) continue;
         const int3 in_bricks = relative_brick * CLSDF_BRICK + in_brick;
         const bool negative = is_inside(sign_row(layout, sign_bits, in_bricks.y, in_bricks.z), in_bricks.x);

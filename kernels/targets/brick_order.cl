@@ -41,7 +41,7 @@ __kernel void count_marks(Layout layout, uint bricks, uint ranges, __global cons
 
 // How many bricks of the part are listed.
 INLINE uint listed_count(__global const uint* listed) {
-    return min(listed[CLSDF_LISTED_COUNT], listed[CLSDF_LISTED_ROOM]);
+    return min(listed[CLSDF_STORED_COUNT], listed[CLSDF_STORED_ROOM]);
 }
 
 // Finds the place of each listed brick, and stores its first sample there. starts: the prefix sums of `counts`.
@@ -52,7 +52,7 @@ __kernel void place_bricks(Layout layout, __global const uchar* marks, __global 
                            ulong from, __global long* firsts) {
     const uint n = get_global_id(0);
     if (n >= listed_count(listed)) return;
-    const uint number = listed[CLSDF_LISTED + n], range = number / CLSDF_RANGE_BRICKS;
+    const uint number = listed[CLSDF_STORED + n], range = number / CLSDF_RANGE_BRICKS;
     uint before = starts[range];
     for (uint other = range * CLSDF_RANGE_BRICKS; other < number; ++other) before += has_values(marks[other]);
     const ulong place = totals[0] + before;
@@ -68,7 +68,7 @@ __kernel void place_bricks(Layout layout, __global const uchar* marks, __global 
     if (n >= listed_count(listed) || places[n] == NO_PLACE) return;                                       \
     __global const Word* of_brick = (__global const Word*)values + (size_t)n * (count);                   \
     __global Word* place = (__global Word*)(to + from) + (size_t)places[n] * (count);                     \
-    const bool is_left = in_band != 0 && n >= listed[CLSDF_LISTED_IN_BAND];                               \
+    const bool is_left = in_band != 0 && n >= listed[CLSDF_STORED_IN_BAND];                               \
     for (uint i = piece; i < (count); i += pieces) place[i] = is_left ? (ones) : of_brick[i];
 
 __kernel void store_bricks(__global const uint* listed, __global const uint* places, __global const uchar* values,

@@ -37,7 +37,7 @@ ListedBricks::ListedBricks(device::BufferPool& pool, std::size_t room_in, std::s
                            const targets::HostArrays& wanted_in)
     : room(room_in), wanted(wanted_in) {
     const std::size_t ranges = range_count(most);
-    listed = pool.lease((CLSDF_LISTED + room) * sizeof(cl_uint), "list of the bricks near the surface");
+    listed = pool.lease((CLSDF_STORED + room) * sizeof(cl_uint), "list of the bricks near the surface");
     counts = pool.lease(2 * ranges * sizeof(cl_uint), "counts of the bricks near the surface");
     starts = pool.lease((2 * ranges + 1) * sizeof(cl_uint), "sums of the bricks near the surface");
     places = pool.lease(room * sizeof(cl_uint), "places of the bricks near the surface");
@@ -123,7 +123,7 @@ namespace {
 struct KnownBricks {
     Layout layout{};  ///< its bricks alone
     std::vector<cl_uchar> marks;
-    std::vector<cl_uint> listed;  ///< CLSDF_LISTED
+    std::vector<cl_uint> listed;  ///< CLSDF_STORED
     std::vector<Index3> firsts;   ///< in order, with `places` in the list
     std::vector<cl_uint> places;
     std::vector<BrickRun> runs;
@@ -222,7 +222,7 @@ std::optional<std::string> difference_of_order(const Device& device, const engin
     for (std::size_t n = 0; n < to.room.bricks; ++n) {
         if (firsts[n] != known.firsts[n % count]) return "bricks are out of order";
         const std::size_t place = known.places[n % count];
-        const bool is_left = place >= known.listed[CLSDF_LISTED_IN_BAND];
+        const bool is_left = place >= known.listed[CLSDF_STORED_IN_BAND];
         for (std::size_t i = 0; i < brick_samples; ++i) {
             const std::size_t from = place * brick_samples + i, at = n * brick_samples + i;
             if (found_distances[at] != distances[from] || found_sites[at] != (is_left ? 0xFF : sites[from]))

@@ -182,8 +182,8 @@ cl::Event SparsePlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl
         [](const OutputInfo&, const device::BufferPool::Lease& lease, cl::Buffer& buffer) { buffer = *lease; },
         listed_->values, buffers);
     buffers.listed = *listed_->listed;
-    std::array<cl_uint, CLSDF_LISTED> head{};
-    head[CLSDF_LISTED_ROOM] = static_cast<cl_uint>(listed_->room);
+    std::array<cl_uint, CLSDF_STORED> head{};
+    head[CLSDF_STORED_ROOM] = static_cast<cl_uint>(listed_->room);
     for (PlannedSlab& planned : planned_) {
         chain.then([&](auto& to, auto* wait, auto* event) {
             to.enqueueFillBuffer(*listed_->listed, head, 0, sizeof head, wait, event);
