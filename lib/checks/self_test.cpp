@@ -397,9 +397,9 @@ TestSubject topology_subject(const engine::Workshop& workshop) {
                 workshop.programs.face_records.get(watch)};
     };
     subject.difference = [&workshop](const device::BuildWatch&) {
-        const engine::DeviceSetUp job{workshop.tools()};
-        auto difference = topology_difference(job, mesh_of_known_topology());
-        return difference ? difference : sweep_difference(job);
+        const engine::DeviceSetUp set_up{workshop.tools()};
+        auto difference = topology_difference(set_up, mesh_of_known_topology());
+        return difference ? difference : sweep_difference(set_up);
     };
     return subject;
 }
