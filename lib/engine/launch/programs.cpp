@@ -1,6 +1,6 @@
 #include "launch/programs.hpp"
 
-#include "device/bundled_driver.hpp"
+#include "device/find/bundled_driver.hpp"
 #include "device/opencl.hpp"
 #include "layout.h"
 
