@@ -144,9 +144,9 @@ __kernel void leave_empty_bricks(Layout layout, __global const uchar* computed, 
 // bits: of its first row.
 INLINE void list_mixed_brick(Layout layout, uint number, __global const uint* bits, uint shift, __global uint* listed,
                              __global float* distance) {
-    const uint at = atomic_inc(listed + CLSDF_LISTED_COUNT);
-    if (at >= listed[CLSDF_LISTED_ROOM]) return;
-    listed[CLSDF_LISTED + at] = number;
+    const uint at = atomic_inc(listed + CLSDF_STORED_COUNT);
+    if (at >= listed[CLSDF_STORED_ROOM]) return;
+    listed[CLSDF_STORED + at] = number;
     __global float* to = distance + (size_t)at * CLSDF_BRICK_SAMPLES;
     for (int z = 0; z < CLSDF_BRICK; ++z)
         for (int y = 0; y < CLSDF_BRICK; ++y) {

@@ -225,9 +225,9 @@ static inline void list_used(Layout layout, int3 coarse, ulong bricks, __global 
         const int3 brick = brick_of_coarse(coarse, b);
         if (has_band(layout, brick, minima + b, output)) {
             *mark_of(layout, brick, output) = 1;
-            const uint at = atomic_inc(output.listed + CLSDF_LISTED_COUNT);
-            if (at < output.listed[CLSDF_LISTED_ROOM]) {
-                output.listed[CLSDF_LISTED + at] = (uint)number_of_brick(layout, brick);
+            const uint at = atomic_inc(output.listed + CLSDF_STORED_COUNT);
+            if (at < output.listed[CLSDF_STORED_ROOM]) {
+                output.listed[CLSDF_STORED + at] = (uint)number_of_brick(layout, brick);
                 write_listed(layout, brick, at, minima + b, output, counters);
             }
         }

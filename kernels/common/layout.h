@@ -32,12 +32,13 @@
 // A sparse field: the mark of a brick without values that is inside. One that is outside keeps the mark 0.
 #define CLSDF_INSIDE_BRICK 3
 
-// The list of the bricks of a sparse field that have values. The values of brick listed[CLSDF_LISTED + n] of the part
-// are at n in the arrays of outputs, 512 samples with x running fastest. Dense fields have no list.
-#define CLSDF_LISTED_COUNT 0    // how many there are; those beyond the room are only counted
-#define CLSDF_LISTED_ROOM 1     // how many there is room for
-#define CLSDF_LISTED_IN_BAND 2  // the first ones, which have samples of the band; the others have both signs only
-#define CLSDF_LISTED 4
+// The stored bricks of a sparse field, which have values: three counts, then from CLSDF_STORED on the bricks' numbers.
+// The values of brick listed[CLSDF_STORED + n] of the part are at n in the arrays of outputs, 512 samples with x
+// running fastest. A dense field has no such array.
+#define CLSDF_STORED_COUNT 0    // how many there are; those beyond the room are only counted
+#define CLSDF_STORED_ROOM 1     // how many there is room for
+#define CLSDF_STORED_IN_BAND 2  // the first ones, which have samples of the band; the others have both signs only
+#define CLSDF_STORED 4
 #define CLSDF_BRICK_SAMPLES 512
 
 // The counters of the counting variant of the kernels, a set for each work-item.

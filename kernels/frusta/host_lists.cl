@@ -1,4 +1,4 @@
-// Lists the faces of a mesh that the host looks at: those that kernels leave to it (mesh_records.cl), and all faces at
+// Lists the faces of a mesh that the host looks at: those that kernels leave to it (face_records.cl), and all faces at
 // their edges.
 
 #include "face_sources.h"

@@ -8,17 +8,15 @@
 #include "face_sources.h"
 #include "given_triples.h"
 #include "joined_vertices.h"
+#include "mesh_boxes.h"
 #include "mesh_groups.h"
 #include "mesh_topology.h"
+#include "mesh_volume.h"
 #include "paired_edges.h"
 #include "simd.h"
 #include "spread_bits.h"
 
 #pragma OPENCL FP_CONTRACT OFF
-
-static inline double3 position(__global const double* positions, uint vertex) {
-    return vload3(vertex, positions);
-}
 
 // The caller's arrays. ------------------------------------------------------------------------------------------------
 
@@ -95,98 +93,6 @@ __kernel GROUP_OF_KERNEL void count_vertices(TopologySizes sizes, Atomic words, 
     count_up(is_first, &sum, (Atomic)&results->different_vertices);
 }
 
-// The order of the faces. ---------------------------------------------------------------------------------------------
-
-// Joins boxes of the work-items of a group; the first one's becomes that of all. limits: 6 GROUP numbers.
-static inline void join_boxes(__private double* box, __local double* limits) {
-    const uint item = get_local_id(0);
-    for (uint i = 0; i < 6; ++i) limits[i * GROUP + item] = box[i];
-    for (uint apart = GROUP / 2; apart > 0; apart /= 2) {
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (item >= apart) continue;
-        for (uint i = 0; i < 6; ++i) {
-            const double own = limits[i * GROUP + item], other = limits[i * GROUP + item + apart];
-            limits[i * GROUP + item] = i < 3 ? LESSER(other, own) : GREATER(other, own);
-        }
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint i = 0; i < 6; ++i) box[i] = limits[i * GROUP];
-}
-
-#define BOX_OF_NONE \
-    { INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY }
-
-// Adds a position to a box. Returns whether it is finite.
-static inline bool add_position(double3 p, __private double* box) {
-    const double at[3] = {p.x, p.y, p.z};
-    bool is_finite = true;
-    for (uint axis = 0; axis < 3; ++axis) {
-        box[axis] = LESSER(at[axis], box[axis]);
-        box[3 + axis] = GREATER(at[axis], box[3 + axis]);
-        is_finite = is_finite && isfinite(at[axis]);
-    }
-    return is_finite;
-}
-
-// Writes a group's box.
-static inline void store_box(__private double* box, __local double* limits, __global double* boxes) {
-    join_boxes(box, limits);
-    if (get_local_id(0) == 0)
-        for (uint i = 0; i < 6; ++i) boxes[6 * get_group_id(0) + i] = box[i];
-}
-
-// Marks the vertices in use, and measures a box a group.
-__kernel GROUP_OF_KERNEL void look_at_faces(TopologySizes sizes, __global const double* positions,
-                                            __global const uint* triangles, Atomic words, __global double* boxes,
-                                            __global TopologyResults* results) {
-    __local double limits[6 * GROUP];
-    double box[6] = BOX_OF_NONE;
-    bool are_finite = true;
-    for (uint face = get_global_id(0); face < sizes.faces; face += get_global_size(0))
-        for (uint k = 0; k < 3; ++k) {
-            const uint vertex = triangles[3 * (size_t)face + k];
-            atomic_or(words + sizes.used + vertex / 32, 1u << vertex % 32);
-            are_finite = add_position(position(positions, vertex), box) && are_finite;
-        }
-    if (!are_finite) atomic_max((Atomic)&results->is_refused, 1u);
-    store_box(box, limits, boxes);
-}
-
-// One group.
-__kernel GROUP_OF_KERNEL void join_group_boxes(uint count, __global const double* boxes,
-                                               __global TopologyResults* results) {
-    __local double limits[6 * GROUP];
-    double box[6] = BOX_OF_NONE;
-    for (uint n = get_local_id(0); n < count; n += GROUP)
-        for (uint i = 0; i < 6; ++i) {
-            const double other = boxes[6 * n + i];
-            box[i] = i < 3 ? LESSER(other, box[i]) : GREATER(other, box[i]);
-        }
-    join_boxes(box, limits);
-    if (get_local_id(0) == 0)
-        for (uint i = 0; i < 6; ++i) results->box[i] = box[i] + 0.0;  // no negative zeros
-}
-
-// Vertices that have moved: takes their positions in the order, and measures a box a group, and whether all are finite.
-// vertices: the caller's numbers.
-__kernel GROUP_OF_KERNEL void move_vertices(uint count, __global const uint* vertices, GivenTriples of_positions,
-                                            __global const uint* given, __global double* positions,
-                                            __global double* boxes, __global TopologyResults* results) {
-    __local double limits[6 * GROUP];
-    double box[6] = BOX_OF_NONE;
-    bool are_finite = true;
-    for (uint vertex = get_global_id(0); vertex < count; vertex += get_global_size(0)) {
-        double3 at;
-        at.x = coordinate(of_positions, given, vertices[vertex], 0);
-        at.y = coordinate(of_positions, given, vertices[vertex], 1);
-        at.z = coordinate(of_positions, given, vertices[vertex], 2);
-        vstore3(at, vertex, positions);
-        are_finite = add_position(at, box) && are_finite;
-    }
-    if (!are_finite) atomic_max((Atomic)&results->is_refused, 1u);
-    store_box(box, limits, boxes);
-}
-
 // Whether vertices that have moved and had equal coordinates have them still; if not, or if the first of those that
 // are equal is not in use, the host looks at them. first_equal: of count_vertices().
 __kernel void compare_equal_vertices(uint count, __global const uint* first_equal, GivenTriples of_positions,
@@ -202,59 +108,7 @@ __kernel void compare_equal_vertices(uint count, __global const uint* first_equa
     if (!are_equal) atomic_max((Atomic)&results->is_refused, 1u);
 }
 
-// Adds the box of a face: that of box_of() in lib/engine/frusta/cluster_index.cpp.
-static inline void add_ball(double3 a, double3 b, double3 c, __private double* box) {
-    const double3 sides[3] = {b - a, c - b, a - c};
-    double squares[3];
-    for (uint k = 0; k < 3; ++k)
-        squares[k] = sides[k].x * sides[k].x + sides[k].y * sides[k].y + sides[k].z * sides[k].z;
-    double3 start = a, edge = sides[0], to_apex = c - a;
-    double squared = squares[0];
-    if (squares[1] > squared) {
-        start = b;
-        edge = sides[1];
-        to_apex = a - b;
-        squared = squares[1];
-    }
-    if (squares[2] > squared) {
-        start = c;
-        edge = sides[2];
-        to_apex = b - c;
-        squared = squares[2];
-    }
-    const double product = to_apex.x * edge.x + to_apex.y * edge.y + to_apex.z * edge.z;
-    double along = 0.0, extent = 2.0 * (fabs(edge.x) + fabs(edge.y) + fabs(edge.z));
-    if (squared > 1e-280 && squared < 1e280) {
-        const double ratio = product / squared, positive = GREATER(ratio, 0.0);
-        along = LESSER(positive, 1.0);
-        const double rest = 1.0 - along, farther = GREATER(along, rest), share = GREATER(farther, 0.8661);
-        extent = sqrt(squared) * share * (1.0 + 1e-6);
-    }
-    const double3 foot = start + along * edge;
-    const double feet[3] = {foot.x, foot.y, foot.z};
-    for (uint axis = 0; axis < 3; ++axis) {
-        const double rounding = 1e-15 * fabs(feet[axis]);
-        const double lower = feet[axis] - extent - rounding, upper = feet[axis] + extent + rounding;
-        box[axis] = LESSER(lower, box[axis]);
-        box[3 + axis] = GREATER(upper, box[3 + axis]);
-    }
-    add_position(a, box);
-    add_position(b, box);
-    add_position(c, box);
-}
-
-// The boxes of clusters, without rounding. A group has a cluster.
-__kernel GROUP_OF_KERNEL void cluster_boxes(uint faces, __global const uint* triangles,
-                                            __global const double* positions, __global double* boxes) {
-    __local double limits[6 * GROUP];
-    double box[6] = BOX_OF_NONE;
-    const uint begin = CLSDF_CLUSTER * (uint)get_group_id(0), end = min(faces, begin + CLSDF_CLUSTER);
-    for (uint face = begin + (uint)get_local_id(0); face < end; face += GROUP) {
-        __global const uint* const t = triangles + 3 * (size_t)face;
-        add_ball(position(positions, t[0]), position(positions, t[1]), position(positions, t[2]), box);
-    }
-    store_box(box, limits, boxes);
-}
+// The order of the faces. ---------------------------------------------------------------------------------------------
 
 static inline uint cell_of(double place, double last) {
     const double positive = place > 0.0 ? place : 0.0;
@@ -406,70 +260,4 @@ __kernel GROUP_OF_KERNEL void join_faces(TopologySizes sizes, __global const uin
     }
     count_up(joined, &sum, (Atomic)&results->joined_vertices);
     count_up((all_marks & ~CLSDF_EDGE_OPEN) != 0, &sum, (Atomic)&results->irregular_faces);
-}
-
-// The enclosed volume. ------------------------------------------------------------------------------------------------
-
-// The sums of encloses_negative_volume(). The faces, in the caller's order, are divided by halves into leaves; a
-// work-item has a leaf. sums: a sum and the sum of magnitudes of each of 2^levels leaves, zeros if a larger range is a
-// leaf.
-__kernel void sum_volumes(TopologySizes sizes, uint levels, __global const double* positions,
-                          __global const uint* triangles, __global const TopologyResults* results,
-                          __global double* sums) {
-    const uint leaf = get_global_id(0);
-    if (leaf >= 1u << levels) return;
-    double centre[3], half_side = 0.0;
-    for (uint axis = 0; axis < 3; ++axis) {
-        const double lower = results->box[axis], upper = results->box[3 + axis];
-        centre[axis] = 0.5 * lower + 0.5 * upper;
-        const double half_of_axis = 0.5 * upper - 0.5 * lower;
-        half_side = GREATER(half_of_axis, half_side);
-    }
-    const double inverse = 1.0 / half_side, scale = half_side > 0.0 ? LESSER(inverse, 1e300) : 0.0;
-    uint begin = 0, end = sizes.faces;
-    for (uint level = levels; level-- > 0;) {
-        const bool is_second = leaf >> level & 1u;
-        if (end - begin <= CLSDF_VOLUME_LEAF) {
-            if (is_second) end = begin;
-            continue;
-        }
-        const uint middle = begin + (end - begin) / 2;
-        if (is_second)
-            begin = middle;
-        else
-            end = middle;
-    }
-    double sum = 0.0, magnitude = 0.0;
-    for (uint face = begin; face < end; ++face) {
-        double at[3][3];
-        for (uint corner = 0; corner < 3; ++corner) {
-            const double3 p = position(positions, triangles[3 * (size_t)face + corner]);
-            at[corner][0] = (p.x - centre[0]) * scale;
-            at[corner][1] = (p.y - centre[1]) * scale;
-            at[corner][2] = (p.z - centre[2]) * scale;
-        }
-        for (uint i = 0; i < 3; ++i) {
-            const uint j = next_of(i), k = previous_of(i);
-            const double first = at[1][j] * at[2][k], second = at[1][k] * at[2][j];
-            sum += at[0][i] * (first - second);
-            magnitude += fabs(at[0][i]) * (fabs(first) + fabs(second));
-        }
-    }
-    sums[2 * (size_t)leaf] = sum;
-    sums[2 * (size_t)leaf + 1] = magnitude;
-}
-
-// One group.
-__kernel GROUP_OF_KERNEL void join_volumes(uint levels, __global double* sums, __global TopologyResults* results) {
-    const uint leaves = 1u << levels;
-    for (uint apart = 1; apart < leaves; apart *= 2) {
-        for (uint leaf = get_local_id(0) * 2 * apart; leaf < leaves; leaf += GROUP * 2 * apart) {
-            sums[2 * (size_t)leaf] += sums[2 * (size_t)(leaf + apart)];
-            sums[2 * (size_t)leaf + 1] += sums[2 * (size_t)(leaf + apart) + 1];
-        }
-        barrier(CLK_GLOBAL_MEM_FENCE);
-    }
-    if (get_local_id(0) != 0) return;
-    results->volume[0] = sums[0];
-    results->volume[1] = sums[1];
 }

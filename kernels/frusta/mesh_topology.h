@@ -1,4 +1,4 @@
-// One definition for the host and the kernels: what a GPU finds out about a mesh (mesh_topology.cl).
+// One definition for the host and the kernels: the results of a GPU that looks at a mesh (mesh_topology.cl).
 #ifndef CLSDF_MESH_TOPOLOGY_H
 #define CLSDF_MESH_TOPOLOGY_H
 
@@ -64,7 +64,7 @@ typedef struct GivenTriples {
     clsdf_uint32 unused;
 } GivenTriples;
 
-// The lengths of lists of what kernels leave to the host. They begin as zeros.
+// The lengths of the lists of faces that kernels leave to the host. They begin as zeros.
 typedef struct ListCounts {
     clsdf_uint32 measured;    // faces left to the host, and those around such vertices
     clsdf_uint32 near;        // these and all faces at the edges of those that the host measures

@@ -3,15 +3,15 @@
 // From superblocks to vectors, a group's list of polyhedra goes to its 16 children at once, a child a lane: a
 // polyhedron stays if it overlaps the child's box within the child's upper bound of the distance. The distances of a
 // vector's points to the triangles of its list are taken in float. Each triangle that may be the nearest, given the
-// error of floats, is evaluated again in double (point_decisions.h), and so are the faces that share its site. So a
+// error of floats, is evaluated again in double (scan_decisions.h), and so are the faces that share its site. So a
 // point's result is the pair (squared distance, triangle) that points.cl finds.
 //
 // Compile-time options: LANES (simd.h), 16 or 8.
 
 #include "edge_offsets.h"
 #include "frame.h"
-#include "point_decisions.h"
 #include "point_groups.h"
+#include "scan_decisions.h"
 #include "simd.h"
 
 // Slack of the overlap test, in units: what polyhedra need (frusta.hpp) and the rounding of floats, with room.

@@ -1,6 +1,6 @@
 // The signs of points that neither their nearest faces nor the mesh's box tell: whether they lie on the surface, and
-// the crossings of a ray along x. The rules are those of the host (lib/points/point_signs.cpp). Every decision is exact
-// (expansions.h), so the signs are the same; a point whose coordinates are out of range of that stays open.
+// the crossings of a ray along x. The rules are those of the host (lib/points/signs_by_host.cpp). Every decision is
+// exact (expansions.h), so the signs are the same; a point whose coordinates are out of range of that stays open.
 
 #include "point_order.h"
 #include "point_source.h"

@@ -11,7 +11,7 @@
 #include "points/few_points.hpp"
 #include "points/packed_outputs.hpp"
 #include "points/point_query.hpp"
-#include "points/point_signs.hpp"
+#include "points/signs_by_host.hpp"
 #include "points/usable_points.hpp"
 #include "targets/mapped_memory.hpp"
 #include "targets/output_targets.hpp"

@@ -22,7 +22,7 @@ using calls::SparseTarget;
 using plans::Batch;
 using plans::Slab;
 
-using ListHead = std::array<cl_uint, CLSDF_LISTED>;
+using ListHead = std::array<cl_uint, CLSDF_STORED>;
 
 /// The first samples of bricks of a part, which are numbered with x running fastest.
 class BrickNumbers {
@@ -200,14 +200,14 @@ private:
                 buffer = *lease;
             },
             batch_.arrays, values_, buffers);
-        const std::size_t list_bytes = (CLSDF_LISTED + room) * sizeof(cl_uint);
+        const std::size_t list_bytes = (CLSDF_STORED + room) * sizeof(cl_uint);
         if (listed_.bytes() < list_bytes) {
             listed_ = {};
             listed_ = pool.lease_for_list(list_bytes, "list of the bricks near the surface");
         }
         buffers.listed = *listed_;
         head_ = {};
-        head_[CLSDF_LISTED_ROOM] = static_cast<cl_uint>(room);
+        head_[CLSDF_STORED_ROOM] = static_cast<cl_uint>(room);
         context.run_or_drain([&] {
             running_.throw_if_stopped();
             const cl::CommandQueue& queue = context.queue();
@@ -222,7 +222,7 @@ private:
         plan_->statistics.field_seconds = watch.seconds();
     }
 
-    std::size_t count() const { return head_[CLSDF_LISTED_COUNT]; }
+    std::size_t count() const { return head_[CLSDF_STORED_COUNT]; }
 
     bool is_only_counted() const { return count() > target_.most(); }
 
@@ -237,8 +237,8 @@ private:
                 {ReadBuffer(context, plan_->marks(), bricks_of_part).values<cl_uchar>(), bricks_of_part}, first_of);
             bricks_.clear();
             if (is_only_counted()) return;
-            const ReadBuffer list(context, *listed_, (CLSDF_LISTED + count()) * sizeof(cl_uint));
-            const cl_uint* numbers = list.values<cl_uint>() + CLSDF_LISTED;
+            const ReadBuffer list(context, *listed_, (CLSDF_STORED + count()) * sizeof(cl_uint));
+            const cl_uint* numbers = list.values<cl_uint>() + CLSDF_STORED;
             std::vector<cl_uint> order(count());
             std::iota(order.begin(), order.end(), cl_uint{0});
             std::ranges::sort(order, {}, [&](cl_uint place) { return numbers[place]; });
@@ -257,7 +257,7 @@ private:
                         [&](std::size_t n) {
                             std::byte* const place = array.data + n * bytes;
                             // Bricks with both signs and no sample in the band have distances only.
-                            if (row.output != Output::distance && order[n] >= head_[CLSDF_LISTED_IN_BAND])
+                            if (row.output != Output::distance && order[n] >= head_[CLSDF_STORED_IN_BAND])
                                 std::memset(place, 0xFF, bytes);
                             else
                                 std::memcpy(place, from + order[n] * bytes, bytes);

@@ -13,7 +13,7 @@
 
 namespace clsdf::checks {
 
-/// Which of the known fields: what decides which kernels compute it.
+/// A kind of known fields. It decides which kernels compute the field.
 struct KnownFieldKind {
     bool wide = false;            ///< no band; else one of a few voxels, with other limits inside than outside
     bool long_bricks = false;     ///< samples farther apart along z

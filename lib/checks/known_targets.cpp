@@ -1,6 +1,6 @@
 #include "checks/known_targets.hpp"
 
-#include "brick_ranges.h"
+#include "brick_order.h"
 #include "targets/ordered_bricks.hpp"
 #include "targets/stored_boxes.hpp"
 
@@ -70,7 +70,7 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
 struct KnownBricks {
     Layout layout{};  ///< its bricks alone
     std::vector<cl_uchar> marks;
-    std::vector<cl_uint> listed;  ///< CLSDF_LISTED
+    std::vector<cl_uint> listed;  ///< CLSDF_STORED
     std::vector<Index3> firsts;   ///< in order, with `places` in the list
     std::vector<cl_uint> places;
     std::vector<BrickRun> runs;
@@ -172,7 +172,7 @@ std::optional<std::string> difference_of_order(const Device& device, const engin
     for (std::size_t n = 0; n < to.room.bricks; ++n) {
         if (firsts[n] != known.firsts[n % count]) return "bricks are out of order";
         const std::size_t place = known.places[n % count];
-        const bool is_left = place >= known.listed[CLSDF_LISTED_IN_BAND];
+        const bool is_left = place >= known.listed[CLSDF_STORED_IN_BAND];
         for (std::size_t i = 0; i < brick_samples; ++i) {
             const std::size_t from = place * brick_samples + i, at = n * brick_samples + i;
             if (found_distances[at] != distances[from] || found_sites[at] != (is_left ? 0xFF : sites[from]))

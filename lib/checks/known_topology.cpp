@@ -28,9 +28,9 @@ using Numbers = std::vector<std::uint32_t>;
 
 /// The first `count` values of a buffer.
 template <class Value>
-std::vector<Value> read(const engine::DeviceSetUp& job, const cl::Buffer& buffer, std::size_t count) {
+std::vector<Value> read(const engine::DeviceSetUp& set_up, const cl::Buffer& buffer, std::size_t count) {
     std::vector<Value> values(count);
-    job.tools.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(Value), values.data());
+    set_up.tools.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(Value), values.data());
     return values;
 }
 
@@ -150,7 +150,7 @@ namespace {
 
 /// From a mesh's arrays in memory of the device, with a number between two positions.
 template <class Real, class Index>
-std::optional<engine::MadeTopology> made_of_device_arrays(const engine::DeviceSetUp& job, const Mesh& mesh) {
+std::optional<engine::MadeTopology> made_of_device_arrays(const engine::DeviceSetUp& set_up, const Mesh& mesh) {
     std::vector<Real> numbers;
     for (const Vec3& vertex : mesh.vertices()) {
         for (const double x : vertex) numbers.push_back(static_cast<Real>(x));
@@ -158,10 +158,10 @@ std::optional<engine::MadeTopology> made_of_device_arrays(const engine::DeviceSe
     }
     std::vector<Index> indices;
     for (const Triangle& triangle : mesh.triangles()) indices.insert(indices.end(), triangle.begin(), triangle.end());
-    const auto positions = job.upload(numbers, "vertices"), triangles = job.upload(indices, "triangles");
+    const auto positions = set_up.upload(numbers, "vertices"), triangles = set_up.upload(indices, "triangles");
     constexpr cl_long of_real = sizeof(Real) / sizeof(cl_uint), of_index = sizeof(Index) / sizeof(cl_uint);
     return engine::make_device_topology(
-        job, {*positions, mesh.vertices().size(), {0, 4 * of_real, of_real, of_real - 1, 0}},
+        set_up, {*positions, mesh.vertices().size(), {0, 4 * of_real, of_real, of_real - 1, 0}},
         {*triangles, mesh.triangles().size(), {0, 3 * of_index, of_index, of_index - 1, 0}});
 }
 
@@ -172,7 +172,7 @@ bool has_floats(const Mesh& mesh) {
     });
 }
 
-std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const Mesh& given,
+std::optional<std::string> difference_of(const engine::DeviceSetUp& set_up, const Mesh& given,
                                          const std::optional<engine::MadeTopology>& made) {
     if (!made) return "the mesh is refused";
     Comparison comparison;
@@ -185,23 +185,23 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
                              counts.coincident_vertices);
     if (comparison.difference()) return comparison.difference();
     const engine::EqualVertices* const equal = made->topology->equal.get();
-    if (equal != nullptr) comparison.compare("equal vertices", equal->read(job), first);
+    if (equal != nullptr) comparison.compare("equal vertices", equal->read(set_up), first);
     const Mesh mesh = equal != nullptr ? merged(given, first) : given;
     const Numbers numbers = equal != nullptr ? engine::Vertices::numbers(first) : Numbers();
     const engine::MeshTopology expected(mesh);
     const engine::DeviceTopology& topology = *made->topology;
     comparison.compare_count("vertices in use", topology.vertex_count(), expected.faces.vertices.size());
     if (comparison.difference()) return comparison.difference();
-    compare_parts(topology.read(job, numbers), expected, comparison);
-    comparison.compare("opposite vertices", read<std::uint32_t>(job, *topology.opposite, 3 * topology.face_count()),
+    compare_parts(topology.read(set_up, numbers), expected, comparison);
+    comparison.compare("opposite vertices", read<std::uint32_t>(set_up, *topology.opposite, 3 * topology.face_count()),
                        engine::opposite_words(expected));
-    comparison.compare("names", read<std::uint32_t>(job, *topology.names->names, topology.face_count()),
+    comparison.compare("names", read<std::uint32_t>(set_up, *topology.names->names, topology.face_count()),
                        names_of(expected));
-    comparison.compare("positions", read<Vec3>(job, *made->positions, topology.vertex_count()),
+    comparison.compare("positions", read<Vec3>(set_up, *made->positions, topology.vertex_count()),
                        engine::ordered_positions(expected, mesh.vertices()));
     const engine::DeviceFaces faces{
         topology.names, std::make_shared<const device::BufferPool::Lease>(nullptr, *made->positions, 0), {}};
-    comparison.compare("sides of clusters' boxes", sides_of(engine::cluster_boxes(job, faces)),
+    comparison.compare("sides of clusters' boxes", sides_of(engine::cluster_boxes(set_up, faces)),
                        sides_of(engine::cluster_boxes(expected.faces.triangles,
                                                       engine::ordered_positions(expected, mesh.vertices()))));
     comparison.compare_count("meshes in one part", made->is_one_part(),
@@ -210,8 +210,8 @@ std::optional<std::string> difference_of(const engine::DeviceSetUp& job, const M
     const Box& box = mesh.box();
     comparison.compare("sides of the box", std::span(made->results.box),
                        std::array{box.lower[0], box.lower[1], box.lower[2], box.upper[0], box.upper[1], box.upper[2]});
-    const engine::MovedVertices moved = engine::move_vertices(job, topology, given.vertices());
-    comparison.compare("positions that are set", read<Vec3>(job, *moved.positions, topology.vertex_count()),
+    const engine::MovedVertices moved = engine::move_vertices(set_up, topology, given.vertices());
+    comparison.compare("positions that are set", read<Vec3>(set_up, *moved.positions, topology.vertex_count()),
                        engine::ordered_positions(expected, mesh.vertices()));
     comparison.compare("sides of their box", sides_of({moved.box}), sides_of({box}));
     return comparison.difference();
@@ -235,12 +235,12 @@ Mesh without_unused_vertices(const Mesh& mesh) {
 }
 
 /// Of equal vertices that move together, and apart: these the host looks at.
-std::optional<std::string> move_difference(const engine::DeviceSetUp& job, const Mesh& mesh) {
+std::optional<std::string> move_difference(const engine::DeviceSetUp& set_up, const Mesh& mesh) {
     const Mesh used = without_unused_vertices(mesh);
-    const auto made = engine::make_device_topology(job, used);
+    const auto made = engine::make_device_topology(set_up, used);
     if (!made || !made->topology->equal) return std::nullopt;
     const auto is_taken = [&](const std::vector<Vec3>& positions) {
-        return engine::move_vertices(job, *made->topology, positions).are_usable;
+        return engine::move_vertices(set_up, *made->topology, positions).are_usable;
     };
     Comparison comparison;
     comparison.compare_count("equal vertices that move together and are taken", is_taken(used.vertices()), 1);
@@ -258,27 +258,27 @@ std::optional<std::string> move_difference(const engine::DeviceSetUp& job, const
 
 }  // namespace
 
-std::optional<std::string> topology_difference(const engine::DeviceSetUp& job, const Mesh& mesh) {
-    if (auto difference = difference_of(job, mesh, engine::make_device_topology(job, mesh))) return difference;
-    if (auto difference = move_difference(job, mesh)) return difference;
-    auto difference = difference_of(job, mesh, made_of_device_arrays<double, std::uint32_t>(job, mesh));
+std::optional<std::string> topology_difference(const engine::DeviceSetUp& set_up, const Mesh& mesh) {
+    if (auto difference = difference_of(set_up, mesh, engine::make_device_topology(set_up, mesh))) return difference;
+    if (auto difference = move_difference(set_up, mesh)) return difference;
+    auto difference = difference_of(set_up, mesh, made_of_device_arrays<double, std::uint32_t>(set_up, mesh));
     if (!difference && has_floats(mesh))
-        difference = difference_of(job, mesh, made_of_device_arrays<float, std::uint64_t>(job, mesh));
+        difference = difference_of(set_up, mesh, made_of_device_arrays<float, std::uint64_t>(set_up, mesh));
     if (difference) *difference += ", from memory of the device";
     return difference;
 }
 
-std::optional<std::string> sweep_difference(const engine::DeviceSetUp& job) {
+std::optional<std::string> sweep_difference(const engine::DeviceSetUp& set_up) {
     const Mesh mesh = mesh_of_known_topology();
     const engine::MeshTopology topology(mesh);
     const engine::DeviceFaces faces{std::make_shared<const engine::DeviceFaces::Names>(
                                         engine::DeviceFaces::Names{topology.order.size(),
                                                                    topology.faces.vertices.size(),
                                                                    nullptr,
-                                                                   job.upload(topology.faces.triangles, "triangles"),
+                                                                   set_up.upload(topology.faces.triangles, "triangles"),
                                                                    {}}),
                                     std::make_shared<const device::BufferPool::Lease>(
-                                        job.upload(engine::ordered_positions(topology, mesh.vertices()), "vertices")),
+                                        set_up.upload(engine::ordered_positions(topology, mesh.vertices()), "vertices")),
                                     {}};
     constexpr std::size_t cluster = engine::ClusterIndex::cluster;
     const std::size_t last = (mesh.triangles().size() - 1) / cluster * cluster;
@@ -286,18 +286,18 @@ std::optional<std::string> sweep_difference(const engine::DeviceSetUp& job) {
         {{cluster, 3 * cluster}, {last, mesh.triangles().size()}}, {}, 2 * cluster + mesh.triangles().size() - last, 0};
     const Grid grid = Grid::around(mesh, 50, Band::symmetric(1));
     const engine::LatticeView view = engine::lattice_of(grid);
-    const engine::SweepMesh made = engine::near_sweep_mesh(job, grid, view, mesh.box(), faces, near);
+    const engine::SweepMesh made = engine::near_sweep_mesh(set_up, grid, view, mesh.box(), faces, near);
     const engine::SweepMesh expected =
-        engine::near_sweep_mesh(job.tools, grid, view, mesh, {}, nullptr, topology, near.faces);
+        engine::near_sweep_mesh(set_up.tools, grid, view, mesh, {}, nullptr, topology, near.faces);
     const std::size_t corners = 3 * near.face_count;
     Comparison comparison;
     const auto words_of_vertices = [&](const engine::SweepMesh& sweep) {
         constexpr std::size_t words = sizeof(SweepVertex) / sizeof(std::uint64_t);
-        return read<std::uint64_t>(job, *sweep.vertices, words * corners);
+        return read<std::uint64_t>(set_up, *sweep.vertices, words * corners);
     };
     comparison.compare("words of the sweep's vertices", words_of_vertices(made), words_of_vertices(expected));
-    comparison.compare("corners of the sweep's triangles", read<std::uint32_t>(job, made.triangles(), corners),
-                       read<std::uint32_t>(job, expected.triangles(), corners));
+    comparison.compare("corners of the sweep's triangles", read<std::uint32_t>(set_up, made.triangles(), corners),
+                       read<std::uint32_t>(set_up, expected.triangles(), corners));
     return comparison.difference();
 }
 

@@ -151,12 +151,12 @@ Index3 sample_of(const Grid& grid, std::size_t n) {
 /// A sparse field of whole bricks as the kernels leave it.
 struct KernelBricks {
     Grid grid;
-    std::vector<cl_uint> listed;    ///< CLSDF_LISTED
+    std::vector<cl_uint> listed;    ///< CLSDF_STORED
     std::vector<cl_uchar> marks{};  ///< CLSDF_INSIDE_BRICK
     targets::HostArrays values{};   ///< of the listed bricks
 
-    explicit KernelBricks(const Grid& grid_in) : grid(grid_in), listed(CLSDF_LISTED + count()), marks(count()) {
-        listed[CLSDF_LISTED_ROOM] = static_cast<cl_uint>(count());
+    explicit KernelBricks(const Grid& grid_in) : grid(grid_in), listed(CLSDF_STORED + count()), marks(count()) {
+        listed[CLSDF_STORED_ROOM] = static_cast<cl_uint>(count());
     }
     std::size_t count() const { return grid.sample_count() / brick_samples; }
 
@@ -175,11 +175,11 @@ struct KernelBricks {
 /// Sets the samples of the dense field that the bricks stand for. Describes what is wrong with the list.
 std::optional<std::string> expand(const KernelBricks& bricks, const KnownField& known,
                                   const targets::HostArrays& field) {
-    const std::size_t count = bricks.count(), listed = bricks.listed[CLSDF_LISTED_COUNT];
+    const std::size_t count = bricks.count(), listed = bricks.listed[CLSDF_STORED_COUNT];
     if (listed > count) return fmt::format("{} bricks have values, and the grid has {}", listed, count);
     std::vector<std::size_t> place(count, count);  // in the list
     for (std::size_t n = 0; n < listed; ++n) {
-        const cl_uint brick = bricks.listed[CLSDF_LISTED + n];
+        const cl_uint brick = bricks.listed[CLSDF_STORED + n];
         if (brick >= count || place[brick] != count)
             return fmt::format("brick {} of {} is not in the grid, or has values twice", brick, count);
         place[brick] = n;
@@ -190,7 +190,7 @@ std::optional<std::string> expand(const KernelBricks& bricks, const KnownField& 
             if (!from.is_wanted) return;
             const bool is_distance = row.output == Output::distance;
             const std::size_t bytes = row.sample_bytes();
-            const std::size_t with_values = is_distance ? count : bricks.listed[CLSDF_LISTED_IN_BAND];
+            const std::size_t with_values = is_distance ? count : bricks.listed[CLSDF_STORED_IN_BAND];
             for (std::size_t n = 0; n < grid.sample_count(); ++n) {
                 const auto [brick, within] = bricks.place_of(sample_of(grid, n));
                 std::byte* const sample = to.data + n * bytes;
@@ -375,7 +375,7 @@ TestSubject point_subject(const Device& device, const engine::Programs& programs
         needed.insert(needed.end(),
                       {programs.scan, programs.binary_tree, are_deep ? programs.nearest_deep : programs.nearest});
     }
-    if (kernels == PointKernels::of_many) needed.insert(needed.end(), {programs.mesh_records, programs.point_scan});
+    if (kernels == PointKernels::of_many) needed.insert(needed.end(), {programs.face_records, programs.point_scan});
     subject.steps = needed.size();
     subject.build = [needed](const device::BuildWatch& watch) {
         std::vector<cl::Program> built;
@@ -394,12 +394,12 @@ TestSubject topology_subject(const engine::Workshop& workshop) {
     subject.steps = 3;
     subject.build = [&workshop](const device::BuildWatch& watch) -> std::vector<cl::Program> {
         return {workshop.programs.radix_sort.get(watch), workshop.programs.mesh_topology.get(watch),
-                workshop.programs.mesh_records.get(watch)};
+                workshop.programs.face_records.get(watch)};
     };
     subject.difference = [&workshop](const device::BuildWatch&) {
-        const engine::DeviceSetUp job{workshop.tools()};
-        auto difference = topology_difference(job, mesh_of_known_topology());
-        return difference ? difference : sweep_difference(job);
+        const engine::DeviceSetUp set_up{workshop.tools()};
+        auto difference = topology_difference(set_up, mesh_of_known_topology());
+        return difference ? difference : sweep_difference(set_up);
     };
     return subject;
 }

@@ -142,8 +142,8 @@ void SparsePlanState::enqueue(const RunOptions& options, const SparseDeviceTarge
         [](const OutputInfo&, const device::BufferPool::Lease& lease, cl::Buffer& buffer) { buffer = *lease; },
         listed.values, buffers);
     buffers.listed = *listed.listed;
-    std::array<cl_uint, CLSDF_LISTED> head{};
-    head[CLSDF_LISTED_ROOM] = static_cast<cl_uint>(listed.room);
+    std::array<cl_uint, CLSDF_STORED> head{};
+    head[CLSDF_STORED_ROOM] = static_cast<cl_uint>(listed.room);
     run(options, [&](engine::CommandChain& chain) {
         chain.then_fill(*listed.totals, 2 * sizeof(cl_ulong));
         for (PlannedBricks::PlannedSlab& planned : made_.planned) {

@@ -4,7 +4,7 @@
 #include "core/parallel.hpp"
 #include "mesh/film_bounds.hpp"
 #include "points/curve_order.hpp"
-#include "points/point_signs.hpp"
+#include "points/signs_by_host.hpp"
 
 #include <clsdf/error.hpp>
 

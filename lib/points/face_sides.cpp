@@ -2,7 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "frusta/frames.hpp"
-#include "points/point_signs.hpp"
+#include "points/signs_by_host.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "points/one_lane.hpp"
-#include "points/point_signs.hpp"
+#include "points/signs_by_host.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 #include "launch/commands.hpp"
 #include "launch/short_launches.hpp"
 #include "points/curve_order.hpp"
-#include "points/point_signs.hpp"
+#include "points/signs_by_host.hpp"
 #include "tree/point_mesh.hpp"
 
 #include <fmt/format.h>

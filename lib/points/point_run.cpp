@@ -3,7 +3,7 @@
 #include "core/parallel.hpp"
 #include "hilbert_curve.h"
 #include "launch/short_launches.hpp"
-#include "points/point_signs.hpp"
+#include "points/signs_by_host.hpp"
 
 #include <algorithm>
 #include <array>

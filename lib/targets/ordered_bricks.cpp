@@ -1,6 +1,6 @@
 #include "targets/ordered_bricks.hpp"
 
-#include "brick_ranges.h"
+#include "brick_order.h"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 
@@ -30,7 +30,7 @@ std::size_t range_count(std::size_t bricks) {
 ListedBricks::ListedBricks(device::BufferPool& pool, std::size_t room_in, std::size_t most, const HostArrays& wanted_in)
     : room(room_in), wanted(wanted_in) {
     const std::size_t ranges = range_count(most);
-    listed = pool.lease((CLSDF_LISTED + room) * sizeof(cl_uint), "list of the bricks near the surface");
+    listed = pool.lease((CLSDF_STORED + room) * sizeof(cl_uint), "list of the bricks near the surface");
     counts = pool.lease(2 * ranges * sizeof(cl_uint), "counts of the bricks near the surface");
     starts = pool.lease((2 * ranges + 1) * sizeof(cl_uint), "sums of the bricks near the surface");
     places = pool.lease(room * sizeof(cl_uint), "places of the bricks near the surface");

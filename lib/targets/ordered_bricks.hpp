@@ -13,7 +13,7 @@
 namespace clsdf::targets {
 
 /// Memory of the device that the parts of a sparse field share, one after another: the list of a part's bricks and
-/// their values as kernels leave them (CLSDF_LISTED), and what is needed to put them in order.
+/// their values as kernels leave them (CLSDF_STORED), and what is needed to put them in order.
 struct ListedBricks {
     /// The list of `room` bricks, one at least, of parts with at most `most` bricks. wanted: the outputs.
     ListedBricks(device::BufferPool& pool, std::size_t room_in, std::size_t most, const HostArrays& wanted_in);

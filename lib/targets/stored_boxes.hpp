@@ -4,7 +4,7 @@
 #include <clsdf/outputs.hpp>
 
 #include "launch/commands.hpp"
-#include "stored_box.h"
+#include "box_store.h"
 
 #include <cstddef>
 #include <optional>

@@ -6,8 +6,6 @@
 #include <clsdf/papers.hpp>
 #include <clsdf/tuning.hpp>
 
-#include "checks/known_field.hpp"
-#include "core/outputs.hpp"
 #include "device/context.hpp"
 
 #include <algorithm>
@@ -19,8 +17,6 @@
 
 using namespace clsdf;
 using namespace clsdf::test;
-using checks::KnownField;
-using checks::KnownFieldKind;
 
 namespace {
 
@@ -133,71 +129,7 @@ TransformStatistics sparse_plan(const Device& device, KernelBody body, const Cal
         .statistics();
 }
 
-/// A field as packed arrays.
-targets::HostArrays arrays_of(Field& field) {
-    targets::HostArrays arrays;
-    for (const OutputInfo& info : output_table()) {
-        const std::span<std::byte> bytes = field.bytes(info.output);
-        arrays[info.output] = {!bytes.empty(), info.type == ElementType::float64, bytes.data()};
-    }
-    return arrays;
-}
-
 }  // namespace
-
-BOOST_AUTO_TEST_SUITE(the_known_field)
-
-BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
-    for (const KnownFieldKind& kind :
-         {KnownFieldKind{}, KnownFieldKind{.long_bricks = true}, KnownFieldKind{.wide = true},
-          KnownFieldKind{.on_surface = true}, KnownFieldKind{.wide = true, .on_surface = true},
-          KnownFieldKind{.long_bricks = true, .on_surface = true},
-          KnownFieldKind{.wide = true, .many_at_vertex = true}}) {
-        const KnownField known(kind);
-        DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
-        TransformStatistics statistics;
-        Field field = transform.compute(known.grid(), known.band(), all_outputs(), {}, &statistics);
-        BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 500U);
-        const std::optional<std::string> difference = known.difference(arrays_of(field));
-        BOOST_TEST(!difference.has_value(), difference.value_or(""));
-        // The purpose of the self-test: wrong compilers.
-        BOOST_TEST(statistics.work->point_sites == 1U);
-        BOOST_TEST(statistics.work->saddle_vertices > 0U);
-        BOOST_TEST(statistics.work->coarse_bricks == 8U);
-        const auto has = [&](const auto& is) { return std::ranges::any_of(field.distance(), is); };
-        const auto sites_on_surface = [&](auto first, auto last) {
-            std::size_t count = 0;
-            for (std::size_t i = 0; i < field.distance().size(); ++i)
-                count += std::abs(field.distance()[i]) < 1e-8F && first <= field.site()[i] && field.site()[i] <= last;
-            return count;
-        };
-        BOOST_TEST((sites_on_surface(0, 6) > 0) == kind.on_surface);
-        if (kind.wide) continue;
-        BOOST_TEST(has([&](float d) { return d == static_cast<float>(known.band().outside); }));
-        BOOST_TEST(has([&](float d) { return d == -static_cast<float>(known.band().inside); }));
-        BOOST_TEST(has([&](float d) { return d > 0 && d < 0.5F; }));
-        BOOST_TEST(has([&](float d) { return d < 0 && d > -0.5F; }));
-    }
-}
-
-BOOST_AUTO_TEST_CASE(has_coarse_bricks_without_polyhedra_inside_and_outside) {
-    for (const KernelBody body : {vector_body, group_body})
-        for (const bool long_bricks : {false, true}) {
-            const KnownField known({.long_bricks = long_bricks, .fine = true});
-            DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero, .body = body});
-            TransformStatistics statistics;
-            Field field = transform.compute(known.grid(), known.band(), all_outputs(), {}, &statistics);
-            BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 30U);
-            const std::optional<std::string> difference = known.difference(arrays_of(field));
-            BOOST_TEST(!difference.has_value(), difference.value_or(""));
-            // One of three coarse bricks: the first samples of a row lie outside, the last ones inside.
-            BOOST_TEST(statistics.work->coarse_bricks == 1U);
-            BOOST_TEST(field.distance().front() == static_cast<float>(known.band().outside));
-            BOOST_TEST(field.distance().back() == -static_cast<float>(known.band().inside));
-        }
-}
-
-BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(the_self_test)
 
@@ -224,7 +156,7 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_in_as_many_steps_as_it_tells) {
 
 // Each changed line of a kernel stands for wrong code that a compiler makes of a right line.
 BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
-    const std::string by_vector = "bricks_by_vector.cl", by_group = "bricks_by_group.cl", records = "mesh_records.cl",
+    const std::string by_vector = "bricks_by_vector.cl", by_group = "bricks_by_group.cl", records = "face_records.cl",
                       nearest = "nearest_by_group.cl";
     struct Mutation {
         const char* what;
@@ -414,15 +346,15 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
         {"bricks in the places of others",
          sparse_plan,
          both,
-         {"order_bricks.cl", "other < number; ++other", "other + 1 < number; ++other"}},
+         {"brick_order.cl", "other < number; ++other", "other + 1 < number; ++other"}},
         {"a run of bricks beyond its row",
          sparse_plan,
          vectors,
-         {"order_bricks.cl", "behind % row != 0 && marks", "marks"}},
+         {"brick_order.cl", "behind % row != 0 && marks", "marks"}},
         {"slices in the places of rows",
          boxes,
          vectors,
-         {"store_boxes.cl", "z * box->strides[2]", "z * box->strides[1]"}},
+         {"box_store.cl", "z * box->strides[2]", "z * box->strides[1]"}},
     };
     const TemporaryFolder folder;
     for (const Mutation& mutation : mutations)
@@ -440,7 +372,7 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
 }
 
 BOOST_AUTO_TEST_CASE(stops_every_way_to_a_field) {
-    Changed changed{"mesh_records.cl", "to_foot = is_right ? f.right : -f.left;",
+    Changed changed{"face_records.cl", "to_foot = is_right ? f.right : -f.left;",
                     "to_foot = is_right ? f.right : f.left;"};
     const Device device = changed.device("");
     const Mesh mesh = make_shape("cube");

@@ -5,7 +5,7 @@
 
 #include <clsdf/device.hpp>
 
-#include "device/system_library.hpp"
+#include "device/find/system_library.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 #include "io/example_field.hpp"
-#include "io/field_files.hpp"
+#include "io/fields/field_files.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 

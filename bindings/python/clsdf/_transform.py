@@ -18,7 +18,9 @@ from . import _core, _cuda, _meshes, _sparse
 from ._core import Band, Device, Grid, Topology
 from ._devices import device_named, device_of
 from ._error import Error, MeshWarning
+from ._frames import Motion, frame_of, into_frame, motion_of, out_of_frame, vectors
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
+from ._points import flat, limit_of, on_surface, rows_of
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
 from ._field import Field
@@ -76,131 +78,12 @@ def _steps(spacing: float | Sequence[float] | None) -> tuple[float, float, float
     return x, y, z
 
 
-def _vectors(name: str, values: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
-    try:
-        array = np.asarray(values, np.float64)
-    except (TypeError, ValueError):
-        raise Error(f"{name}: {values!r} is no array of numbers of the shape {shape}") from None
-    if array.shape != shape:
-        raise Error(f"{name} has the shape {array.shape}; expected {shape}")
-    return array
-
-
-#: A rotation (3, 3) and a translation (3,).
-Motion = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
-
-
-def _motion(name: str, rotation: Any, translation: Any = None) -> Motion:
-    """The motion of a rotation and a translation, or of a pose; a rotation in floats is made one in double."""
-    if translation is None:
-        pose = _vectors(name, rotation, (4, 4))
-        if pose[3].tolist() != [0, 0, 0, 1]:
-            raise Error(f"{name}: the last row of the 4 x 4 matrix is {pose[3].tolist()}, not [0, 0, 0, 1]")
-        rotation, translation = pose[:3, :3], pose[:3, 3]
-    turn, shift = _vectors(name, rotation, (3, 3)), _vectors("translation", translation, (3,))
-    turn = np.array(_core.rotation_near(turn.tolist()), np.float64)
-    error = np.abs(turn @ turn.T - np.eye(3)).max()
-    if not error <= 1e-11 or not np.linalg.det(turn) > 0:
-        kind = "a reflection" if error <= 1e-11 else f"{error:.2g} off"
-        raise Error(
-            f"{name}: the matrix is no rotation to 1e-5, but {kind}; "
-            "u, _, v = numpy.linalg.svd(matrix) makes the nearest one, u @ v, of a matrix that is nearly one, and "
-            "scipy.spatial.transform.Rotation makes one of angles or a quaternion"
-        )
-    if not np.isfinite(shift).all():
-        raise Error(f"translation: {shift.tolist()} is not finite")
-    return turn, shift.copy()
-
-
-def _frame(frame: Any) -> Motion:
-    """The motion of (R, t), or of a pose."""
-    return _motion("frame", *frame) if isinstance(frame, (tuple, list)) and len(frame) == 2 else _motion("frame", frame)
-
-
-def _rows(points: Any) -> tuple[Any, tuple[int, ...]]:
-    """Points as (n, 3), and the shape of their distances."""
-    points = _meshes.as_array(points, np.float64)
-    shape = _cuda.shape_of(points)
-    if shape == (0,):
-        return np.empty((0, 3)), (0,)
-    if shape[-1:] != (3,):
-        raise Error(f"points has the shape {shape}; expected (n, 3) or (..., 3), or (3,) of one point")
-    if len(shape) == 2:
-        return points, shape[:1]
-    if _cuda.is_in_cuda(points):
-        return _cuda.reshaped(points, (math.prod(shape[:-1]), 3)), shape[:-1]
-    if not hasattr(points, "reshape"):
-        points = _on_host(points)
-    return points.reshape(math.prod(shape[:-1]), 3), shape[:-1]
-
-
-def _on_host(array: Any) -> npt.NDArray[Any]:
-    """An array of any package as one of NumPy, in the same memory."""
-    return np.asarray(array) if isinstance(array, memoryview) or hasattr(array, "__array__") else np.from_dlpack(array)
-
-
-def _flat(name: str, array: Any, shape: tuple[int, ...]) -> Any:
-    """An array for points of the shape (...) as one of rows, in the same memory."""
-    expected = shape_of(name, shape)
-    if _cuda.shape_of(array) != expected:
-        raise Error(f"out: the array of '{name}' has the shape {_cuda.shape_of(array)}; expected {expected}")
-    flat = _cuda.reshaped(array, shape_of(name, (math.prod(shape),)))
-    if _cuda.is_in_cuda(array) and _address(flat) != _address(array):
-        raise Error(f"out: the array of '{name}' has strides that cannot be those of rows; pass one in C order")
-    if isinstance(array, np.ndarray) and not np.may_share_memory(flat, array):
-        raise Error(f"out: the array of '{name}' has strides that cannot be those of rows; pass one in C order")
-    return flat
-
-
-def _address(array: Any) -> Any:
-    """The first address of an array in memory of CUDA, or its object if only DLPack tells."""
-    interface = _cuda.described(array)[0]
-    return None if interface is None else interface["data"][0]
-
-
-def _into_frame(points: Any, rotation: npt.NDArray[np.float64], translation: npt.NDArray[np.float64]) -> Any:
-    """Points of the world in the frame of a body. Sums are written out: a product of matrices is another one on other
-    processors."""
-    if hasattr(points, "base_data") or _cuda.is_in_cuda(points):
-        raise Error(
-            "frame: the points are in memory of the device; take them into the frame there, (points - t) @ R, or copy "
-            "them to a NumPy array",
-            "unsupported",
-        )
-    points = _on_host(points)
-    x, y, z = (points.T - translation[:, None]).astype(np.float64)
-    return np.stack([x * rotation[0, a] + y * rotation[1, a] + z * rotation[2, a] for a in range(3)], axis=1)
-
-
-def _out_of_frame(
-    arrays: dict[str, Any], rotation: npt.NDArray[np.float64], translation: npt.NDArray[np.float64]
-) -> None:
-    """Turns the vectors of results, and moves the closest points, in place."""
-    for name in ("gradient", "offset", "closest"):
-        if name in arrays:
-            x, y, z = arrays[name].astype(np.float64).T
-            shift = translation if name == "closest" else np.zeros(3)
-            for a in range(3):
-                arrays[name][:, a] = x * rotation[a, 0] + y * rotation[a, 1] + z * rotation[a, 2] + shift[a]
-
-
-def _limit(within: float | None) -> float:
-    if within is None:
-        return math.inf
-    try:
-        if isinstance(within, (str, bool)):
-            raise TypeError
-        return float(within)
-    except (TypeError, ValueError):
-        raise Error(f"within: {within!r} is not a number, in the mesh's units; None is no limit") from None
-
-
 def _plain(region: Any) -> tuple[tuple[float, ...], tuple[float, ...], float, float]:
     """The numbers of a Region."""
     if not isinstance(region, Region):
         raise Error(f"regions: {region!r} is no clsdf.Region; write clsdf.Region(lower, upper, half_width, spacing)")
-    lower = tuple(_vectors("lower", region.lower, (3,)).tolist())
-    upper = tuple(_vectors("upper", region.upper, (3,)).tolist())
+    lower = tuple(vectors("lower", region.lower, (3,)).tolist())
+    upper = tuple(vectors("upper", region.upper, (3,)).tolist())
     try:
         return lower, upper, float(region.half_width), float(region.spacing)
     except (TypeError, ValueError):
@@ -332,7 +215,7 @@ class Transform:
         Returns the motion in use: the rotation and the translation, float64. Raises clsdf.Error if the matrix is no
         rotation to 1e-5, a reflection for instance.
         """
-        motion = _motion("rotation", rotation, translation)
+        motion = motion_of("rotation", rotation, translation)
         with self._moves:
             self._body.set_motion(motion[0].tolist(), motion[1].tolist())
             self._positions, self._motion = None, motion
@@ -358,24 +241,10 @@ class Transform:
         """Points (n, 3), float64, on the surface, as dense on large faces as on small ones; with `within` each is moved
         in a random direction by up to that length, so it is at most that far from the surface. seed: of NumPy's
         default_rng(); the same seed gives the same points. query() has their distances."""
-        count, radius = _whole("n", n), _limit(within)
+        count, radius = _whole("n", n), limit_of(within)
         if count < 0 or not 0 <= radius < math.inf:
             raise Error(f"sample takes a number of points and a length, each 0 or more; not {n!r} and {within!r}")
-        random = np.random.default_rng(seed)
-        corners = self.vertices[self.faces].astype(np.float64)
-        first, one, two = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        ends = np.cumsum(np.linalg.norm(np.cross(one, two), axis=1))
-        if not ends[-1] > 0:
-            raise Error("sample: no face of the mesh has an area", "invalid_mesh")
-        chosen = np.searchsorted(ends, random.uniform(0, ends[-1], count), side="right").clip(max=len(ends) - 1)
-        u, v = random.uniform(size=(2, count, 1))
-        u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
-        points: npt.NDArray[np.float64] = first[chosen] + u * one[chosen] + v * two[chosen]
-        if radius > 0:
-            way = random.normal(size=(count, 3))
-            way /= np.linalg.norm(way, axis=1, keepdims=True)
-            points += way * (radius * random.uniform(size=(count, 1)))
-        return points
+        return on_surface(self.vertices, self.faces, count, radius, seed)
 
     # Grids.
 
@@ -751,13 +620,13 @@ class Transform:
         side) gets `within` if that is finite, else NaN. One MeshWarning has their number; with refuse_unusable_points
         they raise clsdf.Error (invalid_argument) that names the row. Raises clsdf.Error for arrays as of field().
         """
-        points, shape = _rows(points)
+        points, shape = rows_of(points)
         is_one, count = shape == (), _cuda.shape_of(points)[0]
-        within = _limit(within)
+        within = limit_of(within)
         motion = None
         if frame is not None:
-            motion = _frame(frame)
-            points = _into_frame(points, *motion)
+            motion = frame_of(frame)
+            points = into_frame(points, *motion)
         if out is None:
             arrays = {}
             real = real_of(dtype)
@@ -769,7 +638,7 @@ class Transform:
             if dtype is not None:
                 raise Error("dtype= and out= exclude each other: arrays that are given have a type")
             results = given(out, outputs)
-            arrays = results if len(shape) < 2 else {name: _flat(name, array, shape) for name, array in results.items()}
+            arrays = results if len(shape) < 2 else {name: flat(name, array, shape) for name, array in results.items()}
             if motion is not None and not all(isinstance(array, np.ndarray) for array in arrays.values()):
                 raise Error("frame: the arrays of out= are not NumPy's, in which the results are turned", "unsupported")
         if positive_inside:
@@ -782,7 +651,7 @@ class Transform:
         if positive_inside:
             _core.negate(arrays)
         if motion is not None:
-            _out_of_frame(arrays, *motion)
+            out_of_frame(arrays, *motion)
         if is_one and out is None:
             results = {name: array[0] for name, array in arrays.items()}
         return Points(results)
@@ -793,9 +662,9 @@ class Transform:
         if self.sign == "none":
             raise Error("contains: the mesh is open, or its sign is 'none', so it has no inside; clsdf.Transform(mesh, "
                         "sign='nonzero') names the open edges", "invalid_mesh")
-        points, shape = _rows(points)
+        points, shape = rows_of(points)
         if frame is not None:
-            points = _into_frame(points, *_frame(frame))
+            points = into_frame(points, *frame_of(frame))
         distance = np.empty(_cuda.shape_of(points)[0])
         self._body.query(points, math.inf, {"distance": distance}, None, None, False)
         return np.asarray(np.signbit(distance) & ~np.isnan(distance)).reshape(shape)
@@ -893,7 +762,7 @@ class Transform:
         or greater than 2^300; unsupported for a restricted transform.
         """
         with shown(progress) as show:
-            return PointPlan(_core.plan_of_points(self._body, count, _limit(within), wanted(outputs), show))
+            return PointPlan(_core.plan_of_points(self._body, count, limit_of(within), wanted(outputs), show))
 
     def plan_bytes(self, requests: Iterable[Request], *, progress: Progress = None) -> int:
         """The device_bytes of a plan of these requests, which is made and given back: takes its time and its memory."""

@@ -226,8 +226,8 @@ void BrickScan::read_counters(const cl::CommandQueue& queue, CallStatistics& sta
 /// The end of a sparse field.
 void BrickScan::enqueue_other_bricks(CommandChain& chain) {
     chain.then([&](auto& queue, auto* wait, auto* event) {
-        queue.enqueueCopyBuffer(outputs_.listed, outputs_.listed, CLSDF_LISTED_COUNT * sizeof(cl_uint),
-                                CLSDF_LISTED_IN_BAND * sizeof(cl_uint), sizeof(cl_uint), wait, event);
+        queue.enqueueCopyBuffer(outputs_.listed, outputs_.listed, CLSDF_STORED_COUNT * sizeof(cl_uint),
+                                CLSDF_STORED_IN_BAND * sizeof(cl_uint), sizeof(cl_uint), wait, event);
     });
     const cl_uint last = set_arguments(mark_kernel_, mark_outputs_, outputs_.listed, outputs_[Output::distance]);
     const cl::NDRange group(fill_group_pieces_, 1, 1);

@@ -22,7 +22,7 @@ namespace clsdf::engine {
 /// The buffers of a computation's outputs; null for outputs that are not asked for.
 struct OutputBuffers : PerOutput<cl::Buffer> {
     std::uint32_t in_double = 0;  ///< bits of outputs (bit_of): the elements are doubles
-    cl::Buffer listed{};          ///< of a sparse field: the list of its bricks (CLSDF_LISTED); null: a dense one
+    cl::Buffer listed{};          ///< the stored bricks of a sparse field (CLSDF_STORED); null: a dense field
 };
 
 /// Whether an output tells sites by their names.

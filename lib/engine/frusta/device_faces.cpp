@@ -14,16 +14,16 @@ namespace clsdf::engine {
 
 namespace {
 
-void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const LatticeView& lattice,
+void enqueue_faces(const DeviceSetUp& set_up, const DeviceFaces& faces, const LatticeView& lattice,
                    const std::vector<cl_uint>& groups, const cl::Buffer& records) {
-    const auto group_numbers = job.upload(groups, "numbers of the faces");
-    device::LentKernel kernel = job.tools.kernel(job.tools.programs.mesh_records, "face_records");
-    ShortLaunches(job.tools.context, {})
+    const auto group_numbers = set_up.upload(groups, "numbers of the faces");
+    device::LentKernel kernel = set_up.tools.kernel(set_up.tools.programs.face_records, "face_records");
+    ShortLaunches(set_up.tools.context, {})
         .over(groups.size(), seconds_per_face * record_group, [&](std::size_t begin, std::size_t end) {
             const std::size_t first = begin * record_group, last = end * record_group;
-            launch(job.tools.context.queue(), kernel, job.items_of(last - first), face_lattice(lattice),
+            launch(set_up.tools.context.queue(), kernel, set_up.items_of(last - first), face_lattice(lattice),
                    static_cast<cl_uint>(first), static_cast<cl_uint>(last),
-                   static_cast<cl_uint>(faces.names->face_count), static_cast<cl_uint>(job.ways.item_faces),
+                   static_cast<cl_uint>(faces.names->face_count), static_cast<cl_uint>(set_up.ways.item_faces),
                    *group_numbers, *faces.names->triangles, **faces.positions, *faces.slopes, *faces.names->names,
                    records);
         });
@@ -31,25 +31,25 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const Latti
 
 }  // namespace
 
-DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const MeshTopology> topology) {
+DeviceFaces::Names device_names(const DeviceSetUp& set_up, std::shared_ptr<const MeshTopology> topology) {
     const std::size_t count = topology->order.size();
-    job.tools.pool->check_size(count * sizeof(Triangle), "triangles");
-    device::HostFilling filling(job.tools.context, job.tools.pool, count * sizeof(cl_uint), "numbers of the triangles");
+    set_up.tools.pool->check_size(count * sizeof(Triangle), "triangles");
+    device::HostFilling filling(set_up.tools.context, set_up.tools.pool, count * sizeof(cl_uint), "numbers of the triangles");
     auto* const names = static_cast<cl_uint*>(filling.memory());
     for_each_index(count, [&](std::size_t face) {
         names[face] = topology->order[face] | (topology->edges.is_non_manifold(face) ? CLSDF_NAME_NON_MANIFOLD : 0U);
     });
-    auto triangles = job.input(topology, topology->faces.triangles, "triangles");
+    auto triangles = set_up.input(topology, topology->faces.triangles, "triangles");
     const std::size_t vertex_count = topology->faces.vertices.size();
     return {count, vertex_count, std::move(topology), std::move(triangles), filling.finish()};
 }
 
-DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+DeviceFaces device_faces(const DeviceSetUp& set_up, std::shared_ptr<const DeviceFaces::Names> names,
                          std::shared_ptr<const device::BufferPool::Lease> positions,
                          const std::shared_ptr<const Frusta>& frusta) {
     if (!positions)
-        positions = std::make_shared<const device::BufferPool::Lease>(job.shared(frusta, frusta->positions));
-    return {std::move(names), std::move(positions), job.input(frusta, frusta->slopes, "slopes of the polyhedra"),
+        positions = std::make_shared<const device::BufferPool::Lease>(set_up.shared(frusta, frusta->positions));
+    return {std::move(names), std::move(positions), set_up.input(frusta, frusta->slopes, "slopes of the polyhedra"),
             frusta};
 }
 
@@ -65,10 +65,10 @@ Frusta DeviceFaces::read(const DeviceSetUp& set_up) const {
     return frusta;
 }
 
-void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
+void place_words(const DeviceSetUp& set_up, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items) {
-    device::LentKernel kernel = job.tools.kernel(job.tools.programs.mesh_records, "place_items");
-    launch(job.tools.context.queue(), kernel, {count}, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words),
+    device::LentKernel kernel = set_up.tools.kernel(set_up.tools.programs.face_records, "place_items");
+    launch(set_up.tools.context.queue(), kernel, {count}, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words),
            written, places, items);
 }
 
@@ -91,13 +91,13 @@ void WrittenRecords::add_sites(const RecordRange& range, std::size_t record) {
     for (std::size_t i = 0; i < size; ++i) site_places_.push_back(static_cast<cl_uint>(record + i));
 }
 
-void WrittenRecords::place(const DeviceSetUp& job, const cl::Buffer& records) const {
+void WrittenRecords::place(const DeviceSetUp& set_up, const cl::Buffer& records) const {
     std::vector<Polyhedron> faces(written_faces_.size());
     for_each_index(faces.size(), [&](std::size_t i) {
         write_face_record(from_.topology, from_.frusta, lattice_, from_.number_of(written_faces_[i]), faces[i]);
     });
-    place_items(job, faces, face_places_, records);
-    place_items(job, sites_, site_places_, records);
+    place_items(set_up, faces, face_places_, records);
+    place_items(set_up, sites_, site_places_, records);
 }
 
 bool is_plain(const Box& box, const LatticeView& lattice) {
@@ -111,7 +111,7 @@ bool is_plain(const Box& box, const LatticeView& lattice) {
     return std::isfinite(1 / lattice.unit) && lattice.unit <= 1e20 * greatest_side;
 }
 
-PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const WrittenFaces& from,
+PreparedMesh records_on_device(const DeviceSetUp& set_up, const DeviceFaces& faces, const WrittenFaces& from,
                                const LatticeView& lattice, std::span<const RecordRange> of_faces,
                                std::span<const RecordRange> of_sites) {
     constexpr std::size_t group = record_group;
@@ -129,11 +129,11 @@ PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
         written.add_sites(range, prepared.record_count);
         prepared.record_count += range.end - range.begin;
     }
-    prepared.polyhedra = job.tools.pool->lease(prepared.record_count * sizeof(Polyhedron), "polyhedra");
+    prepared.polyhedra = set_up.tools.pool->lease(prepared.record_count * sizeof(Polyhedron), "polyhedra");
     set_counts(faces.names->face_count, *faces.found, prepared);
     device::guarded([&] {
-        if (!groups.empty()) enqueue_faces(job, faces, lattice, groups, *prepared.polyhedra);
-        written.place(job, *prepared.polyhedra);
+        if (!groups.empty()) enqueue_faces(set_up, faces, lattice, groups, *prepared.polyhedra);
+        written.place(set_up, *prepared.polyhedra);
     });
     return prepared;
 }

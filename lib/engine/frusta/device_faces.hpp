@@ -49,9 +49,9 @@ struct DeviceFaces {
     Frusta read(const DeviceSetUp& set_up) const;
 };
 
-DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const MeshTopology> topology);
+DeviceFaces::Names device_names(const DeviceSetUp& set_up, std::shared_ptr<const MeshTopology> topology);
 /// `positions`: on the device; null if kernels use those of the frusta in place.
-DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+DeviceFaces device_faces(const DeviceSetUp& set_up, std::shared_ptr<const DeviceFaces::Names> names,
                          std::shared_ptr<const device::BufferPool::Lease> positions,
                          const std::shared_ptr<const Frusta>& frusta);
 
@@ -59,17 +59,17 @@ DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFac
 /// (0, 0, 0), and not vanishingly small beside a voxel.
 bool is_plain(const Box& box, const LatticeView& lattice);
 
-void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
+void place_words(const DeviceSetUp& set_up, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items);
 /// Enqueues a copy of items that the host wrote to their places in an array on the device.
 template <class T>
-void place_items(const DeviceSetUp& job, const std::vector<T>& written, const std::vector<cl_uint>& places,
+void place_items(const DeviceSetUp& set_up, const std::vector<T>& written, const std::vector<cl_uint>& places,
                  const cl::Buffer& items) {
     static_assert(sizeof(T) % sizeof(cl_uint) == 0);
     if (places.empty()) return;
-    const auto values = job.upload(written, "data that the host writes");
-    const auto numbers = job.upload(places, "their places");
-    place_words(job, *values, *numbers, places.size(), sizeof(T) / sizeof(cl_uint), items);
+    const auto values = set_up.upload(written, "data that the host writes");
+    const auto numbers = set_up.upload(places, "their places");
+    place_words(set_up, *values, *numbers, places.size(), sizeof(T) / sizeof(cl_uint), items);
 }
 
 /// The faces that the host writes records of: those of a mesh, or of a part of it.
@@ -98,7 +98,7 @@ public:
     void add_sites(const RecordRange& range, std::size_t record);
 
     /// Enqueues their way to their places.
-    void place(const DeviceSetUp& job, const cl::Buffer& records) const;
+    void place(const DeviceSetUp& set_up, const cl::Buffer& records) const;
 
 private:
     WrittenFaces from_;
@@ -111,7 +111,7 @@ private:
 };
 
 /// The records of ranges of faces, each of which begins with a group (record_group), and of point sites.
-PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces, const WrittenFaces& from,
+PreparedMesh records_on_device(const DeviceSetUp& set_up, const DeviceFaces& faces, const WrittenFaces& from,
                                const LatticeView& lattice, std::span<const RecordRange> of_faces,
                                std::span<const RecordRange> of_sites);
 

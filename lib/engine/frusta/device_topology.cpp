@@ -37,12 +37,12 @@ private:
 
 /// A copy of many values on the device, which are not needed any more when it returns.
 template <class Values>
-device::BufferPool::Lease sent(const DeviceSetUp& job, const Values& values, const char* purpose) {
+device::BufferPool::Lease sent(const DeviceSetUp& set_up, const Values& values, const char* purpose) {
     const std::size_t bytes = values.size() * sizeof(values[0]);
-    device::BufferPool::Lease copy = job.tools.pool->lease(std::max<std::size_t>(bytes, 1), purpose);
-    if (job.tools.context.write(job.tools.queue(), reinterpret_cast<const std::byte*>(values.data()), bytes, *copy))
+    device::BufferPool::Lease copy = set_up.tools.pool->lease(std::max<std::size_t>(bytes, 1), purpose);
+    if (set_up.tools.context.write(set_up.tools.queue(), reinterpret_cast<const std::byte*>(values.data()), bytes, *copy))
         return copy;
-    return job.upload(values, purpose);
+    return set_up.upload(values, purpose);
 }
 
 Box box_of(const TopologyResults& results) {
@@ -54,13 +54,13 @@ Box box_of(const TopologyResults& results) {
 
 class Making {
 public:
-    Making(const DeviceSetUp& job, const Mesh& mesh)
-        : Making(job.tools, mesh.vertices().size(), mesh.triangles().size()) {
-        positions_ = sent(job, mesh.vertices(), "vertices");
-        triangles_ = sent(job, mesh.triangles(), "triangles");
+    Making(const DeviceSetUp& set_up, const Mesh& mesh)
+        : Making(set_up.tools, mesh.vertices().size(), mesh.triangles().size()) {
+        positions_ = sent(set_up, mesh.vertices(), "vertices");
+        triangles_ = sent(set_up, mesh.triangles(), "triangles");
     }
-    Making(const DeviceSetUp& job, const DeviceTriples& vertices, const DeviceTriples& triangles)
-        : Making(job.tools, vertices.count, triangles.count) {
+    Making(const DeviceSetUp& set_up, const DeviceTriples& vertices, const DeviceTriples& triangles)
+        : Making(set_up.tools, vertices.count, triangles.count) {
         positions_ = lease<Vec3>(vertices_, "vertices");
         triangles_ = lease<Triangle>(faces_, "triangles");
         is_copied_ = true;
@@ -211,11 +211,11 @@ DeviceTriples device_triples(const InputArray& array) {
             {array.offset / sizeof(cl_uint), steps.triple / word, steps.number / word, bytes_of(array.type) == 8, 0}};
 }
 
-MeshArrays DeviceMesh::read(const DeviceSetUp& job) const {
+MeshArrays DeviceMesh::read(const DeviceSetUp& set_up) const {
     MeshArrays arrays{std::vector<Vec3>(vertex_count), std::vector<Triangle>(face_count)};
-    job.tools.context.run_or_drain([&] {
-        device::read_values(job.tools.context, *vertices, arrays.vertices);
-        device::read_values(job.tools.context, *triangles, arrays.triangles);
+    set_up.tools.context.run_or_drain([&] {
+        device::read_values(set_up.tools.context, *vertices, arrays.vertices);
+        device::read_values(set_up.tools.context, *triangles, arrays.triangles);
     });
     return arrays;
 }
@@ -228,14 +228,14 @@ Box MadeTopology::box() const {
     return box_of(results);
 }
 
-std::vector<std::uint32_t> EqualVertices::read(const DeviceSetUp& job) const {
+std::vector<std::uint32_t> EqualVertices::read(const DeviceSetUp& set_up) const {
     std::vector<std::uint32_t> numbers(count);
-    job.tools.context.run_or_drain([&] { device::read_values(job.tools.context, *first, numbers); });
+    set_up.tools.context.run_or_drain([&] { device::read_values(set_up.tools.context, *first, numbers); });
     for (std::uint32_t& number : numbers) number &= ~CLSDF_IN_USE;
     return numbers;
 }
 
-MeshTopology DeviceTopology::read(const DeviceSetUp& job, std::span<const std::uint32_t> numbers) const {
+MeshTopology DeviceTopology::read(const DeviceSetUp& set_up, std::span<const std::uint32_t> numbers) const {
     UninitializedVector<std::uint32_t> of_faces(face_count()), of_corners(3 * face_count());
     std::vector<std::uint32_t> of_vertices(vertex_count() + 1);
     OrderedFaces faces;
@@ -243,13 +243,13 @@ MeshTopology DeviceTopology::read(const DeviceSetUp& job, std::span<const std::u
     faces.vertices = UninitializedVector<std::uint32_t>(vertex_count());
     PairedEdges pairs;
     pairs.faces = UninitializedVector<FaceEdges>(face_count());
-    job.tools.context.run_or_drain([&] {
-        device::read_values(job.tools.context, *order, of_faces);
-        device::read_values(job.tools.context, *names->triangles, faces.triangles);
-        device::read_values(job.tools.context, *vertices, faces.vertices);
-        device::read_values(job.tools.context, *starts, of_vertices);
-        device::read_values(job.tools.context, *corners, of_corners);
-        device::read_values(job.tools.context, *edges, pairs.faces);
+    set_up.tools.context.run_or_drain([&] {
+        device::read_values(set_up.tools.context, *order, of_faces);
+        device::read_values(set_up.tools.context, *names->triangles, faces.triangles);
+        device::read_values(set_up.tools.context, *vertices, faces.vertices);
+        device::read_values(set_up.tools.context, *starts, of_vertices);
+        device::read_values(set_up.tools.context, *corners, of_corners);
+        device::read_values(set_up.tools.context, *edges, pairs.faces);
     });
     if (!numbers.empty())
         for (std::uint32_t& vertex : faces.vertices) vertex = numbers[vertex];
@@ -273,17 +273,17 @@ std::size_t DeviceTopology::device_bytes() const {
            (equal ? equal->device_bytes() : 0);
 }
 
-std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const Mesh& mesh) {
-    return device::guarded([&] { return Making(job, mesh).make(); });
+std::optional<MadeTopology> make_device_topology(const DeviceSetUp& set_up, const Mesh& mesh) {
+    return device::guarded([&] { return Making(set_up, mesh).make(); });
 }
 
-std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const DeviceTriples& vertices,
+std::optional<MadeTopology> make_device_topology(const DeviceSetUp& set_up, const DeviceTriples& vertices,
                                                  const DeviceTriples& triangles) {
-    return device::guarded([&] { return Making(job, vertices, triangles).make(); });
+    return device::guarded([&] { return Making(set_up, vertices, triangles).make(); });
 }
 
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DeviceTriples& positions) {
-    const DeviceTools& tools = job.tools;
+MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& topology, const DeviceTriples& positions) {
+    const DeviceTools& tools = set_up.tools;
     const EqualVertices* const equal = topology.equal.get();
     const std::size_t count = topology.vertex_count(), group = tools.programs.group_size,
                       groups = std::min<std::size_t>(chunk_count(count, group), CLSDF_BOX_GROUPS);
@@ -309,29 +309,29 @@ MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topolo
     });
 }
 
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, std::span<const Vec3> positions) {
-    const device::BufferPool::Lease given = sent(job, positions, "vertices");
+MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& topology, std::span<const Vec3> positions) {
+    const device::BufferPool::Lease given = sent(set_up, positions, "vertices");
     constexpr cl_long words = 2;
-    return move_vertices(job, topology, {*given, positions.size(), {0, 3 * words, words, 1, 0}});
+    return move_vertices(set_up, topology, {*given, positions.size(), {0, 3 * words, words, 1, 0}});
 }
 
-DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+DeviceTopology device_topology(const DeviceSetUp& set_up, std::shared_ptr<const DeviceFaces::Names> names,
                                const MeshTopology& topology) {
     DeviceTopology result;
     result.names = std::move(names);
-    result.order = job.upload(topology.order, "order of the faces");
-    result.vertices = job.upload(topology.faces.vertices, "vertices of faces");
-    result.starts = job.upload(topology.rings.starts(), "corners at vertices");
-    result.corners = job.upload(topology.rings.corners(), "corners at vertices");
-    result.edges = job.upload(topology.edges.faces, "edges of faces");
-    result.opposite = job.upload(opposite_words(topology), "opposite vertices");
+    result.order = set_up.upload(topology.order, "order of the faces");
+    result.vertices = set_up.upload(topology.faces.vertices, "vertices of faces");
+    result.starts = set_up.upload(topology.rings.starts(), "corners at vertices");
+    result.corners = set_up.upload(topology.rings.corners(), "corners at vertices");
+    result.edges = set_up.upload(topology.edges.faces, "edges of faces");
+    result.opposite = set_up.upload(opposite_words(topology), "opposite vertices");
     result.are_paired = topology.edges.are_paired;
     return result;
 }
 
-std::vector<Box> cluster_boxes(const DeviceSetUp& job, const DeviceFaces& faces) {
+std::vector<Box> cluster_boxes(const DeviceSetUp& set_up, const DeviceFaces& faces) {
     static_assert(sizeof(Box) == 6 * sizeof(double));
-    const DeviceTools& tools = job.tools;
+    const DeviceTools& tools = set_up.tools;
     const std::size_t count = chunk_count(faces.names->face_count, ClusterIndex::cluster),
                       group = tools.programs.group_size;
     std::vector<Box> result(count);
@@ -340,7 +340,7 @@ std::vector<Box> cluster_boxes(const DeviceSetUp& job, const DeviceFaces& faces)
         device::LentKernel kernel = tools.kernel(tools.programs.mesh_topology, "cluster_boxes");
         launch(tools.queue(), kernel, {count * group, group}, static_cast<cl_uint>(faces.names->face_count),
                *faces.names->triangles, **faces.positions, *boxes);
-        device::read_values(job.tools.context, *boxes, result);
+        device::read_values(set_up.tools.context, *boxes, result);
     });
     return result;
 }

@@ -25,7 +25,7 @@ struct EqualVertices {
     std::size_t count = 0;
 
     /// The same on the host, without marks. Waits. Throws Error.
-    std::vector<std::uint32_t> read(const DeviceSetUp& job) const;
+    std::vector<std::uint32_t> read(const DeviceSetUp& set_up) const;
     std::size_t device_bytes() const { return first.bytes(); }
 };
 
@@ -48,7 +48,7 @@ struct DeviceTopology {
 
     /// The same on the host. numbers: those of the given vertices in the host's mesh; empty if they are the same.
     /// Waits. Throws Error.
-    MeshTopology read(const DeviceSetUp& job, std::span<const std::uint32_t> numbers) const;
+    MeshTopology read(const DeviceSetUp& set_up, std::span<const std::uint32_t> numbers) const;
 
     /// Without the names.
     std::size_t device_bytes() const;
@@ -73,7 +73,7 @@ struct DeviceMesh {
     std::size_t face_count = 0;
 
     /// The same on the host. Waits. Throws Error.
-    MeshArrays read(const DeviceSetUp& job) const;
+    MeshArrays read(const DeviceSetUp& set_up) const;
     std::size_t device_bytes() const { return vertices.bytes() + triangles.bytes(); }
 };
 
@@ -93,9 +93,9 @@ struct MadeTopology {
 
 /// The topology of a mesh by kernels; nothing if the mesh is beyond their limits. Waits once. Throws
 /// Error(out_of_memory or device_failure).
-std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const Mesh& mesh);
+std::optional<MadeTopology> make_device_topology(const DeviceSetUp& set_up, const Mesh& mesh);
 /// The same of a mesh in memory of the device; also nothing if it is no mesh (Mesh).
-std::optional<MadeTopology> make_device_topology(const DeviceSetUp& job, const DeviceTriples& vertices,
+std::optional<MadeTopology> make_device_topology(const DeviceSetUp& set_up, const DeviceTriples& vertices,
                                                  const DeviceTriples& triangles);
 
 struct MovedVertices {
@@ -106,14 +106,14 @@ struct MovedVertices {
 };
 
 /// New positions of the given vertices that are in use. Waits once. Throws Error.
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, const DeviceTriples& positions);
-MovedVertices move_vertices(const DeviceSetUp& job, const DeviceTopology& topology, std::span<const Vec3> positions);
+MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& topology, const DeviceTriples& positions);
+MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& topology, std::span<const Vec3> positions);
 
 /// The host's topology, in memory of the device.
-DeviceTopology device_topology(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+DeviceTopology device_topology(const DeviceSetUp& set_up, std::shared_ptr<const DeviceFaces::Names> names,
                                const MeshTopology& topology);
 
 /// cluster_boxes() of faces on the device. Waits. Throws Error.
-std::vector<Box> cluster_boxes(const DeviceSetUp& job, const DeviceFaces& faces);
+std::vector<Box> cluster_boxes(const DeviceSetUp& set_up, const DeviceFaces& faces);
 
 }  // namespace clsdf::engine

@@ -87,11 +87,11 @@ HostPart part_of(std::span<const ListedFace> listed, std::size_t face_count, std
 
 }  // namespace
 
-std::optional<HostPart> host_part(const DeviceSetUp& job, const DeviceTopology& topology,
+std::optional<HostPart> host_part(const DeviceSetUp& set_up, const DeviceTopology& topology,
                                   const DeviceAnswers& answers) {
     // Of a larger share of the mesh the host looks at all of it hardly longer.
     constexpr std::size_t few = 4096, most_groups_of_list = 1024;
-    const DeviceTools& tools = job.tools;
+    const DeviceTools& tools = set_up.tools;
     const std::size_t faces = topology.face_count(), vertices = topology.vertex_count(),
                       group = tools.programs.group_size, room = std::min(faces, faces / 4 + few);
     std::size_t words = sizeof(ListCounts) / sizeof(cl_uint);
@@ -127,7 +127,7 @@ std::optional<HostPart> host_part(const DeviceSetUp& job, const DeviceTopology& 
     const ListCounts& found = counts.value();
     if (found.is_refused != 0) return std::nullopt;
     std::vector<ListedFace> longer(found.near > short_list ? found.near : 0);
-    if (!longer.empty()) device::read_values(job.tools.context, *near, longer);
+    if (!longer.empty()) device::read_values(set_up.tools.context, *near, longer);
     const std::span<const ListedFace> listed = longer.empty() ? first.values().first(found.near) : longer;
     HostPart part = part_of(listed, faces, vertices);
     part.left.saddles_elsewhere = found.saddles;

@@ -37,19 +37,19 @@ double least_length(const Box& box, const LatticeView& lattice) {
 /// The launches of the kernels, and their results.
 class KernelFrusta {
 public:
-    KernelFrusta(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names, const Box& box,
+    KernelFrusta(const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces::Names>& names, const Box& box,
                  const LatticeView* lattice)
-        : job_(job),
+        : set_up_(set_up),
           box_(box),
           count_(names->face_count),
           records_of_(lattice),
           view_(lattice != nullptr ? *lattice : view_of(box)),
           least_length_(least_length(box, view_)) {
         faces_.names = names;
-        signs_ = job.tools.pool->lease(3 * count_ * sizeof(float), "signs of the edges");
-        face_answers_ = job.tools.pool->lease(count_, "answers about faces");
+        signs_ = set_up.tools.pool->lease(3 * count_ * sizeof(float), "signs of the edges");
+        face_answers_ = set_up.tools.pool->lease(count_, "answers about faces");
         if (lattice != nullptr)
-            records_ = job.tools.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron),
+            records_ = set_up.tools.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron),
                                              "polyhedra");
     }
 
@@ -57,8 +57,8 @@ public:
         const MeshTopology& topology = *faces_.names->topology;
         frusta_->positions = ordered_positions(topology, mesh.vertices());
         frusta_->slopes.resize(count_);
-        faces_.positions = std::make_shared<const device::BufferPool::Lease>(job_.shared(frusta_, frusta_->positions));
-        faces_.slopes = job_.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE);
+        faces_.positions = std::make_shared<const device::BufferPool::Lease>(set_up_.shared(frusta_, frusta_->positions));
+        faces_.slopes = set_up_.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE);
         lease_vertex_answers(sources->of_kernels->fan_items.size() * CLSDF_FAN_ITEM);
         enqueue_slopes(*sources->opposite);
         if (!sources->of_kernels->fan_items.empty()) enqueue_fans(*sources);
@@ -76,12 +76,12 @@ public:
         enqueue_slopes(*topology.opposite);
         enqueue_ring_fans(topology);
         std::optional<HostPart> part =
-            host_part(job_, topology, {*face_answers_, *vertex_answers_, **faces_.positions});
+            host_part(set_up_, topology, {*face_answers_, *vertex_answers_, **faces_.positions});
         if (!part) {
             const MeshTopology& whole = *homed.on_host();
             frusta_->positions = UninitializedVector<Vec3>(topology.vertex_count());
             frusta_->slopes.resize(count_);
-            device::read_values(job_.tools.context, **faces_.positions, frusta_->positions);
+            device::read_values(set_up_.tools.context, **faces_.positions, frusta_->positions);
             complete(whole, [&](const Answers& answers) {
                 return left_by_answers(whole, answers.of_faces, answers.of_vertices);
             });
@@ -99,35 +99,35 @@ private:
 
     std::size_t slope_bytes() const { return count_ * sizeof(FaceSlopes); }
     device::BufferPool::Lease lease_slopes() const {
-        return job_.tools.pool->lease(slope_bytes(), "slopes of the polyhedra");
+        return set_up_.tools.pool->lease(slope_bytes(), "slopes of the polyhedra");
     }
 
     void lease_vertex_answers(std::size_t count) {
         vertex_answer_count_ = count;
-        vertex_answers_ = job_.tools.pool->lease(count, "answers about vertices");
+        vertex_answers_ = set_up_.tools.pool->lease(count, "answers about vertices");
     }
 
     void enqueue_slopes(const cl::Buffer& opposite) const {
-        device::LentKernel kernel = job_.tools.kernel(job_.tools.programs.mesh_records, "face_slopes");
+        device::LentKernel kernel = set_up_.tools.kernel(set_up_.tools.programs.face_records, "face_slopes");
         const std::size_t all = in_record_groups(count_);
         const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
-        ShortLaunches(job_.tools.context, {})
+        ShortLaunches(set_up_.tools.context, {})
             .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
                 const std::size_t last = std::min(end * unit, all);
-                launch(job_.tools.context.queue(), kernel, job_.items_of(last - begin * unit), face_lattice(view_),
+                launch(set_up_.tools.context.queue(), kernel, set_up_.items_of(last - begin * unit), face_lattice(view_),
                        cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
-                       static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.ways.item_faces),
+                       static_cast<cl_uint>(count_), static_cast<cl_uint>(set_up_.ways.item_faces),
                        *faces_.names->triangles, opposite, **faces_.positions, *faces_.names->names, *faces_.slopes,
                        *signs_, *face_answers_, *records_);
             });
     }
 
     void enqueue_fans(const FrustaSources& sources) const {
-        device::LentKernel kernel = job_.tools.kernel(job_.tools.programs.mesh_records, "vertex_fans");
-        ShortLaunches(job_.tools.context, {})
+        device::LentKernel kernel = set_up_.tools.kernel(set_up_.tools.programs.face_records, "vertex_fans");
+        ShortLaunches(set_up_.tools.context, {})
             .over(sources.of_kernels->fan_items.size(), CLSDF_FAN_ITEM * seconds_per_fan,
                   [&](std::size_t begin, std::size_t end) {
-                      launch(job_.tools.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
+                      launch(set_up_.tools.context.queue(), kernel, set_up_.items_of((end - begin) * CLSDF_FAN_ITEM),
                              static_cast<cl_uint>(begin), cl_double{1 / view_.unit}, *sources.fan_items,
                              *sources.fan_words, *faces_.names->triangles, **faces_.positions, *signs_,
                              *vertex_answers_);
@@ -136,10 +136,10 @@ private:
 
     /// The fans of vertices, and the host's test of those that are left open.
     void enqueue_ring_fans(const DeviceTopology& topology) const {
-        const cl::CommandQueue& queue = job_.tools.context.queue();
-        const auto words = job_.tools.pool->lease(3 * count_ * sizeof(cl_uint), "faces around vertices");
-        const ShortLaunches launches(job_.tools.context, {});
-        device::LentKernel fans = job_.tools.kernel(job_.tools.programs.mesh_records, "ring_fans");
+        const cl::CommandQueue& queue = set_up_.tools.context.queue();
+        const auto words = set_up_.tools.pool->lease(3 * count_ * sizeof(cl_uint), "faces around vertices");
+        const ShortLaunches launches(set_up_.tools.context, {});
+        device::LentKernel fans = set_up_.tools.kernel(set_up_.tools.programs.face_records, "ring_fans");
         launches.over(topology.vertex_count(), seconds_per_fan, [&](std::size_t begin, std::size_t end) {
             launch(queue, fans, {end - begin}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
                    cl_double{1 / view_.unit}, *topology.starts, *topology.corners, *topology.edges, *topology.edges,
@@ -147,7 +147,7 @@ private:
         });
         const LatticeView lattice = view_of(box_);
         if (lattice.unit < std::numeric_limits<double>::min()) return;
-        device::LentKernel gaps = job_.tools.kernel(job_.tools.programs.mesh_records, "vertex_gaps");
+        device::LentKernel gaps = set_up_.tools.kernel(set_up_.tools.programs.face_records, "vertex_gaps");
         launches.over(topology.vertex_count(), seconds_per_gap, [&](std::size_t begin, std::size_t end) {
             launch(queue, gaps, {end - begin}, face_lattice(lattice), cl_double{least_length(box_, lattice)},
                    cl_double{gap_scale(lattice)}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
@@ -159,13 +159,13 @@ private:
     /// Waits for the kernels. Then the slopes are complete, here and on the device.
     template <class LeftBy>
     void complete(const MeshTopology& topology, const LeftBy& left_by) {
-        const cl::CommandQueue& queue = job_.tools.context.queue();
+        const cl::CommandQueue& queue = set_up_.tools.context.queue();
         struct Read {
             std::shared_ptr<Frusta> frusta;
             Answers answers;
         };
         device::InFlight<Read> read(
-            job_.tools.context,
+            set_up_.tools.context,
             {frusta_, {std::vector<std::uint8_t>(count_), std::vector<std::uint8_t>(vertex_answer_count_)}});
         read.begin();
         // After an error, too: a driver keeps a buffer that is mapped.
@@ -173,7 +173,7 @@ private:
             clEnqueueUnmapMemObject(queue(), (*faces_.slopes)(), memory, 0, nullptr, nullptr);
         };
         std::unique_ptr<void, decltype(unmap)> in_place(nullptr, unmap);
-        if (job_.ways.arrays_are_shared)
+        if (set_up_.ways.arrays_are_shared)
             in_place.reset(
                 queue.enqueueMapBuffer(*faces_.slopes, CL_FALSE, CL_MAP_READ | CL_MAP_WRITE, 0, slope_bytes()));
         struct Copy {
@@ -186,7 +186,7 @@ private:
                                           {*vertex_answers_, of_vertices.data(), of_vertices.size()},
                                           {*face_answers_, read->answers.of_faces.data(), count_}}};
         const auto is_pinned = [&](const Copy& copy) {
-            return job_.tools.context.capabilities().has_own_memory && copy.bytes > device::PinnedCopies::least_bytes;
+            return set_up_.tools.context.capabilities().has_own_memory && copy.bytes > device::PinnedCopies::least_bytes;
         };
         cl::Event last;
         for (const Copy& copy : copies)
@@ -196,7 +196,7 @@ private:
         if (last() != nullptr) last.wait();
         for (const Copy& copy : copies)
             if (is_pinned(copy))
-                job_.tools.context.read(queue, copy.from, 0, copy.bytes, static_cast<std::byte*>(copy.to));
+                set_up_.tools.context.read(queue, copy.from, 0, copy.bytes, static_cast<std::byte*>(copy.to));
         read.end();
         left_ = left_by(read->answers);
         complete_frusta(topology, box_, left_, *frusta_);
@@ -229,7 +229,7 @@ private:
     void place_slopes(const Frusta& frusta, std::span<const std::uint32_t> faces) const {
         std::vector<FaceSlopes> written;
         for (const std::uint32_t face : faces) written.push_back(frusta.slopes[face]);
-        place_items(job_, written, left_.faces, *faces_.slopes);
+        place_items(set_up_, written, left_.faces, *faces_.slopes);
     }
 
     MadeFrusta finish(const WrittenFaces& from) {
@@ -247,11 +247,11 @@ private:
         const std::size_t first_site = in_record_groups(count_), end = first_site + sites.end;
         const bool has_room = end * sizeof(Polyhedron) <= records_.bytes();
         if (!has_room || left_.faces.size() > count_ / 64)  // else the kernel makes them again, of all slopes
-            return records_on_device(job_, faces_, from, *records_of_, {&faces, 1}, {&sites, 1});
+            return records_on_device(set_up_, faces_, from, *records_of_, {&faces, 1}, {&sites, 1});
         WrittenRecords written(from, *records_of_, left_.faces);
         written.add_faces(faces, 0);
         written.add_sites(sites, first_site);
-        written.place(job_, *records_);
+        written.place(set_up_, *records_);
         PreparedMesh prepared;
         set_counts(count_, frusta, prepared);
         prepared.record_count = end;
@@ -259,7 +259,7 @@ private:
         return prepared;
     }
 
-    const DeviceSetUp& job_;
+    const DeviceSetUp& set_up_;
     Box box_;
     std::size_t count_;
     const LatticeView* records_of_;
@@ -274,24 +274,24 @@ private:
 
 }  // namespace
 
-FrustaSources::FrustaSources(const DeviceSetUp& job, const MeshTopology& topology)
+FrustaSources::FrustaSources(const DeviceSetUp& set_up, const MeshTopology& topology)
     : of_kernels(std::make_shared<const KernelTopology>(topology)) {
-    opposite = job.input(of_kernels, of_kernels->opposite, "opposite vertices");
-    fan_words = job.input(of_kernels, of_kernels->fan_words, "faces around vertices");
-    fan_items = job.input(of_kernels, of_kernels->fan_items, "items of vertices");
+    opposite = set_up.input(of_kernels, of_kernels->opposite, "opposite vertices");
+    fan_words = set_up.input(of_kernels, of_kernels->fan_words, "faces around vertices");
+    fan_items = set_up.input(of_kernels, of_kernels->fan_items, "items of vertices");
 }
 
-MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
+MadeFrusta frusta_by_kernels(const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces::Names>& names,
                              const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
                              const LatticeView* lattice) {
-    return device::guarded([&] { return KernelFrusta(job, names, mesh.box(), lattice).make(sources, mesh); });
+    return device::guarded([&] { return KernelFrusta(set_up, names, mesh.box(), lattice).make(sources, mesh); });
 }
 
-MadeFrusta frusta_by_kernels(const DeviceSetUp& job, HomedTopology& topology,
+MadeFrusta frusta_by_kernels(const DeviceSetUp& set_up, HomedTopology& topology,
                              std::shared_ptr<const device::BufferPool::Lease> positions, const Box& box,
                              const LatticeView* lattice) {
     return device::guarded([&] {
-        return KernelFrusta(job, topology.on_device()->names, box, lattice).make(topology, std::move(positions));
+        return KernelFrusta(set_up, topology.on_device()->names, box, lattice).make(topology, std::move(positions));
     });
 }
 

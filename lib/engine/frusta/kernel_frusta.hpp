@@ -18,7 +18,7 @@ struct FrustaSources {
     std::shared_ptr<const KernelTopology> of_kernels;
     device::BufferPool::Lease opposite, fan_words, fan_items;
 
-    FrustaSources(const DeviceSetUp& job, const MeshTopology& topology);
+    FrustaSources(const DeviceSetUp& set_up, const MeshTopology& topology);
 
     std::size_t host_bytes() const { return of_kernels->host_bytes(); }
     std::size_t device_bytes() const { return opposite.bytes() + fan_words.bytes() + fan_items.bytes(); }
@@ -38,13 +38,13 @@ struct MadeFrusta {
 
 /// The frusta of a mesh with these faces: made by kernels, and completed by the host, exactly. `lattice`: whose records
 /// are made, too; null for none. One wait for the device.
-MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
+MadeFrusta frusta_by_kernels(const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces::Names>& names,
                              const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
                              const LatticeView* lattice);
 
 /// The same on a device that has its own arrays. `positions`: Vec3 of each vertex of the topology. If kernels leave
 /// much to the host, the topology comes to the host, and the whole is completed there. Two waits otherwise.
-MadeFrusta frusta_by_kernels(const DeviceSetUp& job, HomedTopology& topology,
+MadeFrusta frusta_by_kernels(const DeviceSetUp& set_up, HomedTopology& topology,
                              std::shared_ptr<const device::BufferPool::Lease> positions, const Box& box,
                              const LatticeView* lattice);
 

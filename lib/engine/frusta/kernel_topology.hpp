@@ -16,7 +16,7 @@ namespace clsdf::engine {
 /// two faces, of one orientation.
 UninitializedVector<std::uint32_t> opposite_words(const MeshTopology& topology);
 
-/// A mesh's topology as the kernels that make polyhedra read it (kernels/frusta/mesh_records.cl), and what they leave
+/// A mesh's topology as the kernels that make polyhedra read it (kernels/frusta/face_records.cl), and what they leave
 /// out.
 struct KernelTopology {
     UninitializedVector<std::uint32_t> opposite;   ///< opposite_words()

@@ -1,6 +1,6 @@
 #include "launch/programs.hpp"
 
-#include "device/bundled_driver.hpp"
+#include "device/find/bundled_driver.hpp"
 #include "device/opencl.hpp"
 #include "layout.h"
 
@@ -30,11 +30,12 @@ ProgramSources usable_sources(const device::Context& context, KernelBody asked) 
     return sources;
 }
 
-/// With options that work around the implementation's faults, which concern programs for vectors alone.
-ProgramSource around_faults(const device::Context& context, ProgramSource source, std::size_t lanes) {
-    if (lanes == 1) return source;
-    const device::Implementation implementation =
-        device::guarded([&] { return device::implementation_of(context.device()); });
+device::Implementation implementation_of(const device::Context& context) {
+    return device::guarded([&] { return device::implementation_of(context.device()); });
+}
+
+/// With options that work around the implementation's faults.
+ProgramSource around_faults(const device::Implementation& implementation, ProgramSource source) {
     source.options += device::options_around_faults(implementation, source.kernel_file);
     return source;
 }
@@ -84,15 +85,11 @@ ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
 }
 
 std::vector<ProgramSource> ProgramSources::every_source() const {
-    std::vector<ProgramSource> sources{scan_source(),         coarse_lists_source(), sign_sweep_source(),
-                                       fill_source(),         points_source(),       store_source(),
-                                       mesh_records_source(), radix_sort_source(),   point_order_source(),
-                                       point_signs_source(),  order_source()};
-    if (body == KernelBody::by_vector)
-        sources.push_back(point_scan_source());
-    else
-        sources.insert(sources.end(), {mesh_topology_source(), host_lists_source(), binary_tree_source(),
-                                       nearest_source(stack_entries), nearest_source(deep_stack_entries)});
+    std::vector<ProgramSource> sources;
+#define ADD(name, file, lanes, options, is_used) \
+    if (is_used) sources.push_back({file, common_options(lanes) + (options)});
+    CLSDF_PROGRAMS(ADD)
+#undef ADD
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
     return sources;
 }
@@ -114,29 +111,17 @@ cl::Program LazyProgram::get(const device::BuildWatch& watch) const {
     return device::guarded([&] { return context->program(source, watch); });
 }
 
-Programs::Programs(device::Context& context, KernelBody asked)
-    : ProgramSources(usable_sources(context, asked)),
-      scan{&context, scan_source()},
-      radix_sort{&context, radix_sort_source()},
-      coarse_lists{&context, around_faults(context, coarse_lists_source(), lanes)},
-      sign_sweep{&context, sign_sweep_source()},
-      fill{&context, fill_source()},
-      mesh_records{&context, around_faults(context, mesh_records_source(), mesh_lanes())},
-      mesh_topology{&context, mesh_topology_source()},
-      host_lists{&context, host_lists_source()},
-      store{&context, store_source()},
-      order{&context, order_source()},
-      points{&context, points_source()},
-      point_order{&context, point_order_source()},
-      point_signs{&context, point_signs_source()},
-      binary_tree{&context, binary_tree_source()},
-      nearest{&context, nearest_source(stack_entries)},
-      nearest_deep{&context, nearest_source(deep_stack_entries)},
-      point_scan{&context, point_scan_source()} {}
+Programs::Programs(device::Context& context, KernelBody asked) : ProgramSources(usable_sources(context, asked)) {
+    const device::Implementation implementation = implementation_of(context);
+#define MAKE(name, file, lanes, options, is_used) \
+    name = {&context, around_faults(implementation, {file, common_options(lanes) + (options)})};
+    CLSDF_PROGRAMS(MAKE)
+#undef MAKE
+}
 
 std::vector<cl::Program> Programs::of_fields(const device::BuildWatch& watch) const {
     std::vector<cl::Program> built;
-    for (const LazyProgram& program : {scan, coarse_lists, sign_sweep, fill, mesh_records})
+    for (const LazyProgram& program : {scan, coarse_lists, sign_sweep, fill, face_records})
         built.push_back(program.get(watch));
     if (mesh_lanes() == 1) built.push_back(host_lists.get(watch));
     return built;
@@ -161,10 +146,11 @@ namespace clsdf {
 
 void tuning::compile_level(const Device& device) {
     device::Context& context = device::context_of(device);
-    const std::size_t lanes = engine::usable_sources(context, KernelBody::automatic).lanes;
+    engine::usable_sources(context, KernelBody::automatic);
+    const device::Implementation implementation = engine::implementation_of(context);
     device::guarded([&] {
         for (const device::ProgramSource& source : engine::sources_of_level(context.capabilities()))
-            context.program(engine::around_faults(context, source, lanes));
+            context.program(engine::around_faults(implementation, source));
     });
 }
 

@@ -30,57 +30,60 @@ std::string options_of(const BrickVariant& variant);
 
 using device::ProgramSource;
 
+// The programs, but for those of bricks, which have variants: ROW(member of Programs, kernel file, lanes of its
+// vectors, further options, whether every_source() has it). The last four are expressions of ProgramSources.
+#define CLSDF_PROGRAMS(ROW)                                                                          \
+    ROW(scan, by_body("scan.cl", "scan_by_group.cl"), lanes, "", true)                               \
+    ROW(radix_sort, "radix_sort.cl", lanes, group_option(), true)                                    \
+    ROW(coarse_lists, by_body("coarse_lists.cl", "coarse_lists_by_group.cl"), lanes, "", true)       \
+    ROW(sign_sweep, "sign_sweep.cl", 1, "", true)                                                    \
+    ROW(fill, "fill.cl", lanes, "", true)                                                            \
+    ROW(face_records, "face_records.cl", mesh_lanes(), "", true)                                     \
+    ROW(mesh_topology, "mesh_topology.cl", lanes, group_option(), is_by_group())                     \
+    /* lists what is left to the host */                                                             \
+    ROW(host_lists, "host_lists.cl", lanes, group_option(), is_by_group())                           \
+    /* copies boxes to targets with strides */                                                       \
+    ROW(store, "box_store.cl", 1, "", true)                                                          \
+    /* puts the bricks of a sparse field in order */                                                 \
+    ROW(order, "brick_order.cl", 1, "", true)                                                        \
+    /* the search of processors, and the outputs of points */                                        \
+    ROW(points, "points.cl", lanes, "", true)                                                        \
+    /* the order of points in memory of the device, and their signs */                               \
+    ROW(point_order, "point_order.cl", lanes, "", true)                                              \
+    ROW(point_signs, "point_signs.cl", lanes, "", true)                                              \
+    /* the tree that GPUs search, the search, and that of a tree deeper than stack_entries */        \
+    ROW(binary_tree, "binary_tree.cl", lanes, "", is_by_group())                                     \
+    ROW(nearest, "nearest_by_group.cl", lanes, stack_option(stack_entries), is_by_group())           \
+    ROW(nearest_deep, "nearest_by_group.cl", lanes, stack_option(deep_stack_entries), is_by_group()) \
+    /* the scan of many points */                                                                    \
+    ROW(point_scan, "point_scan.cl", lanes, "", !is_by_group())
+
 /// The kernel files and options of one body on devices with the same capabilities.
 struct ProgramSources {
     KernelBody body;             ///< never automatic
-    std::size_t lanes = 1;       ///< of a work-item's vectors
-    std::size_t group_size = 0;  ///< of the body by_group
+    std::size_t lanes = 1;       ///< in a work-item's vectors
+    std::size_t group_size = 0;  ///< work-items of a group, in the body by_group
 
     /// Throws Error(unsupported) if the device's work-groups are too small for the body.
     ProgramSources(const device::Context::Capabilities& capabilities, KernelBody asked);
 
-    ProgramSource scan_source() const {
-        return {body == KernelBody::by_group ? "scan_by_group.cl" : "scan.cl", common_options(lanes)};
-    }
-    ProgramSource radix_sort_source() const {
-        return {"radix_sort.cl", common_options(lanes) + " -DGROUP=" + std::to_string(group_size)};
-    }
-    ProgramSource coarse_lists_source() const {
-        return {body == KernelBody::by_group ? "coarse_lists_by_group.cl" : "coarse_lists.cl", common_options(lanes)};
-    }
-    ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(1)}; }
-    ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
-    ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(mesh_lanes())}; }
-    /// For the body by_group alone, as radix_sort.
-    ProgramSource mesh_topology_source() const {
-        return {"mesh_topology.cl", common_options(lanes) + " -DGROUP=" + std::to_string(group_size)};
-    }
-    ProgramSource host_lists_source() const {
-        return {"host_lists.cl", common_options(lanes) + " -DGROUP=" + std::to_string(group_size)};
-    }
-    /// Lanes of its vectors of doubles.
+    /// Lanes of vectors of doubles, in face_records.
     std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
-    ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
-    /// The order of points in memory of the device, and their signs.
-    ProgramSource point_order_source() const { return {"point_order.cl", common_options(lanes)}; }
-    ProgramSource point_signs_source() const { return {"point_signs.cl", common_options(lanes)}; }
-    /// The tree that GPUs search, and the search, with a stack of so many entries. For the body by_group alone.
-    ProgramSource binary_tree_source() const { return {"binary_tree.cl", common_options(lanes)}; }
-    ProgramSource nearest_source(std::size_t stack) const {
-        return {"nearest_by_group.cl", common_options(lanes) + " -DSTACK=" + std::to_string(stack)};
-    }
-    /// The scan of many points, by vectors.
-    ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }
-    /// Copies boxes to targets with strides.
-    ProgramSource store_source() const { return {"store_boxes.cl", common_options(1)}; }
-    /// Puts the bricks of a sparse field in order.
-    ProgramSource order_source() const { return {"order_bricks.cl", common_options(1)}; }
     ProgramSource bricks_source(const BrickVariant& variant) const;
     /// Every program that a transform may ask for, each once.
     std::vector<ProgramSource> every_source() const;
 
     /// The options of every program, for vectors of so many lanes.
     std::string common_options(std::size_t of_lanes) const;
+
+protected:
+    /// For the rows of CLSDF_PROGRAMS.
+    bool is_by_group() const { return body == KernelBody::by_group; }
+    const char* by_body(const char* by_vector, const char* by_group) const {
+        return is_by_group() ? by_group : by_vector;
+    }
+    std::string group_option() const { return " -DGROUP=" + std::to_string(group_size); }
+    static std::string stack_option(std::size_t entries) { return " -DSTACK=" + std::to_string(entries); }
 
 private:
     bool scattered_access_;
@@ -94,7 +97,7 @@ std::vector<ProgramSource> sources_of_level(device::Context::Capabilities capabi
 
 /// A program that is built when it is used first.
 struct LazyProgram {
-    device::Context* context;
+    device::Context* context = nullptr;
     ProgramSource source;
 
     /// Throws Error(device_failure) with the build log.
@@ -105,24 +108,6 @@ struct LazyProgram {
 /// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
 /// are not shared between threads.
 struct Programs : ProgramSources {
-    LazyProgram scan;
-    LazyProgram radix_sort;
-    LazyProgram coarse_lists;
-    LazyProgram sign_sweep;
-    LazyProgram fill;
-    LazyProgram mesh_records;
-    LazyProgram mesh_topology;  ///< of the body by_group
-    LazyProgram host_lists;     ///< of the same: lists what is left to the host
-    LazyProgram store;          ///< copies boxes to targets with strides
-    LazyProgram order;          ///< puts the bricks of a sparse field in order
-    LazyProgram points;         ///< looks up points anywhere, but for the body by_group; their outputs
-    LazyProgram point_order;    ///< the order of points in memory of the device
-    LazyProgram point_signs;    ///< and their signs
-    LazyProgram binary_tree;    ///< of the body by_group: the tree that it searches
-    LazyProgram nearest;        ///< and the search
-    LazyProgram nearest_deep;   ///< in a tree that is deeper than stack_entries
-    LazyProgram point_scan;     ///< the scan of many points, by vectors
-
     /// Programs that every field needs.
     static constexpr std::size_t field_programs = 5;
 
@@ -138,7 +123,11 @@ struct Programs : ProgramSources {
     /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
     std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;
     /// The size of their groups.
-    std::size_t part_group() const { return body == KernelBody::by_group ? common_group : 1; }
+    std::size_t part_group() const { return is_by_group() ? common_group : 1; }
+
+#define PROGRAM(name, file, lanes, options, is_used) LazyProgram name;
+    CLSDF_PROGRAMS(PROGRAM)
+#undef PROGRAM
 };
 
 }  // namespace clsdf::engine

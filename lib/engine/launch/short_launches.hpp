@@ -80,7 +80,7 @@ public:
 private:
     cl::CommandQueue queue_;
     std::function<void()> between_;
-    double core_seconds_;  ///< of a launch, on all cores together
+    double core_seconds_;  ///< time of a launch, on all cores together
 };
 
 /// Calls launch(begin, end) for consecutive ranges of [0, items), and waits for each. `core_seconds`, an estimate for

@@ -61,7 +61,7 @@ public:
 private:
     struct Node {
         Box box;                         ///< around all boxes below
-        std::size_t begin = 0, end = 0;  ///< of a leaf, in order_; equal if it has children
+        std::size_t begin = 0, end = 0;  ///< a leaf's range of order_; equal if the node has children
         std::uint32_t child = 0;         ///< the first of two
     };
     void divide(std::uint32_t number, std::size_t begin, std::size_t end);

@@ -36,21 +36,21 @@ public:
 
 private:
     struct Piece {
-        std::size_t begin, end;  ///< of corners_
+        std::size_t begin, end;  ///< a range of corners_
     };
     struct Node {
-        Vec3 lower, upper;             ///< of the corners, in the unit
-        Vec3 centre;                   ///< of a ball around the film
-        double radius;                 ///< of the ball
-        double area;                   ///< of the film
+        Vec3 lower, upper;             ///< the box of the corners, in the unit
+        Vec3 centre;                   ///< the centre of a ball around the film
+        double radius;                 ///< the radius of the ball
+        double area;                   ///< the area of the film
         Vec3 normal;                   ///< the sum of its triangles' area vectors n dA
         std::array<double, 6> moment;  ///< the integral of n_j (x - centre)_k, symmetric: xx, yy, zz, xy, xz, yz
-        std::uint32_t piece;           ///< of a leaf
+        std::uint32_t piece;           ///< the leaf's piece
         std::uint32_t second;          ///< the second child; the first one is the next node; 0: a leaf
     };
     struct Sum {
-        Turns near = no_turns();  ///< of the pieces near the point
-        double far = 0;           ///< of all others, by moments
+        Turns near = no_turns();  ///< the turns of the pieces near the point
+        double far = 0;           ///< those of all others, by moments
         double error = 0;         ///< `far` may be off by that
     };
 
@@ -71,7 +71,7 @@ private:
 
     std::shared_ptr<const OpenBoundary> boundary_;
     double unit_;
-    std::vector<std::uint32_t> corners_;  // of the boundary, piece after piece
+    std::vector<std::uint32_t> corners_;  // the boundary's corners, piece after piece
     std::vector<Piece> pieces_;
     std::vector<Node> nodes_;
 };

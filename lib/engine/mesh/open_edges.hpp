@@ -21,7 +21,7 @@ struct OpenEdge {
 /// The open edges of a surface as closed loops, each edge as often as it counts. They follow from the triangles alone,
 /// and their order is part of the result: sums over them are rounded. No loop meets a vertex twice.
 struct OpenLoops {
-    std::vector<std::uint32_t> vertices;  ///< of the mesh, loop after loop
+    std::vector<std::uint32_t> vertices;  ///< the mesh's vertices, loop after loop
     std::vector<std::size_t> begins{0};   ///< where each loop begins in `vertices`, and the end of the last
 
     bool empty() const { return vertices.empty(); }
@@ -46,8 +46,8 @@ struct OpenBoundary {
 /// The part of the open edges in the generalised winding number at a point (kernels/common/solid_angle.h). The rest are
 /// the crossings of the point's ray towards -x.
 struct SolidAngle {
-    int rounded;   ///< what makes of the crossings the winding number rounded to an integer, a half up
-    double turns;  ///< what makes of the crossings the winding number
+    int rounded;   ///< added to the crossings: the winding number rounded to an integer, a half up
+    double turns;  ///< added to the crossings: the winding number
 };
 
 /// For a point as given, with exact sides of edges. unit: a power of two; positions divided by it are of moderate size.

@@ -355,7 +355,7 @@ private:
 
     const Mesh& mesh_;
     std::span<const Triangle> triangles_;
-    std::vector<std::uint32_t> part_of_;  // of each face
+    std::vector<std::uint32_t> part_of_;  // by face
 };
 
 }  // namespace

@@ -19,9 +19,9 @@ inline bool has_repeated_vertex(const Triangle& triangle) {
 /// Parts of a surface for its orientation: sets of faces that are joined over edges of exactly two faces. Faces with
 /// repeated vertices are in no part.
 struct OrientedParts {
-    std::vector<std::uint32_t> part;   ///< of each face, the lowest face of its part
+    std::vector<std::uint32_t> part;   ///< by face: the lowest face of its part
     std::vector<bool> is_turned;       ///< whether it is oriented differently from that one
-    std::vector<bool> is_orientable;   ///< of each part, by its lowest face
+    std::vector<bool> is_orientable;   ///< by the lowest face of a part
     std::vector<EdgeEntry> entries{};  ///< the faces of edges of more or fewer than two faces, edge after edge
     std::vector<std::size_t> edges{};  ///< where each of these edges begins in `entries`, and the end of the last
 

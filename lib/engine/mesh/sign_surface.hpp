@@ -20,7 +20,7 @@ struct SignSurface {
     enum Use : std::int8_t { backward = -1, forward = 1, unused_backward = -2, unused_forward = 2 };
 
     std::vector<std::uint32_t> vertices;  ///< for each vertex of the mesh that whose position counts; empty: itself
-    std::vector<Use> faces;               ///< of each face of the mesh; empty: all are forward
+    std::vector<Use> faces;               ///< by face of the mesh; empty: all are forward
     OpenLoops open_loops{};               ///< set for the rule solid_angle alone, if the surface is not balanced
 
     bool is_mesh() const { return vertices.empty() && faces.empty(); }

@@ -43,7 +43,7 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbour
 /// parts are described by describe_parts().
 void describe_paired_edges(bool encloses_negative_volume, Topology& report);
 
-/// A mesh with its first positions, and what decides its sign.
+/// The topology of a mesh with its first positions, and the surface that decides its sign.
 struct DescribedMesh {
     Topology topology;
     SignSurface surface;

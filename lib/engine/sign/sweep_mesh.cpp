@@ -103,10 +103,10 @@ struct SweepLattice {
 }
 
 /// Those of the mesh's vertices, numbered as the faces. Throws if one is beyond the sweep's integers.
-device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLattice& lattice, const Mesh& mesh,
+device::BufferPool::Lease sweep_vertices(const DeviceSetUp& set_up, const SweepLattice& lattice, const Mesh& mesh,
                                          const SignSurface& surface,
                                          const UninitializedVector<std::uint32_t>& numbers) {
-    device::HostFilling filling(job.tools.context, job.tools.pool, numbers.size() * sizeof(SweepVertex),
+    device::HostFilling filling(set_up.tools.context, set_up.tools.pool, numbers.size() * sizeof(SweepVertex),
                                 vertices_purpose);
     auto* const vertices = static_cast<SweepVertex*>(filling.memory());
     const std::size_t none = mesh.vertices().size();
@@ -119,12 +119,12 @@ device::BufferPool::Lease sweep_vertices(const DeviceSetUp& job, const SweepLatt
 }
 
 /// The same by a kernel, from the positions on the device. The mesh must be near sample (0, 0, 0).
-device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const SweepLattice& lattice,
+device::BufferPool::Lease vertices_on_device(const DeviceSetUp& set_up, const SweepLattice& lattice,
                                              const DeviceFaces& faces) {
     const std::size_t count = faces.names->vertex_count;
-    auto vertices = job.tools.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
-    device::LentKernel kernel = job.tools.kernel(job.tools.programs.mesh_records, "sweep_vertices");
-    ShortLaunches(job.tools.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
+    auto vertices = set_up.tools.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
+    device::LentKernel kernel = set_up.tools.kernel(set_up.tools.programs.face_records, "sweep_vertices");
+    ShortLaunches(set_up.tools.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
         set_arguments(kernel, 0, face_lattice(lattice.view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
                       begin, end, **faces.positions, *vertices);
     });
@@ -132,10 +132,10 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
 }
 
 /// The triangles of the surface, with numbers of vertices as in the topology.
-device::BufferPool::Lease triangles_of(const DeviceSetUp& job, const SignSurface& surface,
+device::BufferPool::Lease triangles_of(const DeviceSetUp& set_up, const SignSurface& surface,
                                        const MeshTopology& topology) {
     const std::size_t count = topology.order.size();
-    device::HostFilling filling(job.tools.context, job.tools.pool, count * sizeof(Triangle), "triangles");
+    device::HostFilling filling(set_up.tools.context, set_up.tools.pool, count * sizeof(Triangle), "triangles");
     auto* const triangles = static_cast<Triangle*>(filling.memory());
     const SignSurface uses{{}, surface.faces};
     for_each_index(count, [&](std::size_t face) {
@@ -183,7 +183,7 @@ const cl::Buffer& SweepMesh::triangles() const {
     return faces ? *faces->triangles : *own_triangles;
 }
 
-SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, HomedMesh& mesh,
+SweepMesh make_sweep_mesh(const DeviceSetUp& set_up, const Grid& grid, const LatticeView& view, HomedMesh& mesh,
                           const SignSurface& surface, const OpenBoundary* boundary, const DeviceFaces* faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, view, mesh.box());
@@ -191,10 +191,10 @@ SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Lattic
         if (surface.faces.empty())
             result.faces = mesh.names();
         else
-            result.own_triangles = triangles_of(job, surface, mesh.topology());
+            result.own_triangles = triangles_of(set_up, surface, mesh.topology());
         result.vertices = faces != nullptr && surface.vertices.empty() && is_within_sweep(mesh.box(), grid, view)
-                              ? vertices_on_device(job, lattice, *faces)
-                              : sweep_vertices(job, lattice, mesh.on_host(), surface, mesh.topology().faces.vertices);
+                              ? vertices_on_device(set_up, lattice, *faces)
+                              : sweep_vertices(set_up, lattice, mesh.on_host(), surface, mesh.topology().faces.vertices);
         result.triangle_count = mesh.face_count();
         result.bits_y = lattice.bits_y;
         result.bits_z = lattice.bits_z;
@@ -250,7 +250,7 @@ SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Latt
     });
 }
 
-SweepMesh near_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Box& box,
+SweepMesh near_sweep_mesh(const DeviceSetUp& set_up, const Grid& grid, const LatticeView& view, const Box& box,
                           const DeviceFaces& faces, const NearRecords& near) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, view, box);
@@ -260,17 +260,17 @@ SweepMesh near_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const Lattic
                 numbers.push_back(static_cast<cl_uint>(face / ClusterIndex::cluster));
         const std::size_t corners = 3 * near.face_count;
         SweepMesh result{
-            .own_triangles = job.tools.pool->lease(std::max<std::size_t>(corners, 1) * sizeof(cl_uint), "triangles"),
+            .own_triangles = set_up.tools.pool->lease(std::max<std::size_t>(corners, 1) * sizeof(cl_uint), "triangles"),
             .vertices =
-                job.tools.pool->lease(std::max<std::size_t>(corners, 1) * sizeof(SweepVertex), vertices_purpose),
+                set_up.tools.pool->lease(std::max<std::size_t>(corners, 1) * sizeof(SweepVertex), vertices_purpose),
             .triangle_count = near.face_count,
             .bits_y = lattice.bits_y,
             .bits_z = lattice.bits_z,
             .first_x = lattice.first_x};
         if (numbers.empty()) return result;
-        const auto clusters = job.upload(numbers, "clusters near a grid");
-        device::LentKernel kernel = job.tools.kernel(job.tools.programs.mesh_records, "sweep_clusters");
-        ShortLaunches(job.tools.context, {})
+        const auto clusters = set_up.upload(numbers, "clusters near a grid");
+        device::LentKernel kernel = set_up.tools.kernel(set_up.tools.programs.face_records, "sweep_clusters");
+        ShortLaunches(set_up.tools.context, {})
             .over_items(kernel, corners, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
                 set_arguments(kernel, 0, face_lattice(view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
                               begin, end, *clusters, *faces.names->triangles, **faces.positions, *result.own_triangles,

@@ -50,7 +50,7 @@ SweepSelection select_triangles(const device::Context& context, const NearRecord
 /// The mesh with the surface that decides its sign. Throws Error(unsupported) if it reaches farther from the grid's
 /// origin than the sweep's integers. view: of the grid's lattice. `faces`: null if the host makes the vertices.
 /// boundary: null unless open edges count. Mesh and topology come to the host if it makes triangles or vertices.
-SweepMesh make_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, HomedMesh& mesh,
+SweepMesh make_sweep_mesh(const DeviceSetUp& set_up, const Grid& grid, const LatticeView& view, HomedMesh& mesh,
                           const SignSurface& surface, const OpenBoundary* boundary, const DeviceFaces* faces);
 
 /// Whether all of a mesh with this box lies near enough for the sweep's integers, and a part of it can be swept by
@@ -63,7 +63,7 @@ SweepMesh near_sweep_mesh(const DeviceTools& tools, const Grid& grid, const Latt
                           const SignSurface& surface, const OpenBoundary* boundary, const MeshTopology& topology,
                           const std::vector<RecordRange>& faces);
 /// The same by kernels, of a mesh that decides the sign and has no open edges that count. `near`: whole clusters.
-SweepMesh near_sweep_mesh(const DeviceSetUp& job, const Grid& grid, const LatticeView& view, const Box& box,
+SweepMesh near_sweep_mesh(const DeviceSetUp& set_up, const Grid& grid, const LatticeView& view, const Box& box,
                           const DeviceFaces& faces, const NearRecords& near);
 
 }  // namespace clsdf::engine

@@ -1,8 +1,8 @@
 #include "device/context.hpp"
 
 #include "core/tuning_variables.hpp"
-#include "device/bundled_driver.hpp"
-#include "device/requirements.hpp"
+#include "device/find/bundled_driver.hpp"
+#include "device/find/requirements.hpp"
 #include "kernel_sources.hpp"
 
 #include <clsdf/error.hpp>

@@ -211,8 +211,8 @@ public:
     ///
     /// Throws Error(invalid_argument) that names the index of a point that is refused; for a `half_width` that is
     /// negative, NaN or finite beyond a float; for memory too small or of another context, and for arrays that overlap.
-    /// Error(unsupported) for a buffer that the host may not read or
-    /// write; Error(device_failure, wrong_results, out_of_memory or cancelled).
+    /// Error(unsupported) for a buffer that the host may not read or write; Error(device_failure, wrong_results,
+    /// out_of_memory or cancelled).
     TransformStatistics query(const InputArray& points, double half_width, const OutputTargets& targets,
                               const CallOptions& call = {}) const;
 

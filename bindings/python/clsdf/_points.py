@@ -1,0 +1,86 @@
+"""Points as users give them, and points on the surface."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _cuda, _meshes
+from ._error import Error
+from ._values import shape_of
+
+
+def rows_of(points: Any) -> tuple[Any, tuple[int, ...]]:
+    """Points as (n, 3), and the shape of their distances."""
+    points = _meshes.as_array(points, np.float64)
+    shape = _cuda.shape_of(points)
+    if shape == (0,):
+        return np.empty((0, 3)), (0,)
+    if shape[-1:] != (3,):
+        raise Error(f"points has the shape {shape}; expected (n, 3) or (..., 3), or (3,) of one point")
+    if len(shape) == 2:
+        return points, shape[:1]
+    if _cuda.is_in_cuda(points):
+        return _cuda.reshaped(points, (math.prod(shape[:-1]), 3)), shape[:-1]
+    if not hasattr(points, "reshape"):
+        points = on_host(points)
+    return points.reshape(math.prod(shape[:-1]), 3), shape[:-1]
+
+
+def on_host(array: Any) -> npt.NDArray[Any]:
+    """An array of any package as one of NumPy, in the same memory."""
+    return np.asarray(array) if isinstance(array, memoryview) or hasattr(array, "__array__") else np.from_dlpack(array)
+
+
+def flat(name: str, array: Any, shape: tuple[int, ...]) -> Any:
+    """An array for points of the shape (...) as one of rows, in the same memory."""
+    expected = shape_of(name, shape)
+    if _cuda.shape_of(array) != expected:
+        raise Error(f"out: the array of '{name}' has the shape {_cuda.shape_of(array)}; expected {expected}")
+    rows = _cuda.reshaped(array, shape_of(name, (math.prod(shape),)))
+    if _cuda.is_in_cuda(array) and _address(rows) != _address(array):
+        raise Error(f"out: the array of '{name}' has strides that cannot be those of rows; pass one in C order")
+    if isinstance(array, np.ndarray) and not np.may_share_memory(rows, array):
+        raise Error(f"out: the array of '{name}' has strides that cannot be those of rows; pass one in C order")
+    return rows
+
+
+def _address(array: Any) -> Any:
+    """The first address of an array in memory of CUDA, or its object if only DLPack tells."""
+    interface = _cuda.described(array)[0]
+    return None if interface is None else interface["data"][0]
+
+
+def limit_of(within: float | None) -> float:
+    if within is None:
+        return math.inf
+    try:
+        if isinstance(within, (str, bool)):
+            raise TypeError
+        return float(within)
+    except (TypeError, ValueError):
+        raise Error(f"within: {within!r} is not a number, in the mesh's units; None is no limit") from None
+
+
+def on_surface(
+    vertices: npt.NDArray[Any], faces: npt.NDArray[Any], count: int, radius: float, seed: int | None
+) -> npt.NDArray[np.float64]:
+    """The points of Transform.sample()."""
+    random = np.random.default_rng(seed)
+    corners = vertices[faces].astype(np.float64)
+    first, one, two = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    ends = np.cumsum(np.linalg.norm(np.cross(one, two), axis=1))
+    if not ends[-1] > 0:
+        raise Error("sample: no face of the mesh has an area", "invalid_mesh")
+    chosen = np.searchsorted(ends, random.uniform(0, ends[-1], count), side="right").clip(max=len(ends) - 1)
+    u, v = random.uniform(size=(2, count, 1))
+    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+    points: npt.NDArray[np.float64] = first[chosen] + u * one[chosen] + v * two[chosen]
+    if radius > 0:
+        way = random.normal(size=(count, 3))
+        way /= np.linalg.norm(way, axis=1, keepdims=True)
+        points += way * (radius * random.uniform(size=(count, 1)))
+    return points

@@ -1,0 +1,207 @@
+#include "io/meshes/mesh_files.hpp"
+
+#include "core/files.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/mesh_files.hpp>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/stat.h>
+
+#include <fcntl.h>
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <new>
+#include <span>
+#include <system_error>
+#include <utility>
+
+namespace clsdf {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& path, const std::string& reason) {
+    throw Error(ErrorCode::unreadable_input, fmt::format("cannot read '{}': {}", path, reason));
+}
+
+[[noreturn]] void fail(const std::string& path, int error) {
+    fail(path, std::generic_category().message(error));
+}
+
+}  // namespace
+
+FileContent::FileContent(std::string path, std::size_t most_bytes) : path_(std::move(path)) {
+    // Not blocking: opening a pipe would wait for its writer.
+    const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    if (file.number() < 0) fail(path_, errno);
+    struct stat status {};
+    if (::fstat(file.number(), &status) != 0) fail(path_, errno);
+    if (S_ISDIR(status.st_mode)) fail(path_, EISDIR);
+    if (!S_ISREG(status.st_mode)) fail(path_, "it is a device or a pipe, not a file");
+
+    // The file is read, not mapped: a mapped file that another process truncates ends the program with a signal. All
+    // cores read, into memory on huge pages, because fresh memory and copying take most of the time.
+    bytes_.resize(std::min(static_cast<std::size_t>(status.st_size), most_bytes));
+    const ReadResult result =
+        read_in_parallel(file, 0, std::as_writable_bytes(std::span(bytes_.data(), bytes_.size())));
+    if (result.error != 0) fail(path_, result.error);
+    if (result.bytes != bytes_.size())
+        fail(path_, fmt::format("it became shorter, {} instead of {} bytes", result.bytes, bytes_.size()));
+}
+
+const char* ending_of(MeshFormat format) {
+    switch (format) {
+        case MeshFormat::off:
+            return ".off";
+        case MeshFormat::obj:
+            return ".obj";
+        case MeshFormat::stl:
+            return ".stl";
+        case MeshFormat::ply:
+            break;
+    }
+    return ".ply";
+}
+
+MeshFormat format_of_ending(const std::string& path) {
+    const std::string ending = std::filesystem::path(path).extension().string();
+    if (equals_ignoring_case(ending, ".off")) return MeshFormat::off;
+    if (equals_ignoring_case(ending, ".obj")) return MeshFormat::obj;
+    if (equals_ignoring_case(ending, ".stl")) return MeshFormat::stl;
+    if (equals_ignoring_case(ending, ".ply")) return MeshFormat::ply;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("'{}' does not end like a mesh file; the endings are .off, .obj, .stl and .ply", path));
+}
+
+namespace {
+
+MeshArrays read_arrays(const FileContent& file, MeshFormat format, ReadingNotes& notes) {
+    refuse_other_content(file, format);
+    switch (format) {
+        case MeshFormat::off:
+            return read_off(file, notes);
+        case MeshFormat::obj:
+            return read_obj(file, notes);
+        case MeshFormat::stl:
+            return read_stl(file);
+        case MeshFormat::ply:
+            break;
+    }
+    return read_ply(file, notes);
+}
+
+Mesh read_file(const std::string& path, const ReadOptions& options) {
+    const MeshFormat format = format_of_ending(path);
+    ReadingNotes notes;
+    MeshArrays arrays = read_arrays(FileContent(path), format, notes);
+    const std::vector<std::string> texts = notes.texts();
+    if (arrays.triangles.empty() && !texts.empty())
+        throw Error(ErrorCode::invalid_mesh, fmt::format("{}: there is no triangle; {}", path, fmt::join(texts, "; ")));
+    Mesh mesh(std::move(arrays.vertices), std::move(arrays.triangles), path);
+    if (format == MeshFormat::stl) mesh = weld(mesh);
+    if (options.log)
+        for (const std::string& text : texts) options.log(fmt::format("{}: {}", path, text));
+    return mesh;
+}
+
+template <typename Read>
+auto with_memory_for(const std::string& what, const Read& read) try {
+    return read();
+} catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read {}", what));
+}
+
+}  // namespace
+
+std::vector<std::string> ReadingNotes::texts() const {
+    std::vector<std::string> texts;
+    const auto plural = [](std::size_t count) { return count == 1 ? "" : "s"; };
+    if (small_faces.count > 0)
+        texts.push_back(fmt::format("{} face{} of fewer than three corners {} skipped, the first at {}",
+                                    small_faces.count, plural(small_faces.count), small_faces.count == 1 ? "is" : "are",
+                                    small_faces.first));
+    if (weights.count > 0)
+        texts.push_back(
+            fmt::format("{} {} a fourth number w other than 1, the first at {}; x, y and z are divided by it",
+                        weights.count, weights.count == 1 ? "vertex has" : "vertices have", weights.first));
+    if (unknown_lines.count > 0)
+        texts.push_back(fmt::format("{} line{} with keywords that OBJ does not have {} skipped, the first at {}",
+                                    unknown_lines.count, plural(unknown_lines.count),
+                                    unknown_lines.count == 1 ? "is" : "are", unknown_lines.first));
+    if (header_lines.count > 0)
+        texts.push_back(fmt::format("{} line{} of the header {} no keyword and {} skipped, the first at {}",
+                                    header_lines.count, plural(header_lines.count),
+                                    header_lines.count == 1 ? "has" : "have", header_lines.count == 1 ? "is" : "are",
+                                    header_lines.first));
+    if (bytes_after > 0)
+        texts.push_back(fmt::format("{} byte{} after the last row {} skipped", bytes_after, plural(bytes_after),
+                                    bytes_after == 1 ? "is" : "are"));
+    return texts;
+}
+
+namespace {
+
+void check_placement(const ReadOptions& options) {
+    if (!(options.scale > 0) || !std::isfinite(options.scale))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("scale: {} is no factor for lengths; give a finite number above 0", options.scale));
+    for (const double step : options.translate)
+        if (!std::isfinite(step))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("translate: {} is no length; give three finite numbers", step));
+}
+
+/// The mesh of a file in the unit and at the place of the options.
+Mesh read_and_place(const std::string& path, const ReadOptions& options) {
+    Mesh mesh = read_file(path, options);
+    if (options.scale == 1 && options.translate == Vec3{}) return mesh;
+    std::vector<Vec3> positions = mesh.vertices();
+    for (Vec3& position : positions)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            position[axis] = position[axis] * options.scale + options.translate[axis];
+    try {
+        mesh.set_positions(std::move(positions));
+    } catch (const Error& error) {
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}, after the scale {} and the translation ({}); choose smaller ones", error.what(),
+                                options.scale, fmt::join(options.translate, ", ")));
+    }
+    return mesh;
+}
+
+}  // namespace
+
+Mesh read_mesh(const std::string& path, const ReadOptions& options) {
+    check_placement(options);
+    return with_memory_for(fmt::format("'{}'", path), [&] { return read_and_place(path, options); });
+}
+
+Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options) {
+    if (paths.empty()) throw Error(ErrorCode::invalid_argument, "no file of a mesh is given; name one or more");
+    if (paths.size() == 1) return read_mesh(paths[0], options);
+    check_placement(options);
+    return with_memory_for(fmt::format("the meshes '{}'", fmt::join(paths, "', '")), [&] {
+        MeshArrays all;
+        for (const std::string& path : paths) {
+            const Mesh mesh = read_and_place(path, options);
+            const std::size_t first = all.vertices.size();
+            if (mesh.vertices().size() >= std::numeric_limits<std::uint32_t>::max() - first)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("'{}' and the files before it have {} vertices, and a mesh has fewer than "
+                                        "4294967295; leave some out",
+                                        path, first + mesh.vertices().size()));
+            all.vertices.insert(all.vertices.end(), mesh.vertices().begin(), mesh.vertices().end());
+            for (const Triangle& triangle : mesh.triangles()) {
+                const auto shift = static_cast<std::uint32_t>(first);
+                all.triangles.push_back({shift + triangle[0], shift + triangle[1], shift + triangle[2]});
+            }
+        }
+        return Mesh(std::move(all.vertices), std::move(all.triangles), fmt::format("{}", fmt::join(paths, " + ")));
+    });
+}
+
+}  // namespace clsdf

@@ -1,0 +1,398 @@
+#include "core/files.hpp"
+#include "core/outputs.hpp"
+#include "io/meshes/mesh_files.hpp"
+#include "io/meshes/npy_header.hpp"
+#include "tools/text.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/mesh_files.hpp>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <limits>
+#include <new>
+#include <string_view>
+#include <type_traits>
+
+namespace clsdf {
+
+namespace {
+
+enum class PointFormat { npy, csv, ply };
+
+PointFormat format_of_points(const std::string& path) {
+    const std::string ending = std::filesystem::path(path).extension().string();
+    if (equals_ignoring_case(ending, ".npy")) return PointFormat::npy;
+    if (equals_ignoring_case(ending, ".csv")) return PointFormat::csv;
+    if (equals_ignoring_case(ending, ".ply")) return PointFormat::ply;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("'{}' does not end like a file of points; the endings are .npy, .csv and .ply", path));
+}
+
+std::vector<Vec3> read_npy_points(const std::string& path) {
+    InputFile file(path);
+    refuse_other_content(FileContent(path, telling_bytes));
+    const NpyHeader header = read_npy_header(file);
+    if (is_whole(header.values.type))
+        file.fail(fmt::format("header field 'descr': '{}' is not a coordinate; save the points as float64 ('<f8')",
+                              npy_name_of(header.values.type)));
+    if (header.shape.size() != 2 || header.shape[0] < 0 || header.shape[1] != 3)
+        file.fail(fmt::format("header field 'shape': ({}); points have the shape (n, 3), n >= 0, x, y and z a row",
+                              fmt::join(header.shape, ", ")));
+    if (header.shape[0] == 0) return {};
+    const std::size_t count = checked_count(file, header.values, header.shape);
+    std::vector<Vec3> points(count / 3);
+    const bool is_double = header.values.type == ElementType::float64;
+    if (is_double && !header.fortran_order) {
+        read_values(file, header.values, ElementType::float64, std::as_writable_bytes(std::span(points)));
+        return points;
+    }
+    const auto read = [&]<typename Number>(std::vector<Number> numbers) {
+        read_values(file, header.values, header.values.type, std::as_writable_bytes(std::span(numbers)));
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto number = static_cast<double>(numbers[i]);
+            if (header.fortran_order)
+                points[i % points.size()][i / points.size()] = number;
+            else
+                points[i / 3][i % 3] = number;
+        }
+    };
+    if (is_double)
+        read(std::vector<double>(count));
+    else
+        read(std::vector<float>(count));
+    return points;
+}
+
+FileContent text_of_points(const std::string& path) {
+    FileContent content(path);
+    refuse_other_content(content);
+    return content;
+}
+
+/// The rows of a table with commas between its fields; lines end with LF, CR LF, LF CR or CR.
+class CsvRows {
+public:
+    explicit CsvRows(const FileContent& file) : path_(file.path()), rest_(file.text()) {
+        constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+        if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+    }
+
+    /// The fields of the next line that is not empty; false at the end.
+    bool next(std::vector<std::string_view>& fields) {
+        std::string_view line;
+        do {
+            if (rest_.empty()) return false;
+            const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+            line = rest_.substr(0, end);
+            const std::string_view ending = rest_.substr(end);
+            const bool is_pair =
+                ending.starts_with("\r\n") || (ending.starts_with("\n\r") && !ending.starts_with("\n\r\n"));
+            rest_.remove_prefix(std::min(end + (is_pair ? 2U : 1U), rest_.size()));
+            ++line_;
+        } while (line.find_first_not_of(" \t") == std::string_view::npos);
+        fields.clear();
+        // A field is in quotes if it begins with one; two in a row within it are a character.
+        bool is_quoted = false, in_quotes = false;
+        std::size_t begin = 0;
+        for (std::size_t at = 0; at <= line.size(); ++at) {
+            if (at < line.size() && line[at] == '"') {
+                if (line.find_first_not_of(" \t", begin) == at) is_quoted = true;
+                in_quotes = is_quoted && !in_quotes;
+            }
+            if (at < line.size() && (line[at] != ',' || in_quotes)) continue;
+            fields.push_back(trimmed(line.substr(begin, at - begin)));
+            begin = at + 1;
+            is_quoted = false;
+        }
+        if (in_quotes) fail("a quotation mark has no partner on its line");
+        return true;
+    }
+
+    double number(std::string_view field, const char* column) const {
+        if (field.empty()) fail(fmt::format("column '{}' is empty", column));
+        TextScanner scanner(field, path_, {}, line_);
+        scanner.next_line();
+        const double value = scanner.real("a number");
+        if (!scanner.at_end_of_line()) scanner.fail_word("a number", field);
+        return value;
+    }
+
+    [[noreturn]] void fail(const std::string& reason) const {
+        throw Error(ErrorCode::unreadable_input, fmt::format("{}: line {}: {}", path_, line_, reason));
+    }
+
+private:
+    static std::string_view trimmed(std::string_view field) {
+        const std::size_t begin = std::min(field.find_first_not_of(" \t\""), field.size());
+        const std::size_t end = field.find_last_not_of(" \t\"");
+        return end == std::string_view::npos ? std::string_view() : field.substr(begin, end - begin + 1);
+    }
+
+    const std::string& path_;
+    std::string_view rest_;
+    std::size_t line_ = 0;
+};
+
+/// Whether a column has the coordinates along an axis. ParaView names them "Points:0" or "Points_0".
+bool is_axis(std::string_view name, std::size_t axis) {
+    constexpr std::array<std::string_view, 3> letters{"x", "y", "z"};
+    if (equals_ignoring_case(name, letters[axis])) return true;
+    return name.size() == 8 && name.starts_with("Points") && (name[6] == ':' || name[6] == '_') &&
+           name[7] == "012"[axis];
+}
+
+std::vector<Vec3> read_csv_points(const FileContent& file) {
+    CsvRows rows(file);
+    std::vector<std::string_view> fields;
+    if (!rows.next(fields))
+        throw Error(
+            ErrorCode::unreadable_input,
+            fmt::format("{}: the file has no text; it begins with a row of names, x,y,z among them", file.path()));
+    const std::string first_row = fmt::format("{}", fmt::join(fields, ","));
+    // NumPy writes the names as a comment.
+    if (fields.front().starts_with('#'))
+        fields.front().remove_prefix(std::min(fields.front().find_first_not_of("# \t"), fields.front().size()));
+    std::array<std::size_t, 3> columns{};
+    constexpr std::array<const char*, 3> names{"x", "y", "z"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto has_name = [&](std::string_view name) { return is_axis(name, axis); };
+        const auto found = std::find_if(fields.begin(), fields.end(), has_name);
+        if (found == fields.end())
+            rows.fail(
+                fmt::format("the first row, {}, has no column '{}'; write the names of the columns there, with "
+                            "commas between them, as in x,y,z",
+                            quoted(first_row, 80), names[axis]));
+        if (const auto second = std::find_if(found + 1, fields.end(), has_name); second != fields.end())
+            rows.fail(fmt::format("columns {} and {} both have the coordinate '{}' ({} and {}); leave one of them",
+                                  found - fields.begin() + 1, second - fields.begin() + 1, names[axis], quoted(*found),
+                                  quoted(*second)));
+        columns[axis] = static_cast<std::size_t>(found - fields.begin());
+    }
+    const std::size_t width = fields.size();
+    std::vector<Vec3> points;
+    while (rows.next(fields)) {
+        if (fields.size() != width)
+            rows.fail(fmt::format("the row has {} fields, and the first one names {} columns", fields.size(), width));
+        Vec3 point{};
+        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = rows.number(fields[columns[axis]], names[axis]);
+        points.push_back(point);
+    }
+    return points;
+}
+
+/// The outputs that there are, and their values by point.
+struct Columns {
+    std::vector<OutputInfo> infos;
+    std::vector<std::span<const std::byte>> values;
+
+    Columns(std::size_t points, const FieldSlab& results, OutputSet wanted, std::span<const float> winding) {
+        infos.push_back(info_of(Output::distance));
+        for (const OutputInfo& info : extra_outputs())
+            if (wanted.contains(info.output) || !results.bytes(info.output).empty()) infos.push_back(info);
+        for (const OutputInfo& info : infos) {
+            values.push_back(results.bytes(info.output));
+            if (values.back().size() != points * info.sample_bytes())
+                throw Error(
+                    ErrorCode::invalid_argument,
+                    fmt::format("there are {} points, and the array of the output {} holds {} values of {}", points,
+                                info.name, values.back().size() / bytes_of(info.type), points * info.components));
+        }
+        if (winding.empty()) return;
+        if (winding.size() != points)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("there are {} points, and the array of winding numbers holds {} values; give as "
+                                    "many",
+                                    points, winding.size()));
+        infos.push_back({.name = "winding", .description = "winding number"});
+        values.push_back(std::as_bytes(winding));
+    }
+
+    /// "closest_x" for a component, "distance" for a single value.
+    static std::string name(const OutputInfo& info, std::size_t component) {
+        if (info.components == 1) return info.name;
+        return fmt::format("{}_{}", info.name,
+                           info.components == 3 ? std::string(1, "xyz"[component]) : fmt::format("{}", component + 1));
+    }
+
+    /// visit(info, component, address of the value) for each value of a point.
+    template <typename Visit>
+    void for_each_value(std::size_t point, const Visit& visit) const {
+        for (std::size_t k = 0; k < infos.size(); ++k) {
+            const std::byte* at = values[k].data() + point * infos[k].sample_bytes();
+            for (std::size_t c = 0; c < infos[k].components; ++c, at += bytes_of(infos[k].type)) visit(infos[k], c, at);
+        }
+    }
+};
+
+/// Calls take(number) with the number at an address. Outputs have these types.
+template <typename Take>
+void with_number(ElementType type, const std::byte* address, const Take& take) {
+    constexpr std::endian order = std::endian::native;
+    switch (type) {
+        case ElementType::float64:
+            return take(load<double>(address, order));
+        case ElementType::uint32:
+            return take(load<std::uint32_t>(address, order));
+        case ElementType::uint8:
+            return take(load<std::uint8_t>(address, order));
+        default:
+            return take(load<float>(address, order));
+    }
+}
+
+/// The name of a type in .ply files.
+const char* ply_name_of(ElementType type) {
+    switch (type) {
+        case ElementType::float64:
+            return "double";
+        case ElementType::uint32:
+            return "uint";
+        case ElementType::uint8:
+            return "uchar";
+        default:
+            return "float";
+    }
+}
+
+/// Rows of bytes, written in large pieces.
+class RowWriter {
+public:
+    explicit RowWriter(AtomicFile& file) : file_(file) {}
+
+    template <typename Number>
+    void add(Number number) {
+        std::array<std::byte, sizeof(Number)> bytes{};
+        store_little_endian(bytes.data(), number);
+        buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+        if (buffer_.size() > piece_bytes) flush();
+    }
+    void add(ElementType type, const std::byte* value) {
+        with_number(type, value, [&](auto number) { add(number); });
+    }
+    void flush() {
+        file_.write(buffer_);
+        buffer_.clear();
+    }
+
+private:
+    static constexpr std::size_t piece_bytes = std::size_t{1} << 16U;
+    AtomicFile& file_;
+    std::vector<std::byte> buffer_;
+};
+
+void write_npy_points(std::size_t points, const Columns& columns, AtomicFile& file) {
+    std::string members;
+    for (const OutputInfo& info : columns.infos)
+        members += info.components == 1
+                       ? fmt::format("('{}', '{}'), ", info.name, npy_name_of(info.type))
+                       : fmt::format("('{}', '{}', ({},)), ", info.name, npy_name_of(info.type), info.components);
+    members.resize(members.size() - 2);
+    file.write(npy_header(fmt::format("[{}]", members), {static_cast<std::int64_t>(points)}));
+    RowWriter rows(file);
+    for (std::size_t i = 0; i < points; ++i)
+        columns.for_each_value(
+            i, [&](const OutputInfo& info, std::size_t, const std::byte* value) { rows.add(info.type, value); });
+    rows.flush();
+}
+
+void write_ply_points(std::span<const Vec3> points, const Columns& columns, AtomicFile& file) {
+    std::string header = fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment written by clsdf\nelement vertex {}\n"
+        "property double x\nproperty double y\nproperty double z\n",
+        points.size());
+    for (const OutputInfo& info : columns.infos)
+        for (std::size_t c = 0; c < info.components; ++c)
+            header += fmt::format("property {} {}\n", ply_name_of(info.type), Columns::name(info, c));
+    file.write(header + "end_header\n");
+    RowWriter rows(file);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (const double x : points[i]) rows.add(x);
+        columns.for_each_value(
+            i, [&](const OutputInfo& info, std::size_t, const std::byte* value) { rows.add(info.type, value); });
+    }
+    rows.flush();
+}
+
+/// "{}" writes the shortest digits that are read back as the same number. It writes the sign of a NaN, too, which has
+/// no meaning.
+void write_csv_points(std::span<const Vec3> points, const Columns& columns, AtomicFile& file) {
+    fmt::memory_buffer text;
+    const auto add = [&](auto value) { fmt::format_to(std::back_inserter(text), "{}", value); };
+    add("x,y,z");
+    for (const OutputInfo& info : columns.infos)
+        for (std::size_t c = 0; c < info.components; ++c) add(fmt::format(",{}", Columns::name(info, c)));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        add('\n');
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (axis > 0) add(',');
+            add(points[i][axis]);
+        }
+        columns.for_each_value(i, [&](const OutputInfo& info, std::size_t, const std::byte* value) {
+            add(',');
+            with_number(info.type, value, [&](auto number) {
+                if constexpr (std::is_floating_point_v<decltype(number)>)
+                    add(std::isnan(number) ? std::abs(number) : number);
+                else
+                    add(std::uint32_t{number});  // not as a letter
+            });
+        });
+        if (text.size() < (std::size_t{1} << 16U)) continue;
+        file.write(std::string_view(text.data(), text.size()));
+        text.clear();
+    }
+    add('\n');
+    file.write(std::string_view(text.data(), text.size()));
+}
+
+}  // namespace
+
+std::vector<Vec3> read_points(const std::string& path, const std::function<void(const std::string&)>& log) try {
+    switch (format_of_points(path)) {
+        case PointFormat::npy:
+            return read_npy_points(path);
+        case PointFormat::csv:
+            return read_csv_points(text_of_points(path));
+        case PointFormat::ply:
+            break;
+    }
+    ReadingNotes notes;
+    std::vector<Vec3> points = read_ply_points(text_of_points(path), notes);
+    if (log)
+        for (const std::string& text : notes.texts()) log(fmt::format("{}: {}", path, text));
+    return points;
+} catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
+}
+
+void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path, OutputSet wanted,
+                  std::span<const float> winding) {
+    const PointFormat format = format_of_points(path);
+    const Columns columns(points.size(), results, wanted, winding);
+    AtomicFile file(path);
+    switch (format) {
+        case PointFormat::npy:
+            write_npy_points(points.size(), columns, file);
+            break;
+        case PointFormat::csv:
+            write_csv_points(points, columns, file);
+            break;
+        case PointFormat::ply:
+            write_ply_points(points, columns, file);
+            break;
+    }
+    file.commit();
+}
+
+void check_points_path(const std::string& path) {
+    format_of_points(path);
+    check_writable(path);
+}
+
+}  // namespace clsdf

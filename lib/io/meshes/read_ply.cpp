@@ -1,0 +1,331 @@
+#include "io/meshes/mesh_files.hpp"
+#include "io/meshes/ply_header.hpp"
+#include "io/meshes/polygons.hpp"
+#include "tools/text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace clsdf {
+namespace {
+
+/// The rows of a text file: one on each line.
+class TextRows {
+public:
+    TextRows(const FileContent& file, const PlyHeader& header)
+        : scanner_(file.text().substr(header.bytes.front()), file.path(), {}, header.lines + 1) {}
+
+    void begin_row(const PlyElement& element, std::size_t row) {
+        if (!scanner_.next_line())
+            scanner_.fail(
+                fmt::format("the file ends after {} of {} rows of {}", row, element.count, quoted(element.name)));
+    }
+    void end_row() {
+        if (!scanner_.at_end_of_line()) scanner_.fail("the line has more values than the header has properties");
+    }
+    /// The bytes after the last row: none.
+    std::size_t end(const PlyElement& last) {
+        if (scanner_.next_line())
+            scanner_.fail(fmt::format("this line follows the {} rows of {} that the header counts", last.count,
+                                      quoted(last.name)));
+        return 0;
+    }
+    double real(PlyType) { return scanner_.real("a number"); }
+    std::int64_t integer(PlyType) { return scanner_.integer("an integer"); }
+    void skip(PlyType) {
+        if (scanner_.word().empty()) scanner_.fail_word("a number", {});
+    }
+    [[noreturn]] void fail(ErrorCode code, const std::string& reason) const { scanner_.fail(code, reason); }
+    std::string place() const { return fmt::format("line {}", scanner_.line()); }
+
+private:
+    TextScanner scanner_;
+};
+
+/// The rows of a binary file: numbers without anything between them.
+class BinaryRows {
+public:
+    BinaryRows(const FileContent& file, const PlyHeader& header, std::size_t begin)
+        : path_(&file.path()),
+          bytes_(file.bytes().subspan(begin)),
+          order_(header.format == PlyFormat::binary_big_endian ? std::endian::big : std::endian::little) {}
+
+    void begin_row(const PlyElement& element, std::size_t row) {
+        element_ = &element;
+        row_ = row;
+    }
+    void end_row() {}
+    /// The bytes after the last row, some programs write more; 0 if they are blank.
+    std::size_t end(const PlyElement&) const {
+        const auto is_blank = [](std::byte b) {
+            return b == std::byte{' '} || (b >= std::byte{'\t'} && b <= std::byte{'\r'});
+        };
+        return std::ranges::all_of(bytes_, is_blank) ? 0 : bytes_.size();
+    }
+    double real(PlyType type) { return read<double>(type); }
+    std::int64_t integer(PlyType type) {
+        if (type == PlyType::uint64) {
+            const auto number = read<std::uint64_t>(type);
+            if (number > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+                fail(ErrorCode::unreadable_input, fmt::format("the integer {} is out of range", number));
+            return static_cast<std::int64_t>(number);
+        }
+        return read<std::int64_t>(type);
+    }
+    void skip(PlyType type) { take(size_of(type)); }
+    [[noreturn]] void fail(ErrorCode code, const std::string& reason) const {
+        throw Error(code, fmt::format("{}: {}: {}", *path_, place(), reason));
+    }
+    std::string place() const { return fmt::format("row {} of {}", row_, quoted(element_->name)); }
+
+private:
+    const std::byte* take(std::size_t count) {
+        if (count > bytes_.size()) fail(ErrorCode::unreadable_input, "the file ends here");
+        const std::byte* address = bytes_.data();
+        bytes_ = bytes_.subspan(count);
+        return address;
+    }
+
+    template <typename Result>
+    Result read(PlyType type) {
+        const std::byte* address = take(size_of(type));
+        switch (type) {
+            case PlyType::int8:
+                return static_cast<Result>(load<std::int8_t>(address, order_));
+            case PlyType::uint8:
+                return static_cast<Result>(load<std::uint8_t>(address, order_));
+            case PlyType::int16:
+                return static_cast<Result>(load<std::int16_t>(address, order_));
+            case PlyType::uint16:
+                return static_cast<Result>(load<std::uint16_t>(address, order_));
+            case PlyType::int32:
+                return static_cast<Result>(load<std::int32_t>(address, order_));
+            case PlyType::uint32:
+                return static_cast<Result>(load<std::uint32_t>(address, order_));
+            case PlyType::int64:
+                return static_cast<Result>(load<std::int64_t>(address, order_));
+            case PlyType::uint64:
+                return static_cast<Result>(load<std::uint64_t>(address, order_));
+            case PlyType::float32:
+                return static_cast<Result>(load<float>(address, order_));
+            case PlyType::float64:
+                break;
+        }
+        return static_cast<Result>(load<double>(address, order_));
+    }
+
+    const std::string* path_;
+    std::span<const std::byte> bytes_;
+    std::endian order_;
+    const PlyElement* element_ = nullptr;
+    std::size_t row_ = 0;
+};
+
+[[noreturn]] void fail_header(const FileContent& file, const std::string& reason,
+                              ErrorCode code = ErrorCode::unreadable_input) {
+    throw Error(code, fmt::format("{}: {}", file.path(), reason));
+}
+
+/// Which properties of the file make the mesh.
+struct Layout {
+    std::size_t vertex_count = 0;
+    std::array<std::size_t, 3> coordinates{};
+    std::size_t corners = 0;
+};
+
+Layout find_vertices(const FileContent& file, const PlyHeader& header) {
+    Layout layout;
+    const PlyElement* vertex = header.find("vertex");
+    if (vertex == nullptr) fail_header(file, "there is no element 'vertex'");
+    layout.vertex_count = vertex->count;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::string name(1, "xyz"[axis]);
+        const std::optional<std::size_t> place = vertex->find(name);
+        if (!place || vertex->properties[*place].count_type)
+            fail_header(file, fmt::format("the element 'vertex' has no coordinate '{}'", name));
+        layout.coordinates[axis] = *place;
+    }
+    return layout;
+}
+
+Layout find_layout(const FileContent& file, const PlyHeader& header) {
+    Layout layout = find_vertices(file, header);
+    const PlyElement* face = header.find("face");
+    if (face == nullptr && header.find("tristrips") != nullptr)
+        fail_header(file, "the faces are triangle strips; convert the file to one with single faces",
+                    ErrorCode::unsupported);
+    if (face == nullptr) fail_header(file, "there is no element 'face'", ErrorCode::invalid_mesh);
+    std::optional<std::size_t> corners = face->find("vertex_indices");
+    if (!corners) corners = face->find("vertex_index");
+    if (!corners) fail_header(file, "the element 'face' has no list 'vertex_indices'");
+    const PlyProperty& list = face->properties[*corners];
+    if (!list.count_type || list.type == PlyType::float32 || list.type == PlyType::float64)
+        fail_header(file, fmt::format("the property '{}' is no list of integers", list.name));
+    layout.corners = *corners;
+    return layout;
+}
+
+template <typename Rows>
+std::size_t read_length(Rows& rows, const PlyProperty& list) {
+    const std::int64_t length = rows.integer(*list.count_type);
+    if (length < 0) rows.fail(ErrorCode::unreadable_input, fmt::format("a list has the length {}", length));
+    return static_cast<std::size_t>(length);
+}
+
+template <typename Rows>
+void skip_property(Rows& rows, const PlyProperty& property) {
+    const std::size_t length = property.count_type ? read_length(rows, property) : 1;
+    for (std::size_t k = 0; k < length; ++k) rows.skip(property.type);
+}
+
+template <typename Rows>
+void read_vertices(Rows& rows, const PlyElement& element, const Layout& layout, std::vector<Vec3>& vertices) {
+    vertices.reserve(element.count);
+    for (std::size_t row = 0; row < element.count; ++row) {
+        rows.begin_row(element, row);
+        Vec3 vertex{};
+        for (std::size_t p = 0; p < element.properties.size(); ++p) {
+            const PlyProperty& property = element.properties[p];
+            std::size_t axis = 0;
+            while (axis < 3 && layout.coordinates[axis] != p) ++axis;
+            if (axis < 3)
+                vertex[axis] = rows.real(property.type);
+            else
+                skip_property(rows, property);
+        }
+        rows.end_row();
+        vertices.push_back(vertex);
+    }
+}
+
+template <typename Rows>
+void skip_rows(Rows& rows, const PlyElement& element) {
+    if (element.properties.empty()) return;
+    for (std::size_t row = 0; row < element.count; ++row) {
+        rows.begin_row(element, row);
+        for (const PlyProperty& property : element.properties) skip_property(rows, property);
+        rows.end_row();
+    }
+}
+
+template <typename Rows>
+std::vector<Vec3> read_points(Rows rows, const PlyHeader& header, const Layout& layout, ReadingNotes& notes) {
+    std::vector<Vec3> points;
+    for (const PlyElement& element : header.elements) {
+        if (element.name == "vertex")
+            read_vertices(rows, element, layout, points);
+        else
+            skip_rows(rows, element);
+    }
+    notes.bytes_after = rows.end(header.elements.back());
+    return points;
+}
+
+template <typename Rows>
+void read_corners(Rows& rows, const PlyProperty& list, std::size_t vertex_count, std::vector<std::uint32_t>& corners) {
+    const std::size_t length = read_length(rows, list);
+    if (length < 1)
+        rows.fail(ErrorCode::unreadable_input, fmt::format("a face needs three corners or more, not {}", length));
+    corners.clear();
+    for (std::size_t k = 0; k < length; ++k) {
+        const std::int64_t index = rows.integer(list.type);
+        if (index < 0 || static_cast<std::uint64_t>(index) >= vertex_count)
+            rows.fail(ErrorCode::invalid_mesh,
+                      fmt::format("the vertex index {} is out of range: there are {} vertices, counted from 0", index,
+                                  vertex_count));
+        corners.push_back(static_cast<std::uint32_t>(index));
+    }
+}
+
+template <typename Rows>
+void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, MeshArrays& mesh, Polygons& polygons,
+                ReadingNotes& notes) {
+    mesh.triangles.reserve(element.count);
+    std::vector<std::uint32_t> corners;
+    for (std::size_t row = 0; row < element.count; ++row) {
+        rows.begin_row(element, row);
+        for (std::size_t p = 0; p < element.properties.size(); ++p)
+            if (p == layout.corners)
+                read_corners(rows, element.properties[p], layout.vertex_count, corners);
+            else
+                skip_property(rows, element.properties[p]);
+        rows.end_row();
+        if (corners.size() < 3)
+            notes.small_faces.add([&] { return rows.place(); });
+        else
+            polygons.add(mesh, corners);
+    }
+}
+
+template <typename Rows>
+MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout, ReadingNotes& notes) {
+    MeshArrays mesh;
+    Polygons polygons;
+    for (const PlyElement& element : header.elements) {
+        if (element.name == "vertex") {
+            read_vertices(rows, element, layout, mesh.vertices);
+        } else if (element.name == "face") {
+            read_faces(rows, element, layout, mesh, polygons, notes);
+        } else {
+            skip_rows(rows, element);
+        }
+    }
+    notes.bytes_after = rows.end(header.elements.back());
+    polygons.triangulate(mesh);
+    return mesh;
+}
+
+/// Reads the rows from where they begin. read(begin, notes): reads them from there. If two places fit the header, it is
+/// the one from which the rows end with the file, or else the first that can be read.
+template <typename Read>
+auto read_from_begin(const PlyHeader& header, ReadingNotes& notes, const Read& read) {
+    if (header.bytes.size() == 1) return read(header.bytes[0], notes);
+    std::optional<Error> error;
+    std::optional<std::size_t> fitting;
+    for (const std::size_t begin : header.bytes) {
+        try {
+            ReadingNotes found = notes;
+            auto result = read(begin, found);
+            if (found.bytes_after == 0) {
+                notes = std::move(found);
+                return result;
+            }
+            if (!fitting) fitting = begin;
+        } catch (const Error& failure) {
+            if (!error) error = failure;
+        }
+    }
+    if (!fitting) throw *error;
+    return read(*fitting, notes);
+}
+
+}  // namespace
+
+MeshArrays read_ply(const FileContent& file, ReadingNotes& notes) {
+    const PlyHeader header = read_ply_header(file, notes);
+    const Layout layout = find_layout(file, header);
+    if (header.format == PlyFormat::ascii) return read_body(TextRows(file, header), header, layout, notes);
+    return read_from_begin(header, notes, [&](std::size_t begin, ReadingNotes& found) {
+        return read_body(BinaryRows(file, header, begin), header, layout, found);
+    });
+}
+
+std::vector<Vec3> read_ply_points(const FileContent& file, ReadingNotes& notes) {
+    const PlyHeader header = read_ply_header(file, notes);
+    const Layout layout = find_vertices(file, header);
+    if (header.format == PlyFormat::ascii) return read_points(TextRows(file, header), header, layout, notes);
+    return read_from_begin(header, notes, [&](std::size_t begin, ReadingNotes& found) {
+        return read_points(BinaryRows(file, header, begin), header, layout, found);
+    });
+}
+
+}  // namespace clsdf
