@@ -277,8 +277,8 @@ std::optional<std::string> sweep_difference(const engine::DeviceSetUp& set_up) {
                                                                    nullptr,
                                                                    set_up.upload(topology.faces.triangles, "triangles"),
                                                                    {}}),
-                                    std::make_shared<const device::BufferPool::Lease>(
-                                        set_up.upload(engine::ordered_positions(topology, mesh.vertices()), "vertices")),
+                                    std::make_shared<const device::BufferPool::Lease>(set_up.upload(
+                                        engine::ordered_positions(topology, mesh.vertices()), "vertices")),
                                     {}};
     constexpr std::size_t cluster = engine::ClusterIndex::cluster;
     const std::size_t last = (mesh.triangles().size() - 1) / cluster * cluster;

@@ -54,6 +54,7 @@ std::shared_ptr<const DeviceSignFaces> KeptPoints::sign_faces(SignRule sign) {
 
 std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
     const std::scoped_lock lock(mutex_);
+    if (remembered_.moves != kept_mesh_.moves()) return std::nullopt;
     PointInputs inputs;
     inputs.mesh = remembered_.mesh.lock();
     engine::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered,
@@ -69,6 +70,8 @@ std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
 
 void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     const std::scoped_lock lock(mutex_);
+    if (remembered_.moves != kept_mesh_.moves()) remembered_ = {};
+    remembered_.moves = kept_mesh_.moves();
     remembered_.mesh = inputs.mesh;
     if (engine::names_sites(outputs)) {
         remembered_.names = inputs.sites->names;
@@ -79,11 +82,6 @@ void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     remembered_.normals = inputs.sites->normals;
     remembered_.turned = inputs.sites->turned;
     remembered_.is_inside_out = inputs.is_inside_out;
-}
-
-void KeptPoints::forget_inputs() {
-    const std::scoped_lock lock(mutex_);
-    remembered_ = {};
 }
 
 }  // namespace clsdf::points

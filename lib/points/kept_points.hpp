@@ -60,11 +60,8 @@ private:
     using MadeOf = engine::MadeOf;
     using UsedBy = engine::UsedBy;
 
-    /// No thread gets the remembered inputs any more.
-    void forget_inputs();
-
     engine::KeptMesh& kept_mesh_;
-    Kept<engine::PointMesh> tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points, [this] { forget_inputs(); }};
+    Kept<engine::PointMesh> tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::DividedFaces> divided_faces_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};
     Kept<engine::FittedTree> fitted_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<ScannedMesh> scanned_mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
@@ -73,6 +70,7 @@ private:
 
     /// See remember().
     struct Remembered {
+        std::size_t moves = 0;  ///< of the kept mesh before
         std::weak_ptr<const engine::PointMesh> mesh;
         std::weak_ptr<const device::BufferPool::Lease> names, normals;
         std::size_t renumbered = 0, turned = 0;  ///< turned: if the normals are set

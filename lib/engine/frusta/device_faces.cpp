@@ -34,7 +34,8 @@ void enqueue_faces(const DeviceSetUp& set_up, const DeviceFaces& faces, const La
 DeviceFaces::Names device_names(const DeviceSetUp& set_up, std::shared_ptr<const MeshTopology> topology) {
     const std::size_t count = topology->order.size();
     set_up.tools.pool->check_size(count * sizeof(Triangle), "triangles");
-    device::HostFilling filling(set_up.tools.context, set_up.tools.pool, count * sizeof(cl_uint), "numbers of the triangles");
+    device::HostFilling filling(set_up.tools.context, set_up.tools.pool, count * sizeof(cl_uint),
+                                "numbers of the triangles");
     auto* const names = static_cast<cl_uint*>(filling.memory());
     for_each_index(count, [&](std::size_t face) {
         names[face] = topology->order[face] | (topology->edges.is_non_manifold(face) ? CLSDF_NAME_NON_MANIFOLD : 0U);

@@ -40,7 +40,8 @@ template <class Values>
 device::BufferPool::Lease sent(const DeviceSetUp& set_up, const Values& values, const char* purpose) {
     const std::size_t bytes = values.size() * sizeof(values[0]);
     device::BufferPool::Lease copy = set_up.tools.pool->lease(std::max<std::size_t>(bytes, 1), purpose);
-    if (set_up.tools.context.write(set_up.tools.queue(), reinterpret_cast<const std::byte*>(values.data()), bytes, *copy))
+    if (set_up.tools.context.write(set_up.tools.queue(), reinterpret_cast<const std::byte*>(values.data()), bytes,
+                                   *copy))
         return copy;
     return set_up.upload(values, purpose);
 }
@@ -309,7 +310,8 @@ MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& top
     });
 }
 
-MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& topology, std::span<const Vec3> positions) {
+MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& topology,
+                            std::span<const Vec3> positions) {
     const device::BufferPool::Lease given = sent(set_up, positions, "vertices");
     constexpr cl_long words = 2;
     return move_vertices(set_up, topology, {*given, positions.size(), {0, 3 * words, words, 1, 0}});

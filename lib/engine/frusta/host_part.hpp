@@ -29,6 +29,7 @@ struct DeviceAnswers {
 };
 
 /// Finds what the kernels leave to the host. Waits twice. Nothing if that is a large share of the mesh. Throws Error.
-std::optional<HostPart> host_part(const DeviceSetUp& set_up, const DeviceTopology& topology, const DeviceAnswers& answers);
+std::optional<HostPart> host_part(const DeviceSetUp& set_up, const DeviceTopology& topology,
+                                  const DeviceAnswers& answers);
 
 }  // namespace clsdf::engine

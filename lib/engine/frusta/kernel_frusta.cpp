@@ -50,14 +50,15 @@ public:
         face_answers_ = set_up.tools.pool->lease(count_, "answers about faces");
         if (lattice != nullptr)
             records_ = set_up.tools.pool->lease((in_record_groups(count_) + spare_records(count_)) * sizeof(Polyhedron),
-                                             "polyhedra");
+                                                "polyhedra");
     }
 
     MadeFrusta make(const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh) {
         const MeshTopology& topology = *faces_.names->topology;
         frusta_->positions = ordered_positions(topology, mesh.vertices());
         frusta_->slopes.resize(count_);
-        faces_.positions = std::make_shared<const device::BufferPool::Lease>(set_up_.shared(frusta_, frusta_->positions));
+        faces_.positions =
+            std::make_shared<const device::BufferPool::Lease>(set_up_.shared(frusta_, frusta_->positions));
         faces_.slopes = set_up_.shared(frusta_, frusta_->slopes, CL_MEM_READ_WRITE);
         lease_vertex_answers(sources->of_kernels->fan_items.size() * CLSDF_FAN_ITEM);
         enqueue_slopes(*sources->opposite);
@@ -114,11 +115,11 @@ private:
         ShortLaunches(set_up_.tools.context, {})
             .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
                 const std::size_t last = std::min(end * unit, all);
-                launch(set_up_.tools.context.queue(), kernel, set_up_.items_of(last - begin * unit), face_lattice(view_),
-                       cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
-                       static_cast<cl_uint>(count_), static_cast<cl_uint>(set_up_.ways.item_faces),
-                       *faces_.names->triangles, opposite, **faces_.positions, *faces_.names->names, *faces_.slopes,
-                       *signs_, *face_answers_, *records_);
+                launch(set_up_.tools.context.queue(), kernel, set_up_.items_of(last - begin * unit),
+                       face_lattice(view_), cl_double{least_length_}, static_cast<cl_uint>(begin * unit),
+                       static_cast<cl_uint>(last), static_cast<cl_uint>(count_),
+                       static_cast<cl_uint>(set_up_.ways.item_faces), *faces_.names->triangles, opposite,
+                       **faces_.positions, *faces_.names->names, *faces_.slopes, *signs_, *face_answers_, *records_);
             });
     }
 
@@ -186,7 +187,8 @@ private:
                                           {*vertex_answers_, of_vertices.data(), of_vertices.size()},
                                           {*face_answers_, read->answers.of_faces.data(), count_}}};
         const auto is_pinned = [&](const Copy& copy) {
-            return set_up_.tools.context.capabilities().has_own_memory && copy.bytes > device::PinnedCopies::least_bytes;
+            return set_up_.tools.context.capabilities().has_own_memory &&
+                   copy.bytes > device::PinnedCopies::least_bytes;
         };
         cl::Event last;
         for (const Copy& copy : copies)

@@ -105,6 +105,7 @@ template bool KeptMesh::move_on_device(const DeviceTriples&, std::size_t);
 template bool KeptMesh::move_on_device(const std::span<const Vec3>&, std::size_t);
 
 void KeptMesh::forget_positions() {
+    ++moves_;
     for (KeptValue* value : all_kept())
         if (value->made_of == MadeOf::positions) value->forget();
 }

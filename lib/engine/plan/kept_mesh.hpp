@@ -18,6 +18,8 @@
 #include "plan/restriction.hpp"
 #include "sign/sweep_mesh.hpp"
 
+#include <atomic>
+#include <cstddef>
 #include <list>
 #include <memory>
 #include <new>
@@ -117,6 +119,9 @@ public:
     bool move_equal(std::span<const Vec3> positions) {
         return mesh_.has_equal_on_device() && move_on_device(positions, positions.size());
     }
+
+    /// How often the vertices have moved. For any number of threads.
+    std::size_t moves() const { return moves_; }
 
     bool encloses_negative_volume();
     /// At the present positions, for those who know it.
@@ -220,6 +225,7 @@ private:
     Kept<device::BufferPool::Lease> site_names_{kept_, MadeOf::triangles, UsedBy::both};
     Kept<device::BufferPool::Lease> pseudonormals_{kept_, MadeOf::positions, UsedBy::both};
     std::list<Lattice> lattices_;  // that was used last first
+    std::atomic<std::size_t> moves_ = 0;
 };
 
 }  // namespace clsdf::engine

@@ -124,10 +124,11 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& set_up, const Sw
     const std::size_t count = faces.names->vertex_count;
     auto vertices = set_up.tools.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
     device::LentKernel kernel = set_up.tools.kernel(set_up.tools.programs.face_records, "sweep_vertices");
-    ShortLaunches(set_up.tools.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
-        set_arguments(kernel, 0, face_lattice(lattice.view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
-                      begin, end, **faces.positions, *vertices);
-    });
+    ShortLaunches(set_up.tools.context, {})
+        .over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
+            set_arguments(kernel, 0, face_lattice(lattice.view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
+                          begin, end, **faces.positions, *vertices);
+        });
     return vertices;
 }
 
@@ -192,9 +193,10 @@ SweepMesh make_sweep_mesh(const DeviceSetUp& set_up, const Grid& grid, const Lat
             result.faces = mesh.names();
         else
             result.own_triangles = triangles_of(set_up, surface, mesh.topology());
-        result.vertices = faces != nullptr && surface.vertices.empty() && is_within_sweep(mesh.box(), grid, view)
-                              ? vertices_on_device(set_up, lattice, *faces)
-                              : sweep_vertices(set_up, lattice, mesh.on_host(), surface, mesh.topology().faces.vertices);
+        result.vertices =
+            faces != nullptr && surface.vertices.empty() && is_within_sweep(mesh.box(), grid, view)
+                ? vertices_on_device(set_up, lattice, *faces)
+                : sweep_vertices(set_up, lattice, mesh.on_host(), surface, mesh.topology().faces.vertices);
         result.triangle_count = mesh.face_count();
         result.bits_y = lattice.bits_y;
         result.bits_z = lattice.bits_z;
