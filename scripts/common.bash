@@ -77,3 +77,13 @@ source_version() {
     sed -n 's/^#define CLSDF_VERSION_\(MAJOR\|MINOR\|PATCH\) \([0-9]*\)$/\2/p' "${1:-.}/lib/include/clsdf/version.hpp" |
         paste -s -d .
 }
+
+# step PROGRAM [ARGUMENT...] runs it between two lines: the command, and the seconds that it took. It returns the
+# program's status, also under "||", where bash would not end the script.
+step() {
+    local began=$SECONDS status=0
+    echo "== $*"
+    "$@" || status=$?
+    echo "== $((SECONDS - began)) s: $*"
+    return $status
+}
