@@ -1,6 +1,7 @@
 #include "calls/ordered_bricks.hpp"
 
 #include "brick_ranges.h"
+#include "device/read_back.hpp"
 #include "launch/programs.hpp"
 #include "launch/short_launches.hpp"
 
@@ -64,16 +65,16 @@ BrickOrder::BrickOrder(const engine::DeviceTools& tools, const Layout& layout, c
       pieces_(tools.context.capabilities().is_processor ? 1 : pieces_of_gpu) {
     const cl::Program program = tools.programs.order;
     const auto bricks = static_cast<cl_uint>(brick_count(layout)), ranges = static_cast<cl_uint>(ranges_);
-    count_ = cl::Kernel(program, "count_marks");
-    place_ = cl::Kernel(program, "place_bricks");
-    store_ = cl::Kernel(program, "store_bricks");
-    store_bytes_ = cl::Kernel(program, "store_brick_bytes");
-    runs_ = cl::Kernel(program, "store_runs");
-    add_ = cl::Kernel(program, "add_counts");
+    count_ = tools.kernel(program, "count_marks");
+    place_ = tools.kernel(program, "place_bricks");
+    store_ = tools.kernel(program, "store_bricks");
+    store_bytes_ = tools.kernel(program, "store_brick_bytes");
+    runs_ = tools.kernel(program, "store_runs");
+    add_ = tools.kernel(program, "add_counts");
     engine::set_arguments(count_, 0, layout, bricks, ranges, marks, *memory.counts);
     place_targets_ =
         engine::set_arguments(place_, 0, layout, marks, *memory.starts, *memory.listed, *memory.totals, *memory.places);
-    for (cl::Kernel* kernel : {&store_, &store_bytes_})
+    for (device::LentKernel* kernel : {&store_, &store_bytes_})
         engine::set_arguments(*kernel, 0, *memory.listed, *memory.places);
     runs_targets_ = engine::set_arguments(runs_, 0, layout, bricks, ranges, marks, *memory.starts, *memory.totals);
     add_targets_ = engine::set_arguments(add_, 0, ranges, *memory.starts, *memory.totals);
@@ -83,7 +84,8 @@ void BrickOrder::enqueue(engine::CommandChain& chain, const OrderedTargets& targ
     constexpr std::size_t whole = sizeof(cl_ulong);
     const cl_ulong brick_room = targets.room.bricks, run_room = targets.room.runs;
     chain.then_launch(count_, {ranges_});
-    sums_.each([&](const cl::Kernel& kernel, const engine::WorkItems& items) { chain.then_launch(kernel, items); });
+    sums_.each(
+        [&](const device::LentKernel& kernel, const engine::WorkItems& items) { chain.then_launch(kernel, items); });
     engine::set_arguments(place_, place_targets_, brick_room, cl_ulong{targets.bricks.offset / whole},
                           targets.bricks.memory);
     chain.then_launch(place_, {memory_.room});
@@ -93,7 +95,7 @@ void BrickOrder::enqueue(engine::CommandChain& chain, const OrderedTargets& targ
             if (!array.is_wanted || targets.room.bricks == 0) return;
             const auto words = static_cast<cl_uint>(brick_samples * row.sample_bytes() / sizeof(cl_uint));
             const cl_int in_band = row.output == Output::distance ? 0 : 1;
-            cl::Kernel& kernel = place.offset % sizeof(cl_uint) == 0 ? store_ : store_bytes_;
+            device::LentKernel& kernel = place.offset % sizeof(cl_uint) == 0 ? store_ : store_bytes_;
             for (std::size_t first = 0; first < memory_.room; first += most_stored_bricks) {
                 const std::size_t bricks = std::min(most_stored_bricks, memory_.room - first);
                 engine::set_arguments(kernel, 2, *values, words, in_band, static_cast<cl_uint>(first),
@@ -101,10 +103,7 @@ void BrickOrder::enqueue(engine::CommandChain& chain, const OrderedTargets& targ
                 engine::divided({pieces_, bricks, 1}, {engine::most_groups, 1},
                                 [&](std::size_t y, std::size_t, const cl::NDRange& items) {
                                     kernel.setArg(5, static_cast<cl_uint>(first + y));
-                                    chain.then([&](auto& queue, auto* wait, auto* event) {
-                                        queue.enqueueNDRangeKernel(kernel, cl::NullRange, items,
-                                                                   cl::NDRange(pieces_, 1, 1), wait, event);
-                                    });
+                                    chain.then_launch(kernel, cl::NullRange, items, cl::NDRange(pieces_, 1, 1));
                                 });
             }
         },
@@ -171,7 +170,7 @@ template <class Value>
 std::vector<Value> read(const device::Context& context, const cl::Buffer& memory, std::size_t offset,
                         std::size_t count) {
     std::vector<Value> values(count);
-    context.queue().enqueueReadBuffer(memory, CL_TRUE, offset, count * sizeof(Value), values.data());
+    device::read_values(context, memory, values, offset);
     return values;
 }
 
@@ -184,17 +183,15 @@ std::optional<std::string> difference_of_order(const Device& device, const engin
     const std::size_t count = known.firsts.size(), runs = known.runs.size();
     const OutputSet outputs = Output::site;
     const ListedBricks memory(*pool, count, known.marks.size(), targets::arrays_for(outputs));
-    const cl::CommandQueue& queue = context.queue();
     std::vector<cl_uint> distances(count * brick_samples);
     std::vector<cl_uchar> sites(count * brick_samples);
     for (std::size_t i = 0; i < distances.size(); ++i) {
         distances[i] = static_cast<cl_uint>(i * 2654435761U);
         sites[i] = static_cast<cl_uchar>(i * 7 % 251);
     }
-    queue.enqueueWriteBuffer(*memory.values[Output::distance], CL_TRUE, 0, distances.size() * sizeof(cl_uint),
-                             distances.data());
-    queue.enqueueWriteBuffer(*memory.values[Output::site], CL_TRUE, 0, sites.size(), sites.data());
-    queue.enqueueWriteBuffer(*memory.listed, CL_TRUE, 0, known.listed.size() * sizeof(cl_uint), known.listed.data());
+    device::write_values(context, distances, *memory.values[Output::distance]);
+    device::write_values(context, sites, *memory.values[Output::site]);
+    device::write_values(context, known.listed, *memory.listed);
     const cl::Buffer marks = device::copied(context, known.marks);
     // An array begins behind a few bytes, and has room for all but one of the bricks of both parts.
     const auto buffer = [&](std::size_t bytes) { return cl::Buffer(context.context(), CL_MEM_READ_WRITE, bytes + 8); };
@@ -205,11 +202,11 @@ std::optional<std::string> difference_of_order(const Device& device, const engin
     to.inside = {buffer(to.room.runs * sizeof(BrickRun)), 8};
     to.values[Output::distance] = {buffer(to.room.bricks * brick_samples * sizeof(float)), 4};
     to.values[Output::site] = {buffer(to.room.bricks * brick_samples), 1};
-    engine::CommandChain chain(queue, {});
+    engine::CommandChain chain(context.queue(), {});
     chain.then_fill(*memory.totals, 2 * sizeof(cl_ulong));
     BrickOrder order(tools, known.layout, marks, memory);
     for (int n = 0; n < 2; ++n) order.enqueue(chain, to);
-    queue.finish();
+    context.finish();
     if (read<DeviceSparseCounts>(context, to.counts.memory, 8, 1).front() != DeviceSparseCounts{2 * count, 2 * runs, 0})
         return "bricks are counted wrongly";
     const auto firsts = read<Index3>(context, to.bricks.memory, 8, to.room.bricks);

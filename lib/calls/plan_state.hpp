@@ -65,6 +65,7 @@ struct PlanState {
     CallStatistics statistics;
     TransformStatistics published;  ///< of making or updating it
     bool is_whole = false;          ///< all slabs have been added
+    std::size_t failures = 0;       ///< of the transform that it was made of
 
 private:
     struct PlannedSlab {

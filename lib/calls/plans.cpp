@@ -32,6 +32,7 @@ void require_whole(const PlanState& state) {
     if (!state.is_whole)
         throw Error(ErrorCode::invalid_argument,
                     "the plan's last update failed, so that it has nothing to compute with; update it again");
+    device::context_of(state.device).require_none_failed(state.failures);
 }
 
 }  // namespace
@@ -94,9 +95,10 @@ void DistanceTransform::State::plan(calls::PlanState& made, std::span<const engi
         });
     };
     calls::with_remedies(&running, {forgetting()}, make);
-    device::guarded([&] { context.queue().finish(); });
+    device::guarded([&] { context.finish(); });
     if (made.has_own_pool) made.pool->hand_back();
     made.complete(running.statistics, *kept_mesh);
+    made.failures = failures;
 }
 
 CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {
@@ -105,8 +107,9 @@ CallStatistics DistanceTransform::State::compute_on_device(std::span<const Reque
     device::guarded([&] {
         const Stopwatch watch;
         const cl::Event end = plan->enqueue(context.callers_queue(), targets::events_of(context, call.wait_list), {});
-        end.wait();
-        targets::wait_for(context, call.wait_list);  // Intel's runtime reports success
+        const std::size_t launched = context.kernels().launched().count();
+        targets::wait_for(context, call.wait_list);  // whose failure is not that of a kernel
+        context.wait(end, launched);
         if (call.count_work) plan->read_counters();
         plan->statistics.field_seconds = watch.seconds();
     });

@@ -219,12 +219,13 @@ cl::Event PointPlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl:
     std::optional<targets::DeviceTargets> whole;
     if (points.count > 0) whole = check(points, targets, of_status.value_or(OutputArray()));
     context().require_usable();
+    context().require_none_failed(failures);
     if (queue() == context().queue()() && !before.empty()) context().add_waiting_run();
     engine::CommandChain& chain = runs_.begin(queue, std::move(before));
     if (points.count == 0) {
         chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
     } else {
-        const engine::Launches launches(chain, run->kernels());
+        const engine::Launches launches(chain, context().kernels());
         const points::DevicePoints all = points::points_in(points);
         const PointLimits usable = points::limits_of(points::usable_range(inputs.mesh->box).limits);
         run->enqueue_measure(launches, tools(), all, usable, *inputs.mesh);
@@ -292,8 +293,9 @@ void DistanceTransform::State::plan_points(PointPlan::State& made, const CallOpt
     if (inputs.needs_deep_stack())
         test(checks::point_subject(device, programs, checks::PointKernels::of_deep_trees), running);
     // Runs on other queues read what was enqueued here.
-    device::guarded([&] { context.queue().finish(); });
+    device::guarded([&] { context.finish(); });
     made.programs = programs;
+    made.failures = failures;
     made.inputs = std::move(inputs);
     if (needs_memory) {
         made.run.emplace(std::move(*run));

@@ -52,6 +52,7 @@ struct PointPlanState {
     std::optional<points::PointRun> run;
     points::PackedOutputs packed;
     TransformStatistics published;
+    std::size_t failures = 0;  ///< of the transform that it was made of
 
 private:
     /// The targets, checked together with points and status.

@@ -61,8 +61,9 @@ void DistanceTransform::State::plan(calls::SparsePlanState& made, const engine::
         });
     };
     calls::with_remedies(&running, {forgetting()}, make);
-    device::guarded([&] { context.queue().finish(); });
+    device::guarded([&] { context.finish(); });
     made.complete(running.statistics, *kept_mesh);
+    made.failures = failures;
 }
 
 SparsePlan::SparsePlan(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -96,6 +97,7 @@ void SparsePlan::enqueue(cl_command_queue queue, const SparseDeviceTargets& targ
     if (!state.is_whole)
         throw Error(ErrorCode::invalid_argument,
                     "the plan's last update failed, so that it has nothing to compute with; update it again");
+    device::context_of(state.device).require_none_failed(state.failures);
     with_host_memory("for a run of the plan", [&] {
         device::guarded([&] {
             const device::Context& context = device::context_of(state.device);

@@ -1,6 +1,7 @@
 #include "calls/stored_boxes.hpp"
 
 #include "device/buffer_pool.hpp"
+#include "device/read_back.hpp"
 
 #include <fmt/format.h>
 
@@ -41,7 +42,7 @@ std::optional<StoredBox> stored_box(const Grid& block, const Grid& request, cons
 
 BoxStore::BoxStore(const device::Context& context, const cl::Program& program, const Grid& block,
                    const StoredElements& elements, const cl::Buffer& samples, std::vector<Place> places)
-    : kernel_(program, "store_boxes"), planned_(std::move(places)) {
+    : kernel_(context.kernels(), program, "store_boxes"), planned_(std::move(places)) {
     for (const Place& place : planned_) written_.push_back(place.box);
     boxes_ = device::copied(context, written_);
     const device::Context::Capabilities& device = context.capabilities();
@@ -81,10 +82,8 @@ void BoxStore::enqueue(engine::CommandChain& chain, std::span<const Place> place
         kernel_.setArg(to_, cl::Buffer(memory, true));
         engine::divided({pieces_, rows_, count}, {engine::most_groups * group_rows_, engine::most_groups},
                         [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
-                            chain.then([&](auto& queue, auto* wait, auto* event) {
-                                queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, y, box + z), items,
-                                                           cl::NDRange(pieces_, group_rows_, 1), wait, event);
-                            });
+                            chain.then_launch(kernel_, cl::NDRange(0, y, box + z), items,
+                                              cl::NDRange(pieces_, group_rows_, 1));
                         });
     }
 }
@@ -94,7 +93,6 @@ namespace {
 /// Boxes of samples, in blocks of rows, to targets with strides; the third to another place than it was planned for.
 template <typename Value>
 bool stores_right(const device::Context& context, const cl::Program& program) {
-    const cl::CommandQueue& queue = context.queue();
     Grid block, request;
     block.size = {11, 6, 5};
     request.first = {2, 1, -1};
@@ -130,12 +128,12 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, to.size() * sizeof(Value),
                             to.data());
     const StoredElements elements{components, sizeof(Value)};
-    engine::CommandChain chain(queue, {});
+    engine::CommandChain chain(context.queue(), {});
     BoxStore both(context, program, block, elements, samples, {{memory(), stored[0]}, {memory(), stored[1]}});
     both.enqueue(chain);
     BoxStore moved(context, program, block, elements, samples, {{memory(), stored[0]}});
     moved.enqueue(chain, std::array{Place{memory(), stored[2]}});
-    queue.enqueueReadBuffer(memory, CL_TRUE, 0, to.size() * sizeof(Value), to.data());
+    device::read_values(context, memory, to);
     return to == expected;
 }
 
