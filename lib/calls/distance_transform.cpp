@@ -50,20 +50,22 @@ DistanceTransform detail::TransformAccess::make(Device device, const Mesh& mesh,
 }
 
 DistanceTransform::State& DistanceTransform::state() const {
-    return held_by(state_, "DistanceTransform");
+    State& state = held_by(state_, "DistanceTransform");
+    state.require_sound();
+    return state;
 }
 
 const Topology& DistanceTransform::topology() const {
-    return state().topology;
+    return held_by(state_, "DistanceTransform").topology;
 }
 SignRule DistanceTransform::sign() const {
-    return state().sign;
+    return held_by(state_, "DistanceTransform").sign;
 }
 Device DistanceTransform::device() const {
-    return state().device;
+    return held_by(state_, "DistanceTransform").device;
 }
 Box DistanceTransform::box() const {
-    State& state = this->state();
+    State& state = held_by(state_, "DistanceTransform");
     const std::scoped_lock lock(state.mutex);
     return state.kept_mesh->box();
 }
@@ -97,7 +99,7 @@ void DistanceTransform::set_motion(const std::array<Vec3, 3>& rotation, const Ve
 }
 
 KeptMemory DistanceTransform::memory() const {
-    State& state = this->state();
+    State& state = held_by(state_, "DistanceTransform");
     const std::scoped_lock lock(state.mutex);
     KeptMemory memory = state.kept_mesh->memory();
     memory.shared_host_bytes = state.context().shared_host_bytes();

@@ -44,8 +44,7 @@ void run(engine::GridPlan& plan, const targets::OutputMemories& memories, calls:
             memories.read(context, context.transfers(),
                           {device::Milestone{lower.end, lower.complete}, {memories.samples, chain.last()}});
         }
-        context.queue().finish();
-        device::wait_for(chain.last());  // PoCL's queue finishes without an error if a command has failed
+        context.finish();
         plan.read_back(context.queue());
         plan.statistics.field_seconds = watch.seconds();
         if (in_halves && !is_read) memories.read(context, context.queue());
@@ -165,6 +164,7 @@ public:
             // The length of a slab's lists is known only when they are made.
             calls::with_remedies(&running_, {{divide, true}, {[] { return true; }}}, [&] {
                 const std::scoped_lock lock(state_.mutex);
+                state_.require_sound();  // another call may have run since the last slab
                 gathering = std::make_shared<Gathering>(state_.context(), slabs_.back(), requests_);
                 compute(*slot, *gathering);
             });
@@ -246,7 +246,7 @@ private:
     void make_room(targets::SlabPipeline::Slot& slot) {
         const std::scoped_lock lock(state_.mutex);
         // Commands that are still running use the buffers.
-        device::guarded([&] { state_.context().queue().finish(); });
+        device::guarded([&] { state_.context().finish(); });
         pipeline_.discard(slot);
         plan_.reset();
         state_.forget();

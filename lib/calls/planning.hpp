@@ -24,6 +24,7 @@ void DistanceTransform::State::make(Plan& plan, Asked asked, const CallOptions& 
         running.throw_if_stopped();
         context().begin_call();
         plan.published = make_parts(running).published();
+        plan.failures = failures;
         plan.sign = sign;
     });
 }
@@ -32,7 +33,7 @@ void DistanceTransform::State::make(Plan& plan, Asked asked, const CallOptions& 
 /// called again with less memory, when all commands of the call before have ended.
 inline void DistanceTransform::State::set_up(calls::RunningCall& running, const std::function<void()>& enqueue) {
     calls::with_remedies(&running, {forgetting()}, [&] { context().run_or_drain(enqueue); });
-    device::guarded([&] { context().queue().finish(); });
+    device::guarded([&] { context().finish(); });
 }
 
 /// The same for the slabs of a plan that has been divided. add(slab, its GridPlan).

@@ -1,6 +1,7 @@
 #include "calls/slab_plans.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
+#include "device/read_back.hpp"
 #include "plan/slabs.hpp"
 #include "targets/host_arrays.hpp"
 
@@ -63,7 +64,9 @@ public:
         : context_(context), buffer_(buffer) {
         if (bytes == 0) return;
         if (context.capabilities().is_processor) {
-            mapped_ = context.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ, 0, bytes);
+            context.run_blocking([&](cl::Event* ended) {
+                mapped_ = context.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ, 0, bytes, nullptr, ended);
+            });
             return;
         }
         copy_.resize(bytes);
@@ -137,6 +140,7 @@ public:
             };
             calls::with_remedies(&running_, {{divide, true}, {[] { return true; }}}, [&] {
                 const std::scoped_lock lock(state_.mutex);
+                state_.require_sound();  // another call may have run since the last slab
                 compute();
                 collect();
             });
@@ -211,13 +215,12 @@ private:
         context.run_or_drain([&] {
             running_.throw_if_stopped();
             const cl::CommandQueue& queue = context.queue();
-            queue.enqueueWriteBuffer(*listed_, CL_TRUE, 0, sizeof head_, head_.data());
+            device::write_values(context, head_, *listed_);
             engine::CommandChain chain(queue, {});
             plan_->enqueue(chain, buffers, running_.between(done_, done_ + share));
-            queue.finish();
-            device::wait_for(chain.last());
+            context.finish();
             plan_->read_back(queue);
-            queue.enqueueReadBuffer(*listed_, CL_TRUE, 0, sizeof head_, head_.data());
+            device::read_values(context, *listed_, head_);
         });
         plan_->statistics.field_seconds = watch.seconds();
     }
@@ -296,7 +299,7 @@ private:
     /// Releases what the next slab had, and what is kept for later calls.
     void make_room() {
         const std::scoped_lock lock(state_.mutex);
-        device::guarded([&] { state_.context().queue().finish(); });
+        device::guarded([&] { state_.context().finish(); });
         values_ = {};
         listed_ = {};
         plan_.reset();

@@ -136,6 +136,7 @@ DistanceTransform::State::State(const State& other, const std::shared_ptr<device
                                 std::unique_ptr<engine::KeptMesh> own_mesh)
     : engine::Workshop(other.with(own_pool)),
       topology(other.topology),
+      failures(other.failures),
       kept_mesh(std::move(own_mesh)),
       kept_points(std::make_unique<points::KeptPoints>(*kept_mesh)) {}
 

@@ -192,7 +192,11 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// Throws as DistanceTransform::winding() does.
     WindingInputs winding_inputs();
 
+    /// Throws Error(device_failure) if a kernel has failed since this was made: what is kept may be wrong.
+    void require_sound() const { context().require_none_failed(failures); }
+
     Topology topology;
+    std::size_t failures = context().failures();  // of kernels, before any was launched
 
     CallMutex mutex{"the transform that makes the call"};  // for what follows, and for the work on the device
     std::unique_ptr<engine::KeptMesh> kept_mesh;

@@ -1,6 +1,7 @@
 #include "checks/known_targets.hpp"
 
 #include "brick_order.h"
+#include "device/read_back.hpp"
 #include "targets/ordered_bricks.hpp"
 #include "targets/stored_boxes.hpp"
 
@@ -21,7 +22,6 @@ namespace {
 /// Boxes of samples, in blocks of rows, to targets with strides; the third to another place than it was planned for.
 template <typename Value>
 bool stores_right(const device::Context& context, const cl::Program& program) {
-    const cl::CommandQueue& queue = context.queue();
     Grid block, request;
     block.size = {11, 6, 5};
     request.first = {2, 1, -1};
@@ -57,12 +57,12 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, to.size() * sizeof(Value),
                             to.data());
     const targets::StoredElements elements{components, sizeof(Value)};
-    engine::CommandChain chain(queue, {});
+    engine::CommandChain chain(context.queue(), {});
     targets::BoxStore both(context, program, block, elements, samples, {{memory(), stored[0]}, {memory(), stored[1]}});
     both.enqueue(chain);
     targets::BoxStore moved(context, program, block, elements, samples, {{memory(), stored[0]}});
     moved.enqueue(chain, std::array{targets::TargetBox{memory(), stored[2]}});
-    queue.enqueueReadBuffer(memory, CL_TRUE, 0, to.size() * sizeof(Value), to.data());
+    device::read_values(context, memory, to);
     return to == expected;
 }
 
@@ -118,7 +118,7 @@ template <class Value>
 std::vector<Value> read(const device::Context& context, const cl::Buffer& memory, std::size_t offset,
                         std::size_t count) {
     std::vector<Value> values(count);
-    context.queue().enqueueReadBuffer(memory, CL_TRUE, offset, count * sizeof(Value), values.data());
+    device::read_values(context, memory, values, offset);
     return values;
 }
 
@@ -134,17 +134,15 @@ std::optional<std::string> difference_of_order(const Device& device, const engin
     const std::size_t count = known.firsts.size(), runs = known.runs.size();
     const OutputSet outputs = Output::site;
     const targets::ListedBricks memory(*pool, count, known.marks.size(), targets::arrays_for(outputs));
-    const cl::CommandQueue& queue = context.queue();
     std::vector<cl_uint> distances(count * brick_samples);
     std::vector<cl_uchar> sites(count * brick_samples);
     for (std::size_t i = 0; i < distances.size(); ++i) {
         distances[i] = static_cast<cl_uint>(i * 2654435761U);
         sites[i] = static_cast<cl_uchar>(i * 7 % 251);
     }
-    queue.enqueueWriteBuffer(*memory.values[Output::distance], CL_TRUE, 0, distances.size() * sizeof(cl_uint),
-                             distances.data());
-    queue.enqueueWriteBuffer(*memory.values[Output::site], CL_TRUE, 0, sites.size(), sites.data());
-    queue.enqueueWriteBuffer(*memory.listed, CL_TRUE, 0, known.listed.size() * sizeof(cl_uint), known.listed.data());
+    device::write_values(context, distances, *memory.values[Output::distance]);
+    device::write_values(context, sites, *memory.values[Output::site]);
+    device::write_values(context, known.listed, *memory.listed);
     const cl::Buffer marks = device::copied(context, known.marks);
     // An array begins behind a few bytes, and has room for all but one of the bricks of both parts.
     const auto buffer = [&](std::size_t bytes) { return cl::Buffer(context.context(), CL_MEM_READ_WRITE, bytes + 8); };
@@ -155,11 +153,11 @@ std::optional<std::string> difference_of_order(const Device& device, const engin
     to.inside = {buffer(to.room.runs * sizeof(BrickRun)), 8};
     to.values[Output::distance] = {buffer(to.room.bricks * brick_samples * sizeof(float)), 4};
     to.values[Output::site] = {buffer(to.room.bricks * brick_samples), 1};
-    engine::CommandChain chain(queue, {});
+    engine::CommandChain chain(context.queue(), {});
     chain.then_fill(*memory.totals, 2 * sizeof(cl_ulong));
     targets::BrickStore store(tools, known.layout, marks, memory);
     for (int n = 0; n < 2; ++n) store.enqueue(chain, to);
-    queue.finish();
+    context.finish();
     if (read<KnownCounts>(context, to.counts.memory, 8, 1).front() != KnownCounts{2 * count, 2 * runs, 0})
         return "bricks are counted wrongly";
     const auto firsts = read<Index3>(context, to.bricks.memory, 8, to.room.bricks);

@@ -1,6 +1,7 @@
 #include "checks/known_topology.hpp"
 
 #include "device/buffer_pool.hpp"
+#include "device/read_back.hpp"
 #include "frusta/cluster_index.hpp"
 #include "frusta/kernel_topology.hpp"
 #include "lattice/layout_of.hpp"
@@ -30,7 +31,7 @@ using Numbers = std::vector<std::uint32_t>;
 template <class Value>
 std::vector<Value> read(const engine::DeviceSetUp& set_up, const cl::Buffer& buffer, std::size_t count) {
     std::vector<Value> values(count);
-    set_up.tools.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(Value), values.data());
+    device::read_values(set_up.tools.context, buffer, values);
     return values;
 }
 

@@ -4,6 +4,7 @@
 #include "checks/known_topology.hpp"
 #include "core/tuning_variables.hpp"
 #include "device/in_flight.hpp"
+#include "device/read_back.hpp"
 #include "lattice/layout_of.hpp"
 #include "lists/coarse_lists.hpp"
 #include "plan/field_method.hpp"
@@ -131,7 +132,7 @@ std::optional<std::string> field_difference(const engine::Workshop& workshop, en
         engine::CommandChain chain(context.queue(), {});
         plan->enqueue(chain, memories.buffers, {});
         memories.enqueue_handover(context.queue());
-        context.queue().finish();
+        context.finish();
         memories.read(context, context.queue());
         plan->read_back(context.queue());
     });
@@ -239,17 +240,15 @@ std::optional<std::string> sparse_difference(const engine::Workshop& workshop, e
     buffers.listed = *list;
     device::Context& context = workshop.context();
     context.run_or_drain([&] {
-        const cl::CommandQueue& queue = context.queue();
-        queue.enqueueWriteBuffer(*list, CL_TRUE, 0, list_bytes, bricks.listed.data());
-        engine::CommandChain chain(queue, {});
+        device::write_values(context, bricks.listed, *list);
+        engine::CommandChain chain(context.queue(), {});
         plan->enqueue(chain, buffers, {});
-        queue.finish();
-        queue.enqueueReadBuffer(*list, CL_TRUE, 0, list_bytes, bricks.listed.data());
-        queue.enqueueReadBuffer(plan->marks(), CL_TRUE, 0, bricks.marks.size(), bricks.marks.data());
+        context.finish();
+        device::read_values(context, *list, bricks.listed);
+        device::read_values(context, plan->marks(), bricks.marks);
         for_each_output(
             [&](const OutputInfo& row, const targets::HostArray& array, const cl::Buffer& buffer) {
-                if (array.is_wanted)
-                    queue.enqueueReadBuffer(buffer, CL_TRUE, 0, samples * row.sample_bytes(), array.data);
+                if (array.is_wanted) context.read(context.queue(), buffer, 0, samples * row.sample_bytes(), array.data);
             },
             bricks.values, buffers);
     });

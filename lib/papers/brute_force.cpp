@@ -44,8 +44,10 @@ public:
           variant_(inputs.variant),
           record_count_(inputs.mesh.record_count),
           rows_of_item_(rows_of_item(inputs.tools.programs.body)),
-          kernel_(program_of(inputs.tools.context, brute_force_source(inputs.tools.programs, variant_)), "brute_force"),
-          finish_kernel_(program_of(inputs.tools.context, finish_source(inputs.tools.programs, variant_)),
+          kernel_(inputs.tools.context.kernels(),
+                  program_of(inputs.tools.context, brute_force_source(inputs.tools.programs, variant_)), "brute_force"),
+          finish_kernel_(inputs.tools.context.kernels(),
+                         program_of(inputs.tools.context, finish_source(inputs.tools.programs, variant_)),
                          "slices_finish") {
         divide(inputs.tools.context, inputs.tools.programs);
         const std::size_t samples = static_cast<std::size_t>(chunk_layers_) * CLSDF_BRICK * samples_of_slice(layout_);
@@ -114,11 +116,11 @@ public:
             statistics.device_bytes += lease->bytes();
     }
 
-    void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const override {
+    void read_counters(const device::Context& context, CallStatistics& statistics) const override {
         if (!variant_.count) return;
         statistics.lanes_evaluated = statistics.samples_covered =
             bricks_of_layer() * static_cast<std::size_t>(layout_.bricks[2]) * brick_samples * record_count_;
-        statistics.band_samples = sum_of(queue, band_samples_, static_cast<std::size_t>(layout_.size[2]));
+        statistics.band_samples = sum_of(context, band_samples_, static_cast<std::size_t>(layout_.size[2]));
     }
 
 private:
@@ -195,8 +197,8 @@ private:
     std::int32_t chunk_layers_ = 1;  ///< of bricks, whose minima are in memory together
     std::size_t bricks_at_once_ = 1, records_at_once_ = 1;
     std::size_t brick_parts_ = 1, record_parts_ = 1;
-    cl::Kernel kernel_;
-    cl::Kernel finish_kernel_;
+    device::LentKernel kernel_;
+    device::LentKernel finish_kernel_;
     device::BufferPool::Lease squares_;
     device::BufferPool::Lease triangles_;
     device::BufferPool::Lease band_samples_;

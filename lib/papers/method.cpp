@@ -4,6 +4,7 @@
 #include "calls/transform_access.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
+#include "device/read_back.hpp"
 #include "lattice/layout_of.hpp"
 #include "papers/pieces.hpp"
 #include "papers/scans.hpp"
@@ -140,7 +141,9 @@ device::BufferPool::Lease papers::upload(const engine::KeptMesh& kept_mesh, cons
                                          const char* purpose) {
     auto lease = kept_mesh.tools().pool->lease(bytes, purpose);
     if (bytes > 0)
-        device::guarded([&] { kept_mesh.context().queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values); });
+        device::guarded([&] {
+            device::write_values(kept_mesh.context(), std::span(static_cast<const std::byte*>(values), bytes), *lease);
+        });
     return lease;
 }
 

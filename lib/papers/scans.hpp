@@ -100,7 +100,7 @@ struct SliceShape {
 SliceShape slice_shape(KernelBody body);
 
 /// The sum of counters, one for each slice. Blocks.
-std::size_t sum_of(const cl::CommandQueue& queue, const device::BufferPool::Lease& counters, std::size_t count);
+std::size_t sum_of(const device::Context& context, const device::BufferPool::Lease& counters, std::size_t count);
 
 /// The program of the scan's three kernels.
 device::ProgramSource slices_source(const engine::ProgramSources& programs, const SliceVariant& variant);
@@ -108,7 +108,8 @@ cl::Program slices_program(device::Context& context, const engine::ProgramSource
                            const SliceVariant& variant, const device::BuildWatch& watch = {});
 
 /// Launches slices_finish, whose arguments are set, for so many slices.
-void enqueue_finish(engine::CommandChain& chain, const cl::Kernel& kernel, const Layout& layout, std::size_t slices);
+void enqueue_finish(engine::CommandChain& chain, const device::LentKernel& kernel, const Layout& layout,
+                    std::size_t slices);
 
 /// Whether distance and triangle are one 64-bit number; without triangles the distances alone are the key, and 32 bits
 /// are enough. Throws Error(unsupported) if the device has no 64-bit atomics and `asked` needs them.

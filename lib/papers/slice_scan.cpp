@@ -1,6 +1,7 @@
 #include "papers/scans.hpp"
 
 #include "core/parallel.hpp"
+#include "device/read_back.hpp"
 #include "launch/prefix_sums.hpp"
 
 #include <fmt/format.h>
@@ -46,7 +47,7 @@ public:
         make_kernels(context, inputs.tools.programs, mesh);
         make_lists(inputs.tools);
         make_buffers(inputs.tools.pool, inputs.sign_bits);
-        if (context.is_first_use_of(scan_kernel_)) warm_up(context.queue());
+        if (context.is_first_use_of(scan_kernel_)) warm_up(context);
     }
 
     std::size_t launch_count() const override { return schedule_.launches.size(); }
@@ -82,17 +83,17 @@ public:
             statistics.device_bytes += lease->bytes();
     }
 
-    void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const override {
+    void read_counters(const device::Context& context, CallStatistics& statistics) const override {
         if (!variant_.brick.count) return;
         std::vector<cl_ulong> sets(counters_.bytes() / sizeof(cl_ulong));
-        queue.enqueueReadBuffer(*counters_, CL_TRUE, 0, sets.size() * sizeof(cl_ulong), sets.data());
+        device::read_values(context, *counters_, sets);
         std::array<std::size_t, CLSDF_SLICES_COUNTERS> sums{};
         for (std::size_t i = 0; i < sets.size(); ++i) sums[i % CLSDF_SLICES_COUNTERS] += sets[i];
         count_named(statistics.method_counts, "slice_intersections").value = sums[CLSDF_SLICES_INTERSECTIONS];
         count_named(statistics.method_counts, "empty_intersections").value = sums[CLSDF_SLICES_EMPTY];
         statistics.lanes_evaluated = sums[CLSDF_SLICES_EVALUATED];
         statistics.samples_covered = sums[CLSDF_SLICES_COVERED];
-        statistics.band_samples = sum_of(queue, band_samples_, static_cast<std::size_t>(layout_.size[2]));
+        statistics.band_samples = sum_of(context, band_samples_, static_cast<std::size_t>(layout_.size[2]));
     }
 
 private:
@@ -142,16 +143,16 @@ private:
 
     void make_kernels(device::Context& context, const Programs& programs, const PreparedPieces& mesh) {
         const cl::Program program = slices_program(context, programs, variant_);
-        active_kernel_ = cl::Kernel(program, "slices_active");
+        active_kernel_ = {context.kernels(), program, "slices_active"};
         active_kernel_.setArg(active_layout, layout_);
         active_kernel_.setArg(active_count, static_cast<cl_uint>(piece_count_));
         active_kernel_.setArg(active_pieces, *mesh.pieces);
-        scan_kernel_ = cl::Kernel(program, "slices_scan");
+        scan_kernel_ = {context.kernels(), program, "slices_scan"};
         scan_kernel_.setArg(scan_layout, layout_);
         scan_kernel_.setArg(scan_pieces, *mesh.pieces);
         scan_kernel_.setArg(scan_planes, *mesh.planes);
         scan_kernel_.setArg(scan_polyhedra, *mesh.polyhedra);
-        finish_kernel_ = cl::Kernel(program, "slices_finish");
+        finish_kernel_ = {context.kernels(), program, "slices_finish"};
         finish_kernel_.setArg(finish_layout, layout_);
     }
 
@@ -204,7 +205,8 @@ private:
         finish_kernel_.setArg(finish_outputs_++, sign_bits);
     }
 
-    void warm_up(const cl::CommandQueue& queue) {
+    void warm_up(const device::Context& context) {
+        const cl::CommandQueue& queue = context.queue();
         scan_kernel_.setArg(scan_begin, cl_uint{0});
         scan_kernel_.setArg(scan_end, cl_uint{0});
         scan_kernel_.setArg(scan_first_slice, layout_.first[2]);
@@ -218,7 +220,7 @@ private:
         if (variant_.brick.count) finish_kernel_.setArg(argument++, *band_samples_);
         CommandChain chain(queue, {});
         enqueue_finish(chain, finish_kernel_, layout_, 1);
-        queue.finish();
+        context.finish();
     }
 
     void set_active_range(cl_int begin, cl_int end, std::size_t base, bool fill) {
@@ -272,17 +274,17 @@ private:
     device::BufferPool::Lease triangles_;  ///< if they are not in the keys
     device::BufferPool::Lease counters_;
     device::BufferPool::Lease band_samples_;
-    cl::Kernel active_kernel_;
-    cl::Kernel scan_kernel_;
-    cl::Kernel finish_kernel_;
+    device::LentKernel active_kernel_;
+    device::LentKernel scan_kernel_;
+    device::LentKernel finish_kernel_;
     cl_uint finish_outputs_ = 0;  ///< its first argument that changes from call to call
 };
 
 }  // namespace
 
-std::size_t sum_of(const cl::CommandQueue& queue, const device::BufferPool::Lease& counters, std::size_t count) {
+std::size_t sum_of(const device::Context& context, const device::BufferPool::Lease& counters, std::size_t count) {
     std::vector<cl_uint> values(count);
-    queue.enqueueReadBuffer(*counters, CL_TRUE, 0, values.size() * sizeof(cl_uint), values.data());
+    device::read_values(context, *counters, values);
     return std::accumulate(values.begin(), values.end(), std::size_t{0});
 }
 
@@ -305,15 +307,12 @@ cl::Program slices_program(device::Context& context, const engine::ProgramSource
     return context.program(slices_source(programs, variant), watch);
 }
 
-void enqueue_finish(CommandChain& chain, const cl::Kernel& kernel, const Layout& layout, std::size_t slices) {
+void enqueue_finish(CommandChain& chain, const device::LentKernel& kernel, const Layout& layout, std::size_t slices) {
     constexpr std::size_t group = engine::common_group;
     const std::size_t row = engine::in_whole_groups(static_cast<std::size_t>(layout.size[0]), group);
     engine::divided({row, static_cast<std::size_t>(layout.size[1]), slices}, {engine::most_groups, engine::most_groups},
                     [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
-                        chain.then([&](auto& queue, auto* wait, auto* event) {
-                            queue.enqueueNDRangeKernel(kernel, cl::NDRange(0, y, z), items, cl::NDRange(group, 1, 1),
-                                                       wait, event);
-                        });
+                        chain.then_launch(kernel, cl::NDRange(0, y, z), items, cl::NDRange(group, 1, 1));
                     });
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
+#include "device/read_back.hpp"
 #include "picture/plane.hpp"
 
 #include "kernel_sources.hpp"
@@ -247,8 +248,7 @@ void Tracer::copy_to_device(const Field& field, const TracedSamples& samples) {
         samples.write(first, last, values);
         const std::array<double, 3> slopes = samples.slopes(last - first, values);
         for (std::size_t axis = 0; axis < 3; ++axis) steepest[axis] = std::max(steepest[axis], slopes[axis]);
-        context_->queue().enqueueWriteBuffer(samples_, CL_TRUE, static_cast<std::size_t>(first) * slice * sizeof(float),
-                                             values.size_bytes(), values.data());
+        device::write_values(*context_, values, samples_, static_cast<std::size_t>(first) * slice * sizeof(float));
         first = last - 1;
     }
     // Rounding in the kernel must not make a step too long.
@@ -267,7 +267,7 @@ void Tracer::trace(const RenderView& view, const std::function<bool()>& should_s
     const cl::CommandQueue& queue = context_->queue();
     std::vector<RenderHit> found;
     device::guarded([&] {
-        cl::Kernel kernel(program_, "render_rays");
+        device::LentKernel kernel(context_->kernels(), program_, "render_rays");
         cl::Buffer hits;
         std::size_t room = 0;
         std::size_t rows = first_launch_rows;
@@ -286,7 +286,9 @@ void Tracer::trace(const RenderView& view, const std::function<bool()>& should_s
             kernel.setArg(3, hits);
             queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange((columns + group - 1) / group * group, rows),
                                        cl::NDRange(group, 1));
-            queue.enqueueReadBuffer(hits, CL_TRUE, 0, rows * columns * sizeof(RenderHit), found.data());
+            kernel.note_launch();
+            context_->read(queue, hits, 0, rows * columns * sizeof(RenderHit),
+                           reinterpret_cast<std::byte*>(found.data()));
             const double seconds = stopwatch.seconds();
             take(first, std::span(found).first(rows * columns));
             first += static_cast<int>(rows);

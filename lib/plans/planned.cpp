@@ -31,6 +31,7 @@ void PlanBase::run(const RunOptions& options, const std::function<void(engine::C
     const cl::CommandQueue queue = targets::queue_of(context, options.queue);
     std::vector<cl::Event> before = targets::events_of(context, options.wait_list);
     context.require_usable();
+    context.require_none_failed(failures);
     if (queue() == context.queue()() && !before.empty()) context.add_waiting_run();
     engine::CommandChain& chain = runs_.begin(queue, std::move(before));
     enqueue(chain);

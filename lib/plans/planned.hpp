@@ -44,6 +44,7 @@ public:
     const std::shared_ptr<device::BufferPool> pool;
     const bool has_own_pool;  ///< no other plan or transform takes buffers from it
     SignRule sign = SignRule::none;
+    std::size_t failures = 0;       ///< of kernels, before the transform was made that it was made of
     TransformStatistics published;  ///< of making or updating it
 
 protected:
@@ -53,7 +54,8 @@ protected:
 
     /// Waits for all runs, also for those that fail. Throws Error(device_failure).
     void wait();
-    /// Enqueues a run whose commands enqueue(chain) enqueues; there may be none. Throws cl::Error and Error.
+    /// Enqueues a run whose commands enqueue(chain) enqueues; there may be none. Throws cl::Error and Error, also if a
+    /// kernel has failed since the transform was made.
     void run(const RunOptions& options, const std::function<void(engine::CommandChain&)>& enqueue);
 
     bool is_whole_ = false;  ///< there is something to compute with

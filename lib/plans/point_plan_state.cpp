@@ -181,7 +181,7 @@ void PointPlanState::enqueue_batches(engine::CommandChain& chain, const InputArr
                                      const OutputTargets& targets, const targets::DeviceTargets& checked,
                                      const std::optional<OutputArray>& status) {
     auto& [inputs, run, packed] = made_;
-    const engine::Launches launches(chain, run->kernels());
+    const engine::Launches launches(chain, context().kernels());
     const points::DevicePoints all = points::points_in(points);
     const PointLimits usable = points::limits_of(points::usable_range(inputs.mesh->box).limits);
     run->enqueue_measure(launches, tools(), all, usable, *inputs.mesh);

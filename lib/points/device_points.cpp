@@ -1,5 +1,6 @@
 #include "points/device_points.hpp"
 
+#include "device/read_back.hpp"
 #include "mesh/input_arrays.hpp"
 #include "mesh/triples.hpp"
 #include "targets/mapped_memory.hpp"
@@ -61,14 +62,10 @@ std::array<UnusablePoints, 2> unusable_points(const engine::DeviceTools& tools, 
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const auto at =
                     static_cast<std::size_t>(first + static_cast<clsdf_int64>(axis) * points.source.component);
-                float single = 0;
-                if (points.source.is_double != 0) {
-                    tools.queue().enqueueReadBuffer(points.memory, CL_TRUE, at, sizeof(double),
-                                                    &unusable.position[axis]);
-                } else {
-                    tools.queue().enqueueReadBuffer(points.memory, CL_TRUE, at, sizeof single, &single);
-                    unusable.position[axis] = static_cast<double>(single);
-                }
+                unusable.position[axis] =
+                    points.source.is_double != 0
+                        ? device::read_value<double>(tools.context, points.memory, at)
+                        : static_cast<double>(device::read_value<float>(tools.context, points.memory, at));
             }
         }
         return result;

@@ -4,6 +4,7 @@
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "device/buffer_pool.hpp"
+#include "device/read_back.hpp"
 #include "launch/commands.hpp"
 #include "launch/short_launches.hpp"
 #include "points/curve_order.hpp"
@@ -35,12 +36,6 @@ public:
         : lease_(pool.lease(count * sizeof(Value), purpose)) {}
 
     const cl::Buffer& operator*() const { return *lease_; }
-    void write(const cl::CommandQueue& queue, std::span<const Value> values) {
-        queue.enqueueWriteBuffer(*lease_, CL_TRUE, 0, values.size_bytes(), values.data());
-    }
-    void read(const cl::CommandQueue& queue, std::span<Value> values) {
-        queue.enqueueReadBuffer(*lease_, CL_TRUE, 0, values.size_bytes(), values.data());
-    }
 
 private:
     device::BufferPool::Lease lease_;
@@ -55,7 +50,7 @@ public:
           device::BufferPool::Lease places, std::size_t count, double half_width,
           std::unique_ptr<const PointGroups> groups)
         : tools_(tools),
-          launches_(tools.queue(), kernels_),
+          launches_(tools.queue(), tools.context.kernels()),
           inputs_(inputs),
           finishing_(inputs.mesh->lattice, inputs.sites, inputs.is_inside_out),
           half_width_(half_width),
@@ -83,7 +78,7 @@ public:
                                   });
     }
 
-    PointBuffer<double>& squared() { return squared_; }
+    const PointBuffer<double>& squared() const { return squared_; }
 
     /// Enqueues the outputs of the points that have a sign. by_sides: that of the side of their nearest face.
     void finish(bool by_sides, const cl::Buffer& signs, const engine::OutputBuffers& outputs) {
@@ -93,7 +88,6 @@ public:
 
 private:
     engine::DeviceTools tools_;
-    engine::KernelCache kernels_;
     engine::Launches launches_;
     const PointInputs& inputs_;
     engine::Finishing finishing_;
@@ -130,19 +124,18 @@ Query query_in_order(const engine::DeviceTools& tools, const PointInputs& inputs
 double finish_by_host(const engine::DeviceTools& tools, const PointInputs& inputs, Query& query,
                       std::span<const Vec3> points, std::span<const std::uint32_t> order,
                       const engine::OutputBuffers& outputs) {
-    const cl::CommandQueue& queue = tools.queue();
-    PointBuffer<std::uint8_t> device_signs(*tools.pool, points.size(), "signs of points");
+    const PointBuffer<std::uint8_t> device_signs(*tools.pool, points.size(), "signs of points");
     std::vector<std::uint8_t> signs(points.size(), std::uint8_t{CLSDF_POINT_UNDECIDED});
     if (inputs.sides) {
         query.finish(true, *device_signs, outputs);
-        device_signs.read(queue, signs);
+        device::read_values(tools.context, *device_signs, signs);
     }
     const Stopwatch watch;
     if (std::find(signs.begin(), signs.end(), CLSDF_POINT_UNDECIDED) != signs.end()) {
         UninitializedVector<double> squared(points.size());
-        query.squared().read(queue, squared);
+        device::read_values(tools.context, *query.squared(), squared);
         find_signs(*inputs.mesh, inputs.sign, {points, order, squared}, signs);
-        device_signs.write(queue, signs);
+        device::write_values(tools.context, signs, *device_signs);
         query.finish(false, *device_signs, outputs);
     }
     return watch.seconds();
@@ -155,16 +148,15 @@ double finish_by_host(const engine::DeviceTools& tools, const PointInputs& input
 void finish_left(const engine::Launches& launches, const engine::DeviceTools& tools, const PointInputs& inputs,
                  const PointRun& run, const DevicePoints& points, std::size_t total, double half_width,
                  const engine::OutputBuffers& outputs) {
-    const cl::CommandQueue& queue = tools.queue();
     const char* const purpose = "points whose crossings are counted";
-    PointBuffer<OpenPoint> listed(*tools.pool, total, purpose);
+    const PointBuffer<OpenPoint> listed(*tools.pool, total, purpose);
     const PointBuffer<Vec3> in_units(*tools.pool, total, purpose);
     const PointBuffer<cl_uint> places(*tools.pool, total, purpose), faces(*tools.pool, total, purpose);
     launches.launch(tools.programs.point_order, "gather_open_points", {total}, points.source,
                     static_cast<cl_uint>(total), points.memory, run.left(), run.in_units(), run.places(), run.faces(),
                     run.squared(), *listed, *in_units, *places, *faces);
     UninitializedVector<OpenPoint> open(total);
-    listed.read(queue, open);
+    device::read_values(tools.context, *listed, open);
     std::vector<Vec3> positions(total);
     std::vector<double> squared(total);
     for (std::size_t i = 0; i < total; ++i) {
@@ -178,8 +170,8 @@ void finish_left(const engine::Launches& launches, const engine::DeviceTools& to
     std::vector<std::uint8_t> ordered_signs(total, std::uint8_t{CLSDF_POINT_UNDECIDED}), signs(total);
     find_signs(*inputs.mesh, inputs.sign, {positions, order, ordered_squared}, ordered_signs);
     for (std::size_t i = 0; i < total; ++i) signs[order[i]] = ordered_signs[i];
-    PointBuffer<std::uint8_t> device_signs(*tools.pool, total, purpose);
-    device_signs.write(queue, signs);
+    const PointBuffer<std::uint8_t> device_signs(*tools.pool, total, purpose);
+    device::write_values(tools.context, signs, *device_signs);
     enqueue_outputs(launches, tools, inputs,
                     engine::Finishing(inputs.mesh->lattice, inputs.sites, inputs.is_inside_out),
                     {total, *in_units, *places, *faces}, false, *device_signs, half_width, outputs);
@@ -214,7 +206,7 @@ PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inp
             place();
             times = query_uploaded(tools, inputs, points, half_width, memories.buffers, between);
             memories.enqueue_handover(tools.queue());
-            tools.queue().finish();
+            tools.context.finish();
             memories.read(tools.context, tools.queue());
             return;
         }
@@ -225,7 +217,7 @@ PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inp
         place();
         times.sign = finish_by_host(tools, inputs, query, points, order, memories.buffers);
         memories.enqueue_handover(tools.queue());
-        tools.queue().finish();
+        tools.context.finish();
         memories.read(tools.context, tools.queue());
         times.nearest = watch.seconds() - times.sign;
     });
@@ -236,8 +228,8 @@ PointCells measured_points(const engine::DeviceTools& tools, PointRun& run, cons
                            const PointLimits& usable, const engine::PointMesh& mesh) {
     PointCells found{};
     tools.context.run_or_drain([&] {
-        run.enqueue_measure(engine::Launches(tools.queue(), run.kernels()), tools, all, usable, mesh);
-        tools.queue().enqueueReadBuffer(run.cells(), CL_TRUE, 0, sizeof found, &found);
+        run.enqueue_measure(engine::Launches(tools.queue(), tools.context.kernels()), tools, all, usable, mesh);
+        found = device::read_value<PointCells>(tools.context, run.cells());
     });
     return found;
 }
@@ -250,16 +242,16 @@ PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inp
     if (batch.points.count == 0) return times;
     tools.context.run_or_drain([&] {
         const Stopwatch watch;
-        const engine::Launches launches(tools.queue(), run.kernels());
+        const engine::Launches launches(tools.queue(), tools.context.kernels());
         if (batch.all != nullptr) run.enqueue_measure(launches, tools, *batch.all, batch.usable, *inputs.mesh);
         run.enqueue(launches, tools, inputs, {batch.points, batch.usable, half_width, outputs}, between);
         if (copy) copy(launches);
-        tools.queue().enqueueReadBuffer(run.cells(), CL_TRUE, 0, sizeof found, &found);
+        found = device::read_value<PointCells>(tools.context, run.cells());
         const Stopwatch sign_watch;
         if (found.left > 0) {
             finish_left(launches, tools, inputs, run, batch.points, found.left, half_width, outputs);
             if (copy) copy(launches);
-            tools.queue().finish();
+            tools.context.finish();
         }
         times.sign = sign_watch.seconds();
         times.nearest = watch.seconds() - times.sign;

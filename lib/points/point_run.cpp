@@ -45,7 +45,7 @@ std::size_t points_in_run(const device::Context& context, std::size_t count) {
 void enqueue_outputs(const engine::Launches& launches, const engine::DeviceTools& tools, const PointInputs& inputs,
                      const engine::Finishing& finishing, const LookedUpPoints& points, bool by_sides,
                      const cl::Buffer& signs, double half_width, const engine::OutputBuffers& outputs) {
-    cl::Kernel& kernel = launches.kernel(tools.programs.points, "finish_points");
+    device::LentKernel kernel = launches.kernel(tools.programs.points, "finish_points");
     const cl_uint last =
         engine::set_arguments(kernel, 0, points.in_units, points.places, points.faces,
                               inputs.sides ? *inputs.sides->sides : points.places,  // or unused
@@ -195,7 +195,7 @@ void PointRun::enqueue_signs(const engine::Launches& launches, const engine::Dev
 
 void PointRun::enqueue_marks(const engine::Launches& launches, const engine::DeviceTools& tools,
                              const PointInputs& inputs, const engine::Finishing& finishing, const PointBatch& batch) {
-    cl::Kernel& kernel = launches.kernel(tools.programs.point_order, "mark_points");
+    device::LentKernel kernel = launches.kernel(tools.programs.point_order, "mark_points");
     const engine::OutputBuffers& outputs = batch.outputs;
     const bool has_status = batch.status.has_value();
     const cl_uint last = engine::set_arguments(

@@ -91,7 +91,7 @@ struct PointBatch {
     std::optional<Status> status{};  ///< a byte of each point
 };
 
-/// The memory and the kernels by which points are looked up, for one thread at a time and one batch after the other.
+/// The memory by which points are looked up, for one thread at a time and one batch after the other.
 class PointRun {
 public:
     /// For at most `most` points at once, which the memory is in proportion to. Throws Error(out_of_memory).
@@ -107,8 +107,6 @@ public:
     /// called between launches with the fraction done; if it is not empty, the device's queue is waited for before.
     void enqueue(const engine::Launches& launches, const engine::DeviceTools& tools, const PointInputs& inputs,
                  const PointBatch& batch, const std::function<void(double)>& between);
-
-    engine::KernelCache& kernels() { return kernels_; }
 
     /// A PointCells.
     const cl::Buffer& cells() const { return *cells_; }
@@ -131,7 +129,6 @@ private:
                        const engine::Finishing& finishing, const PointBatch& batch);
 
     std::size_t most_;
-    engine::KernelCache kernels_;
     device::BufferPool::Lease extents_, cells_, keys_, order_;
     engine::SortMemory sort_;
     device::BufferPool::Lease in_units_, faces_, squared_, signs_, open_, left_;

@@ -108,10 +108,10 @@ ScannedMesh make_scanned_mesh(const engine::DeviceTools& tools, const engine::Po
     mesh.counts.longest = static_cast<float>(std::sqrt(squared) / point_mesh.lattice.unit * (1 + 1e-6));
     mesh.records = tools.pool->lease(records * sizeof(ScanRecord), "records of the scan of points");
     device::guarded([&] {
-        cl::Kernel pack(tools.programs.point_scan, "pack_records");
+        device::LentKernel pack = tools.kernel(tools.programs.point_scan, "pack_records");
         engine::launch(tools.queue(), pack, {records}, *polyhedra.polyhedra, mesh.counts,
                        static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()), *mesh.records);
-        tools.queue().finish();
+        tools.context.finish();
     });
     device::HostFilling neighbours(tools.context, tools.pool, faces * sizeof(FaceNeighbours), "neighbours of faces");
     auto* const to = static_cast<FaceNeighbours*>(neighbours.memory());
@@ -170,11 +170,11 @@ public:
         const auto squares = job_.tools.pool->lease(superblock_count_ * width * sizeof(float), "bounds of points");
         const std::size_t records = job_.scanned.counts.records;
         marks_ = job_.tools.pool->lease(superblock_count_ * records * sizeof(cl_ushort), "lists of blocks of points");
-        cl::Kernel bound(program_, "bound_blocks");
+        device::LentKernel bound = job_.tools.kernel(program_, "bound_blocks");
         engine::launch(queue_, bound, {superblock_count_, 1}, *superblocks_, cl_uint{0},
                        static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1),
                        job_.scanned.counts, *job_.scanned.records, *squares);
-        cl::Kernel mark(program_, "mark_blocks");
+        device::LentKernel mark = job_.tools.kernel(program_, "mark_blocks");
         const std::size_t items = superblock_count_ * chunk_count(records, marked_together);
         const auto before_each = between ? [&] { between(0); } : std::function<void()>();
         engine::ShortLaunches(job_.tools.context, before_each)
@@ -194,7 +194,7 @@ public:
         const auto marks = job_.tools.pool->lease(items * records * sizeof(cl_ushort), "lists of bricks of points");
         const auto memory = job_.tools.pool->lease(items * sizeof(PointBrick), "bricks of points in work");
         const auto next_block = job_.tools.pool->lease(sizeof(cl_uint), "next block");
-        cl::Kernel kernel(program_, "nearest_by_groups");
+        device::LentKernel kernel = job_.tools.kernel(program_, "nearest_by_groups");
         engine::measured_launches(
             job_.tools.context, block_count_, seconds_per_scanned_point * CLSDF_POINTS_OF_BLOCK, items, between,
             [&](std::size_t begin, std::size_t end) {

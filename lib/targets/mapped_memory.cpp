@@ -130,8 +130,11 @@ void MappedMemory::map(std::span<const cl_event> wait_list) {
     wait_for(context_, wait_list);
     device::guarded([&] {
         for (Buffer& buffer : buffers_)
-            buffer.mapped = static_cast<std::byte*>(context_.queue().enqueueMapBuffer(
-                buffer.memory, CL_TRUE, buffer.flags, buffer.range.begin, buffer.range.end - buffer.range.begin));
+            context_.run_blocking([&](cl::Event* ended) {
+                buffer.mapped = static_cast<std::byte*>(
+                    context_.queue().enqueueMapBuffer(buffer.memory, CL_TRUE, buffer.flags, buffer.range.begin,
+                                                      buffer.range.end - buffer.range.begin, nullptr, ended));
+            });
     });
 }
 
@@ -161,7 +164,7 @@ void MappedMemory::unmap() {
                 context_.queue().enqueueUnmapMemObject(buffer.memory, mapped);
                 is_mapped = true;
             }
-        if (is_mapped) context_.queue().finish();
+        if (is_mapped) context_.finish();
     });
 }
 

@@ -57,16 +57,16 @@ BrickStore::BrickStore(const engine::DeviceTools& tools, const Layout& layout, c
       pieces_(tools.context.capabilities().is_processor ? 1 : pieces_of_gpu) {
     const cl::Program program = tools.programs.order;
     const auto bricks = static_cast<cl_uint>(brick_count(layout)), ranges = static_cast<cl_uint>(ranges_);
-    count_ = cl::Kernel(program, "count_marks");
-    place_ = cl::Kernel(program, "place_bricks");
-    store_ = cl::Kernel(program, "store_bricks");
-    store_bytes_ = cl::Kernel(program, "store_brick_bytes");
-    runs_ = cl::Kernel(program, "store_runs");
-    add_ = cl::Kernel(program, "add_counts");
+    count_ = tools.kernel(program, "count_marks");
+    place_ = tools.kernel(program, "place_bricks");
+    store_ = tools.kernel(program, "store_bricks");
+    store_bytes_ = tools.kernel(program, "store_brick_bytes");
+    runs_ = tools.kernel(program, "store_runs");
+    add_ = tools.kernel(program, "add_counts");
     engine::set_arguments(count_, 0, layout, bricks, ranges, marks, *memory.counts);
     place_targets_ =
         engine::set_arguments(place_, 0, layout, marks, *memory.starts, *memory.listed, *memory.totals, *memory.places);
-    for (cl::Kernel* kernel : {&store_, &store_bytes_})
+    for (device::LentKernel* kernel : {&store_, &store_bytes_})
         engine::set_arguments(*kernel, 0, *memory.listed, *memory.places);
     runs_targets_ = engine::set_arguments(runs_, 0, layout, bricks, ranges, marks, *memory.starts, *memory.totals);
     add_targets_ = engine::set_arguments(add_, 0, ranges, *memory.starts, *memory.totals);
@@ -76,7 +76,8 @@ void BrickStore::enqueue(engine::CommandChain& chain, const OrderedTargets& targ
     constexpr std::size_t whole = sizeof(cl_ulong);
     const cl_ulong brick_room = targets.room.bricks, run_room = targets.room.runs;
     chain.then_launch(count_, {ranges_});
-    sums_.each([&](const cl::Kernel& kernel, const engine::WorkItems& items) { chain.then_launch(kernel, items); });
+    sums_.each(
+        [&](const device::LentKernel& kernel, const engine::WorkItems& items) { chain.then_launch(kernel, items); });
     engine::set_arguments(place_, place_targets_, brick_room, cl_ulong{targets.bricks.offset / whole},
                           targets.bricks.memory);
     chain.then_launch(place_, {memory_.room});
@@ -86,7 +87,7 @@ void BrickStore::enqueue(engine::CommandChain& chain, const OrderedTargets& targ
             if (!array.is_wanted || targets.room.bricks == 0) return;
             const auto words = static_cast<cl_uint>(brick_samples * row.sample_bytes() / sizeof(cl_uint));
             const cl_int in_band = row.output == Output::distance ? 0 : 1;
-            cl::Kernel& kernel = place.offset % sizeof(cl_uint) == 0 ? store_ : store_bytes_;
+            device::LentKernel& kernel = place.offset % sizeof(cl_uint) == 0 ? store_ : store_bytes_;
             for (std::size_t first = 0; first < memory_.room; first += most_stored_bricks) {
                 const std::size_t bricks = std::min(most_stored_bricks, memory_.room - first);
                 engine::set_arguments(kernel, 2, *values, words, in_band, static_cast<cl_uint>(first),
@@ -94,10 +95,7 @@ void BrickStore::enqueue(engine::CommandChain& chain, const OrderedTargets& targ
                 engine::divided({pieces_, bricks, 1}, {engine::most_groups, 1},
                                 [&](std::size_t y, std::size_t, const cl::NDRange& items) {
                                     kernel.setArg(5, static_cast<cl_uint>(first + y));
-                                    chain.then([&](auto& queue, auto* wait, auto* event) {
-                                        queue.enqueueNDRangeKernel(kernel, cl::NullRange, items,
-                                                                   cl::NDRange(pieces_, 1, 1), wait, event);
-                                    });
+                                    chain.then_launch(kernel, cl::NullRange, items, cl::NDRange(pieces_, 1, 1));
                                 });
             }
         },

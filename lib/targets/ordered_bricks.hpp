@@ -56,7 +56,7 @@ private:
     const ListedBricks& memory_;
     std::size_t ranges_;  ///< of the part's bricks, each of CLSDF_RANGE_BRICKS
     engine::SumLaunches sums_;
-    cl::Kernel count_, place_, store_, store_bytes_, runs_, add_;
+    device::LentKernel count_, place_, store_, store_bytes_, runs_, add_;
     cl_uint place_targets_, runs_targets_, add_targets_;  ///< the first arguments that change from run to run
     std::size_t pieces_;                                  ///< of a brick, a work-item each
 };

@@ -38,7 +38,7 @@ std::optional<StoredBox> stored_box(const Grid& block, const Grid& request, cons
 
 BoxStore::BoxStore(const device::Context& context, const cl::Program& program, const Grid& block,
                    const StoredElements& elements, const cl::Buffer& samples, std::vector<TargetBox> places)
-    : kernel_(program, "store_boxes"), planned_(std::move(places)) {
+    : kernel_(context.kernels(), program, "store_boxes"), planned_(std::move(places)) {
     for (const TargetBox& place : planned_) written_.push_back(place.box);
     boxes_ = device::copied(context, written_);
     const device::Context::Capabilities& device = context.capabilities();
@@ -78,10 +78,8 @@ void BoxStore::enqueue(engine::CommandChain& chain, std::span<const TargetBox> p
         kernel_.setArg(to_, cl::Buffer(memory, true));
         engine::divided({pieces_, rows_, count}, {engine::most_groups * group_rows_, engine::most_groups},
                         [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
-                            chain.then([&](auto& queue, auto* wait, auto* event) {
-                                queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, y, box + z), items,
-                                                           cl::NDRange(pieces_, group_rows_, 1), wait, event);
-                            });
+                            chain.then_launch(kernel_, cl::NDRange(0, y, box + z), items,
+                                              cl::NDRange(pieces_, group_rows_, 1));
                         });
     }
 }

@@ -45,7 +45,7 @@ private:
     /// Writes to the device what differs from there.
     void write(engine::CommandChain& chain, std::span<const TargetBox> places);
 
-    cl::Kernel kernel_;
+    device::LentKernel kernel_;
     cl_uint to_ = 0;  ///< the number of its argument for the target
     cl::Buffer boxes_;
     std::vector<TargetBox> planned_;

@@ -68,7 +68,6 @@ CLSDF_PASS(clSetMemObjectDestructorCallback, (cl_mem buffer, void(CL_CALLBACK* n
            buffer, notify, user)
 CLSDF_PASS_INFO(clGetProgramInfo, cl_program, cl_program_info)
 CLSDF_PASS_INFO(clGetKernelInfo, cl_kernel, cl_kernel_info)
-CLSDF_PASS_INFO(clGetEventInfo, cl_event, cl_event_info)
 CLSDF_PASS_INFO(clGetEventProfilingInfo, cl_event, cl_profiling_info)
 CLSDF_PASS(clGetProgramBuildInfo,
            (cl_program program, cl_device_id device, cl_program_build_info what, std::size_t size, void* value,
@@ -128,6 +127,13 @@ cl_int clSetKernelArg(cl_kernel kernel, cl_uint index, std::size_t bytes, const 
     if (const cl_int code = begin("clSetKernelArg")) return code;
     note_argument(kernel, index, bytes, value);
     return CLSDF_NEXT(clSetKernelArg)(kernel, index, bytes, value);
+}
+
+cl_int clGetEventInfo(cl_event event, cl_event_info what, std::size_t size, void* value, std::size_t* needed) {
+    const InCall in_call;
+    if (const cl_int code = begin("clGetEventInfo")) return code;
+    if (what == CL_EVENT_COMMAND_EXECUTION_STATUS) end_failing(1, &event);
+    return CLSDF_NEXT(clGetEventInfo)(event, what, size, value, needed);
 }
 
 cl_int clFinish(cl_command_queue queue) {

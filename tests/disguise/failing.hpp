@@ -3,11 +3,11 @@
 #include "disguise/record.hpp"
 
 /// Kernels that fail (Fault::in_kernel). The launch succeeds and the kernel does not run. As on PoCL 3.1, commands that
-/// are enqueued behind it in the queue before the host waits for the queue do not run either; the events of all of them
-/// have a negative status. Waits for the queue, blocking reads and blocking mappings succeed, and leave the host's
-/// memory as it was. Later commands run, unless an event of their wait list has failed. PoCL itself cannot be used: it
-/// ends the process if nobody has the event of a command that fails so, and never ends a command that waits for an
-/// event that has failed.
+/// are enqueued behind it in the queue do not run either, until the host waits for the queue or sees the status of one
+/// of them. The events of all of them have a negative status. Waits for the queue, blocking reads and blocking mappings
+/// succeed, and leave the host's memory as it was. Later commands run, unless an event of their wait list has failed.
+/// PoCL itself cannot be used: it ends the process if nobody has the event of a command that fails so, and never ends a
+/// command that waits for an event that has failed.
 namespace clsdf::disguise {
 
 /// The kernel that is launched in this queue fails. Sets the event, which may be null.
@@ -19,7 +19,7 @@ bool is_failing(cl_command_queue queue, cl_uint waits, const cl_event* wait_list
 cl_int fail_command(cl_command_queue queue, bool is_blocking, cl_event* event);
 /// The host has waited for a queue.
 void end_failing(cl_command_queue queue);
-/// The host has waited for events.
+/// The host has waited for events, or has seen their status.
 void end_failing(cl_uint events, const cl_event* list);
 
 }  // namespace clsdf::disguise

@@ -46,7 +46,8 @@ struct Run {
     Outcome outcome;
     bool hung = false;
     std::uint64_t calls = 0;
-    std::string failed;  ///< the first call that failed on purpose; empty: none
+    std::uint64_t launches = 0;
+    std::string failed;  ///< the first call, or the kernel, that failed on purpose; empty: none
     std::string file;    ///< what it wrote; empty: nothing
     std::size_t files = 0;
 };
@@ -75,6 +76,7 @@ Run run(const Job& job, const std::string& fault) {
     if (const std::string line = content_of(counts); !line.empty()) {
         const json values = json::parse(line);
         result.calls = values["all_calls"];
+        result.launches = values["launches"];
         result.failed = values.value("failed", "");
     }
     result.file = content_of(file);
@@ -245,6 +247,24 @@ BOOST_AUTO_TEST_CASE(while_it_draws) {
 }
 
 BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_CASE(a_kernel_that_fails_is_named_and_leaves_no_file) {
+    for (const Job& job : {Job{"whole", compute(), {}}, Job{"whole as on a GPU", compute(), {as_gpu}},
+                           Job{"slabs", compute_in_slabs(), {small_device}},
+                           Job{"points as on a GPU", query(searched_points), {as_gpu}}}) {
+        run(job, "");  // compiles programs that are not kept
+        const Run whole = run(job, "");
+        BOOST_REQUIRE_MESSAGE(whole.outcome.status == 0, whole.outcome.error);
+        for (const std::uint64_t number : sample(whole.launches, 3)) {
+            const Run one = run(job, "kernel:" + std::to_string(number));
+            BOOST_TEST_CONTEXT(job.name << ", launch " << number << " fails, " << one.failed << "; seed " << seed()
+                                        << "; the command said: " << one.outcome.error) {
+                check_refusal(one);
+                BOOST_TEST((!one.failed.empty() && one.outcome.error.find(one.failed) != std::string::npos));
+            }
+        }
+    }
+}
 
 BOOST_AUTO_TEST_CASE(a_call_that_is_named_fails_wherever_it_is_made) {
     // The calls that wait for values, that find the device, and others.

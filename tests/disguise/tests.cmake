@@ -31,6 +31,21 @@ clsdf_between(disguise_device_meshes)
 clsdf_test(disguise_pinned_reads pinned_reads.cpp LABELS disguise device LINK clsdf_disguise OpenCL::OpenCL)
 clsdf_between(disguise_pinned_reads)
 
+# Kernels that fail, on a processor and as on a GPU: a sample, and with -C nightly each of them.
+clsdf_test_program(disguise_failing_kernels ${CMAKE_CURRENT_LIST_DIR}/failing_kernels.cpp)
+target_link_libraries(test_disguise_failing_kernels PRIVATE clsdf_disguise OpenCL::OpenCL)
+foreach(device processor gpu)
+  foreach(kernels failing every_failing)
+    set(name disguise_${kernels}_kernels_${device})
+    add_test(NAME ${name} COMMAND test_disguise_failing_kernels --color_output=no
+             CONFIGURATIONS $<$<STREQUAL:${kernels},every_failing>:nightly>)
+    clsdf_between(${name})
+    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT CLSDF_FAULT_SEED=1 CLSDF_DISGUISE=${device})
+  endforeach()
+  set_property(TEST disguise_every_failing_kernels_${device} APPEND PROPERTY ENVIRONMENT CLSDF_FAULT_EVERY=1)
+  set_tests_properties(disguise_every_failing_kernels_${device} PROPERTIES TIMEOUT 3600 LABELS nightly)
+endforeach()
+
 # PoCL answers as other drivers do.
 clsdf_test(disguise_drivers drivers.cpp LABELS disguise device LINK clsdf_disguise OpenCL::OpenCL)
 clsdf_between(disguise_drivers)

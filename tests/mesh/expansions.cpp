@@ -53,8 +53,9 @@ std::vector<Answers> by_device(const std::vector<Points>& cases) {
     device::Context& context = device::context_of(test_device());
     const engine::Programs programs(context, KernelBody::by_group);
     const std::array files{kernel_file};
-    cl::Kernel kernel(context.program({std::string(kernel_file.name), programs.common_options(1), files}),
-                      "signs_of_cases");
+    device::LentKernel kernel(context.kernels(),
+                              context.program({std::string(kernel_file.name), programs.common_options(1), files}),
+                              "signs_of_cases");
     const cl::Buffer points(context.context(), CL_MEM_READ_ONLY, cases.size() * sizeof(Points)),
         found(context.context(), CL_MEM_READ_WRITE, cases.size() * sizeof(Answers));
     context.queue().enqueueWriteBuffer(points, CL_TRUE, 0, cases.size() * sizeof(Points), cases.data());

@@ -2,6 +2,7 @@
 
 #include "core/outputs.hpp"
 #include "device/buffer_pool.hpp"
+#include "device/read_back.hpp"
 #include "lattice/layout_of.hpp"
 
 #include <algorithm>
@@ -140,9 +141,11 @@ void BrickScan::specialise_fill(const ScanInputs& inputs) {
     const cl::NDRange group(fill_group_pieces_, 1, fill_group_slices_);
     set_arguments(fill_kernel_, fill_outputs_, *computed_, cl_int{1}, cl_ulong{0}, cl_ulong{0}, behind);
     inputs.tools.queue().enqueueNDRangeKernel(fill_kernel_, cl::NullRange, group, group);
+    fill_kernel_.note_launch();
     if (!inputs.variant.nearest) return;
     set_arguments(leave_kernel_, leave_outputs_, *computed_, cl_int{1}, behind);
     inputs.tools.queue().enqueueNDRangeKernel(leave_kernel_, cl::NullRange, group, group);
+    leave_kernel_.note_launch();
 }
 
 void BrickScan::make_counters(const ScanInputs& inputs, std::size_t sets) {
@@ -211,10 +214,10 @@ void BrickScan::describe(CallStatistics& statistics) const {
                                lists_.entries.bytes() + lists_.order.size() * sizeof(cl_uint) + computed_.bytes();
 }
 
-void BrickScan::read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const {
+void BrickScan::read_counters(const device::Context& context, CallStatistics& statistics) const {
     if (counter_sets_ == 0) return;
     std::vector<cl_ulong> sets(counter_sets_ * CLSDF_COUNTERS);
-    queue.enqueueReadBuffer(*counters_, CL_TRUE, 0, sets.size() * sizeof(cl_ulong), sets.data());
+    device::read_values(context, *counters_, sets);
     std::array<std::size_t, CLSDF_COUNTERS> sums{};
     for (std::size_t i = 0; i < sets.size(); ++i) sums[i % CLSDF_COUNTERS] += sets[i];
     statistics.brick_pairs = sums[CLSDF_COUNT_BRICK_PAIRS];
@@ -235,15 +238,13 @@ void BrickScan::enqueue_other_bricks(CommandChain& chain) {
             {most_groups, std::clamp<std::size_t>(slices_per_fill_ / CLSDF_BRICK, 1, most_groups)},
             [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
                 mark_kernel_.setArg(last, static_cast<cl_int>(z));
-                chain.then([&](auto& target, auto* wait, auto* event) {
-                    target.enqueueNDRangeKernel(mark_kernel_, cl::NDRange(0, y, 0), items, group, wait, event);
-                });
+                chain.then_launch(mark_kernel_, cl::NDRange(0, y, 0), items, group);
             });
 }
 
 /// Enqueues slices of the empty bricks, in whole groups, at most `most` slices a launch. The kernel's argument
 /// `last_argument` is a launch's first slice.
-void BrickScan::enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most,
+void BrickScan::enqueue_slices(CommandChain& chain, device::LentKernel& kernel, cl_uint last_argument, std::size_t most,
                                const Slices& slices) const {
     const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]);
     // The kernel skips slices beyond the last one.
@@ -253,9 +254,7 @@ void BrickScan::enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint 
             [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
                 // An argument: PoCL compiles a kernel once more for offsets that are not 0.
                 kernel.setArg(last_argument, static_cast<cl_int>(slices.begin + z));
-                chain.then([&](auto& target, auto* wait, auto* event) {
-                    target.enqueueNDRangeKernel(kernel, cl::NDRange(0, y, 0), items, group, wait, event);
-                });
+                chain.then_launch(kernel, cl::NDRange(0, y, 0), items, group);
             });
 }
 

@@ -37,7 +37,7 @@ public:
     void enqueue_lower_end(CommandChain& chain) final;
     cl::Buffer marks() const final { return *computed_; }
     void describe(CallStatistics& statistics) const override;
-    void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const final;
+    void read_counters(const device::Context& context, CallStatistics& statistics) const final;
 
 protected:
     BrickScan(const ScanInputs& inputs, const LaunchWork& most);
@@ -65,7 +65,7 @@ private:
     void specialise_fill(const ScanInputs& inputs);
     void divide_in_halves(const LaunchWork& most);
     void enqueue_fill(CommandChain& chain, const Slices& slices);
-    void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most,
+    void enqueue_slices(CommandChain& chain, device::LentKernel& kernel, cl_uint last_argument, std::size_t most,
                         const Slices& slices) const;
     void enqueue_other_bricks(CommandChain& chain);
     std::size_t in_groups(std::size_t slices) const;

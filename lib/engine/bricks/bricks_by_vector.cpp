@@ -49,7 +49,8 @@ private:
     BricksByVector(const ScanInputs& inputs, std::size_t work_items)
         : BrickScan(inputs, {pairs_per_core_and_launch * static_cast<double>(work_items), pairs_of_a_brick}),
           work_items_(work_items),
-          kernel_(inputs.tools.programs.bricks(inputs.tools.context, inputs.variant), "bricks_by_vector"),
+          kernel_(inputs.tools.kernel(inputs.tools.programs.bricks(inputs.tools.context, inputs.variant),
+                                      "bricks_by_vector")),
           next_slots_(
               inputs.tools.pool->lease_for_list(launches_.size() * sizeof(cl_uint), "next slots of the launches")),
           scratch_(inputs.tools.pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks")),
@@ -66,7 +67,7 @@ private:
     }
 
     std::size_t work_items_;
-    cl::Kernel kernel_;
+    device::LentKernel kernel_;
     device::BufferPool::Lease next_slots_;
     device::BufferPool::Lease scratch_;
     device::BufferPool::Lease minima_;
@@ -76,7 +77,7 @@ private:
 }  // namespace
 
 void specialise_bricks_by_vector(device::Context& context, const Programs& programs, const BrickVariant& variant) {
-    cl::Kernel kernel(programs.bricks(context, variant), "bricks_by_vector");
+    device::LentKernel kernel(context.kernels(), programs.bricks(context, variant), "bricks_by_vector");
     // The kernel writes only the counter of the slots and the minima. It computes nothing, whatever they hold.
     const cl::Buffer array(context.context(), CL_MEM_READ_WRITE, minima_bytes(variant));
     const cl_uint none = 0;
@@ -89,7 +90,7 @@ void specialise_bricks_by_vector(device::Context& context, const Programs& progr
         else
             kernel.setArg(next, array);
     launch(context.queue(), kernel, {1, 1});
-    context.queue().finish();
+    context.finish();
 }
 
 std::unique_ptr<FieldScan> make_bricks_by_vector(const ScanInputs& inputs) {

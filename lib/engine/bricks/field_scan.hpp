@@ -66,7 +66,7 @@ public:
     /// Adds the counts of the set-up, and the device memory that it holds.
     virtual void describe(CallStatistics& statistics) const = 0;
     /// Adds the counters of the last computation, if they were asked for; blocks.
-    virtual void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const = 0;
+    virtual void read_counters(const device::Context& context, CallStatistics& statistics) const = 0;
 };
 
 /// The scan of leaned polyhedra by bricks.

@@ -118,12 +118,10 @@ std::optional<HostPart> host_part(const DeviceSetUp& set_up, const DeviceTopolog
     const std::size_t short_list = std::min(room, device::PinnedCopies::least_bytes / sizeof(ListedFace));
     device::ReadBack<ListCounts> counts(tools.context);
     device::ReadBack<ListedFace> first(tools.context, short_list);
-    cl::Event is_read;  // a blocking read by PoCL does not fail if a kernel has
-    counts.enqueue(queue, *zeros);
-    first.enqueue(queue, *near, 0, &is_read);
-    is_read.wait();
+    counts.enqueue(*zeros);
+    first.enqueue(*near);
+    first.wait();
     counts.end();
-    first.end();
     const ListCounts& found = counts.value();
     if (found.is_refused != 0) return std::nullopt;
     std::vector<ListedFace> longer(found.near > short_list ? found.near : 0);

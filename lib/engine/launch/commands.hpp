@@ -37,9 +37,11 @@ struct WorkItems {
 
 /// Enqueues a kernel with these arguments, or with those that it has if none are given.
 template <class... Arguments>
-void launch(const cl::CommandQueue& queue, cl::Kernel& kernel, const WorkItems& items, const Arguments&... arguments) {
+void launch(const cl::CommandQueue& queue, device::LentKernel& kernel, const WorkItems& items,
+            const Arguments&... arguments) {
     set_arguments(kernel, 0, arguments...);
     queue.enqueueNDRangeKernel(kernel, cl::NullRange, items.all(), items.of_group());
+    kernel.note_launch();
 }
 
 /// Commands of which each waits for the one before: the caller's queue may be out of order.
@@ -63,10 +65,15 @@ public:
         previous_.assign(1, events_.back());
     }
 
-    void then_launch(const cl::Kernel& kernel, const WorkItems& items) {
+    void then_launch(const device::LentKernel& kernel, const WorkItems& items) {
+        then_launch(kernel, cl::NullRange, items.all(), items.of_group());
+    }
+    void then_launch(const device::LentKernel& kernel, const cl::NDRange& offset, const cl::NDRange& items,
+                     const cl::NDRange& group) {
         then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueNDRangeKernel(kernel, cl::NullRange, items.all(), items.of_group(), wait, event);
+            queue.enqueueNDRangeKernel(kernel, offset, items, group, wait, event);
         });
+        kernel.note_launch();
     }
 
     void then_fill(const cl::Buffer& buffer, std::size_t bytes) {
@@ -74,11 +81,6 @@ public:
         then([&](auto& queue, auto* wait, auto* event) {
             queue.enqueueFillBuffer(buffer, cl_uchar{0}, 0, bytes, wait, event);
         });
-    }
-
-    /// Blocks until all commands so far have ended.
-    void wait() const {
-        if (!previous_.empty()) cl::Event::waitForEvents(previous_);
     }
 
     /// Whether there is a command, so that there is a last one.

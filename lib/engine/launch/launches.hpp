@@ -1,55 +1,40 @@
 #pragma once
 
+#include "device/kernel_shelf.hpp"
 #include "launch/commands.hpp"
 
-#include <map>
-#include <string_view>
-#include <utility>
-
 namespace clsdf::engine {
-
-/// Kernels by program and name, each made once: they hold arguments, so they are for one thread at a time.
-class KernelCache {
-public:
-    /// name: a literal. Throws cl::Error.
-    cl::Kernel& get(const cl::Program& program, const char* name) {
-        const auto [kernel, is_new] = kernels_.try_emplace({program(), name});
-        if (is_new) kernel->second = cl::Kernel(program, name);
-        return kernel->second;
-    }
-
-private:
-    std::map<std::pair<cl_program, std::string_view>, cl::Kernel> kernels_;
-};
 
 /// Launches of kernels that run one after the other, in a queue in order or as a chain. Does not wait. Its
 /// arguments must outlive it.
 class Launches {
 public:
-    Launches(const cl::CommandQueue& in_order, KernelCache& kernels) : queue_(&in_order), kernels_(kernels) {}
-    Launches(CommandChain& chain, KernelCache& kernels) : chain_(&chain), kernels_(kernels) {}
+    Launches(const cl::CommandQueue& in_order, device::KernelShelf& kernels) : queue_(&in_order), kernels_(kernels) {}
+    Launches(CommandChain& chain, device::KernelShelf& kernels) : chain_(&chain), kernels_(kernels) {}
 
-    cl::Kernel& kernel(const cl::Program& program, const char* name) const { return kernels_.get(program, name); }
+    device::LentKernel kernel(const cl::Program& program, const char* name) const { return {kernels_, program, name}; }
 
     /// With the arguments that the kernel has, whose first ones become these. Throws cl::Error.
     template <class... Arguments>
-    void launch(cl::Kernel& kernel, const WorkItems& items, const Arguments&... arguments) const {
-        set_arguments(kernel, 0, arguments...);
-        if (chain_ != nullptr)
+    void launch(device::LentKernel& kernel, const WorkItems& items, const Arguments&... arguments) const {
+        if (chain_ != nullptr) {
+            set_arguments(kernel, 0, arguments...);
             chain_->then_launch(kernel, items);
-        else
-            queue_->enqueueNDRangeKernel(kernel, cl::NullRange, items.all(), items.of_group());
+        } else {
+            engine::launch(*queue_, kernel, items, arguments...);
+        }
     }
     template <class... Arguments>
     void launch(const cl::Program& program, const char* name, const WorkItems& items,
                 const Arguments&... arguments) const {
-        launch(kernel(program, name), items, arguments...);
+        device::LentKernel lent = kernel(program, name);
+        launch(lent, items, arguments...);
     }
 
 private:
     const cl::CommandQueue* queue_ = nullptr;
     CommandChain* chain_ = nullptr;
-    KernelCache& kernels_;
+    device::KernelShelf& kernels_;
 };
 
 }  // namespace clsdf::engine

@@ -52,14 +52,13 @@ PrefixSums::PrefixSums(const DeviceTools& tools, const cl::Buffer& values, const
     : what_(what), launches_(tools, values, starts, count, what), total_(tools.context) {
     device::guarded([&] {
         const cl::CommandQueue& queue = tools.queue();
-        launches_.each([&](cl::Kernel& kernel, const WorkItems& items) { launch(queue, kernel, items); });
-        total_.enqueue(queue, launches_.sums(), launches_.parts() * sizeof(cl_ulong), &total_read_);
+        launches_.each([&](device::LentKernel& kernel, const WorkItems& items) { launch(queue, kernel, items); });
+        total_.enqueue(launches_.sums(), launches_.parts() * sizeof(cl_ulong));
     });
 }
 
 std::size_t PrefixSums::total() {
-    device::guarded([&] { device::wait_for(total_read_); });
-    total_.end();
+    device::guarded([&] { total_.wait(); });
     constexpr cl_ulong step = 4096;  // kernels go beyond the end by one
     if (total_.value() > std::numeric_limits<cl_uint>::max() - step) throw too_many(what_);
     return static_cast<std::size_t>(total_.value());

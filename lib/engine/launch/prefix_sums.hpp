@@ -57,7 +57,6 @@ public:
 private:
     const char* what_;
     SumLaunches launches_;
-    cl::Event total_read_;
     device::ReadBack<cl_ulong> total_;
 };
 

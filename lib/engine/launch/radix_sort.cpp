@@ -59,9 +59,8 @@ void sort_by_keys(const DeviceTools& tools, const cl::Buffer& keys, std::size_t 
                   const cl::Buffer& order) {
     if (count == 0) return;
     device::guarded([&] {
-        KernelCache kernels;
-        sort_by_keys(Launches(tools.queue(), kernels), tools.programs, SortMemory(*tools.pool, count), keys, count,
-                     bits, order);
+        sort_by_keys(Launches(tools.queue(), tools.context.kernels()), tools.programs, SortMemory(*tools.pool, count),
+                     keys, count, bits, order);
     });
 }
 

@@ -36,7 +36,7 @@ public:
     /// `between`, which may be empty, is called before each launch of a stage, when the stage's one before has ended;
     /// what it throws ends the stage.
     ShortLaunches(const device::Context& context, std::function<void()> between)
-        : queue_(context.queue()),
+        : context_(&context),
           between_(std::move(between)),
           core_seconds_(context.capabilities().launch_seconds * cores_of(context.capabilities())) {}
 
@@ -53,7 +53,7 @@ public:
     void one_by_one(std::size_t count, Enqueue&& enqueue) const {
         for (std::size_t number = 0; number < count; ++number) {
             if (between_) {
-                if (number > 0) queue_.finish();
+                if (number > 0) context_->finish();
                 between_();
             }
             enqueue(number);
@@ -70,15 +70,15 @@ public:
 
     /// Launches a kernel for [0, items), one item per work-item. set(begin, end) sets its arguments for a range.
     template <class Set>
-    void over_items(cl::Kernel& kernel, std::size_t items, double core_seconds, const Set& set) const {
+    void over_items(device::LentKernel& kernel, std::size_t items, double core_seconds, const Set& set) const {
         over(items, core_seconds, [&](std::size_t first, std::size_t end) {
             set(static_cast<cl_uint>(first), static_cast<cl_uint>(end));
-            launch(queue_, kernel, {end - first});
+            launch(context_->queue(), kernel, {end - first});
         });
     }
 
 private:
-    cl::CommandQueue queue_;
+    const device::Context* context_;
     std::function<void()> between_;
     double core_seconds_;  ///< time of a launch, on all cores together
 };
@@ -97,7 +97,7 @@ void measured_launches(const device::Context& context, std::size_t items, double
         if (between) between(static_cast<double>(begin) / static_cast<double>(items));
         const Stopwatch watch;
         launch(begin, end);
-        context.queue().finish();
+        context.finish();
         const double ratio = std::clamp(launch_seconds / std::max(watch.seconds(), 1e-6), 0.5, 4.0);
         size = static_cast<std::size_t>(static_cast<double>(end - begin) * ratio);
         begin = end;

@@ -56,7 +56,7 @@ device::BufferPool::Lease find_bounds(const ListInputs& inputs) {
     if (!inputs.tools.context.write(inputs.tools.queue(), first, count * sizeof(SurfacePoint), *points))
         inputs.tools.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), first);
 
-    cl::Kernel kernel(inputs.tools.programs.coarse_lists, "coarse_bounds");
+    device::LentKernel kernel = inputs.tools.kernel(inputs.tools.programs.coarse_lists, "coarse_bounds");
     const double seconds = seconds_per_surface_point * static_cast<double>(count);
     // PoCL compiles a kernel anew for each size of a group: one size for all grids.
     const cl::NDRange alone = inputs.tools.programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
@@ -65,6 +65,7 @@ device::BufferPool::Lease find_bounds(const ListInputs& inputs) {
             set_arguments(kernel, 0, inputs.layout, static_cast<cl_uint>(count), *points, *bounds,
                           static_cast<cl_uint>(begin));
             inputs.tools.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
+            kernel.note_launch();
         });
     return bounds;
 }
@@ -106,7 +107,7 @@ private:
         const std::size_t records =
             has_groups ? inputs_.selection.group_count * record_group : inputs_.mesh.record_count;
         const std::size_t clusters = chunk_count(records, inputs_.tools.programs.lanes);
-        cl::Kernel kernel(inputs_.tools.programs.coarse_lists, "coarse_count");
+        device::LentKernel kernel = inputs_.tools.kernel(inputs_.tools.programs.coarse_lists, "coarse_count");
         const double seconds = seconds_of_a_cluster(inputs_.layout) * static_cast<double>(clusters);
         const std::size_t expected =
             std::min({expected_pairs(inputs_.layout, inputs_.tools.programs.lanes) * records,
@@ -127,12 +128,13 @@ private:
                    *histograms_, *counts);
             // All that the host waits for at once: to wake it takes as long as a small kernel.
             PrefixSums sums(inputs_.tools, *counts, starts, counters_, "pairs of a triangle and a coarse brick");
-            std::vector<cl::Event> read(2);
+            const std::size_t launched = inputs_.tools.context.kernels().launched().count();
+            cl::Event are_read;
             inputs_.tools.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
-                                                    host_->pairs_found.data(), nullptr, &read[0]);
+                                                    host_->pairs_found.data());
             inputs_.tools.queue().enqueueReadBuffer(starts, CL_FALSE, 0, host_->starts.size() * sizeof(cl_uint),
-                                                    host_->starts.data(), nullptr, &read[1]);
-            cl::Event::waitForEvents(read);
+                                                    host_->starts.data(), nullptr, &are_read);
+            inputs_.tools.context.wait(are_read, launched);
             sums.total();  // throws if the starts do not hold it
             if (std::equal(host_->pairs_found.begin(), host_->pairs_found.end(), room.begin(), std::less_equal<>()))
                 break;
@@ -162,7 +164,7 @@ private:
     }
 
     void write_entries(const cl::Buffer& starts, const cl::Buffer& entries) {
-        cl::Kernel kernel(inputs_.tools.programs.coarse_lists, "coarse_fill");
+        device::LentKernel kernel = inputs_.tools.kernel(inputs_.tools.programs.coarse_lists, "coarse_fill");
         launch(kernel, seconds_per_pair * static_cast<double>(pair_count_), inputs_.layout, *pair_starts_, *pairs_,
                *pair_counts_, starts, *histograms_, entries);
     }
@@ -170,7 +172,7 @@ private:
     /// All parts, in steps, that take a core so many seconds together. The step and the number of steps follow the
     /// other arguments.
     template <class... Arguments>
-    void launch(cl::Kernel& kernel, double core_seconds, const Arguments&... arguments) const {
+    void launch(device::LentKernel& kernel, double core_seconds, const Arguments&... arguments) const {
         const std::size_t steps = inputs_.launches.steps(core_seconds);
         inputs_.launches.one_by_one(steps, [&](std::size_t step) {
             engine::launch(inputs_.tools.queue(), kernel, {parts_, inputs_.tools.programs.part_group()}, arguments...,

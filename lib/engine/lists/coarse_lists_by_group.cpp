@@ -93,12 +93,10 @@ private:
         device::LentKernel gather = inputs_.tools.kernel(inputs_.tools.programs.coarse_lists, "coarse_list_starts");
         launch(queue, gather, {bricks_ + 1}, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_),
                *lists.starts, *device_starts_);
-        starts_found_.enqueue(queue, *device_starts_);
-        cl::Event is_read;
-        taken_found_.enqueue(queue, *taken_, 0, &is_read);
-        is_read.wait();
+        starts_found_.enqueue(*device_starts_);
+        taken_found_.enqueue(*taken_);
+        taken_found_.wait();
         starts_found_.end();
-        taken_found_.end();
         // The counter of pairs has 32 bits and wraps; the scan's total shows it.
         lists.pairs = sums.total();
         if (lists.pairs > taken_found_.value()) throw too_many(listed);

@@ -69,7 +69,7 @@ void GridPlan::enqueue(CommandChain& chain, const OutputBuffers& buffers,
     if (lower.launches == 0) complete_lower_half();
     for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
         if (between_launches) {
-            chain.wait();
+            device::context_of(device).finish();
             between_launches(scan_->fraction_before(launch));
         }
         scan_->enqueue_launch(chain, launch);
@@ -81,7 +81,7 @@ void GridPlan::enqueue(CommandChain& chain, const OutputBuffers& buffers,
 }
 
 void GridPlan::read_back(const cl::CommandQueue& queue) {
-    if (job.counts) scan_->read_counters(device::context_of(device).queue(), statistics);
+    if (job.counts) scan_->read_counters(device::context_of(device), statistics);
     if ((queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_PROFILING_ENABLE) == 0) return;
     const auto seconds = [](const cl::Event& from, const cl::Event& to) {
         const cl_ulong begin = from.getProfilingInfo<CL_PROFILING_COMMAND_END>();

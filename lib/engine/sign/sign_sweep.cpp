@@ -118,7 +118,7 @@ private:
         queue_.enqueueWriteBuffer(*totals_, CL_FALSE, offsetof(SweepTotals, records), sizeof count, &count);
         if (const std::size_t room = std::min(film_.records.size(), capacity_); room > 0)
             queue_.enqueueWriteBuffer(*records_, CL_FALSE, 0, room * sizeof(SweepRecord), film_.records.data());
-        queue_.finish();
+        inputs_.tools.context.finish();
     }
 
     bool has_selection() const { return inputs_.selection.triangles() != nullptr; }
@@ -132,7 +132,6 @@ private:
             totals = wait_for_totals();
         }
         record_count_ = totals.records;
-        totals_found_.end();
     }
 
     void find_large(const SweepTotals& totals) {
@@ -159,11 +158,11 @@ private:
     /// host takes as long.
     void add_up() {
         sums_.emplace(inputs_.tools, *row_counts_, *starts_, row_count_, listed);
-        totals_found_.enqueue(queue_, *totals_, 0, &totals_read_);
+        totals_found_.enqueue(*totals_);
     }
 
     SweepTotals wait_for_totals() {
-        device::wait_for(totals_read_);
+        totals_found_.wait();
         count_ = sums_->total();
         return totals_found_.value();
     }
@@ -206,7 +205,6 @@ private:
     device::BufferPool::Lease totals_;
     device::BufferPool::Lease large_;
     device::LentKernel kernel_;
-    cl::Event totals_read_;
     std::optional<PrefixSums> sums_;
     std::size_t count_ = 0;
     device::BufferPool::Lease starts_;   ///< of the rows' crossings, were they listed row by row; and `count_`

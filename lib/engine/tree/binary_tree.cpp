@@ -1,6 +1,7 @@
 #include "tree/binary_tree.hpp"
 
 #include "core/parallel.hpp"
+#include "device/read_back.hpp"
 #include "frusta/face_order.hpp"
 #include "launch/commands.hpp"
 #include "launch/prefix_sums.hpp"
@@ -47,7 +48,7 @@ public:
         sort_by_keys(tools_, *codes, count_, 3 * morton_bits(count_), *divided.order);
         if (count_ <= CLSDF_LEAF_PLACES) {
             divided.tree.root = divided.tree.leaf;
-            cl::Kernel mark(program_, "mark_only_leaf");
+            device::LentKernel mark = tools_.kernel(program_, "mark_only_leaf");
             launch(tools_.queue(), mark, {1}, places_, *divided.order);
         } else {
             make_codes(divided, true, *codes);
@@ -65,7 +66,8 @@ public:
         for (std::size_t level = count_; level >= CLSDF_JOINED_BOXES; box_count += level)
             level = chunk_count(level, CLSDF_JOINED_BOXES);
         const device::BufferPool::Lease boxes = lease(box_count * sizeof(FaceBox), "boxes of faces");
-        cl::Kernel fit_faces(program_, "fit_faces"), join(program_, "join_boxes");
+        device::LentKernel fit_faces = tools_.kernel(program_, "fit_faces"),
+                           join = tools_.kernel(program_, "join_boxes");
         launch(tools_.queue(), fit_faces, {count_}, places_, lattice_, *positions_, *divided.triangles, *divided.order,
                *mesh_.polyhedra, *mesh_.faces, *boxes, *tree.faces);
         std::size_t from = 0;
@@ -88,7 +90,7 @@ private:
 
     /// The codes of the faces or, if is_ordered, of the places.
     void make_codes(const DividedFaces& divided, bool is_ordered, const cl::Buffer& codes) {
-        cl::Kernel kernel(program_, "codes_of_faces");
+        device::LentKernel kernel = tools_.kernel(program_, "codes_of_faces");
         launch(tools_.queue(), kernel, {count_}, places_, lattice_, *positions_, *divided.triangles,
                cl_uint{is_ordered}, *divided.order, codes);
     }
@@ -98,7 +100,8 @@ private:
         const cl::CommandQueue& queue = tools_.queue();
         const device::BufferPool::Lease are_nodes = lease(count_ * sizeof(cl_uint), "nodes of the tree");
         const device::BufferPool::Lease starts = lease(count_ * sizeof(cl_uint), "nodes of the tree");
-        cl::Kernel find(program_, "find_nodes"), link(program_, "link_nodes"), measure(program_, "find_depth");
+        device::LentKernel find = tools_.kernel(program_, "find_nodes"), link = tools_.kernel(program_, "link_nodes"),
+                           measure = tools_.kernel(program_, "find_depth");
         launch(queue, find, {count_ - 1}, places_, codes, *are_nodes);
         PrefixSums sums(tools_, *are_nodes, *starts, count_ - 1, "nodes");
         divided.node_count = sums.total();
@@ -109,7 +112,7 @@ private:
         const device::BufferPool::Lease depth = lease(sizeof(cl_uint), "depth of the tree");
         queue.enqueueFillBuffer(*depth, cl_uint{0}, 0, sizeof(cl_uint));
         launch(queue, measure, {divided.node_count}, static_cast<cl_uint>(divided.node_count), *parents, *depth);
-        queue.enqueueReadBuffer(*depth, CL_TRUE, 0, sizeof(cl_uint), &divided.depth);
+        divided.depth = device::read_value<cl_uint>(tools_.context, *depth);
     }
 
     /// Returns FittedTree::area; waits for it.
@@ -117,11 +120,11 @@ private:
         const std::size_t groups =
             std::min<std::size_t>(chunk_count(divided.node_count, common_group), CLSDF_AREA_GROUPS);
         const device::BufferPool::Lease areas = lease(groups * sizeof(double), "areas of boxes");
-        cl::Kernel kernel(program_, "fit_nodes");
+        device::LentKernel kernel = tools_.kernel(program_, "fit_nodes");
         launch(tools_.queue(), kernel, {groups * common_group}, places_, static_cast<cl_uint>(divided.node_count),
                *divided.nodes, boxes, nodes, *areas);
         std::vector<double> of_groups(groups);
-        tools_.queue().enqueueReadBuffer(*areas, CL_TRUE, 0, groups * sizeof(double), of_groups.data());
+        device::read_values(tools_.context, *areas, of_groups);
         const double side = longest_side();
         return side > 0 ? std::accumulate(of_groups.begin(), of_groups.end(), 0.0) / (side * side) : 0;
     }

@@ -66,8 +66,14 @@ BufferPool::Lease& BufferPool::Lease::operator=(Lease&& other) noexcept {
 
 const void* BufferPool::Lease::on_host() const {
     if (mapped_ == nullptr && bytes_ > 0)
-        mapped_ = guarded(
-            [&] { return pool_->context_->queue().enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_READ, 0, bytes_); });
+        guarded([&] {
+            void* mapped = nullptr;
+            pool_->context_->run_blocking([&](cl::Event* ended) {
+                mapped =
+                    pool_->context_->queue().enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_READ, 0, bytes_, nullptr, ended);
+            });
+            mapped_ = mapped;
+        });
     return mapped_;
 }
 
@@ -250,8 +256,11 @@ HostFilling::HostFilling(const Context& context, std::shared_ptr<BufferPool> poo
     : context_(context), pool_(std::move(pool)), bytes_(bytes), purpose_(purpose) {
     if (bytes_ > 0 && in_place) {
         buffer_ = pool_->lease(bytes_, purpose_);
-        memory_ = guarded([&] {
-            return context_.queue().enqueueMapBuffer(*buffer_, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes_);
+        guarded([&] {
+            context_.run_blocking([&](cl::Event* ended) {
+                memory_ = context_.queue().enqueueMapBuffer(*buffer_, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes_,
+                                                            nullptr, ended);
+            });
         });
         is_mapped_ = true;
     } else {

@@ -183,24 +183,104 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     });
 }
 
+namespace {
+
+/// Of a call that waits. Some drivers, as NVIDIA's, let it fail if a kernel has; then `fail` throws what is known.
+template <class Fail>
+[[noreturn]] void throw_from_wait(const cl::Error& error, const Fail& fail) {
+    try {
+        throw_device_error(error);
+    } catch (const Error& of_call) {
+        if (of_call.code() != ErrorCode::device_failure) throw;
+        try {
+            fail();
+        } catch (const Error& failed) {
+            throw Error(failed.code(), fmt::format("{}; perhaps {}", of_call.what(), failed.what()), error.err());
+        }
+        throw;
+    }
+}
+
+}  // namespace
+
 void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
                    std::byte* to, bool is_pinned, std::span<const Milestone> milestones) const {
-    if (capabilities_.has_own_memory && !is_pinned) {
-        pinned_.read(queue, from, begin, bytes, to, milestones);
-        return;
+    const std::size_t launched = kernels_.launched().count();
+    try {
+        if (capabilities_.has_own_memory && !is_pinned) {
+            pinned_.read(queue, from, begin, bytes, to, milestones);
+        } else {
+            std::size_t done = 0;
+            for (const Milestone& milestone : milestones) {
+                read_blocking(queue, from, begin + done, milestone.end - done, to + done, milestone.reached);
+                done = milestone.end;
+            }
+            if (done < bytes) read_blocking(queue, from, begin + done, bytes - done, to + done);
+        }
+    } catch (const CommandError& error) {
+        throw_failed(error);
+    } catch (const cl::Error& error) {
+        throw_from_wait(error, [&] { throw_failed(CommandError(error.err())); });
     }
-    std::size_t done = 0;
-    for (const Milestone& milestone : milestones) {
-        const std::vector<cl::Event> reached{milestone.reached};
-        queue.enqueueReadBuffer(from, CL_TRUE, begin + done, milestone.end - done, to + done, &reached);
-        done = milestone.end;
-    }
-    if (done < bytes) queue.enqueueReadBuffer(from, CL_TRUE, begin + done, bytes - done, to + done);
+    if (queue() == queue_()) kernels_.launched().forget(launched);
 }
 
 bool Context::write(const cl::CommandQueue& queue, const std::byte* from, std::size_t bytes,
                     const cl::Buffer& to) const {
-    return capabilities_.has_own_memory && pinned_.write(queue, from, bytes, to);
+    try {
+        return capabilities_.has_own_memory && pinned_.write(queue, from, bytes, to);
+    } catch (const CommandError& error) {
+        throw_failed(error);
+    }
+}
+
+void Context::wait(const cl::Event& event, std::size_t launched) const {
+    try {
+        wait_for(event);
+    } catch (const CommandError& error) {
+        throw_failed(error);
+    } catch (const cl::Error& error) {
+        throw_from_wait(error, [&] { throw_failed(CommandError(error.err())); });
+    }
+    kernels_.launched().forget(launched);
+}
+
+void Context::finish() const {
+    const std::size_t launched = kernels_.launched().count();
+    cl::Event end;
+    queue_.enqueueMarkerWithWaitList(nullptr, &end);
+    try {
+        queue_.finish();
+    } catch (const cl::Error& error) {
+        throw_from_wait(error, [&] { throw_failed(CommandError(error.err())); });
+    }
+    wait(end, launched);
+}
+
+void Context::throw_failed(const CommandError& error) const {
+    const std::scoped_lock lock(failure_mutex_);
+    ++failures_;
+    const std::size_t launched = kernels_.launched().count();
+    const std::string names = kernels_.launched().names();
+    kernels_.launched().forget(launched);
+    // PoCL's status of a command that did not run because of another, whose status it does not tell, is -1.
+    const bool has_code = error.err() != -1 && error.err() != CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST;
+    const std::string text =
+        fmt::format("{} failed on \"{}\"{}", names.empty() ? "a command" : "the kernel " + names,
+                    device_.getInfo<CL_DEVICE_NAME>(), has_code ? fmt::format(" ({})", code_name(error.err())) : "");
+    // Later commands may fail for the same reason.
+    if (!names.empty() || failure_.empty()) failure_ = text;
+    throw Error(ErrorCode::device_failure,
+                text + "; update the driver, or choose another device (clsdf devices lists them)", error.err());
+}
+
+void Context::require_none_failed(std::size_t failures) const {
+    if (failures == failures_) return;
+    const std::scoped_lock lock(failure_mutex_);
+    throw Error(ErrorCode::device_failure,
+                fmt::format("what the transform or plan has kept may be wrong, because of an earlier call: {}; make "
+                            "the transform and its plans anew",
+                            failure_));
 }
 
 void Context::require_usable() const {
@@ -220,7 +300,15 @@ void Context::begin_call() const {
 }
 
 bool Context::drain() const noexcept {
-    if (!lost_ && clFinish(queue_()) != CL_SUCCESS) lost_ = true;
+    if (lost_) return false;
+    cl::Event end;
+    const bool has_end = clEnqueueMarkerWithWaitList(queue_(), 0, nullptr, &end()) == CL_SUCCESS;
+    if (clFinish(queue_()) != CL_SUCCESS) lost_ = true;
+    try {
+        if (has_end && !lost_) wait(end, kernels_.launched().count());
+    } catch (const std::exception&) {
+        // On the way out after another error; failures() counts it.
+    }
     return !lost_;
 }
 

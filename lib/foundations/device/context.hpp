@@ -98,8 +98,31 @@ public:
     /// Device, platform and driver with their versions, for messages. Throws cl::Error.
     std::string description() const;
 
+    // Waits. PoCL's blocking calls, and waits for its queues, succeed if a command has failed. So each wait looks at an
+    // event, and throws Error(device_failure) that names the kernels which may have failed: those that were launched
+    // since the last wait. What the kernels have left is not used then: see failures().
+
+    /// Waits for a command, and so for those before it in its queue. launched: kernels().launched().count() when it was
+    /// enqueued. Also throws cl::Error.
+    void wait(const cl::Event& event, std::size_t launched) const;
+    /// Waits for all commands in queue(). Also throws cl::Error.
+    void finish() const;
+    /// enqueue(event): a blocking command in queue(). Also throws cl::Error.
+    template <class Enqueue>
+    void run_blocking(const Enqueue& enqueue) const {
+        const std::size_t launched = kernels_.launched().count();
+        cl::Event ended;
+        enqueue(&ended);
+        wait(ended, launched);
+    }
+    /// How many waits have found that a command had failed. Objects that keep what kernels have made note it when they
+    /// are made.
+    std::size_t failures() const { return failures_; }
+    /// Throws Error(device_failure) that names the kernels if a command has failed since then.
+    void require_none_failed(std::size_t failures) const;
+
     /// Returns when `to` holds `bytes` bytes of `from`, from byte `begin` on, which are computed earlier in the queue
-    /// or by the milestones (PinnedCopies::read()). is_pinned: `to` is pinned memory. Throws cl::Error.
+    /// or by the milestones (PinnedCopies::read()). is_pinned: `to` is pinned memory. Also throws cl::Error.
     void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
               std::byte* to, bool is_pinned = false, std::span<const Milestone> milestones = {}) const;
     /// A queue for reads while queue() computes. Throws cl::Error.
@@ -189,6 +212,7 @@ private:
     };
 
     void limit_arena();
+    [[noreturn]] void throw_failed(const CommandError& error) const;
     Built build(const ProgramSource& source, const BuildWatch& watch) const;
     cl::Program compile(const ProgramSource& source, const std::string& text) const;
 
@@ -212,6 +236,9 @@ private:
     mutable std::mutex tested_mutex_;
     std::set<std::string> tested_;
     mutable std::atomic<bool> lost_ = false;
+    mutable std::mutex failure_mutex_;
+    mutable std::string failure_;  // the latest
+    mutable std::atomic<std::size_t> failures_ = 0;
     std::atomic<std::size_t> waiting_runs_ = 0;
     mutable std::atomic<std::size_t> ended_runs_ = 0;  // of those: begin_call() has waited for so many
 };

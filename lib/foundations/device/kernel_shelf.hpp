@@ -1,5 +1,6 @@
 #pragma once
 
+#include "device/launched_kernels.hpp"
 #include "device/opencl.hpp"
 
 #include <exception>
@@ -37,9 +38,12 @@ public:
         }
     }
 
+    LaunchedKernels& launched() { return launched_; }
+
 private:
     std::mutex mutex_;
     std::map<std::pair<cl_program, std::string_view>, std::vector<cl::Kernel>> kernels_;  // the context keeps programs
+    LaunchedKernels launched_;
 };
 
 /// A kernel of a context's program, which goes back to the shelf when this is destroyed. It may have arguments of
@@ -65,6 +69,10 @@ public:
         return *this;
     }
     ~LentKernel() { give_back(); }
+
+    const char* name() const { return name_; }
+    /// It was launched.
+    void note_launch() const noexcept { shelf_->launched().add(name_); }
 
 private:
     void give_back() noexcept {

@@ -8,6 +8,7 @@
 #include <array>
 #include <iterator>
 #include <string_view>
+#include <vector>
 
 namespace clsdf::device {
 
@@ -106,6 +107,39 @@ std::string call_name(const cl::Error& error) {
     for (const auto& [misspelt, call] : corrected_names)
         if (misspelt == error.what()) return std::string(call);
     return error.what();
+}
+
+namespace {
+
+/// CL_QUEUED if it cannot be found out.
+cl_int status_of(const cl::Event& event) {
+    cl_int status = CL_QUEUED;
+    if (clGetEventInfo(event(), CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, nullptr) != CL_SUCCESS)
+        return CL_QUEUED;
+    return status;
+}
+
+}  // namespace
+
+void wait_until_ended(const cl::Event& event) {
+    const cl_int code = clWaitForEvents(1, &event());
+    // Intel's runtime waits with success for a command that has failed.
+    if (const cl_int status = status_of(event); status < CL_COMPLETE) throw CommandError(status);
+    if (code != CL_SUCCESS) throw cl::Error(code, "clWaitForEvents");
+}
+
+void wait_for(const cl::Event& event) {
+    const cl_int status = status_of(event);
+    if (status < CL_COMPLETE) throw CommandError(status);
+    if (status != CL_COMPLETE) wait_until_ended(event);
+}
+
+void read_blocking(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
+                   void* to, const cl::Event& before) {
+    cl::Event is_read;
+    const std::vector<cl::Event> wait_list(before() == nullptr ? 0 : 1, before);
+    queue.enqueueReadBuffer(from, CL_TRUE, begin, bytes, to, wait_list.empty() ? nullptr : &wait_list, &is_read);
+    wait_for(is_read);
 }
 
 void throw_device_error(const cl::Error& error) {

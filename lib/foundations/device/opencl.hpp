@@ -5,6 +5,7 @@
 #include "device/opencl_binding.hpp"
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -43,14 +44,24 @@ inline bool has_ended(const cl::Event& event) noexcept {
             status <= CL_COMPLETE);
 }
 
-/// Waits for a command, unless it is known to have ended well. Throws cl::Error if it has failed.
-inline void wait_for(const cl::Event& event) {
-    cl_int status = CL_QUEUED;
-    if (clGetEventInfo(event(), CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, nullptr) == CL_SUCCESS &&
-        status == CL_COMPLETE)
-        return;
-    event.wait();
-}
+/// A command of the device has failed: err() is the status of its event. Drivers give a command that did not run,
+/// because one before it has failed, a status of its own.
+class CommandError : public cl::Error {
+public:
+    explicit CommandError(cl_int status) : cl::Error(status, "clWaitForEvents") {}
+};
+
+/// Waits for a command, also if it has ended. Throws CommandError if it has failed.
+void wait_until_ended(const cl::Event& event);
+
+/// The same, but does not ask the driver to wait if the command is known to have ended. For a command that the driver
+/// has waited for already: blocking calls, and waits for the queue, do not fail with PoCL if a command has failed.
+void wait_for(const cl::Event& event);
+
+/// Reads from a buffer when the commands before in the queue and `before`, which may be null, have ended. Throws
+/// CommandError if one of them has failed, and cl::Error.
+void read_blocking(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
+                   void* to, const cl::Event& before = {});
 
 /// The names and versions by which faults are known, as OpenCL reports them.
 struct Implementation {

@@ -202,9 +202,7 @@ void PinnedCopies::read(const cl::CommandQueue& queue, const cl::Buffer& from, s
                         std::byte* to, std::span<const Milestone> milestones) {
     const std::scoped_lock lock(reads_.mutex);
     if (bytes <= least_bytes || !has_memory(reads_)) {
-        const std::vector<cl::Event> all =
-            milestones.empty() ? std::vector<cl::Event>() : std::vector{milestones.back().reached};
-        queue.enqueueReadBuffer(from, CL_TRUE, begin, bytes, to, all.empty() ? nullptr : &all);
+        read_blocking(queue, from, begin, bytes, to, milestones.empty() ? cl::Event() : milestones.back().reached);
         return;
     }
     const std::size_t count = chunk_count(bytes, piece_bytes);
@@ -224,7 +222,7 @@ void PinnedCopies::read(const cl::CommandQueue& queue, const cl::Buffer& from, s
         while (started < std::min(count, copied + pieces_at_once)) start(started++);
     };
     const auto wait_for_next = [&] {
-        under_way[arrived % pieces_at_once].wait();
+        wait_until_ended(under_way[arrived % pieces_at_once]);
         copies.arrive();
         ++arrived;
     };
@@ -279,7 +277,7 @@ bool PinnedCopies::write(const cl::CommandQueue& queue, const std::byte* from, s
             // Small arrays do not wait for memory: the driver copies them as quickly.
             if (bytes <= piece_bytes && std::ranges::any_of(uses_, overlaps)) return false;
             for (const Use& use : uses_)
-                if (overlaps(use)) use.written.wait();
+                if (overlaps(use)) wait_until_ended(use.written);
             std::erase_if(uses_, overlaps);
             copy_on_all_cores(from + begin, writes_.memory + next_, length);
             uses_.push_back({next_, next_ + length, {}});

@@ -30,7 +30,7 @@ public:
     /// Returns when `to` holds `bytes` bytes of `from`, from byte `begin` on. They are complete when the commands
     /// before it in the queue have ended or, if there are milestones, when these are reached: their ends ascend and
     /// count from `begin`, and the last one is `bytes`. Without pinned memory, and for a few bytes, the driver copies.
-    /// Throws cl::Error.
+    /// Throws CommandError if a command before it has failed, and cl::Error.
     void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin, std::size_t bytes,
               std::byte* to, std::span<const Milestone> milestones);
 

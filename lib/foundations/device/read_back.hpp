@@ -5,6 +5,7 @@
 #include "device/opencl.hpp"
 
 #include <cstddef>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -12,8 +13,8 @@
 namespace clsdf::device {
 
 /// A few values that commands of the context's queue read from the device, in pinned memory if there is some. As
-/// InFlight: if it is destroyed before end(), it waits for the queue, and if the driver cannot tell that the commands
-/// have ended, the memory lives as long as the process.
+/// InFlight: if it is destroyed before wait() or end(), it waits for the queue, and if the driver cannot tell that the
+/// commands have ended, the memory lives as long as the process.
 template <class Value>
 class ReadBack {
     static_assert(std::is_trivially_copyable_v<Value>);
@@ -32,12 +33,17 @@ public:
     }
 
     /// Enqueues the read of all values, from byte `begin` of the buffer on. Throws cl::Error.
-    void enqueue(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t begin = 0,
-                 cl::Event* is_read = nullptr) {
+    void enqueue(const cl::Buffer& from, std::size_t begin = 0) {
         is_under_way_ = true;
-        queue.enqueueReadBuffer(from, CL_FALSE, begin, bytes(), data(), nullptr, is_read);
+        launched_ = context_.kernels().launched().count();
+        context_.queue().enqueueReadBuffer(from, CL_FALSE, begin, bytes(), data(), nullptr, &is_read_);
     }
-    /// The commands have ended.
+    /// Waits for the values. Throws as Context::wait().
+    void wait() {
+        context_.wait(is_read_, launched_);
+        end();
+    }
+    /// The commands have ended: the host has waited for a later one.
     void end() { is_under_way_ = false; }
 
     std::span<const Value> values() const { return {data(), count_}; }
@@ -51,18 +57,17 @@ private:
     std::size_t count_;
     std::byte* room_;
     std::unique_ptr<Value[]> own_;
+    cl::Event is_read_;
+    std::size_t launched_ = 0;  // before the read
     bool is_under_way_ = false;
 };
 
-/// Reads a value from byte `begin` of a buffer, behind all commands in the context's queue. Waits. Throws cl::Error,
-/// also if a kernel has failed.
+/// Reads a value from byte `begin` of a buffer, behind all commands in the context's queue. Throws as Context::wait().
 template <class Value>
 Value read_value(const Context& context, const cl::Buffer& from, std::size_t begin = 0) {
     ReadBack<Value> read(context);
-    cl::Event is_read;  // a blocking read by PoCL does not fail if a kernel has
-    read.enqueue(context.queue(), from, begin, &is_read);
-    is_read.wait();
-    read.end();
+    read.enqueue(from, begin);
+    read.wait();
     return read.value();
 }
 
@@ -70,6 +75,15 @@ Value read_value(const Context& context, const cl::Buffer& from, std::size_t beg
 template <class Values>
 void read_values(const Context& context, const cl::Buffer& from, Values& to, std::size_t begin = 0) {
     context.read(context.queue(), from, begin, to.size() * sizeof(to[0]), reinterpret_cast<std::byte*>(to.data()));
+}
+
+/// Writes values to a buffer, behind all commands in the context's queue. Throws as Context::wait().
+template <class Values>
+void write_values(const Context& context, const Values& values, const cl::Buffer& to, std::size_t begin = 0) {
+    context.run_blocking([&](cl::Event* ended) {
+        context.queue().enqueueWriteBuffer(to, CL_TRUE, begin, std::size(values) * sizeof(values[0]), std::data(values),
+                                           nullptr, ended);
+    });
 }
 
 }  // namespace clsdf::device
