@@ -4,7 +4,6 @@
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "device/in_flight.hpp"
-#include "plans/point_plan_state.hpp"
 #include "points/box_places.hpp"
 #include "points/device_points.hpp"
 #include "points/face_sides.hpp"
@@ -228,7 +227,8 @@ bool DistanceTransform::State::stay_on_device(const InputArray& points, const Ou
         targets::refuse_overlap(written);
         points::check_device_points(context(), points);
         // The outputs of some points may lie on others: then the points are copied first.
-        return !plans::may_overlap(points, on_device);
+        written.push_back(points::array_of(points));
+        return !targets::find_overlap(written);
     });
 }
 
@@ -345,8 +345,10 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
         targets::refuse_overlap(written);
         // The outputs of some points may lie on others.
         std::vector<Vec3> copy;
-        if (on_host.overlap(std::as_bytes(positions.get())))
-            copy.assign(positions.get().begin(), positions.get().end());
+        written.push_back({.first = reinterpret_cast<std::uintptr_t>(positions.get().data()),
+                           .width = positions.get().size_bytes(),
+                           .name = "the points"});
+        if (targets::find_overlap(written)) copy.assign(positions.get().begin(), positions.get().end());
         const std::span<const Vec3> all = copy.empty() ? positions.get() : copy;
         const auto answer = all.size() <= points::most_few_points ? &State::query_few : &State::query_many;
         points::UsablePoints asked(all, call.refuse_unusable_points);

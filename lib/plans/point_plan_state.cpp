@@ -2,9 +2,7 @@
 
 #include "core/outputs.hpp"
 #include "mesh/input_arrays.hpp"
-#include "mesh/triples.hpp"
 #include "targets/mapped_memory.hpp"
-#include "targets/target_layout.hpp"
 #include "targets/target_overlap.hpp"
 
 #include <clsdf/error.hpp>
@@ -22,54 +20,6 @@ namespace {
 
 Error misuse(const std::string& what) {
     return {ErrorCode::invalid_argument, what};
-}
-
-/// Items of an array in a buffer: where the first one lies, and how they follow one another.
-struct Items {
-    cl_mem memory;
-    std::ptrdiff_t first, stride;  ///< bytes
-    std::ptrdiff_t begin, end;     ///< of the values of an item, from its first one
-    std::size_t count;
-};
-
-Items items_of(cl_mem memory, std::size_t offset, std::ptrdiff_t stride, std::ptrdiff_t component_stride,
-               std::size_t components, std::size_t width, std::size_t count) {
-    const targets::BufferPlace place = targets::place_of(memory, offset);
-    const std::ptrdiff_t last = component_stride * (static_cast<std::ptrdiff_t>(components) - 1);
-    return {place.memory(),
-            static_cast<std::ptrdiff_t>(place.byte),
-            stride,
-            std::min<std::ptrdiff_t>(last, 0),
-            std::max<std::ptrdiff_t>(last, 0) + static_cast<std::ptrdiff_t>(width),
-            count};
-}
-
-Items items_of(const InputArray& points) {
-    const Steps steps = steps_of(points);
-    return items_of(points.device, points.offset, steps.triple, steps.number, 3, bytes_of(points.type), points.count);
-}
-
-/// Whether they may have a byte in common: not if the bytes of the one all lie before those of the other, nor if those
-/// of each item lie between items of the other, at the same stride.
-bool may_overlap(const Items& a, const Items& b) {
-    if (a.memory != b.memory || a.count == 0 || b.count == 0) return false;
-    const auto range = [](const Items& items) {
-        const std::ptrdiff_t last = items.first + items.stride * (static_cast<std::ptrdiff_t>(items.count) - 1);
-        return std::pair(std::min(items.first, last) + items.begin, std::max(items.first, last) + items.end);
-    };
-    const auto [begin, end] = range(a);
-    const auto [other_begin, other_end] = range(b);
-    if (end <= other_begin || other_end <= begin) return false;
-    if (a.stride != b.stride || a.stride <= 0) return true;
-    // From the first value of an item of a to that of b's item behind it.
-    std::ptrdiff_t ahead = (b.first + b.begin - (a.first + a.begin)) % a.stride;
-    if (ahead < 0) ahead += a.stride;
-    return ahead < a.end - a.begin || ahead + (b.end - b.begin) > a.stride;
-}
-
-Items items_of(const OutputInfo& row, const OutputArray& target, std::size_t count) {
-    return items_of(target.device, target.offset, target.strides[0], target.component_stride, row.components,
-                    bytes_of(target.type), count);
 }
 
 /// The status of each point.
@@ -105,18 +55,6 @@ OutputArray checked_status(const device::Context& context, const OutputArray& gi
 
 }  // namespace
 
-bool may_overlap(const InputArray& points, const targets::DeviceTargets& targets) {
-    const Items of_points = items_of(points);
-    bool result = false;
-    for_each_output(
-        [&](const OutputInfo& row, const OutputArray& target) {
-            if (target.device != nullptr)
-                result = result || may_overlap(of_points, items_of(row, target, points.count));
-        },
-        targets.targets);
-    return result;
-}
-
 void PointPlanState::replace(PlannedPoints made, const engine::Programs& programs) {
     made_.inputs = std::move(made.inputs);
     programs_ = programs;
@@ -146,22 +84,19 @@ targets::DeviceTargets PointPlanState::check(const InputArray& points, const Out
     targets::DeviceTargets checked(targets::targets_from(targets, 0), targets::row_of(points.count), context());
     std::vector<targets::WrittenArray> written;
     checked.add_written(0, written);
-    targets::refuse_overlap(written);
     points::check_device_points(context(), points);
-    if (may_overlap(points, checked))
-        throw misuse(
-            "a target of points may lie on the points, which are read while results are written; give the results "
-            "other memory");
-    if (!status.is_given()) return checked;
-    const Items of_status = items_of(status.device, status.offset, status.strides[0], 1, 1, 1, points.count);
-    bool overlaps = may_overlap(items_of(points), of_status);
-    for_each_output(
-        [&](const OutputInfo& row, const OutputArray& target) {
-            if (target.device != nullptr)
-                overlaps = overlaps || may_overlap(items_of(row, target, points.count), of_status);
-        },
-        checked.targets);
-    if (overlaps) throw misuse("the status of points may lie on the points or on a target; give it other memory");
+    // Points are read while results are written.
+    written.push_back(points::array_of(points));
+    if (status.is_given()) {
+        const targets::BufferPlace begin = targets::place_of(status.device, status.offset);
+        written.push_back({.memory = begin.memory(),
+                           .first = begin.byte,
+                           .width = 1,
+                           .size = targets::row_of(points.count).size,
+                           .strides = status.strides,
+                           .name = "the status of points"});
+    }
+    if (const auto overlap = targets::find_overlap(written)) targets::refuse(*overlap);
     return checked;
 }
 

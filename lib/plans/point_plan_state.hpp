@@ -12,9 +12,6 @@
 
 namespace clsdf::plans {
 
-/// Whether a result of some point may lie on the coordinates of points.
-bool may_overlap(const InputArray& points, const targets::DeviceTargets& targets);
-
 /// The points that a PointPlan looks up.
 struct AskedPoints {
     std::size_t count = 0;  ///< at most

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string>
 #include <utility>
 
 namespace clsdf::plans {
@@ -18,29 +17,9 @@ std::size_t bricks_of(const Grid& part) {
     return part.sample_count() / brick_samples;
 }
 
-/// Bytes of the caller's memory that a run writes.
-struct WrittenBytes {
-    targets::BufferPlace begin;
-    std::size_t bytes;
-    std::string name;
-};
-
-/// Throws if two have a byte in common.
-void refuse_overlap(std::span<const WrittenBytes> written) {
-    for (std::size_t n = 0; n < written.size(); ++n)
-        for (const WrittenBytes& other : written.first(n)) {
-            const WrittenBytes& one = written[n];
-            if (one.begin.memory() != other.begin.memory() || one.begin.byte >= other.begin.byte + other.bytes ||
-                other.begin.byte >= one.begin.byte + one.bytes)
-                continue;
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("{} and {} overlap; give each memory of its own", other.name, one.name));
-        }
-}
-
 /// Checks a range of so many bytes of the caller's memory. name: begins a sentence.
 targets::OrderedTargets::Place place_of(const device::Context& context, const DeviceRange& range, std::size_t bytes,
-                                        const std::string& name, std::vector<WrittenBytes>& written) {
+                                        const char* name, std::vector<targets::WrittenArray>& written) {
     if (bytes == 0) return {};
     if (range.memory == nullptr)
         throw Error(ErrorCode::invalid_argument,
@@ -61,7 +40,8 @@ targets::OrderedTargets::Place place_of(const device::Context& context, const De
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("{} needs {} bytes from byte {} on, and its buffer has {}; give it a larger one", name,
                                 bytes, range.offset, size));
-    written.push_back({targets::place_of(range.memory, range.offset), bytes, name});
+    const targets::BufferPlace begin = targets::place_of(range.memory, range.offset);
+    written.push_back({.memory = begin.memory(), .first = begin.byte, .width = bytes, .name = name});
     return {memory, range.offset};
 }
 
@@ -98,7 +78,7 @@ CallStatistics SparsePlanState::complete(const CallStatistics& call, const engin
 targets::OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& given) const {
     const device::Context& context = this->context();
     const SparseCounts& room = asked().room;
-    std::vector<WrittenBytes> written;
+    std::vector<targets::WrittenArray> written;
     targets::OrderedTargets to;
     to.room = room;
     to.counts = place_of(context, given.counts, sizeof(DeviceSparseCounts), "the memory of the counts", written);
@@ -124,13 +104,11 @@ targets::OrderedTargets SparsePlanState::targets_of(const SparseDeviceTargets& g
                                             "samples for each brick",
                                             row.name));
                 place = {cl::Buffer(target.device, true), target.offset};
-                written.push_back({targets::place_of(target.device, target.offset),
-                                   room.bricks * brick_samples * row.sample_bytes(),
-                                   fmt::format("the target of the output {}", row.name)});
             },
             made_.batch->arrays, checked.arrays, checked.targets, to.values);
+        checked.add_written(0, written);
     }
-    refuse_overlap(written);
+    targets::refuse_overlap(written);
     return to;
 }
 

@@ -32,6 +32,19 @@ DevicePoints DevicePoints::part(std::size_t begin, std::size_t part_count) const
     return result;
 }
 
+targets::WrittenArray array_of(const InputArray& points) {
+    const Steps steps = steps_of(points);
+    const targets::BufferPlace begin = targets::place_of(points.device, points.offset);
+    return {.memory = begin.memory(),
+            .first = begin.byte,
+            .width = bytes_of(points.type),
+            .size = {static_cast<std::int64_t>(points.count), 1, 1},
+            .strides = {steps.triple, 0, 0},
+            .components = 3,
+            .component_stride = steps.number,
+            .name = "the points"};
+}
+
 DevicePoints points_in(const InputArray& array) {
     const Steps steps = steps_of(array);
     return {cl::Buffer(array.device, true),

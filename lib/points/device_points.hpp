@@ -7,6 +7,7 @@
 #include "launch/device_tools.hpp"
 #include "point_order.h"
 #include "points/usable_points.hpp"
+#include "targets/target_overlap.hpp"
 
 #include <array>
 #include <cstddef>
@@ -26,6 +27,8 @@ struct DevicePoints {
 /// Throws Error(invalid_argument) if the memory of an array of points, whose layout has been checked, is no buffer of
 /// the context, may not be read by kernels or is too small; Error(unsupported) for memory of the host.
 void check_device_points(const device::Context& context, const InputArray& points);
+/// The bytes of points of the device, for targets::find_overlap(). Throws cl::Error.
+targets::WrittenArray array_of(const InputArray& points);
 /// Those of an array in memory of the device that has been checked.
 DevicePoints points_in(const InputArray& array);
 /// Packed positions, in a buffer of the library's own.

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
 #include <span>
 
 namespace clsdf::targets {
@@ -62,8 +61,15 @@ TargetArrays target_arrays(const OutputTargets& targets) {
 /// begin: of the memory, see WrittenArray::first.
 WrittenArray written_array(const OutputInfo& info, const OutputArray& target, const Index3& size, std::size_t request,
                            const void* memory, std::uint64_t begin) {
-    return {memory,          begin + target.offset,   bytes_of(target.type), size,   target.strides,
-            info.components, target.component_stride, info.output,           request};
+    return {.memory = memory,
+            .first = begin + target.offset,
+            .width = bytes_of(target.type),
+            .size = size,
+            .strides = target.strides,
+            .components = info.components,
+            .component_stride = target.component_stride,
+            .output = info.output,
+            .request = request};
 }
 
 }  // namespace
@@ -186,21 +192,6 @@ void HostTargets::add_written(std::size_t request, std::vector<WrittenArray>& wr
                                                 reinterpret_cast<std::uintptr_t>(target.host)));
         },
         targets);
-}
-
-bool HostTargets::overlap(std::span<const std::byte> bytes) const {
-    if (bytes.empty()) return false;
-    const std::less<const std::byte*> is_before;
-    for (const OutputInfo& row : output_table()) {
-        const OutputArray& target = targets[row.output];
-        if (!target.is_given()) continue;
-        const auto* const memory = static_cast<const std::byte*>(target.host);
-        const auto [lowest, highest] = extent_of(row, grid, target);
-        if (is_before(memory + static_cast<std::ptrdiff_t>(lowest), bytes.data() + bytes.size()) &&
-            is_before(bytes.data(), memory + static_cast<std::ptrdiff_t>(highest)))
-            return true;
-    }
-    return false;
 }
 
 void HostTargets::store(const Grid& slab, const HostArrays& values) const {

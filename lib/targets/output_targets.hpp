@@ -35,8 +35,6 @@ struct HostTargets {
 
     /// Adds the arrays of all targets, for refuse_overlap().
     void add_written(std::size_t request, std::vector<WrittenArray>& written) const;
-    /// Whether the first and the last byte of a target lie around one of these bytes.
-    bool overlap(std::span<const std::byte> bytes) const;
 
     /// Copies those of a slab's packed samples that belong to the grid to where they belong, on all cores if they are
     /// many. The slab is of the same lattice.

@@ -59,17 +59,6 @@ ByteRuns runs_of(const WrittenArray& array) {
     return runs;
 }
 
-[[noreturn]] void refuse(const WrittenArray& a, const WrittenArray& b) {
-    const auto text_of = [&](const WrittenArray& array) {
-        const char* const name = info_of(array.output).name;
-        return a.request == b.request ? std::string(name) : fmt::format("{} of request {}", name, array.request);
-    };
-    const bool is_first = std::tuple(a.request, a.output) <= std::tuple(b.request, b.output);
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("the arrays of the outputs {} and {} lie on the same bytes; give each memory of its own",
-                            text_of(is_first ? a : b), text_of(is_first ? b : a)));
-}
-
 /// An axis-parallel box of bytes, runs, rows and so on: [lower, upper) on each axis.
 struct ByteBox {
     const WrittenArray* array = nullptr;
@@ -105,10 +94,12 @@ void add_boxes(const ByteRuns& runs, std::uint64_t origin, std::vector<ByteBox>&
     }
 }
 
-/// Throws if two of the boxes of `axes` + 1 axes overlap. Planes across `axis`, then across the next ones, divide the
-/// boxes. Those that none divides, `undivided` being the axes tried, are compared in the order along the last one.
-void refuse_overlap(std::span<ByteBox> boxes, std::size_t axes, std::size_t axis, std::size_t undivided = 0) {
-    if (boxes.size() < 2) return;
+/// Two of the boxes of `axes` + 1 axes, of different arrays, that overlap. Planes across `axis`, then across the next
+/// ones, divide the boxes. Those that none divides, `undivided` being the axes tried, are compared in the order along
+/// the last one.
+std::optional<Overlap> find_overlap(std::span<ByteBox> boxes, std::size_t axes, std::size_t axis,
+                                    std::size_t undivided = 0) {
+    if (boxes.size() < 2) return std::nullopt;
     const auto is_before = [&](const ByteBox& a, const ByteBox& b) { return a.lower[axis] < b.lower[axis]; };
     if (!std::ranges::is_sorted(boxes, is_before)) std::ranges::sort(boxes, is_before);  // most callers' boxes are
     if (undivided > axes) {
@@ -116,14 +107,14 @@ void refuse_overlap(std::span<ByteBox> boxes, std::size_t axes, std::size_t axis
         for (const ByteBox& box : boxes) {
             std::erase_if(active, [&](const ByteBox* other) { return other->upper[axis] <= box.lower[axis]; });
             for (const ByteBox* other : active) {
-                bool are_apart = false;
+                bool are_apart = other->array == box.array;
                 for (std::size_t across = 0; across <= axes; ++across)
                     are_apart |= other->upper[across] <= box.lower[across] || box.upper[across] <= other->lower[across];
-                if (!are_apart) refuse(*other->array, *box.array);
+                if (!are_apart) return Overlap{other->array, box.array};
             }
             active.push_back(&box);
         }
-        return;
+        return std::nullopt;
     }
     std::size_t begin = 0;
     std::uint64_t reached = boxes.front().upper[axis];
@@ -133,11 +124,14 @@ void refuse_overlap(std::span<ByteBox> boxes, std::size_t axes, std::size_t axis
             continue;
         }
         const std::span<ByteBox> part = boxes.subspan(begin, n - begin);
-        refuse_overlap(part, axes, axis > 0 ? axis - 1 : axes, part.size() < boxes.size() ? 1 : undivided + 1);
+        if (const auto found =
+                find_overlap(part, axes, axis > 0 ? axis - 1 : axes, part.size() < boxes.size() ? 1 : undivided + 1))
+            return found;
         if (n == boxes.size()) break;
         begin = n;
         reached = boxes[n].upper[axis];
     }
+    return std::nullopt;
 }
 
 /// Whether two sets of runs have a byte in common, by trying the steps of one axis after the other, those of the
@@ -199,6 +193,16 @@ private:
     std::vector<double> lowest_, highest_;  ///< that axes from this one on can add
 };
 
+/// Whether each begins behind the end of another one, as most callers' arrays do.
+bool lie_apart(const std::vector<ByteRuns>& all) {
+    std::vector<std::tuple<const void*, std::uint64_t, std::uint64_t>> ranges;
+    for (const ByteRuns& runs : all) ranges.emplace_back(runs.array->memory, runs.begin, runs.end());
+    std::ranges::sort(ranges);
+    return std::ranges::adjacent_find(ranges, [](const auto& before, const auto& range) {
+               return std::get<0>(before) == std::get<0>(range) && std::get<2>(before) > std::get<1>(range);
+           }) == ranges.end();
+}
+
 /// Each stride is a multiple of the one before.
 bool are_nested(const ByteRuns& runs) {
     for (std::size_t axis = 1; axis < runs.axes; ++axis)
@@ -208,16 +212,17 @@ bool are_nested(const ByteRuns& runs) {
 
 }  // namespace
 
-void refuse_overlap(const std::vector<WrittenArray>& arrays) {
-    if (arrays.size() < 2) return;
+std::optional<Overlap> find_overlap(const std::vector<WrittenArray>& arrays) {
+    if (arrays.size() < 2) return std::nullopt;
+    std::vector<ByteRuns> all_runs;
+    for (const WrittenArray& array : arrays)
+        if (array.width > 0 && std::ranges::all_of(array.size, [](std::int64_t n) { return n > 0; }))
+            all_runs.push_back(runs_of(array));
+    if (lie_apart(all_runs)) return std::nullopt;
     // Runs of one buffer with the same strides are a group: boxes of one large array.
     std::map<std::tuple<const void*, std::size_t, std::array<std::uint64_t, 4>>, std::vector<ByteRuns>> groups;
     std::vector<std::pair<ByteRuns, std::size_t>> all;  // with the number of the group
-    for (const WrittenArray& array : arrays) {
-        if (std::any_of(array.size.begin(), array.size.end(), [](std::int64_t n) { return n < 1; })) continue;
-        const ByteRuns runs = runs_of(array);
-        groups[{array.memory, runs.axes, runs.strides}].push_back(runs);
-    }
+    for (const ByteRuns& runs : all_runs) groups[{runs.array->memory, runs.axes, runs.strides}].push_back(runs);
     std::map<const void*, std::size_t> groups_of_memory;
     for (const auto& [key, group] : groups) ++groups_of_memory[std::get<0>(key)];
     std::size_t number = 0;
@@ -227,7 +232,7 @@ void refuse_overlap(const std::vector<WrittenArray>& arrays) {
             const auto first = std::ranges::min_element(group, {}, &ByteRuns::begin);
             std::vector<ByteBox> boxes;
             for (const ByteRuns& runs : group) add_boxes(runs, first->begin, boxes);
-            refuse_overlap(boxes, group.front().axes, group.front().axes);
+            if (const auto found = find_overlap(boxes, group.front().axes, group.front().axes)) return found;
         }
         if (is_exact && groups_of_memory.at(std::get<0>(key)) == 1) continue;
         for (const ByteRuns& runs : group) {
@@ -247,13 +252,38 @@ void refuse_overlap(const std::vector<WrittenArray>& arrays) {
             return other->first.array->memory != entry.first.array->memory || other->first.end() <= entry.first.begin;
         });
         for (const auto* other : active) {
-            if (budget == 0) return;
+            const Overlap pair{entry.first.array, other->first.array};
+            if (other->second != entry.second && Search(entry.first, other->first, budget).finds()) return pair;
+            if (budget == 0) return Overlap{pair.one, pair.other, false};
             --budget;
-            if (other->second != entry.second && Search(entry.first, other->first, budget).finds())
-                refuse(*entry.first.array, *other->first.array);
         }
         active.push_back(&entry);
     }
+    return std::nullopt;
+}
+
+void refuse(const Overlap& overlap) {
+    const WrittenArray *first = overlap.one, *second = overlap.other;
+    const auto order = [](const WrittenArray& array) {
+        return std::tuple(array.name != nullptr, array.request, array.output, &array);
+    };
+    if (order(*second) < order(*first)) std::swap(first, second);
+    const bool are_outputs = second->name == nullptr;
+    const auto text_of = [&](const WrittenArray& array) {
+        if (array.name != nullptr) return std::string(array.name);
+        const char* const output = info_of(array.output).name;
+        if (!are_outputs) return fmt::format("the array of the output {}", output);
+        return first->request == second->request ? std::string(output)
+                                                 : fmt::format("{} of request {}", output, array.request);
+    };
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("{}{} and {} {} on the same bytes; give each memory of its own",
+                            are_outputs ? "the arrays of the outputs " : "", text_of(*first), text_of(*second),
+                            overlap.is_certain ? "lie" : "may lie"));
+}
+
+void refuse_overlap(const std::vector<WrittenArray>& arrays) {
+    if (const auto found = find_overlap(arrays); found && found->is_certain) refuse(*found);
 }
 
 }  // namespace clsdf::targets

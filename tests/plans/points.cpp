@@ -407,8 +407,9 @@ BOOST_AUTO_TEST_CASE(what_a_plan_of_points_cannot_do_is_refused) {
     OutputArray late(to());
     late.offset = 8;
     refused(ErrorCode::invalid_argument, {"output distance", "holds 24 bytes"}, all, late);
-    refused(ErrorCode::invalid_argument, {"may lie on the points"}, all, from());
-    refused(ErrorCode::invalid_argument, {"status", "may lie on"}, all, to(), OutputArray(to()));
+    refused(ErrorCode::invalid_argument, {"output distance", "the points", "lie on the same bytes"}, all, from());
+    refused(ErrorCode::invalid_argument, {"output distance", "the status of points", "lie on the same bytes"}, all,
+            to(), OutputArray(to()));
     refused(ErrorCode::unsupported, {"status", "float"}, all, to(), OutputArray(to(), ElementType::float32));
     const cl::Buffer read_only(context().context(), CL_MEM_READ_ONLY, 24),
         write_only(context().context(), CL_MEM_WRITE_ONLY, 200);

@@ -457,7 +457,7 @@ BOOST_AUTO_TEST_CASE(arrays_that_are_refused) {
     refuse(ErrorCode::invalid_argument, "lie on the same bytes", targets);
     targets = own.targets();
     targets.inside = {reinterpret_cast<BrickRun*>(own.bricks.data()), 1};
-    refuse(ErrorCode::invalid_argument, "overlaps", targets);
+    refuse(ErrorCode::invalid_argument, "the array of bricks and the array of runs lie on the same bytes", targets);
     targets = own.targets();
     targets.values = {{Output::triangle, std::span(own.triangle)}};
     refuse(ErrorCode::invalid_argument, "the distance has no target", targets);

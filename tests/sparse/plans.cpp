@@ -260,8 +260,9 @@ BOOST_AUTO_TEST_CASE(what_a_run_cannot_write_is_refused) {
     check(misuse, {"array of bricks", "no memory"}, [](auto& to) { to.bricks = {}; });
     check(misuse, {"array of runs", "needs", "larger"}, [](auto& to) { to.inside.offset = 16; });
     check(misuse, {"array of runs", "byte 4", "multiple of 8"}, [](auto& to) { to.inside.offset = 4; });
-    check(misuse, {"memory of the counts", "array of bricks", "overlap"}, [](auto& to) { to.counts = to.bricks; });
-    check(misuse, {"array of bricks", "target of the output distance", "overlap"},
+    check(misuse, {"memory of the counts", "array of bricks", "lie on the same bytes"},
+          [](auto& to) { to.counts = to.bricks; });
+    check(misuse, {"array of bricks", "array of the output distance", "lie on the same bytes"},
           [](auto& to) { to.bricks.memory = to.values[Output::distance].device; });
     check(misuse, {"no target"}, [](auto& to) { to.values = {}; });
     check(misuse, {"computes the output triangle"},

@@ -78,7 +78,7 @@ static void check_point_plan(const clsdf_transform* transform) {
         CHECK(memcmp(&particles[i].distance, &expected[i], sizeof expected[i]) == 0);
     }
     done = plan;
-    FAILS(CLSDF_INVALID_ARGUMENT, "may lie on the points",
+    FAILS(CLSDF_INVALID_ARGUMENT, "the points lie on the same bytes",
           clsdf_point_plan_enqueue(plan, queue, &from, (target.array.offset = 0, &target), 1, NULL, NULL, 0, &done));
     CHECK(done == NULL);
     clsdf_point_plan_release(plan);

@@ -274,10 +274,10 @@ static void check_errors(void) {
     WRONG("lie on the same bytes");
     made.targets[1].array.host = made.triangle;
     made.c.inside = (clsdf_brick_run*)(void*)made.distance;
-    WRONG("overlaps");
+    WRONG("lie on the same bytes");
     made.c.inside = (clsdf_brick_run*)(void*)(made.bricks + 3 * 9);
     made.c.run_room = 1;
-    WRONG("overlaps");
+    WRONG("lie on the same bytes");
     made.c.inside = made.inside;
     made.c.run_room = 10;
     made.c.values.count = 0;
