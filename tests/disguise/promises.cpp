@@ -3,14 +3,11 @@
 #include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
-#include "support/throws.hpp"
 
 #include <clsdf/papers.hpp>
-#include <clsdf/tuning.hpp>
 
 #include "bricks/brick_scan.hpp"
 #include "core/parallel.hpp"
-#include "device/buffer_pool.hpp"
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
 #include "point_order.h"
@@ -18,7 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <set>
 #include <span>
 
 using namespace clsdf;
@@ -92,55 +88,6 @@ BOOST_AUTO_TEST_CASE(calls_of_a_kept_transform_stay_within_their_bounds) {
     BOOST_TEST(same_lattice.launches <= 17U);
     BOOST_TEST(same_lattice.fills <= 7U + same_lattice.first_uses);
     BOOST_TEST(same_lattice.bytes_up <= 1024U);
-}
-
-BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
-    const Grid fine = grid_around(mesh(), 170, 3);
-    const Band narrow = Band::symmetric(2 * fine.voxel());
-    const DistanceTransform transform(test_device(), mesh());
-    std::vector<float> whole(fine.sample_count());
-    const std::size_t pieces = chunk_count(whole.size() * sizeof(float), device::PinnedCopies::piece_bytes);
-    BOOST_REQUIRE(pieces > 4U);
-    transform.compute(fine, narrow, whole);
-    std::fill(whole.begin(), whole.end(), -7.0F);
-    disguise::restart();
-    transform.compute(fine, narrow, whole);
-    const disguise::Counts counts = disguise::counts();
-    BOOST_TEST_MESSAGE(disguise::to_json(counts));
-    // The lower half comes while the upper one is computed.
-    BOOST_TEST(counts.pinned_reads >= pieces);
-    BOOST_TEST(counts.pinned_reads <= pieces + 1);
-    BOOST_TEST(counts.kernels.at("bricks_by_group").launches == 2U);
-    BOOST_TEST(counts.kernels.at("fill_empty_bricks").launches == 2U);
-    BOOST_TEST(counts.blocking_waits <= 2U);
-    BOOST_TEST(counts.bytes_down <= whole.size() * sizeof(float) + 1024U);
-    BOOST_TEST(counts.allocations == 0U);
-    // Parts of it are small enough for the driver.
-    const std::int64_t depth = fine.size[2];
-    for (std::int64_t begin = 0; begin < depth; begin += 16) {
-        const Grid part =
-            fine.part({0, 0, begin}, {fine.size[0], fine.size[1], std::min<std::int64_t>(16, depth - begin)});
-        std::vector<float> distance(part.sample_count());
-        transform.compute(part, narrow, distance);
-        BOOST_TEST(std::equal(distance.begin(), distance.end(), whole.begin() + begin * (fine.size[0] * fine.size[1])));
-    }
-}
-
-BOOST_AUTO_TEST_CASE(without_pinned_memory_the_driver_copies) {
-    const device::Context& context = device::context_of(test_device());
-    std::vector<unsigned char> written(2 * device::PinnedCopies::piece_bytes + 65539), read(written.size());
-    for (std::size_t i = 0; i < written.size(); ++i) written[i] = static_cast<unsigned char>(i * 2654435761U >> 13);
-    const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, written.size(),
-                            written.data());
-    device::PinnedCopies reads(context.context(), context.device());
-    disguise::restart({.call = "clEnqueueMapBuffer", .number = 1});
-    for (const std::uint64_t pinned : {0U, 3U}) {
-        std::fill(read.begin(), read.end(), 0);
-        reads.read(context.queue(), buffer, 0, read.size(), reinterpret_cast<std::byte*>(read.data()), {});
-        BOOST_TEST((read == written));
-        BOOST_TEST(disguise::counts().pinned_reads == pinned);
-    }
-    disguise::restart();
 }
 
 BOOST_AUTO_TEST_CASE(of_many_patches_only_their_own_samples_come_to_the_host) {
@@ -222,87 +169,6 @@ BOOST_AUTO_TEST_CASE(of_many_patches_only_their_own_samples_come_to_the_host) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(a_new_transform_finds_the_memory_of_the_one_before) {
-    compute(mesh(), grid(), band());
-    compute(mesh(), grid(), band());
-    disguise::restart();
-    compute(mesh(), grid(), band());
-    const disguise::Counts counts = disguise::counts();
-    BOOST_TEST_MESSAGE(disguise::to_json(counts));
-    // The order of the coarse lists alone is copied when its buffer is made.
-    BOOST_TEST(counts.allocations <= 1U);
-    BOOST_TEST(counts.first_uses <= 1U);
-    // Of another size: its small buffers lie in the memory of the ones before.
-    disguise::restart();
-    compute(mesh(), grid_around(mesh(), 32, 4), band());
-    BOOST_TEST(disguise::counts().allocations <= 1U);
-}
-
-// Fresh ones take page faults.
-BOOST_AUTO_TEST_CASE(arrays_of_a_call_serve_the_next_one) {
-    const Device device = Device::automatic();
-    const DistanceTransform transform(device, mesh());
-    device.release_memory();
-    const std::size_t before = transform.memory().shared_host_bytes;
-    std::vector<const float*> arrays;
-    for (int call = 0; call < 2; ++call)
-        transform.compute(grid(), band(), Output::distance,
-                          [&](const Grid&, const FieldSlab& slab) { arrays.push_back(slab.distance().data()); });
-    BOOST_REQUIRE(arrays.size() == 2U);
-    BOOST_TEST(arrays[0] == arrays[1]);
-    BOOST_TEST(transform.memory().shared_host_bytes >= before + grid().sample_count() * sizeof(float));
-    device.release_memory();
-    BOOST_TEST(transform.memory().shared_host_bytes == 0U);
-}
-
-BOOST_AUTO_TEST_CASE(memory_that_is_given_back_is_made_anew) {
-    const Device device = Device::automatic();
-    std::vector<float> first(grid().sample_count()), again(first.size());
-    {
-        const DistanceTransform transform(device, mesh());
-        transform.compute(grid(), band(), first);
-        const KeptMemory memory = transform.memory();
-        BOOST_TEST(memory.shared_host_bytes > 0U);
-        BOOST_TEST(memory.shared_device_bytes > 0U);
-    }
-    const std::size_t released = device.release_memory();
-    BOOST_TEST(released > std::size_t{1} << 24);
-    BOOST_TEST(device.release_memory() == 0U);
-    disguise::restart();
-    const DistanceTransform transform(device, mesh());
-    transform.compute(grid(), band(), again);
-    BOOST_TEST(disguise::counts().first_uses > 0U);
-    BOOST_TEST((again == first));
-    // While a transform has a part of it, the rest of a block stays.
-    device.release_memory();
-    BOOST_TEST(transform.memory().shared_host_bytes == 0U);
-    BOOST_TEST(transform.memory().device_bytes > 0U);
-}
-
-BOOST_AUTO_TEST_CASE(a_field_is_read_into_pinned_memory_of_the_caller_at_once) {
-    const Grid fine = grid_around(mesh(), 170, 3);
-    const Band narrow = Band::symmetric(2 * fine.voxel());
-    const DistanceTransform transform(test_device(), mesh());
-    std::vector<float> distance(fine.sample_count());
-    transform.compute(fine, narrow, distance);
-    const device::Context& context = device::context_of(test_device());
-    const std::size_t bytes = distance.size() * sizeof(float);
-    const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes);
-    auto* const memory =
-        static_cast<float*>(context.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes));
-    OutputArray target(memory);
-    target.is_pinned = true;
-    disguise::restart();
-    transform.compute(fine, narrow, target);
-    const disguise::Counts counts = disguise::counts();
-    BOOST_TEST_MESSAGE(disguise::to_json(counts));
-    BOOST_TEST(counts.transfers_down == 2U);  // the halves
-    BOOST_TEST(counts.pinned_reads == 0U);
-    BOOST_TEST(counts.pageable_bytes == 0U);
-    BOOST_TEST(std::ranges::equal(distance, std::span(memory, distance.size())));
-    context.queue().enqueueUnmapMemObject(buffer, memory);
-}
-
 BOOST_AUTO_TEST_CASE(a_first_call_waits_for_open_vertices_lists_and_the_field_only) {
     DistanceTransform(test_device(), mesh()).compute(grid(), band());  // programs are built and tested
     std::vector<float> distance(grid().sample_count());
@@ -335,50 +201,6 @@ BOOST_AUTO_TEST_CASE(vertices_that_move_go_to_the_device_and_nothing_else_of_the
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.bytes_up <= 24 * mesh().vertices().size() + 4096);
     BOOST_TEST(counts.blocking_waits <= 4U);
-}
-
-// The lengths of the lists change in each step, but their buffers are an eighth longer than they need to be. So a step
-// allocates only the buffer for the order of the coarse bricks.
-BOOST_AUTO_TEST_CASE(a_body_that_turns_finds_the_memory_of_the_step_before) {
-    const Mesh body = make_shape("stairs");
-    const Grid around = grid_around(body, 90, 12);
-    const Band narrow = Band::symmetric(3 * around.voxel());
-    DistanceTransform transform(test_device(), body);
-    std::vector<float> distance(around.sample_count());
-    std::set<std::size_t> lengths;
-    const auto step = [&](int number) {
-        const double angle = 0.01 * number, c = std::cos(angle), s = std::sin(angle);
-        transform.set_motion({{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {});
-        disguise::restart();
-        lengths.insert(transform.compute(around, narrow, distance).work->coarse_pairs);
-    };
-    for (int number = 0; number < 3; ++number) step(number);
-    lengths.clear();
-    for (int number = 3; number < 20; ++number) {
-        step(number);
-        const disguise::Counts counts = disguise::counts();
-        BOOST_TEST(counts.allocations <= 1U);
-        BOOST_TEST(counts.allocated_bytes <= 4096U);
-    }
-    BOOST_TEST(lengths.size() > 10U);
-    BOOST_TEST(static_cast<double>(*lengths.rbegin()) < 1.125 * static_cast<double>(*lengths.begin()));
-}
-
-BOOST_AUTO_TEST_CASE(the_lattice_that_was_used_last_is_kept) {
-    const std::size_t records = 280 * mesh().triangles().size();
-    const DistanceTransform transform(test_device(), mesh(),
-                                      {.kept_bytes = 52 * mesh().triangles().size() + 5 * records / 2});
-    /// Whether the lattice's records were still there.
-    const auto finds = [&](int resolution) {
-        const Grid at = grid_around(mesh(), resolution, 3);
-        std::vector<float> distance(at.sample_count());
-        disguise::restart();
-        transform.compute(at, Band::symmetric(2 * at.voxel()), distance);
-        return !disguise::counts().kernels.contains("sweep_vertices");
-    };
-    for (const int resolution : {60, 70, 80}) BOOST_TEST(!finds(resolution));  // there is room for two at most
-    BOOST_TEST(finds(80));
-    BOOST_TEST(!finds(60));
 }
 
 // The host sees neither points nor results.
@@ -439,62 +261,6 @@ BOOST_AUTO_TEST_CASE(points_and_results_in_memory_of_the_device_stay_there) {
     }
 }
 
-namespace {
-
-/// Nothing was waited for, allocated or moved since the counts began.
-void check_nothing_moved() {
-    const disguise::Counts counts = disguise::counts();
-    BOOST_TEST(counts.blocking_waits == 0U);
-    BOOST_TEST(counts.allocations == 0U);
-    BOOST_TEST(counts.first_uses == 0U);
-    BOOST_TEST(counts.bytes_up == 0U);
-    BOOST_TEST(counts.bytes_down == 0U);
-}
-
-/// Nothing moved; at the run's end the memory holds the field, behind `skipped` elements.
-void check_quiet_run(const cl::Event& end, const DeviceMemory& memory, std::size_t skipped = 0) {
-    check_nothing_moved();
-    end.wait();
-    std::vector<std::uint32_t> bits = memory.read(device::context_of(test_device()).queue());
-    bits.erase(bits.begin(), bits.begin() + static_cast<std::ptrdiff_t>(skipped));
-    BOOST_TEST((bits == bits_of(compute(mesh(), grid(), band()).distance())));
-}
-
-}  // namespace
-
-BOOST_AUTO_TEST_CASE(a_plan_neither_waits_nor_moves_what_it_has) {
-    DistanceTransform transform(test_device(), mesh());
-    for (const std::size_t skipped : {0U, 1U}) {  // in place, and by way of memory of the plan
-        const DeviceMemory memory(test_device().context(), skipped + grid().sample_count());
-        OutputArray target = memory.handle();
-        target.offset = skipped * sizeof(float);
-        Plan plan = skipped == 0 ? transform.plan(grid(), band()) : transform.plan({grid(), band(), target});
-        disguise::restart();
-        plan.enqueue(nullptr, target);
-        cl::Event second;
-        plan.enqueue(nullptr, target, {}, &second());
-        check_quiet_run(second, memory, skipped);
-    }
-}
-
-BOOST_AUTO_TEST_CASE(a_plan_of_boxes_neither_waits_nor_moves_what_it_has) {
-    const DistanceTransform transform(test_device(), mesh());
-    const DeviceMemory memory(test_device().context(), grid().sample_count());
-    std::vector<Request> requests;
-    for (std::int64_t z = 0; z < grid().size[2]; ++z) {
-        const Grid slice = grid().part({0, 0, z}, {grid().size[0], grid().size[1], 1});
-        OutputArray target = memory.handle();
-        target.offset = sizeof(float) * slice.sample_count() * static_cast<std::size_t>(z);
-        requests.push_back({slice, band(), target});
-    }
-    Plan plan = transform.plan(requests);
-    disguise::restart();
-    plan.enqueue(nullptr);
-    cl::Event second;
-    plan.enqueue(nullptr, std::span<const cl_event>(), &second());
-    check_quiet_run(second, memory);
-}
-
 // Beside the bricks go down a mark for each brick of the grid and the number of each that has values.
 BOOST_AUTO_TEST_CASE(the_host_gets_little_more_than_the_bricks_of_a_sparse_field) {
     const DistanceTransform transform(test_device(), mesh());
@@ -511,46 +277,6 @@ BOOST_AUTO_TEST_CASE(the_host_gets_little_more_than_the_bricks_of_a_sparse_field
         BOOST_TEST(counts.bytes_down >= field.bytes(Output::distance).size());
         BOOST_TEST(static_cast<double>(counts.bytes_down) <= 1.1 * static_cast<double>(bytes));
     }
-}
-
-BOOST_AUTO_TEST_CASE(a_plan_of_a_sparse_field_neither_waits_nor_moves_what_it_has) {
-    const DistanceTransform transform(test_device(), mesh());
-    const SparseField field = transform.compute_sparse(grid(), band());
-    const SparseCounts room{field.bricks.size(), field.inside.size() + 1};
-    const DeviceMemory counts(test_device().context(), sizeof(DeviceSparseCounts) / sizeof(cl_uint)),
-        bricks(test_device().context(), room.bricks * sizeof(Index3) / sizeof(cl_uint)),
-        inside(test_device().context(), room.runs * sizeof(BrickRun) / sizeof(cl_uint)),
-        distance(test_device().context(), room.bricks * brick_samples);
-    const SparseDeviceTargets targets{{counts.handle()}, {bricks.handle()}, {inside.handle()}, distance.handle()};
-    SparsePlan plan = transform.plan_sparse({grid(), band()}, room);
-    disguise::restart();
-    plan.enqueue(nullptr, targets);
-    cl::Event end;
-    plan.enqueue(nullptr, targets, {}, &end());
-    check_nothing_moved();
-    end.wait();
-    BOOST_TEST((distance.read(device::context_of(test_device()).queue()) == bits_of(field.distance())));
-}
-
-// Drivers that allocate a buffer at its first use would fail when a plan is enqueued.
-BOOST_AUTO_TEST_CASE(a_lack_of_memory_appears_when_a_plan_is_made) {
-    const DeviceMemory memory(test_device().context(), grid().sample_count());
-    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
-    device::context_of(test_device()).arena().release();
-    disguise::Settings settings = as_gpu;
-    settings.memory = 0;
-    disguise::set(settings);
-    const DistanceTransform transform(test_device(), mesh());  // the host makes the topology
-    check_throws(ErrorCode::out_of_memory, {"CL_MEM_OBJECT_ALLOCATION_FAILURE", "smaller part"},
-                 [&] { pool->lease(1000, "test"); });
-    BOOST_TEST(!pool->lease_if_it_fits(1000, "test"));
-    check_throws(ErrorCode::out_of_memory, {"smaller part"}, [&] { transform.plan(grid(), band()); });
-    disguise::set(as_gpu);
-    Plan plan = transform.plan(grid(), band());
-    disguise::restart();
-    cl::Event end;
-    plan.enqueue(nullptr, memory.handle(), {}, &end());
-    check_quiet_run(end, memory);
 }
 
 // NVIDIA's GPUs have 65,535 groups along y and z at most.
@@ -585,64 +311,4 @@ BOOST_AUTO_TEST_CASE(a_launch_of_bricks_has_at_most_two_to_the_thirty_work_items
         begin = launch.end;
     }
     BOOST_TEST(begin == lists.order.size());
-}
-
-// The call that fails is named, and the plan computes the same field afterwards.
-BOOST_AUTO_TEST_CASE(a_plan_survives_each_call_that_fails_while_it_is_enqueued) {
-    DistanceTransform transform(test_device(), mesh());
-    const DeviceMemory memory(test_device().context(), grid().sample_count());
-    const cl::CommandQueue queue(device::context_of(test_device()).context(),
-                                 device::context_of(test_device()).device(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
-    // In place, and by way of memory of the plan.
-    const auto run = [&](Plan& plan, const OutputArray& to) {
-        cl::Event end;
-        plan.enqueue(queue(), to, {}, &end());
-        end.wait();
-    };
-    OutputArray turned;
-    const auto rows = static_cast<std::ptrdiff_t>(sizeof(float)) * grid().size[2];
-    turned.strides = {rows * grid().size[1], rows, sizeof(float)};
-    for (const bool in_place : {true, false}) {
-        const auto target = [&](const DeviceMemory& of) {
-            OutputArray result = in_place ? OutputArray() : turned;
-            result.device = of.handle();
-            return result;
-        };
-        Plan plan = in_place ? transform.plan(grid(), band()) : transform.plan({grid(), band(), target(memory)});
-        disguise::restart();
-        run(plan, target(memory));
-        const std::uint64_t calls = disguise::counts().all_calls - 1;  // without the wait
-        const std::vector<std::uint32_t> expected = memory.read(queue);
-        for (std::uint64_t number = 1; number <= calls; ++number) {
-            disguise::restart({.number = number});
-            try {
-                run(plan, target(memory));
-                // Without the event's state the plan waits for the event.
-                BOOST_TEST(disguise::counts().failed == "clGetEventInfo");
-            } catch (const Error& error) {
-                BOOST_TEST_CONTEXT(error.what())
-                BOOST_TEST(std::string(error.what()).find(disguise::counts().failed) != std::string::npos);
-            }
-            disguise::restart();
-            const DeviceMemory other(test_device().context(), grid().sample_count());
-            run(plan, target(other));
-            BOOST_TEST((other.read(queue) == expected));
-        }
-    }
-}
-
-// Its commands may still use the buffer.
-BOOST_AUTO_TEST_CASE(a_lease_of_a_lost_device_is_not_given_to_another) {
-    const Device device = Device::automatic();
-    const device::Context& context = device::context_of(device);
-    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    cl_mem first = nullptr;
-    {
-        const device::BufferPool::Lease lease = pool->lease(10000, "test");
-        first = (*lease)();
-        disguise::restart({.call = "clFinish", .number = 1});
-        BOOST_TEST(!context.drain());
-        disguise::restart();
-    }
-    BOOST_TEST((*pool->lease(10000, "test"))() != first);
 }

@@ -22,7 +22,7 @@ function(clsdf_between)
                                           ENVIRONMENT_MODIFICATION "${modification}")
 endfunction()
 
-clsdf_test(disguise_promises ${CMAKE_CURRENT_LIST_DIR}/promises.cpp)
+clsdf_test(disguise_promises ${CMAKE_CURRENT_LIST_DIR}/promises.cpp ${CMAKE_CURRENT_LIST_DIR}/memory_promises.cpp ${CMAKE_CURRENT_LIST_DIR}/plan_promises.cpp)
 target_link_libraries(test_disguise_promises PRIVATE clsdf_disguise clsdf::reference clsdf::papers OpenCL::OpenCL)
 clsdf_between(disguise_promises)
 

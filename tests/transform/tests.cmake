@@ -14,6 +14,9 @@ foreach(name double_distances extremes outputs self_test promises sparse)
   target_link_libraries(test_transform_${name} PRIVATE clsdf::papers)
 endforeach()
 target_link_libraries(test_transform_self_test PRIVATE clsdf_papers_internals)
+target_sources(test_transform_self_test PRIVATE ${PROJECT_SOURCE_DIR}/tests/checks/known_field.cpp)
+target_sources(test_transform_points PRIVATE ${PROJECT_SOURCE_DIR}/tests/points/batches.cpp ${PROJECT_SOURCE_DIR}/tests/points/few_points.cpp
+                                             ${PROJECT_SOURCE_DIR}/tests/points/unusable_points.cpp)
 target_link_libraries(test_transform_determinism PRIVATE TBB::tbb)
 # 10,000 steps of a moving body.
 add_test(NAME transform_steps COMMAND test_transform_calls --color_output=no
