@@ -4,11 +4,13 @@
 #include "support/exact_field.hpp"
 #include "support/throws.hpp"
 
+#include "device/buffer_pool.hpp"
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 using namespace clsdf;

@@ -32,7 +32,7 @@ clsdf_test(disguise_pinned_reads pinned_reads.cpp LABELS disguise device LINK cl
 clsdf_between(disguise_pinned_reads)
 
 # Kernels that fail, on a processor and as on a GPU: a sample, and with -C nightly each of them.
-clsdf_test_program(disguise_failing_kernels ${CMAKE_CURRENT_LIST_DIR}/failing_kernels.cpp)
+clsdf_test_program(disguise_failing_kernels failing_kernels.cpp)
 target_link_libraries(test_disguise_failing_kernels PRIVATE clsdf_disguise OpenCL::OpenCL)
 foreach(device processor gpu)
   foreach(kernels failing every_failing)
@@ -41,9 +41,10 @@ foreach(device processor gpu)
              CONFIGURATIONS $<$<STREQUAL:${kernels},every_failing>:nightly>)
     clsdf_between(${name})
     set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT CLSDF_FAULT_SEED=1 CLSDF_DISGUISE=${device})
+    set_tests_properties(${name} PROPERTIES LABELS "disguise;device;calls")
   endforeach()
   set_property(TEST disguise_every_failing_kernels_${device} APPEND PROPERTY ENVIRONMENT CLSDF_FAULT_EVERY=1)
-  set_tests_properties(disguise_every_failing_kernels_${device} PROPERTIES TIMEOUT 3600 LABELS nightly)
+  set_tests_properties(disguise_every_failing_kernels_${device} PROPERTIES TIMEOUT 3600 LABELS "disguise;device;calls;nightly")
 endforeach()
 
 # PoCL answers as other drivers do.
