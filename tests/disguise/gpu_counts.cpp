@@ -239,16 +239,17 @@ SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec
                     one_lane::nearest_face(tree.tree, sources, p, infinity, CLSDF_NO_FACE);
                 }),
                 sizeof(PointNode) / double{CLSDF_TREE_WIDTH}, sizeof(PointLeaf) / double{CLSDF_TREE_WIDTH});
-    works.binary_tree = work_of(for_each_point([&](const one_lane::double3& p) {
-                                    std::array<std::uint32_t, engine::deep_stack_entries> stack;
-                                    std::array<std::uint32_t, CLSDF_LISTED_FACES> places;
-                                    one_lane::ListedFaces found{one_lane::bound_of_squared(infinity),
-                                                                static_cast<float>(infinity), 0, places.data(), 1};
-                                    one_lane::search_for_list(fitted.divided->tree, nodes, faces,
-                                                              one_lane::tree_point(p), stack.data(), 1, &found);
-                                    test::search_counts.decisions += found.count;
-                                }),
-                                sizeof(BinaryNode) / 2.0, sizeof(PlacedFace));
+    works.binary_tree = work_of(
+        for_each_point([&](const one_lane::double3& p) {
+            std::array<std::uint32_t, engine::deep_stack_entries> stack;
+            std::array<std::uint32_t, CLSDF_LISTED_FACES> places;
+            one_lane::ListedFaces found{
+                one_lane::tree_point(p), faces, one_lane::bound_of_squared(infinity), static_cast<float>(infinity), 0,
+                places.data(),           1};
+            one_lane::search_for_list(fitted.divided->tree, nodes, stack.data(), 1, &found);
+            test::search_counts.decisions += found.count;
+        }),
+        sizeof(BinaryNode) / 2.0, sizeof(PlacedFace));
 #ifdef CLSDF_TEST_CUBQL
     const test::CubqlWork cubql = test::search_by_cubql(mesh, searched);
     works.cubql = work_of({cubql.boxes, cubql.faces, 0}, test::bytes_of_cubql_box, test::bytes_of_cubql_face);
