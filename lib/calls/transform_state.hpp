@@ -189,7 +189,8 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     void plan_points(PointPlan::State& made, const CallOptions& call);
 
     struct WindingInputs {
-        std::shared_ptr<const engine::PointMesh> tree;
+        std::shared_ptr<const engine::PointMesh> mesh;
+        std::shared_ptr<const engine::WideTree> tree;
         std::shared_ptr<const OpenBoundary> boundary;  ///< never null
     };
     /// Throws as DistanceTransform::winding() does.

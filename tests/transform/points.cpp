@@ -827,6 +827,7 @@ BOOST_AUTO_TEST_CASE(a_device_that_finds_wrong_triangles_is_refused) {
         {"nearest_by_group.cl", "(y - altitude) - o.across * o.away", "(y - altitude) + o.across * o.away", {by_group}},
         {"nearest_by_group.cl", "farther <= bound_of(query)", "farther <= 0.9f * bound_of(query)", {by_group}},
         {"nearest_by_group.cl", "if (upper < found->low)", "if (upper < found->low + 1.0f)", {by_group}},
+        {"point_signs.cl", "entry >> CLSDF_PLACE_SHIFT != 0", "entry >> CLSDF_PLACE_SHIFT > 1u", {by_group}},
         {"binary_tree.cl", "(end - 1u - i) <<", "(end - 1u - i) / 2u <<", {by_group}},
         {"binary_tree.cl", "GREATER(other->upper[axis], box->upper[axis])", "box->upper[axis]", {by_group}},
         {"points.cl", "inside ? -rounded : rounded", "rounded"},
