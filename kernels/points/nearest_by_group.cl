@@ -21,12 +21,14 @@ __kernel SEARCHES void list_faces(BinaryTree tree, __global const BinaryNode* no
     const uint own = get_global_id(0), i = begin + own;
     if (i >= end) return;
     ListedFaces found;
+    found.point = tree_point(vload3(i, points));
+    found.faces = faces;
     found.bound = bound_of_squared(most);
     found.low = INFINITY;
     found.count = 0;
     found.places = places + own;
     found.stride = end - begin;
-    search_for_list(tree, nodes, faces, tree_point(vload3(i, points)), stack + get_local_id(0), GROUP, &found);
+    search_for_list(tree, nodes, stack + get_local_id(0), GROUP, &found);
     counts[own] = found.count;
 }
 
@@ -51,13 +53,15 @@ __kernel void decide_faces(__global const uint* order, __global const Polyhedron
 // The data with which a search decides at once, and the nearest face. A leaf's faces are decided when all of them have
 // been compared in float: then fewer values are alive.
 typedef struct DecidedFaces {
+    TreePoint point;
+    __global const PlacedFace* faces;
     NearBound bound;
     NearestFace nearest;
     uint waiting;  // faces of this leaf that may be the nearest: a bit for each, by the place modulo CLSDF_LEAF_PLACES
-    double3 point;
+    double3 exact_point;
     __global const uint* order;
     __global const Polyhedron* polyhedra;
-    __global const PointFace* faces;
+    __global const PointFace* all_faces;
 } DecidedFaces;
 
 INLINE void let_wait(uint place, PlacedDistance d, __private DecidedFaces* found) {
@@ -69,7 +73,7 @@ INLINE void decide_waiting(uint end, __private DecidedFaces* found) {
         const uint bit = 1u << place % CLSDF_LEAF_PLACES;
         if ((found->waiting & bit) == 0) continue;
         found->waiting &= ~bit;
-        take_if_nearer(found->polyhedra, found->faces, found->order[place] & CLSDF_PLACE_FACE, found->point,
+        take_if_nearer(found->polyhedra, found->all_faces, found->order[place] & CLSDF_PLACE_FACE, found->exact_point,
                        &found->nearest);
     }
     found->bound = bound_of_squared(found->nearest.squared);
@@ -90,11 +94,13 @@ __kernel SEARCHES void search_again(BinaryTree tree, __global const BinaryNode* 
     found.bound = bound_of_squared(squared[i]);
     found.nearest = none_nearest(squared[i]);
     found.waiting = 0;
-    found.point = vload3(i, points);
+    found.exact_point = vload3(i, points);
+    found.point = tree_point(found.exact_point);
+    found.faces = faces;
     found.order = order;
     found.polyhedra = polyhedra;
-    found.faces = all_faces;
-    search_and_decide(tree, nodes, faces, tree_point(found.point), stack + get_local_id(0), GROUP, &found);
+    found.all_faces = all_faces;
+    search_and_decide(tree, nodes, stack + get_local_id(0), GROUP, &found);
     nearest[i] = lowest_face(all_faces, found.nearest.face);
     squared[i] = found.nearest.squared;
 }

@@ -137,17 +137,17 @@ __kernel void gather_points(PointSource source, uint count, PointLimits usable, 
 
 // Signs. --------------------------------------------------------------------------------------------------------------
 
-// Points without a sign: those outside of `limits` are outside; those farther than nearly_on_surface, in units, are,
+// Points without a sign: those outside of `limits` are outside; those farther than CLSDF_NEARLY_ON_SURFACE are,
 // too, if no point is inside (all_outside). The others are open, and listed. has_signs: points that are not
 // CLSDF_POINT_UNDECIDED are left out. are_left: no kernel decides them. places: the point of each place in the order.
-__kernel void find_open_points(PointSource source, uint count, PointLimits limits, uint all_outside,
-                               double nearly_on_surface, uint has_signs, uint are_left, __global const uchar* memory,
-                               __global const uint* places, __global const double* squared, __global uchar* signs,
+__kernel void find_open_points(PointSource source, uint count, PointLimits limits, uint all_outside, uint has_signs,
+                               uint are_left, __global const uchar* memory, __global const uint* places,
+                               __global const double* squared, __global uchar* signs,
                                volatile __global PointCells* cells, __global uint* open) {
     const uint i = get_global_id(0);
     if (i >= count || (has_signs && signs[i] != CLSDF_POINT_UNDECIDED)) return;
     const bool is_outside = !is_within(limits, position_of(source, memory, places[i])) ||
-                            (all_outside && !(sqrt(squared[i]) < nearly_on_surface));
+                            (all_outside && !(sqrt(squared[i]) < CLSDF_NEARLY_ON_SURFACE));
     signs[i] = is_outside ? CLSDF_POINT_OUTSIDE : CLSDF_POINT_UNDECIDED;
     if (!is_outside) open[atomic_inc(are_left ? &cells->left : &cells->open)] = i;
 }

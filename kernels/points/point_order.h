@@ -15,6 +15,9 @@
 #define CLSDF_STATUS_TOO_FAR 2
 #define CLSDF_STATUS_SIGN_OPEN 3
 
+// A point nearer to the surface, in units, may lie on it.
+#define CLSDF_NEARLY_ON_SURFACE 1.0e-9
+
 #ifndef __OPENCL_VERSION__
 namespace clsdf {
 #endif
@@ -70,7 +73,7 @@ typedef struct SignFaces {
     clsdf_uint32 loops;               // of open edges that count
     clsdf_uint32 is_backward;         // rays must run towards -x
     clsdf_uint32 are_moderate;        // each coordinate is 0, or of a size from 2^-60 to 2^40
-    clsdf_uint32 padding;
+    clsdf_uint32 count;               // of the faces
 } SignFaces;
 
 // Where values of a target go, in bytes.

@@ -2,99 +2,104 @@
 // the crossings of a ray along x. The rules are those of the host (lib/points/signs_by_host.cpp). Every decision is
 // exact (expansions.h), so the signs are the same; a point whose coordinates are out of range of that stays open.
 
+#include "box_query.h"
 #include "point_order.h"
 #include "point_source.h"
 #include "point_tree.h"
 #include "ray_side.h"
 #include "simd.h"
 #include "solid_angle.h"
+#include "tree_walk.h"
 
 #pragma OPENCL FP_CONTRACT OFF
 
-// The surface and its tree. Positions are in units, from the origin of the caller's coordinates.
-typedef struct CrossedMesh {
-    PointTree tree;
-    __global const PointNode* nodes;  // from level 2 on
-    __global const uint* triangles;   // numbers of vertices
-    __global const double* positions;
-    uint faces_are_counted;
-    __global const char* counts;  // how often each face counts for the sign, if that is not always once
-} CrossedMesh;
-
-typedef struct Ray {
-    double3 from;
-    float lower[3], upper[3];  // a box around it, in units from the lattice's origin
-    bool is_forward;           // towards +x
-} Ray;
-
-typedef struct Crossings {
-    int winding;
+// The faces of the surface. Positions are in units, from the origin of the caller's coordinates.
+typedef struct CrossedFaces {
     uint count;
-} Crossings;
+    __global const uint* order;      // of the binary tree: the face of each place
+    __global const uint* triangles;  // numbers of vertices
+    __global const double* positions;
+    uint are_counted;
+    __global const char* counts;  // how often each face counts for the sign, if that is not always once
+} CrossedFaces;
 
-INLINE uint overlapped_children(__global const PointNode* node, __private const Ray* ray) {
-    uint bits = 0;
-    for (uint i = 0; i < CLSDF_TREE_WIDTH; ++i) {
-        bool is_met = true;
-        for (int axis = 0; axis < 3; ++axis)
-            is_met = is_met && node->lower[axis][i] <= ray->upper[axis] && node->upper[axis][i] >= ray->lower[axis];
-        bits |= (uint)is_met << i;
-    }
-    return bits;
-}
+// A point, or the ray from it. `winding` and `crossings`: those of the ray.
+typedef struct Ray {
+    CrossedFaces faces;
+    double3 from;
+    PointBox box;     // around it, in units from the lattice's origin
+    bool is_crossed;  // else the faces are looked for that have the point on them
+    bool is_forward;  // towards +x
+    int winding;
+    uint crossings;
+    __private uint* stack;  // of the binary walk
+} Ray;
 
 INLINE bool is_beyond(double a, double b, double c, double lower, double upper) {
     return (a < lower && b < lower && c < lower) || (a > upper && b > upper && c > upper);
 }
 
-// Whether a face of a leaf has the point on it. If not, the crossings of its faces are added.
-INLINE bool visit_leaf(__private const CrossedMesh* mesh, uint leaf, __private const Ray* ray, bool is_crossed,
-                       __private Crossings* crossings) {
+// Whether a face has the point on it. If not, its crossing is added.
+INLINE bool visit_face(uint face, __private Ray* ray) {
+    __private const CrossedFaces* faces = &ray->faces;
     const double3 p = ray->from;
-    const uint first = leaf * CLSDF_TREE_WIDTH, end = min(first + CLSDF_TREE_WIDTH, mesh->tree.faces);
-    for (uint face = first; face < end; ++face) {
-        const int counts = mesh->faces_are_counted && is_crossed ? mesh->counts[face] : 1;
-        if (counts == 0) continue;
-        const double3 a = vload3(mesh->triangles[3 * (size_t)face], mesh->positions),
-                      b = vload3(mesh->triangles[3 * (size_t)face + 1], mesh->positions),
-                      c = vload3(mesh->triangles[3 * (size_t)face + 2], mesh->positions);
-        if (is_beyond(a.y, b.y, c.y, p.y, p.y) || is_beyond(a.z, b.z, c.z, p.z, p.z)) continue;
-        const double lower_x = is_crossed && !ray->is_forward ? -INFINITY : p.x,
-                     upper_x = is_crossed && ray->is_forward ? INFINITY : p.x;
-        if (is_beyond(a.x, b.x, c.x, lower_x, upper_x)) continue;
-        if (!is_crossed) {
-            if (is_on_face(a, b, c, p)) return true;
-            continue;
-        }
-        const int crossing = crossing_of_ray(a, b, c, p, ray->is_forward);
-        if (crossing == 0) continue;
-        crossings->winding += counts * crossing;
-        ++crossings->count;
-    }
+    const int counts = faces->are_counted && ray->is_crossed ? faces->counts[face] : 1;
+    if (counts == 0) return false;
+    const double3 a = vload3(faces->triangles[3 * (size_t)face], faces->positions),
+                  b = vload3(faces->triangles[3 * (size_t)face + 1], faces->positions),
+                  c = vload3(faces->triangles[3 * (size_t)face + 2], faces->positions);
+    if (is_beyond(a.y, b.y, c.y, p.y, p.y) || is_beyond(a.z, b.z, c.z, p.z, p.z)) return false;
+    const double lower_x = ray->is_crossed && !ray->is_forward ? -INFINITY : p.x,
+                 upper_x = ray->is_crossed && ray->is_forward ? INFINITY : p.x;
+    if (is_beyond(a.x, b.x, c.x, lower_x, upper_x)) return false;
+    if (!ray->is_crossed) return is_on_face(a, b, c, p);
+    const int crossing = crossing_of_ray(a, b, c, p, ray->is_forward);
+    if (crossing == 0) return false;
+    ray->winding += counts * crossing;
+    ++ray->crossings;
     return false;
 }
 
-// Visits the leaves that the ray's box overlaps, until one has the point on a face.
-OUT_OF_LINE bool visit_leaves(__private const CrossedMesh* mesh, __private const Ray* ray, bool is_crossed,
-                              __private Crossings* crossings) {
-    if (mesh->tree.levels == 1) return visit_leaf(mesh, 0, ray, is_crossed, crossings);
-    uint numbers[CLSDF_TREE_LEVELS + 1], waiting[CLSDF_TREE_LEVELS + 1];  // of a level, and its children
-    for (uint level = mesh->tree.levels, number = 0;;) {
-        numbers[level] = number;
-        waiting[level] =
-            overlapped_children(mesh->nodes + (mesh->tree.first[level - 1] - mesh->tree.count[0]) + number, ray);
-        for (;;) {
-            while (waiting[level] == 0)
-                if (++level > mesh->tree.levels) return false;
-            number = numbers[level] * CLSDF_TREE_WIDTH + lowest_bit(waiting[level]);
-            waiting[level] &= waiting[level] - 1;
-            if (number >= mesh->tree.count[level - 2]) continue;
-            if (level > 2) break;
-            if (visit_leaf(mesh, number, ray, is_crossed, crossings)) return true;
-        }
-        --level;
-    }
+// visit_faces() visits the leaves that the ray's box overlaps, until one has the point on a face. GPUs have the binary
+// tree, processors the wide one.
+#if LANES == 1
+typedef BinaryTree SignTree;
+typedef BinaryNode SignNode;
+
+#define BOX_OF_RAY(lower_x, lower_y, lower_z, upper_x, upper_y, upper_z, ray) \
+    zero_if_overlapped(lower_x, lower_y, lower_z, upper_x, upper_y, upper_z, (ray)->box)
+#define ZERO(ray) 0.0f
+
+INLINE bool visit_leaf(uint place, __private Ray* ray) {
+    uint entry;
+    do {
+        entry = ray->faces.order[place++];
+        if (visit_face(entry & CLSDF_PLACE_FACE, ray)) return true;
+    } while (entry >> CLSDF_PLACE_SHIFT != 0);
+    return false;
 }
+
+OUT_OF_LINE DEFINE_BINARY_WALK(walk, Ray, __private, BOX_OF_RAY, ZERO, visit_leaf)
+
+INLINE bool visit_faces(SignTree tree, __global const SignNode* nodes, __private Ray* ray) {
+    return walk(tree, nodes, ray->stack, 1, ray);
+}
+#else
+typedef PointTree SignTree;
+typedef PointNode SignNode;
+
+#define CHILDREN_OF_RAY(node, level, ray) overlapped_children(node, (ray)->box)
+#define LOWEST(bits, level, ray) lowest_bit(bits)
+
+INLINE bool visit_leaf(uint leaf, __private Ray* ray) {
+    const uint first = leaf * CLSDF_TREE_WIDTH, end = min(first + CLSDF_TREE_WIDTH, ray->faces.count);
+    for (uint face = first; face < end; ++face)
+        if (visit_face(face, ray)) return true;
+    return false;
+}
+
+OUT_OF_LINE DEFINE_WIDE_WALK(visit_faces, Ray, CHILDREN_OF_RAY, LOWEST, visit_leaf)
+#endif
 
 // The winding number, rounded to an integer, a half up, less the crossings towards -x. corners: of the loops of
 // open edges, in units. begins: of each loop, and the end.
@@ -158,8 +163,8 @@ INLINE bool find_decidable(double3 p, SignFaces faces, __private double3* at) {
 
 // Open points [begin, end) of a list of cells->open, which is in no order. in_units, places and squared: by the order
 // of points. sign_positions: in place of `positions` for crossings. Points that stay open are listed in `left`.
-__kernel void decide_open_points(PointSource source, __global const uchar* memory, SignFaces faces, PointTree tree,
-                                 double nearly_on_surface, uint begin, uint end, __global const PointNode* nodes,
+__kernel void decide_open_points(PointSource source, __global const uchar* memory, uint begin, uint end, SignTree tree,
+                                 __global const SignNode* nodes, __global const uint* order, SignFaces faces,
                                  __global const uint* triangles, __global const double* positions,
                                  __global const double* sign_positions, __global const char* counts,
                                  __global const double* corners, __global const uint* begins,
@@ -169,33 +174,31 @@ __kernel void decide_open_points(PointSource source, __global const uchar* memor
     const uint k = begin + (uint)get_global_id(0);
     if (k >= end || k >= cells->open) return;
     const uint i = open[k];
-    const double3 p = position_of(source, memory, places[i]), from = vload3(i, in_units);
-    Ray ray;
+    const double3 p = position_of(source, memory, places[i]);
+    Ray ray = {{faces.count, order, triangles, positions, faces.has_counts, counts}};
     if (!find_decidable(p, faces, &ray.from)) {
         left[atomic_inc(&cells->left)] = i;
         return;
     }
-    const double at[3] = {from.x, from.y, from.z};
-    for (int axis = 0; axis < 3; ++axis) {
-        const float nearest = (float)at[axis], rounding = fabs(nearest) * 2.4e-7f;
-        ray.lower[axis] = nearest - rounding;
-        ray.upper[axis] = nearest + rounding;
-    }
+#if LANES == 1
+    uint stack[CLSDF_DEEPEST_TREE];
+    ray.stack = stack;
+#endif
+    ray.box = box_of_point(vload3(i, in_units));
     ray.is_forward = !faces.is_backward && p.x - faces.lower_x > faces.upper_x - p.x;
-    CrossedMesh mesh = {tree, nodes, triangles, positions, faces.has_counts, counts};
-    Crossings crossings = {0, 0};
-    if (sqrt(squared[i]) < nearly_on_surface && visit_leaves(&mesh, &ray, false, &crossings)) {
+    if (sqrt(squared[i]) < CLSDF_NEARLY_ON_SURFACE && visit_faces(tree, nodes, &ray)) {
         signs[i] = CLSDF_POINT_ON_SURFACE;
         return;
     }
     signs[i] = CLSDF_POINT_OUTSIDE;
     if (!faces.has_sign) return;
-    if (faces.has_sign_positions) mesh.positions = sign_positions;
+    if (faces.has_sign_positions) ray.faces.positions = sign_positions;
+    ray.is_crossed = true;
     if (ray.is_forward)
-        ray.upper[0] = INFINITY;
+        ray.box.upper[0] = INFINITY;
     else
-        ray.lower[0] = -INFINITY;
-    visit_leaves(&mesh, &ray, true, &crossings);
-    if (faces.loops != 0) crossings.winding += rounded_part_of_film(ray.from, faces.loops, corners, begins);
-    if (faces.is_parity ? (crossings.count & 1u) != 0 : crossings.winding != 0) signs[i] = CLSDF_POINT_INSIDE;
+        ray.box.lower[0] = -INFINITY;
+    visit_faces(tree, nodes, &ray);
+    if (faces.loops != 0) ray.winding += rounded_part_of_film(ray.from, faces.loops, corners, begins);
+    if (faces.is_parity ? (ray.crossings & 1u) != 0 : ray.winding != 0) signs[i] = CLSDF_POINT_INSIDE;
 }

@@ -9,9 +9,7 @@
 #include "edge_offsets.h"
 #include "point_tree.h"
 #include "simd.h"
-
-// Four numbers of an array of structs, in one load.
-#define FOUR_OF(at, number) (((__global const float4*)(at))[number])
+#include "tree_walk.h"
 
 // A point as two floats on each axis.
 typedef struct TreePoint {
@@ -113,53 +111,31 @@ INLINE NearBound bound_of_squared(double squared) {
     return bound;
 }
 
-// Defines search(): the nearer child first, the other one on the stack with its distance. take(place, distance, found)
-// takes a face; found->bound is the bound. end_leaf(end, found) follows the faces of a leaf, whose places end at `end`.
-// stack: local memory, an entry in each `stride` words.
-#define DEFINE_SEARCH(search, Found, take, end_leaf)                                                         \
-    INLINE void search(BinaryTree tree, __global const BinaryNode* nodes, __global const PlacedFace* faces,  \
-                       TreePoint p, __local uint* stack, uint stride, __private Found* found) {              \
-        uint link = tree.root, height = 0;                                                                   \
-        for (;;) {                                                                                           \
-            bool goes_on = false;                                                                            \
-            if (link & tree.leaf) {                                                                          \
-                uint place = link & ~tree.leaf, following = 0;                                               \
-                do {                                                                                         \
-                    COUNTED(faces, 1);                                                                       \
-                    const PlacedDistance d = placed_distance(faces + place, p);                              \
-                    following = d.following;                                                                 \
-                    if (d.distance - d.error <= found->bound.distance) take(place, d, found);                \
-                    ++place;                                                                                 \
-                } while (following != 0);                                                                    \
-                end_leaf(place, found);                                                                      \
-            } else {                                                                                         \
-                COUNTED(boxes, 2);                                                                           \
-                __global const BinaryNode* node = nodes + link;                                              \
-                const float4 a = FOUR_OF(node, 0), b = FOUR_OF(node, 1), c = FOUR_OF(node, 2);               \
-                const uint first_link = node->link[0], second_link = node->link[1];                          \
-                const float first = squared_to_box(a.x, a.y, a.z, a.w, b.x, b.y, p),                         \
-                            second = squared_to_box(b.z, b.w, c.x, c.y, c.z, c.w, p);                        \
-                const bool is_first = first <= second;                                                       \
-                const float nearer = is_first ? first : second, farther = is_first ? second : first;         \
-                if (nearer <= found->bound.squared) {                                                        \
-                    goes_on = true;                                                                          \
-                    link = is_first ? first_link : second_link;                                              \
-                    if (farther <= found->bound.squared)                                                     \
-                        stack[height++ * stride] =                                                           \
-                            (is_first ? second_link : first_link) | (as_uint(farther) << 1 & tree.distance); \
-                }                                                                                            \
-            }                                                                                                \
-            while (!goes_on) {                                                                               \
-                if (height == 0) return;                                                                     \
-                link = stack[--height * stride];                                                             \
-                goes_on = as_float((link & tree.distance) >> 1) <= found->bound.squared;                     \
-            }                                                                                                \
-            link &= ~tree.distance;                                                                          \
-        }                                                                                                    \
-    }
+// Defines search(), the walk of a query that has a TreePoint `point`, a NearBound `bound` and PlacedFace `faces`:
+// take(place, distance, query) takes a face that may be the nearest, end_leaf(end, query) follows the faces of a leaf,
+// whose places end at `end`. The stack lies in local memory.
+#define SQUARED_TO_BOX(lower_x, lower_y, lower_z, upper_x, upper_y, upper_z, query) \
+    squared_to_box(lower_x, lower_y, lower_z, upper_x, upper_y, upper_z, (query)->point)
+#define SQUARED_BOUND(query) ((query)->bound.squared)
+#define DEFINE_SEARCH(search, Query, take, end_leaf)                                      \
+    INLINE bool search##_in_leaf(uint place, __private Query* query) {                    \
+        uint following = 0;                                                               \
+        do {                                                                              \
+            COUNTED(faces, 1);                                                            \
+            const PlacedDistance d = placed_distance(query->faces + place, query->point); \
+            following = d.following;                                                      \
+            if (d.distance - d.error <= query->bound.distance) take(place, d, query);     \
+            ++place;                                                                      \
+        } while (following != 0);                                                         \
+        end_leaf(place, query);                                                           \
+        return false;                                                                     \
+    }                                                                                     \
+    INLINE DEFINE_BINARY_WALK(search, Query, __local, SQUARED_TO_BOX, SQUARED_BOUND, search##_in_leaf)
 
 // Faces that may be the nearest, by floats: the last ones in a list, which others that are surely farther have left.
 typedef struct ListedFaces {
+    TreePoint point;
+    __global const PlacedFace* faces;
     NearBound bound;
     float low;              // below all distances of the list
     uint count;             // of the list, which holds the first CLSDF_LISTED_FACES
@@ -179,7 +155,7 @@ INLINE void list_face(uint place, PlacedDistance d, __private ListedFaces* found
     ++found->count;
 }
 
-#define NOTHING_IS_LEFT(end, found)
+#define NOTHING_IS_LEFT(end, query)
 DEFINE_SEARCH(search_for_list, ListedFaces, list_face, NOTHING_IS_LEFT)
 
 #endif

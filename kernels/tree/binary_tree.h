@@ -14,6 +14,10 @@
 #define CLSDF_PLACE_SHIFT 30
 #define CLSDF_PLACE_FACE 0x3FFFFFFFu
 
+// Nodes between the root and a leaf, both ends included, at most: a bit of a key, of 30 bits of each part, divides
+// each.
+#define CLSDF_DEEPEST_TREE 64
+
 // Faces of a point that the search lists, so that they are decided in double.
 #define CLSDF_LISTED_FACES 16
 

@@ -7,25 +7,11 @@
 #ifndef CLSDF_POINT_SEARCH_H
 #define CLSDF_POINT_SEARCH_H
 
+#include "box_query.h"
 #include "edge_offsets.h"
 #include "nearest_face.h"
 #include "simd.h"
-
-// A point as boxes are compared with it: floats on both sides of each coordinate.
-typedef struct PointBox {
-    float lower[3], upper[3];
-} PointBox;
-
-INLINE PointBox box_of_point(double3 p) {
-    const double at[3] = {p.x, p.y, p.z};
-    PointBox box;
-    for (int axis = 0; axis < 3; ++axis) {
-        const float nearest = (float)at[axis], rounding = fabs(nearest) * 2.4e-7f;
-        box.lower[axis] = nearest - rounding;
-        box.upper[axis] = nearest + rounding;
-    }
-    return box;
-}
+#include "tree_walk.h"
 
 // All that a search reads of the mesh, beside the shape of the tree.
 typedef struct PointMesh {
@@ -65,13 +51,6 @@ INLINE floatL squared_to_faces(__global const PointLeaf* leaf, float3 p, int fir
 // Bound of the error of distances in float, relative to the lengths that they follow from.
 #define LEAF_DISTANCE_ERROR 4.0e-6f
 
-// How many children are compared at once. The host's compiler makes vectors of the loops over them.
-#ifdef __OPENCL_VERSION__
-#define CHILDREN_AT_ONCE LANES
-#else
-#define CHILDREN_AT_ONCE CLSDF_TREE_WIDTH
-#endif
-
 // The greatest square of a face that may be the nearest. least: of the squares.
 INLINE float most_of_faces(float least, float bound, float error) {
     const float nearest = sqrt(least) + error, farthest = sqrt(bound);
@@ -91,24 +70,6 @@ INLINE uint near_faces(__global const PointLeaf* leaf, float3 p, float error, fl
     for (int i = 1; i < CHILDREN_AT_ONCE; ++i) least = LESSER(squared[i], least);
     return bits_not_above(squared, most_of_faces(least, bound, error));
 #endif
-}
-
-// Takes the faces of a leaf that may be nearer.
-INLINE void visit_leaf(PointMesh mesh, uint number, uint faces, double3 p, __private NearestFace* found) {
-    __global const PointLeaf* leaf = mesh.leaves + number;
-    const float3 from_origin = convert_float3(p - convert_double3(vload3(0, leaf->origin)));
-    const float error =
-        LEAF_DISTANCE_ERROR * (fabs(from_origin.x) + fabs(from_origin.y) + fabs(from_origin.z) + leaf->extent);
-    COUNTED(faces, CLSDF_TREE_WIDTH);
-    for (int first = 0; first < CLSDF_TREE_WIDTH; first += CHILDREN_AT_ONCE) {
-        uint bits = near_faces(leaf, from_origin, error, found->bound, first);
-        for (; bits != 0; bits &= bits - 1) {
-            const uint face = number * CLSDF_TREE_WIDTH + first + lowest_bit(bits);
-            if (face >= faces) break;
-            COUNTED(decisions, 1);
-            take_if_nearer(mesh.polyhedra, mesh.faces, face, p, found);
-        }
-    }
 }
 
 // Squared distances of a node's boxes, LANES from number `first` on: never more than the true ones, but for SHRINK.
@@ -140,64 +101,77 @@ INLINE uint near_boxes(__global const PointNode* node, PointBox p, float bound, 
 #endif
 }
 
-// Puts a node's children that may be nearer on the stack, the nearest one on top. Returns the stack's new height.
-// children: nodes of their level.
-static inline int push_children(__global const PointNode* node, uint level, uint number, uint children, PointBox p,
-                                float bound, __private uint* items, __private float* squares, int height) {
+// A search on its way.
+typedef struct NearestSearch {
+    PointMesh mesh;
+    uint faces;  // their number
+    double3 point;
+    PointBox box;
+    NearestFace found;
+    // Squared distances of the children of the present node of each level, from level 2 on.
+    __private float* squares;
+} NearestSearch;
+
+#define SQUARES_OF(level, search) ((search)->squares + ((level)-2) * CLSDF_TREE_WIDTH)
+
+INLINE uint near_children(__global const PointNode* node, uint level, __private NearestSearch* search) {
     COUNTED(boxes, CLSDF_TREE_WIDTH);
-    float least = INFINITY;
-    int nearest = height;
+    __private float* squares = SQUARES_OF(level, search);
+    uint bits = 0;
+    for (int first = 0; first < CLSDF_TREE_WIDTH; first += CHILDREN_AT_ONCE)
+        bits |= near_boxes(node, search->box, search->found.bound, first, squares + first) << first;
+    return bits;
+}
+
+INLINE uint nearest_child(uint bits, uint level, __private NearestSearch* search) {
+    __private const float* squares = SQUARES_OF(level, search);
+    float least = search->found.bound;
+    uint nearest = CLSDF_NO_CHILD;
+    for (; bits != 0; bits &= bits - 1) {
+        const uint child = lowest_bit(bits);
+        const bool is_nearest = squares[child] <= least;
+        least = is_nearest ? squares[child] : least;
+        nearest = is_nearest ? child : nearest;
+    }
+    return nearest;
+}
+
+// Takes the faces of a leaf that may be nearer.
+INLINE bool take_faces_of_leaf(uint number, __private NearestSearch* search) {
+    __global const PointLeaf* leaf = search->mesh.leaves + number;
+    const double3 p = search->point;
+    const float3 from_origin = convert_float3(p - convert_double3(vload3(0, leaf->origin)));
+    const float error =
+        LEAF_DISTANCE_ERROR * (fabs(from_origin.x) + fabs(from_origin.y) + fabs(from_origin.z) + leaf->extent);
+    COUNTED(faces, CLSDF_TREE_WIDTH);
     for (int first = 0; first < CLSDF_TREE_WIDTH; first += CHILDREN_AT_ONCE) {
-        float of_child[CHILDREN_AT_ONCE];
-        uint bits = near_boxes(node, p, bound, first, of_child);
+        uint bits = near_faces(leaf, from_origin, error, search->found.bound, first);
         for (; bits != 0; bits &= bits - 1) {
-            const uint number_at_once = lowest_bit(bits), child = number * CLSDF_TREE_WIDTH + first + number_at_once;
-            if (child >= children) break;
-            const float squared = of_child[number_at_once];
-            const bool is_nearest = squared < least;
-            least = is_nearest ? squared : least;
-            nearest = is_nearest ? height : nearest;
-            squares[height] = squared;
-            items[height++] = (level - 1) << CLSDF_TREE_LEVEL_SHIFT | child;
+            const uint face = number * CLSDF_TREE_WIDTH + first + lowest_bit(bits);
+            if (face >= search->faces) break;
+            COUNTED(decisions, 1);
+            take_if_nearer(search->mesh.polyhedra, search->mesh.faces, face, p, &search->found);
         }
     }
-    if (nearest < height) {
-        const uint item = items[nearest];
-        items[nearest] = items[height - 1];
-        squares[nearest] = squares[height - 1];
-        items[height - 1] = item;
-        squares[height - 1] = least;
-    }
-    return height;
+    return false;
 }
 
-// Goes down the tree: inner nodes put their children on a stack, leaves visit their faces.
-static inline void search(PointTree tree, PointMesh mesh, double3 p, __private NearestFace* found) {
-    const PointBox box = box_of_point(p);
-    uint items[CLSDF_TREE_STACK];
-    float squares[CLSDF_TREE_STACK];
-    items[0] = tree.levels << CLSDF_TREE_LEVEL_SHIFT;
-    squares[0] = 0.0f;
-    for (int height = 1; height > 0;) {
-        --height;
-        if (squares[height] > found->bound) continue;
-        const uint level = items[height] >> CLSDF_TREE_LEVEL_SHIFT;
-        const uint number = items[height] & ((1u << CLSDF_TREE_LEVEL_SHIFT) - 1u);
-        if (level == 1)
-            visit_leaf(mesh, number, tree.faces, p, found);
-        else
-            height = push_children(mesh.nodes + (tree.first[level - 1] - tree.count[0]) + number, level, number,
-                                   tree.count[level - 2], box, found->bound, items, squares, height);
-    }
-}
+INLINE DEFINE_WIDE_WALK(search, NearestSearch, near_children, nearest_child, take_faces_of_leaf)
 
-// The nearest face of a point, at most at the squared distance `most`, which may be infinite. before: a face that is
-// likely to be near, or CLSDF_NO_FACE.
-static inline NearestFace nearest_face(PointTree tree, PointMesh mesh, double3 p, double most, uint before) {
-    NearestFace found = none_nearest(most);
-    if (before != CLSDF_NO_FACE) take_if_nearer(mesh.polyhedra, mesh.faces, before, p, &found);
-    search(tree, mesh, p, &found);
-    return found;
+    // The nearest face of a point, at most at the squared distance `most`, which may be infinite. before: a face that
+    // is likely to be near, or CLSDF_NO_FACE.
+    static inline NearestFace nearest_face(PointTree tree, PointMesh mesh, double3 p, double most, uint before) {
+    float squares[(CLSDF_TREE_LEVELS - 1) * CLSDF_TREE_WIDTH];
+    NearestSearch own;
+    own.mesh = mesh;
+    own.faces = tree.faces;
+    own.point = p;
+    own.box = box_of_point(p);
+    own.found = none_nearest(most);
+    own.squares = squares;
+    if (before != CLSDF_NO_FACE) take_if_nearer(mesh.polyhedra, mesh.faces, before, p, &own.found);
+    search(tree, mesh.nodes, &own);
+    return own.found;
 }
 
 #endif

@@ -10,9 +10,9 @@
 #define CLSDF_TREE_WIDTH 16
 // Levels of nodes: enough for 2^30 faces.
 #define CLSDF_TREE_LEVELS 8
-// A node on the stack of a search: its level and its number there.
-#define CLSDF_TREE_LEVEL_SHIFT 26
-#define CLSDF_TREE_STACK (CLSDF_TREE_LEVELS * CLSDF_TREE_WIDTH)
+
+// In place of a child: none is to be visited any more (tree_walk.h).
+#define CLSDF_NO_CHILD 0xFFFFFFFFu
 
 // The sign of a point, as finishing is told.
 #define CLSDF_POINT_OUTSIDE 0
@@ -51,6 +51,11 @@ typedef struct PointNode {
     float lower[3][CLSDF_TREE_WIDTH];
     float upper[3][CLSDF_TREE_WIDTH];
 } PointNode;
+
+// A closed box in units.
+typedef struct PointBox {
+    float lower[3], upper[3];
+} PointBox;
 
 // Data of a face that a search reads beside its record (polyhedron.h).
 typedef struct PointFace {

@@ -25,20 +25,27 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace clsdf {
 
 points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, std::size_t count, bool on_host) {
     return calls::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
         points::PointInputs inputs;
-        inputs.mesh = kept_points->tree();
-        if (programs.body == KernelBody::by_group && !on_host) {
+        inputs.mesh = kept_points->mesh();
+        inputs.host_tree = [this] { return kept_points->wide_tree(); };
+        const bool is_by_group = programs.body == KernelBody::by_group && !on_host;
+        if (is_by_group) {
+            inputs.triangles = kept_points->triangles();
             inputs.tree = kept_points->fitted_tree();
             inputs.sign_faces = kept_points->sign_faces(sign);
         }
         const bool has_room = !on_host && !points_are_short_of_memory;
         const bool are_many = has_room && points::is_scan_worthwhile(programs, count, kept_mesh->face_count());
-        if (are_many) inputs.scanned = kept_points->scanned_mesh();
+        if (are_many)
+            inputs.scanned = kept_points->scanned_mesh();
+        else if (!is_by_group)
+            inputs.leaves = kept_points->wide_leaves();
         if (sign != SignRule::none && !on_host)
             inputs.sides = kept_points->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, kept_mesh->face_count()));
@@ -87,7 +94,10 @@ DistanceTransform::State::WindingInputs DistanceTransform::State::winding_inputs
                                 "numbers need; restrict one with the sign rule solid-angle",
                                 name_of(sign)));
     WindingInputs inputs;
-    inputs.tree = calls::with_remedies(nullptr, {forgetting()}, [&] { return kept_points->tree(); });
+    calls::with_remedies(nullptr, {forgetting()}, [&] {
+        inputs.mesh = kept_points->mesh();
+        inputs.tree = kept_points->wide_tree();
+    });
     inputs.boundary = is_known ? kept_mesh->boundary() : kept_mesh->any_boundary();
     if (!inputs.boundary) inputs.boundary = std::make_shared<const OpenBoundary>();
     return inputs;
@@ -126,7 +136,8 @@ CallStatistics DistanceTransform::State::query_few(points::UsablePoints& asked, 
     const points::PointInputs inputs = inputs_of_few(asked, half_width, outputs, running);
     const std::span<const Vec3> all = asked.points();
     statistics.triangles = inputs.mesh->face_count();
-    statistics.device_bytes = std::max(statistics.device_bytes, inputs.mesh->device_bytes());
+    statistics.device_bytes =
+        std::max(statistics.device_bytes, inputs.mesh->device_bytes() + inputs.leaves->device_bytes());
     targets::OwnArrays own;
     const bool in_place = targets.are_packed;
     const targets::HostArrays arrays = in_place ? targets.arrays : own.for_samples(targets.arrays, all.size());
@@ -386,9 +397,9 @@ void DistanceTransform::winding(const InputArray& points, const OutputArray& res
                                         "there are {} points");
         });
         if (const auto* restriction = state.kept_mesh->restriction()) restriction->check(positions.get(), 0);
-        const auto [tree, boundary] = state.winding_inputs();
+        const auto [mesh, tree, boundary] = state.winding_inputs();
         UninitializedVector<double> numbers(points.count);
-        const double farthest = 1e14 * tree->lattice.unit;  // beyond, what rounding leaves of it is 0
+        const double farthest = 1e14 * mesh->lattice.unit;  // beyond, what rounding leaves of it is 0
         constexpr std::size_t grain = 16;
         for_each_index(
             points.count,
@@ -397,11 +408,11 @@ void DistanceTransform::winding(const InputArray& points, const OutputArray& res
                 bool is_finite = true, is_near = true;
                 for (std::size_t axis = 0; axis < 3; ++axis) {
                     is_finite = is_finite && std::isfinite(point[axis]);
-                    is_near = is_near && point[axis] > tree->box.lower[axis] - farthest &&
-                              point[axis] < tree->box.upper[axis] + farthest;
+                    is_near = is_near && point[axis] > mesh->box.lower[axis] - farthest &&
+                              point[axis] < mesh->box.upper[axis] + farthest;
                 }
                 numbers[i] = !is_finite ? std::numeric_limits<double>::quiet_NaN()
-                             : is_near  ? points::winding_number(*tree, *boundary, point)
+                             : is_near  ? points::winding_number({*mesh, *tree}, *boundary, point)
                                         : 0;
             },
             grain);
@@ -430,13 +441,15 @@ void DistanceTransform::classify(std::span<const Box> boxes, double half_width, 
                 fmt::format("{} boxes have {} places for their answers; give as many", boxes.size(), places.size()));
         points::check_boxes(boxes);
         if (const auto* restriction = state.kept_mesh->restriction()) restriction->check(boxes, half_width);
-        const auto tree = [&] {
+        const auto [mesh, tree] = [&] {
             const State::KeepsBudget keeps_budget(state);
             const std::scoped_lock lock(state.mutex);
             state.context().begin_call();
-            return calls::with_remedies(nullptr, {state.forgetting()}, [&] { return state.kept_points->tree(); });
+            return calls::with_remedies(nullptr, {state.forgetting()}, [&] {
+                return std::pair(state.kept_points->mesh(), state.kept_points->wide_tree());
+            });
         }();
-        points::find_places(*tree, state.sign, boxes, half_width, places);
+        points::find_places({*mesh, *tree}, state.sign, boxes, half_width, places);
     });
 }
 

@@ -51,7 +51,7 @@ void DistanceTransform::State::plan(plans::PointPlanState& plan, const plans::As
 
 points::PointInputs DistanceTransform::State::planned_point_inputs(OutputSet outputs) {
     points::PointInputs inputs;
-    inputs.mesh = kept_points->tree();
+    inputs.mesh = kept_points->mesh();
     inputs.sign_faces = kept_points->sign_faces(sign);
     if (!inputs.has_exact_signs())
         throw Error(ErrorCode::invalid_argument,
@@ -59,7 +59,11 @@ points::PointInputs DistanceTransform::State::planned_point_inputs(OutputSet out
                                 "than 2^300: a plan of points cannot decide signs then; set such coordinates to 0, or "
                                 "ask with query()",
                                 kept_mesh->name(), inputs.mesh->lattice.unit));
-    if (programs.body == KernelBody::by_group) inputs.tree = kept_points->fitted_tree();
+    inputs.triangles = kept_points->triangles();
+    if (programs.body == KernelBody::by_group)
+        inputs.tree = kept_points->fitted_tree();
+    else
+        inputs.leaves = kept_points->wide_leaves();
     if (sign != SignRule::none) inputs.sides = kept_points->face_sides(sign, true);
     const NormalsNeeded normals = normals_for(outputs);
     inputs.sites = kept_mesh->sites(engine::names_sites(outputs), normals.are_needed || inputs.sides != nullptr);

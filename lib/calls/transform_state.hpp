@@ -186,7 +186,8 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
                                    const OutputTargets& targets, const CallOptions& call, std::string& warning);
 
     struct WindingInputs {
-        std::shared_ptr<const engine::PointMesh> tree;
+        std::shared_ptr<const engine::PointMesh> mesh;
+        std::shared_ptr<const engine::WideTree> tree;
         std::shared_ptr<const OpenBoundary> boundary;  ///< never null
     };
     /// Throws as DistanceTransform::winding() does.

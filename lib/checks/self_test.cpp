@@ -281,11 +281,18 @@ std::optional<std::string> point_difference(const Device& device, const engine::
         if (from_kept_frusta && are_scanned) kept_mesh.frusta();
         points::KeptPoints kept(kept_mesh);
         points::PointInputs inputs;
-        inputs.mesh = kept.tree();
+        inputs.mesh = kept.mesh();
+        inputs.host_tree = [&kept] { return kept.wide_tree(); };
         inputs.has_deep_stack = kernels == PointKernels::of_deep_trees;
         inputs.sign = SignRule::nonzero;
-        if (programs.body == KernelBody::by_group) inputs.tree = kept.fitted_tree();
-        if (are_ordered) inputs.sign_faces = kept.sign_faces(inputs.sign);
+        if (programs.body == KernelBody::by_group)
+            inputs.tree = kept.fitted_tree();
+        else
+            inputs.leaves = kept.wide_leaves();
+        if (are_ordered) {
+            inputs.triangles = kept.triangles();
+            inputs.sign_faces = kept.sign_faces(inputs.sign);
+        }
         if (are_scanned) inputs.scanned = kept.scanned_mesh();
         inputs.sites = kept_mesh.sites(true, true);
         if (from_kept_frusta) inputs.sides = kept.face_sides(inputs.sign, true);

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -75,12 +76,13 @@ Squares all_infinite() {
 /// The search for triangles near a box.
 class Search {
 public:
-    Search(const engine::PointMesh& mesh, const Box& box, const Reach& reach)
-        : mesh_(mesh), box_(box), unit_box_(box, mesh.lattice), reach_(reach) {}
+    Search(const engine::SearchedMesh& searched, const Box& box, const Reach& reach)
+        : mesh_(searched.mesh), tree_(searched.tree), box_(box), unit_box_(box, mesh_.lattice), reach_(reach) {}
 
     bool finds_face() {
         return engine::traverse(
-            mesh_, [&](const PointNode& node) { return near_children(node); },
+            tree_, [&](const PointNode& node, std::uint32_t level) { return near_children(node, level); },
+            [&](std::uint32_t bits, std::uint32_t level) { return next_child(bits, level); },
             [&](std::size_t face) { return is_near(face); });
     }
 
@@ -88,8 +90,7 @@ public:
     double lower_bound() const { return static_cast<double>(std::ranges::min(bounds_)) * (1 - rounding); }
 
 private:
-    /// The nearest child, which is the likeliest to have a near face, comes first.
-    engine::ChosenChildren near_children(const PointNode& node) {
+    std::uint32_t near_children(const PointNode& node, std::uint32_t level) {
         const Squares squares = squared_distances(node, unit_box_);
         constexpr float infinity = std::numeric_limits<float>::infinity();
         const float most = reach_.squared_in_units;
@@ -98,8 +99,15 @@ private:
             bits |= squares[i] <= most ? 1U << i : 0U;
             bounds_[i] = std::min(bounds_[i], squares[i] <= most ? infinity : squares[i]);
         }
-        if (bits == 0) return {};
-        return {bits, static_cast<std::uint32_t>(std::ranges::min_element(squares) - squares.begin())};
+        if ((bits & (bits - 1)) != 0)
+            nearest_[level] = static_cast<std::uint32_t>(std::ranges::min_element(squares) - squares.begin());
+        return bits;
+    }
+
+    /// The nearest child, which is the likeliest to have a near face, comes first.
+    std::uint32_t next_child(std::uint32_t bits, std::uint32_t level) const {
+        const std::uint32_t nearest = nearest_[level];
+        return (bits >> nearest & 1U) != 0 ? nearest : static_cast<std::uint32_t>(std::countr_zero(bits));
     }
 
     bool is_near(std::size_t face) {
@@ -111,10 +119,12 @@ private:
     }
 
     const engine::PointMesh& mesh_;
+    const engine::WideTree& tree_;
     const Box& box_;
     engine::UnitBox unit_box_;
     const Reach& reach_;
     Squares bounds_ = all_infinite();
+    std::array<std::uint32_t, CLSDF_TREE_LEVELS + 1> nearest_{};  // child of the present node of each level
 };
 
 Vec3 centre_of(const Box& box) {
@@ -149,26 +159,28 @@ void check_boxes(std::span<const Box> boxes) {
 namespace {
 
 /// The film may meet a box: then it has no side. Else the rounded winding number of all of it.
-std::optional<int> winding_number_of(const engine::PointMesh& mesh, const Box& box, const Vec3& centre) {
+std::optional<int> winding_number_of(const engine::SearchedMesh& searched, const Box& box, const Vec3& centre) {
     Vec3 half{};
     for (std::size_t axis = 0; axis < 3; ++axis)
-        half[axis] = std::max(box.upper[axis] - centre[axis], centre[axis] - box.lower[axis]) / mesh.lattice.unit;
-    return rounded_winding_number(mesh, centre, length(half));
+        half[axis] =
+            std::max(box.upper[axis] - centre[axis], centre[axis] - box.lower[axis]) / searched.mesh.lattice.unit;
+    return rounded_winding_number(searched, centre, length(half));
 }
 
 }  // namespace
 
-void find_places(const engine::PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
+void find_places(const engine::SearchedMesh& searched, SignRule rule, std::span<const Box> boxes, double half_width,
                  std::span<BoxPlace> places) {
     if (std::isinf(half_width)) {
         std::ranges::fill(places, BoxPlace::within);
         return;
     }
+    const engine::PointMesh& mesh = searched.mesh;
     const Reach reach(half_width, mesh.lattice.unit);
     const bool has_sign = rule != SignRule::none;
     UninitializedVector<double> bounds(boxes.size());
     for_each_index(boxes.size(), [&](std::size_t i) {
-        Search search(mesh, boxes[i], reach);
+        Search search(searched, boxes[i], reach);
         places[i] = search.finds_face() ? BoxPlace::within : has_sign ? BoxPlace::outside : BoxPlace::beyond;
         bounds[i] = search.lower_bound();
         if (mesh.has_several_regions) bounds[i] = std::min(bounds[i], reach.least_squared_in_units);
@@ -180,7 +192,7 @@ void find_places(const engine::PointMesh& mesh, SignRule rule, std::span<const B
             boxes.size(),
             [&](std::size_t i) {
                 if (places[i] == BoxPlace::within) return;
-                const std::optional<int> winding = winding_number_of(mesh, boxes[i], centre_of(boxes[i]));
+                const std::optional<int> winding = winding_number_of(searched, boxes[i], centre_of(boxes[i]));
                 places[i] = !winding ? BoxPlace::within : *winding != 0 ? BoxPlace::inside : BoxPlace::outside;
             },
             16);
@@ -207,7 +219,7 @@ void find_places(const engine::PointMesh& mesh, SignRule rule, std::span<const B
             std::sqrt(bounds[open[number]]) + std::ranges::min(boxes[open[number]].extent()) / 2 / mesh.lattice.unit;
         squared[i] = distance * distance;
     });
-    find_signs(mesh, rule, {centres, order, squared}, signs);
+    find_signs(searched, rule, {centres, order, squared}, signs);
     for_each_index(open.size(), [&](std::size_t i) {
         if (signs[i] == CLSDF_POINT_INSIDE) places[open[order[i]]] = BoxPlace::inside;
     });

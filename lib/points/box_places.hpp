@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tree/point_mesh.hpp"
+#include "tree/wide_tree.hpp"
 
 #include <clsdf/calls.hpp>
 #include <clsdf/mesh.hpp>
@@ -16,7 +16,7 @@ void check_box(const Box& box, const std::string& name);
 void check_boxes(std::span<const Box> boxes);
 
 /// The place of each box: see DistanceTransform::classify().
-void find_places(const engine::PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
+void find_places(const engine::SearchedMesh& searched, SignRule rule, std::span<const Box> boxes, double half_width,
                  std::span<BoxPlace> places);
 
 }  // namespace clsdf::points

@@ -122,8 +122,9 @@ bool is_folded(const Shape& f, std::size_t i, const Shape& g, std::size_t apex) 
 /// Finds the sides of a mesh's faces.
 class Finder {
 public:
-    Finder(const engine::PointMesh& mesh, SignRule rule) : mesh_(mesh), topology_(*mesh.topology), rule_(rule) {
-        const std::size_t count = mesh.face_count();
+    Finder(const engine::SearchedMesh& searched, SignRule rule)
+        : searched_(searched), mesh_(searched.mesh), topology_(*mesh_.topology), rule_(rule) {
+        const std::size_t count = mesh_.face_count();
         shapes_.resize(count);
         is_excluded_.assign(count, 0);
         for_each_index(count, [&](std::size_t face) {
@@ -157,7 +158,8 @@ private:
         const std::vector<std::uint8_t> at_first = is_excluded_;
         for_each_index(mesh_.face_count(), [&](std::size_t face) {
             if (at_first[face] != 0) return;
-            engine::visit_faces(mesh_, engine::face_box(mesh_, face), [&](std::size_t other) {
+            const engine::WideTree& tree = searched_.tree;
+            engine::visit_faces(tree, engine::face_box(tree, face), [&](std::size_t other) {
                 const bool is_once = other > face || at_first[other] != 0;
                 if (other != face && is_once && !is_harmless(face, other)) {
                     exclude(face);
@@ -240,7 +242,7 @@ private:
         const Vec3 in_units = mesh_.in_units(point);
         // Coordinates far from zero are too coarse.
         if (!((engine::to_vector(in_units) - aim).norm() < 0.5 * offset_in_front)) return 0;
-        const Crossings in_front = count_crossings(mesh_, point, in_units);
+        const Crossings in_front = count_crossings(searched_, point, in_units);
         const Crossings behind{in_front.winding + mesh_.sign_count(face), in_front.count + 1};
         return static_cast<std::uint16_t>(CLSDF_SIDES_KNOWN |
                                           (in_front.are_inside(rule_) ? CLSDF_SIDES_FRONT_INSIDE : 0) |
@@ -296,6 +298,7 @@ private:
         return true;
     }
 
+    engine::SearchedMesh searched_;
     const engine::PointMesh& mesh_;
     const engine::MeshTopology& topology_;
     SignRule rule_;
@@ -313,8 +316,8 @@ bool are_sides_worthwhile(std::size_t points, std::size_t faces) {
     return points >= std::max(faces, fewest);
 }
 
-FaceSides find_face_sides(const engine::DeviceTools& tools, const engine::PointMesh& mesh, SignRule rule) {
-    const std::vector<std::uint16_t> sides = Finder(mesh, rule).find();
+FaceSides find_face_sides(const engine::DeviceTools& tools, const engine::SearchedMesh& searched, SignRule rule) {
+    const std::vector<std::uint16_t> sides = Finder(searched, rule).find();
     FaceSides result;
     result.known =
         static_cast<std::size_t>(std::count_if(sides.begin(), sides.end(), [](auto bits) { return bits != 0; }));

@@ -2,7 +2,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "launch/device_tools.hpp"
-#include "tree/point_mesh.hpp"
+#include "tree/wide_tree.hpp"
 
 #include <clsdf/topology.hpp>
 
@@ -29,6 +29,6 @@ struct FaceSides {
 bool are_sides_worthwhile(std::size_t points, std::size_t faces);
 
 /// Throws Error(out_of_memory).
-FaceSides find_face_sides(const engine::DeviceTools& tools, const engine::PointMesh& mesh, SignRule rule);
+FaceSides find_face_sides(const engine::DeviceTools& tools, const engine::SearchedMesh& searched, SignRule rule);
 
 }  // namespace clsdf::points

@@ -31,19 +31,21 @@ const Value* values_of(const std::shared_ptr<const device::BufferPool::Lease>& l
     return lease ? values_of<Value>(*lease) : nullptr;
 }
 
-one_lane::PointMesh sources_of(const engine::PointMesh& mesh) {
-    return {mesh.nodes.data() + mesh.tree.count[0], values_of<PointLeaf>(mesh.leaves),
-            values_of<Polyhedron>(mesh.polyhedra), values_of<PointFace>(mesh.faces)};
+one_lane::PointMesh sources_of(const PointInputs& inputs) {
+    const engine::WideTree& tree = *inputs.leaves->tree;
+    return {tree.nodes.data() + tree.shape.count[0], inputs.leaves->on_host(),
+            values_of<Polyhedron>(inputs.mesh->polyhedra), values_of<PointFace>(inputs.mesh->faces)};
 }
 
 /// As the kernel nearest_of_points does.
-CLSDF_SEVERAL_TARGETS CLSDF_FLATTEN void find_nearest(const engine::PointMesh& mesh,
+CLSDF_SEVERAL_TARGETS CLSDF_FLATTEN void find_nearest(const PointInputs& inputs,
                                                       std::span<const one_lane::double3> points, double most,
                                                       std::uint32_t* faces, double* squared) {
-    const one_lane::PointMesh sources = sources_of(mesh);
+    const one_lane::PointMesh sources = sources_of(inputs);
+    const PointTree& tree = inputs.leaves->tree->shape;
     std::uint32_t near = CLSDF_NO_FACE;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const one_lane::NearestFace found = one_lane::nearest_face(mesh.tree, sources, points[i], most, near);
+        const one_lane::NearestFace found = one_lane::nearest_face(tree, sources, points[i], most, near);
         faces[i] = one_lane::lowest_face(sources.faces, found.face);
         squared[i] = found.squared;
         if (found.face != CLSDF_NO_FACE) near = found.face;
@@ -75,7 +77,7 @@ one_lane::Finishing finishing_of(const FinishingSources& sources, const targets:
 }  // namespace
 
 void bring_to_host(const PointInputs& inputs) {
-    sources_of(*inputs.mesh);
+    sources_of(inputs);
     values_of<TriangleSites>(inputs.sites->names);
     values_of<float>(inputs.sites->normals);
 }
@@ -93,12 +95,12 @@ PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points
         const auto& [x, y, z] = mesh.in_units(points[i]);
         in_units[i] = {x, y, z};
     }
-    find_nearest(mesh, std::span(in_units).first(points.size()), search_limit(mesh, half_width), faces.data(),
+    find_nearest(inputs, std::span(in_units).first(points.size()), search_limit(mesh, half_width), faces.data(),
                  squared.data());
     std::iota(order.begin(), order.begin() + points.size(), 0U);
     std::fill_n(signs.begin(), points.size(), std::uint8_t{CLSDF_POINT_UNDECIDED});
     const Stopwatch sign_watch;
-    find_signs(mesh, inputs.sign,
+    find_signs({mesh, *inputs.leaves->tree}, inputs.sign,
                {points, std::span(order).first(points.size()), std::span(squared).first(points.size())}, signs);
     const double sign_seconds = sign_watch.seconds();
     const one_lane::Finishing finishing = finishing_of(

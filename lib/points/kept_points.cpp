@@ -1,12 +1,13 @@
 #include "points/kept_points.hpp"
 
+#include <memory>
 #include <utility>
 
 namespace clsdf::points {
 
-std::shared_ptr<const engine::PointMesh> KeptPoints::tree() {
+std::shared_ptr<const engine::PointMesh> KeptPoints::mesh() {
     return kept_mesh_.prepare([&] {
-        return tree_.get_or([&] {
+        return mesh_.get_or([&] {
             engine::PointMesh made = engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(),
                                                              kept_mesh_.sign_surface(), kept_mesh_.shared_topology());
             const engine::Restriction* restriction = kept_mesh_.restriction();
@@ -19,10 +20,30 @@ std::shared_ptr<const engine::PointMesh> KeptPoints::tree() {
     });
 }
 
+std::shared_ptr<const engine::WideTree> KeptPoints::wide_tree() {
+    return kept_mesh_.prepare([&] { return wide_tree_.get_or([&] { return engine::make_wide_tree(*mesh()); }); });
+}
+
+std::shared_ptr<const engine::WideLeaves> KeptPoints::wide_leaves() {
+    return kept_mesh_.prepare([&] {
+        return wide_leaves_.get_or([&] { return engine::make_wide_leaves(kept_mesh_.tools(), *mesh(), wide_tree()); });
+    });
+}
+
+std::shared_ptr<const device::BufferPool::Lease> KeptPoints::triangles() {
+    return kept_mesh_.prepare([&] {
+        return triangles_.get_or([&] {
+            const engine::DeviceTools tools = kept_mesh_.tools();
+            return device::uploaded(tools.context, tools.pool, kept_mesh_.topology().faces.triangles, "triangles");
+        });
+    });
+}
+
 std::shared_ptr<const engine::FittedTree> KeptPoints::fitted_tree() {
     return kept_mesh_.prepare([&] {
         return fitted_tree_.get_or([&] {
-            engine::FittedTree made = engine::fitted_tree(kept_mesh_.tools(), *tree(), divided_faces_.get());
+            engine::FittedTree made =
+                engine::fitted_tree(kept_mesh_.tools(), *mesh(), **triangles(), divided_faces_.get());
             divided_faces_.set(made.divided);
             return made;
         });
@@ -32,8 +53,8 @@ std::shared_ptr<const engine::FittedTree> KeptPoints::fitted_tree() {
 std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh() {
     return kept_mesh_.prepare([&] {
         return scanned_mesh_.get_or([&] {
-            const engine::PreparedMesh polyhedra = kept_mesh_.all_records(tree()->lattice);
-            return make_scanned_mesh(kept_mesh_.tools(), *tree_, kept_mesh_.frusta(), polyhedra);
+            const engine::PreparedMesh polyhedra = kept_mesh_.all_records(mesh()->lattice);
+            return make_scanned_mesh(kept_mesh_.tools(), *mesh_, kept_mesh_.frusta(), polyhedra);
         });
     });
 }
@@ -41,14 +62,22 @@ std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh() {
 std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_found) {
     // In front of a part's faces there may be others that are missing, and in front of any face the film.
     if (!is_found || kept_mesh_.restriction() != nullptr || kept_mesh_.boundary() != nullptr) return face_sides_.get();
-    return kept_mesh_.prepare(
-        [&] { return face_sides_.get_or([&] { return find_face_sides(kept_mesh_.tools(), *tree(), sign); }); });
+    return kept_mesh_.prepare([&] {
+        return face_sides_.get_or([&] {
+            const engine::DeviceTools tools = kept_mesh_.tools();
+            // For the body by_group kernels do the rest: then the tree is not kept.
+            const bool is_kept = wide_tree_ || tools.programs.body == KernelBody::by_vector;
+            const auto tree =
+                is_kept ? wide_tree() : std::make_shared<const engine::WideTree>(engine::make_wide_tree(*mesh()));
+            return find_face_sides(tools, {*mesh(), *tree}, sign);
+        });
+    });
 }
 
 std::shared_ptr<const DeviceSignFaces> KeptPoints::sign_faces(SignRule sign) {
     return kept_mesh_.prepare([&] {
         return sign_faces_.get_or(
-            [&] { return make_sign_faces(kept_mesh_.tools(), *tree(), sign, kept_mesh_.boundary().get()); });
+            [&] { return make_sign_faces(kept_mesh_.tools(), *mesh(), sign, kept_mesh_.boundary().get()); });
     });
 }
 
@@ -57,9 +86,10 @@ std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
     if (remembered_.moves != kept_mesh_.moves()) return std::nullopt;
     PointInputs inputs;
     inputs.mesh = remembered_.mesh.lock();
+    inputs.leaves = remembered_.leaves.lock();
     engine::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered,
                               remembered_.turned};
-    if (!inputs.mesh || (engine::names_sites(outputs) && !sites.names) ||
+    if (!inputs.mesh || !inputs.leaves || (engine::names_sites(outputs) && !sites.names) ||
         (engine::takes_normals(outputs) && !sites.normals))
         return std::nullopt;
     inputs.sites = std::make_shared<const engine::DeviceSites>(std::move(sites));
@@ -73,6 +103,7 @@ void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     if (remembered_.moves != kept_mesh_.moves()) remembered_ = {};
     remembered_.moves = kept_mesh_.moves();
     remembered_.mesh = inputs.mesh;
+    remembered_.leaves = inputs.leaves;
     if (engine::names_sites(outputs)) {
         remembered_.names = inputs.sites->names;
         remembered_.renumbered = inputs.sites->renumbered;

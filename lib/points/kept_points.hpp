@@ -7,6 +7,7 @@
 #include "points/sign_faces.hpp"
 #include "tree/binary_tree.hpp"
 #include "tree/point_mesh.hpp"
+#include "tree/wide_tree.hpp"
 
 #include <memory>
 #include <mutex>
@@ -17,10 +18,14 @@ namespace clsdf::points {
 /// The values that a transform keeps for points, beside those of its KeptMesh, which must outlive this. Each is made
 /// when it is needed first, and forgotten when the vertices move or memory is short.
 ///
-///     points' tree   of the positions                    once points are asked for
-///     division       of first positions                  once points are asked for, for the body by_group; until its
-///                                                        boxes have become twice as large
-///     GPUs' tree     + positions                         once points are asked for, for the body by_group
+///     mesh           of the positions                    once points are asked for
+///     wide tree      + positions                         once the host looks for faces, and with the leaves
+///     leaves         + positions                         once points are asked for that are not scanned, for the body
+///                                                        by_vector; once few points are asked for
+///     triangles      of the triangles                    once kernels divide or cross the faces
+///     division       of first positions                  once many points are asked for, for the body by_group; until
+///                                                        its boxes have become twice as large
+///     GPUs' tree     + positions                         the same
 ///     face sides     + sign rule                         once about as many points are asked for
 ///     sign faces     + sign rule                         once points in memory of the device are asked for
 ///     scanned mesh   + frusta                            once many points are asked for
@@ -32,20 +37,29 @@ public:
     KeptPoints(const KeptPoints&) = delete;
     KeptPoints& operator=(const KeptPoints&) = delete;
 
-    /// The tree in which points are looked up. Throws Error(invalid_argument, unsupported or out_of_memory).
-    std::shared_ptr<const engine::PointMesh> tree();
+    /// The faces that points are looked up among. Throws Error(invalid_argument, unsupported or out_of_memory).
+    std::shared_ptr<const engine::PointMesh> mesh();
 
-    /// The tree that the body by_group searches. Throws as tree().
+    /// The tree in which the host looks for faces. Throws as mesh().
+    std::shared_ptr<const engine::WideTree> wide_tree();
+
+    /// The same with what the body by_vector and the host search for the nearest face. Throws as mesh().
+    std::shared_ptr<const engine::WideLeaves> wide_leaves();
+
+    /// The triangles on the device, by the numbers of faces and vertices of mesh(). Throws as mesh().
+    std::shared_ptr<const device::BufferPool::Lease> triangles();
+
+    /// The tree that the body by_group searches. Throws as mesh().
     std::shared_ptr<const engine::FittedTree> fitted_tree();
 
-    /// The records that the scan of many points reads beside the tree. Throws as tree().
+    /// The records that the scan of many points reads beside the mesh. Throws as mesh().
     std::shared_ptr<const ScannedMesh> scanned_mesh();
 
     /// The signs on the sides of faces. If they are not known, they are found if `is_found`; otherwise null. Always
     /// null for a part of a mesh, and if open edges count. The sign rule is the same in all calls.
     std::shared_ptr<const FaceSides> face_sides(SignRule sign, bool is_found);
 
-    /// The surface that decides signs, for kernels. The sign rule is the same in all calls. Throws as tree().
+    /// The surface that decides signs, for kernels. The sign rule is the same in all calls. Throws as mesh().
     std::shared_ptr<const DeviceSignFaces> sign_faces(SignRule sign);
 
     /// The inputs of few points that remember() was called with, if they suffice for the outputs and are still kept.
@@ -61,7 +75,10 @@ private:
     using UsedBy = engine::UsedBy;
 
     engine::KeptMesh& kept_mesh_;
-    Kept<engine::PointMesh> tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<engine::PointMesh> mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<engine::WideTree> wide_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<engine::WideLeaves> wide_leaves_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<device::BufferPool::Lease> triangles_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};
     Kept<engine::DividedFaces> divided_faces_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};
     Kept<engine::FittedTree> fitted_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<ScannedMesh> scanned_mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
@@ -72,6 +89,7 @@ private:
     struct Remembered {
         std::size_t moves = 0;  ///< of the kept mesh before
         std::weak_ptr<const engine::PointMesh> mesh;
+        std::weak_ptr<const engine::WideLeaves> leaves;
         std::weak_ptr<const device::BufferPool::Lease> names, normals;
         std::size_t renumbered = 0, turned = 0;  ///< turned: if the normals are set
         SignRule sign = SignRule::none;

@@ -2,6 +2,7 @@
 
 #include "core/kernel_language.hpp"
 
+#include "binary_tree.h"
 #include "layout.h"
 #include "outputs.h"
 #include "point_tree.h"

@@ -10,6 +10,7 @@
 #include "points/curve_order.hpp"
 #include "points/signs_by_host.hpp"
 #include "tree/point_mesh.hpp"
+#include "tree/wide_tree.hpp"
 
 #include <fmt/format.h>
 
@@ -70,12 +71,11 @@ public:
         }
         // How long a search takes depends on the mesh and the point.
         const std::size_t run = points_in_run(tools_.context, count_);
-        engine::measured_launches(tools_.context, count_, seconds_per_search,
-                                  most_in_run * engine::cores_of(tools_.context.capabilities()), between,
-                                  [&](std::size_t begin, std::size_t end) {
-                                      enqueue_tree_search(launches_, tools_, *inputs_.mesh, *in_units_, begin, end, run,
-                                                          most, *faces_, *squared_);
-                                  });
+        engine::measured_launches(
+            tools_.context, count_, seconds_per_search, most_in_run * engine::cores_of(tools_.context.capabilities()),
+            between, [&](std::size_t begin, std::size_t end) {
+                enqueue_tree_search(launches_, tools_, inputs_, *in_units_, begin, end, run, most, *faces_, *squared_);
+            });
     }
 
     const PointBuffer<double>& squared() const { return squared_; }
@@ -134,7 +134,7 @@ double finish_by_host(const engine::DeviceTools& tools, const PointInputs& input
     if (std::find(signs.begin(), signs.end(), CLSDF_POINT_UNDECIDED) != signs.end()) {
         UninitializedVector<double> squared(points.size());
         device::read_values(tools.context, *query.squared(), squared);
-        find_signs(*inputs.mesh, inputs.sign, {points, order, squared}, signs);
+        find_signs({*inputs.mesh, *inputs.host_tree()}, inputs.sign, {points, order, squared}, signs);
         device::write_values(tools.context, signs, *device_signs);
         query.finish(false, *device_signs, outputs);
     }
@@ -168,7 +168,7 @@ void finish_left(const engine::Launches& launches, const engine::DeviceTools& to
     std::vector<double> ordered_squared(total);
     for (std::size_t i = 0; i < total; ++i) ordered_squared[i] = squared[order[i]];
     std::vector<std::uint8_t> ordered_signs(total, std::uint8_t{CLSDF_POINT_UNDECIDED}), signs(total);
-    find_signs(*inputs.mesh, inputs.sign, {positions, order, ordered_squared}, ordered_signs);
+    find_signs({*inputs.mesh, *inputs.host_tree()}, inputs.sign, {positions, order, ordered_squared}, ordered_signs);
     for (std::size_t i = 0; i < total; ++i) signs[order[i]] = ordered_signs[i];
     const PointBuffer<std::uint8_t> device_signs(*tools.pool, total, purpose);
     device::write_values(tools.context, signs, *device_signs);

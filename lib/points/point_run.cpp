@@ -55,13 +55,16 @@ void enqueue_outputs(const engine::Launches& launches, const engine::DeviceTools
     launches.launch(kernel, {points.count});
 }
 
-void enqueue_tree_search(const engine::Launches& launches, const engine::DeviceTools& tools,
-                         const engine::PointMesh& mesh, const cl::Buffer& in_units, std::size_t begin, std::size_t end,
-                         std::size_t run, double most, const cl::Buffer& faces, const cl::Buffer& squared) {
+void enqueue_tree_search(const engine::Launches& launches, const engine::DeviceTools& tools, const PointInputs& inputs,
+                         const cl::Buffer& in_units, std::size_t begin, std::size_t end, std::size_t run, double most,
+                         const cl::Buffer& faces, const cl::Buffer& squared) {
+    const engine::PointMesh& mesh = *inputs.mesh;
+    const engine::WideLeaves& leaves = *inputs.leaves;
     launches.launch(tools.programs.points, "nearest_of_points",
-                    {chunk_count(end - begin, run), tools.programs.part_group()}, mesh.tree, *mesh.device_nodes,
-                    *mesh.leaves, *mesh.polyhedra, *mesh.faces, in_units, static_cast<cl_uint>(begin),
-                    static_cast<cl_uint>(end), static_cast<cl_uint>(run), cl_double{most}, faces, squared);
+                    {chunk_count(end - begin, run), tools.programs.part_group()}, leaves.tree->shape,
+                    *leaves.device_nodes, *leaves.device_leaves, *mesh.polyhedra, *mesh.faces, in_units,
+                    static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(run), cl_double{most},
+                    faces, squared);
 }
 
 PointRun::PointRun(const engine::DeviceTools& tools, std::size_t most)
@@ -160,7 +163,7 @@ void PointRun::enqueue_search(const engine::Launches& launches, const engine::De
         if (inputs.tree)
             search_by_group(static_cast<cl_uint>(begun), static_cast<cl_uint>(end));
         else
-            enqueue_tree_search(launches, tools, mesh, *in_units_, begun, end, points_in_run(tools.context, count),
+            enqueue_tree_search(launches, tools, inputs, *in_units_, begun, end, points_in_run(tools.context, count),
                                 most, *faces_, *squared_);
         begun = end;
     });
@@ -175,8 +178,8 @@ void PointRun::enqueue_signs(const engine::Launches& launches, const engine::Dev
     const bool is_decided = inputs.has_exact_signs();
     launches.launch(tools.programs.point_order, "find_open_points", {points.count}, points.source,
                     static_cast<cl_uint>(points.count), limits, cl_uint{inputs.sign == SignRule::none},
-                    cl_double{nearly_on_surface}, cl_uint{inputs.sides != nullptr}, cl_uint{!is_decided}, points.memory,
-                    *order_, *squared_, *signs_, *cells_, is_decided ? *open_ : *left_);
+                    cl_uint{inputs.sides != nullptr}, cl_uint{!is_decided}, points.memory, *order_, *squared_, *signs_,
+                    *cells_, is_decided ? *open_ : *left_);
     if (!is_decided) return;
     const DeviceSignFaces& surface = *inputs.sign_faces;
     const auto given = [&](const device::BufferPool::Lease& lease) {
@@ -185,11 +188,20 @@ void PointRun::enqueue_signs(const engine::Launches& launches, const engine::Dev
     const engine::ShortLaunches short_launches(tools.context, {});
     const double seconds = seconds_per_ray + seconds_per_corner * static_cast<double>(surface.corner_count);
     short_launches.over(points.count, seconds, [&](std::size_t begin, std::size_t end) {
-        launches.launch(tools.programs.point_signs, "decide_open_points", {end - begin}, points.source, points.memory,
-                        surface.faces, mesh.tree, cl_double{nearly_on_surface}, static_cast<cl_uint>(begin),
-                        static_cast<cl_uint>(end), *mesh.device_nodes, *surface.triangles, *surface.positions,
-                        given(surface.sign_positions), given(surface.counts), given(surface.corners),
-                        given(surface.begins), *in_units_, *order_, *squared_, *open_, *cells_, *signs_, *left_);
+        const auto decide = [&](const auto& tree, const cl::Buffer& nodes, const cl::Buffer& order) {
+            launches.launch(tools.programs.point_signs, "decide_open_points", {end - begin}, points.source,
+                            points.memory, static_cast<cl_uint>(begin), static_cast<cl_uint>(end), tree, nodes, order,
+                            surface.faces, **inputs.triangles, *surface.positions, given(surface.sign_positions),
+                            given(surface.counts), given(surface.corners), given(surface.begins), *in_units_, *order_,
+                            *squared_, *open_, *cells_, *signs_, *left_);
+        };
+        if (inputs.tree) {
+            const engine::DividedFaces& divided = *inputs.tree->divided;
+            decide(divided.tree, *inputs.tree->nodes, *divided.order);
+        } else {
+            const cl::Buffer& nodes = *inputs.leaves->device_nodes;
+            decide(inputs.leaves->tree->shape, nodes, nodes);  // without an order
+        }
     });
 }
 

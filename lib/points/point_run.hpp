@@ -14,6 +14,7 @@
 #include "points/sign_faces.hpp"
 #include "tree/binary_tree.hpp"
 #include "tree/point_mesh.hpp"
+#include "tree/wide_tree.hpp"
 
 #include <cstddef>
 #include <functional>
@@ -27,13 +28,18 @@ namespace clsdf::points {
 /// The inputs of a query.
 struct PointInputs {
     std::shared_ptr<const engine::PointMesh> mesh;
-    std::shared_ptr<const engine::FittedTree> tree;    ///< of the body by_group alone
+    std::shared_ptr<const device::BufferPool::Lease> triangles;  ///< if there are sign faces: those of the mesh
+    std::shared_ptr<const engine::FittedTree> tree;    ///< that points are looked up in; of the body by_group alone
+    std::shared_ptr<const engine::WideLeaves> leaves;  ///< the same of the body by_vector, and of few points
     std::shared_ptr<const ScannedMesh> scanned;        ///< null: points are looked up one by one
     std::shared_ptr<const FaceSides> sides;            ///< null: signs by crossings; else the sites have normals
     std::shared_ptr<const engine::DeviceSites> sites;  ///< with normals if the gradient is asked for
     /// Null: the host orders the points, and counts crossings; of the body by_vector alone. If they are not exact, the
     /// host counts crossings.
     std::shared_ptr<const DeviceSignFaces> sign_faces;
+    /// The tree in which the host decides the signs that are left to it; made when it is asked for. Unless points are
+    /// few.
+    std::function<std::shared_ptr<const engine::WideTree>()> host_tree;
     SignRule sign = SignRule::none;
     bool is_inside_out = false;   ///< the faces look inwards, and the points have a sign
     bool has_deep_stack = false;  ///< the body by_group searches with the large stack, however deep the tree is
@@ -68,9 +74,9 @@ void enqueue_outputs(const engine::Launches& launches, const engine::DeviceTools
 
 /// Enqueues the search of processors for points [begin, end). run: points of a work-item, which follow each other.
 /// most: search_limit().
-void enqueue_tree_search(const engine::Launches& launches, const engine::DeviceTools& tools,
-                         const engine::PointMesh& mesh, const cl::Buffer& in_units, std::size_t begin, std::size_t end,
-                         std::size_t run, double most, const cl::Buffer& faces, const cl::Buffer& squared);
+void enqueue_tree_search(const engine::Launches& launches, const engine::DeviceTools& tools, const PointInputs& inputs,
+                         const cl::Buffer& in_units, std::size_t begin, std::size_t end, std::size_t run, double most,
+                         const cl::Buffer& faces, const cl::Buffer& squared);
 /// Points of a work-item of that search, at most; and an estimate of its time, on a core.
 inline constexpr std::size_t most_in_run = 64;
 inline constexpr double seconds_per_search = 2e-5;

@@ -51,6 +51,7 @@ DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::
     result.are_exact = expansions::are_exact(positions) && expansions::are_exact(sign_positions);
     if (!result.are_exact) return result;
     SignFaces& faces = result.faces;
+    faces.count = static_cast<clsdf_uint32>(mesh.face_count());
     faces.per_unit = 1 / unit;
     faces.lower_x = mesh.box.lower[0];
     faces.upper_x = mesh.box.upper[0];
@@ -58,7 +59,6 @@ DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::
     faces.has_sign = rule != SignRule::none;
     faces.is_backward = mesh.is_part || boundary != nullptr;
     faces.is_parity = rule == SignRule::parity;
-    result.triangles = upload(mesh.topology->faces.triangles);
     result.positions = upload(positions);
     if (!sign_positions.empty()) {
         faces.has_sign_positions = 1;

@@ -11,14 +11,13 @@
 
 namespace clsdf::points {
 
-/// The surface that decides the signs of points, for kernels that cross it (kernels/points/point_signs.cl). Positions
-/// are in units, from the origin of the caller's coordinates.
+/// The surface that decides the signs of points, for kernels that cross it (kernels/points/point_signs.cl), beside its
+/// triangles. Positions are in units, from the origin of the caller's coordinates.
 struct DeviceSignFaces {
     /// Whether the kernels' decisions are exact: each coordinate is 0, or of a size from 2^-300 to 2^300 units. If not,
     /// there is nothing else here.
     bool are_exact = false;
     SignFaces faces{};
-    device::BufferPool::Lease triangles;       ///< of each face, numbers of vertices
     device::BufferPool::Lease positions;       ///< of the mesh
     device::BufferPool::Lease sign_positions;  ///< if the surface has others
     device::BufferPool::Lease counts;          ///< how often each face counts, if not always once
@@ -27,8 +26,7 @@ struct DeviceSignFaces {
     std::size_t corner_count = 0;
 
     std::size_t device_bytes() const {
-        return triangles.bytes() + positions.bytes() + sign_positions.bytes() + counts.bytes() + corners.bytes() +
-               begins.bytes();
+        return positions.bytes() + sign_positions.bytes() + counts.bytes() + corners.bytes() + begins.bytes();
     }
 };
 

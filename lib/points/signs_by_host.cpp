@@ -4,6 +4,8 @@
 #include "mesh/predicates.hpp"
 #include "mesh/ray_side.hpp"
 
+#include "point_order.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -52,9 +54,9 @@ bool is_on_triangle(const Corners& corners, const Vec3& p) {
     return is_on_segment(a, b, p) || is_on_segment(b, c, p) || is_on_segment(c, a, p);
 }
 
-bool is_on_surface(const engine::PointMesh& mesh, const Vec3& p, const Vec3& in_units) {
-    return engine::visit_faces(mesh, engine::UnitBox(in_units),
-                               [&](std::size_t face) { return is_on_triangle(mesh.corners(face), p); });
+bool is_on_surface(const engine::SearchedMesh& searched, const Vec3& p, const Vec3& in_units) {
+    return engine::visit_faces(searched.tree, engine::UnitBox(in_units),
+                               [&](std::size_t face) { return is_on_triangle(searched.mesh.corners(face), p); });
 }
 
 /// Whether the face lies beyond the box of two points on an axis.
@@ -64,14 +66,16 @@ bool is_apart(const Corners& corners, const Vec3& p, const Vec3& q, std::size_t 
 }
 
 /// On the ray along x from a point that is not on the surface.
-Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, const Vec3& in_units, bool is_forward) {
+Crossings crossings_of_ray(const engine::SearchedMesh& searched, const Vec3& from, const Vec3& in_units,
+                           bool is_forward) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
+    const engine::PointMesh& mesh = searched.mesh;
     engine::UnitBox box(in_units);
     (is_forward ? box.upper : box.lower)[0] = static_cast<float>(is_forward ? infinity : -infinity);
     Vec3 to = from;
     to[0] = is_forward ? infinity : -infinity;
     Crossings crossings;
-    engine::visit_faces(mesh, box, [&](std::size_t face) {
+    engine::visit_faces(searched.tree, box, [&](std::size_t face) {
         const int count = mesh.sign_count(face);
         if (count == 0) return false;
         const Corners corners = mesh.sign_corners(face);
@@ -91,21 +95,23 @@ Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, cons
 }
 
 /// The same to the nearer side of the mesh's box; of a part of a mesh to the lower one.
-Crossings crossings_of_ray(const engine::PointMesh& mesh, const Vec3& from, const Vec3& in_units) {
-    return crossings_of_ray(mesh, from, in_units,
+Crossings crossings_of_ray(const engine::SearchedMesh& searched, const Vec3& from, const Vec3& in_units) {
+    const engine::PointMesh& mesh = searched.mesh;
+    return crossings_of_ray(searched, from, in_units,
                             !mesh.is_part && from[0] - mesh.box.lower[0] > mesh.box.upper[0] - from[0]);
 }
 
 /// The same towards -x, to which the part of open edges fits.
-int winding_of_ray(const engine::PointMesh& mesh, const Vec3& from) {
-    return crossings_of_ray(mesh, from, mesh.in_units(from), false).winding;
+int winding_of_ray(const engine::SearchedMesh& searched, const Vec3& from) {
+    return crossings_of_ray(searched, from, searched.mesh.in_units(from), false).winding;
 }
 
 /// On the way from `from`, whose crossings are known, straight to `to`; neither is on the surface. Nothing if it meets
 /// an edge or runs in a face's plane: there exact predicates do not tell.
-std::optional<Crossings> crossings_along(const engine::PointMesh& mesh, const Vec3& from, const Vec3& to,
+std::optional<Crossings> crossings_along(const engine::SearchedMesh& searched, const Vec3& from, const Vec3& to,
                                          const engine::UnitBox& box, Crossings crossings) {
-    const bool is_undecided = engine::visit_faces(mesh, box, [&](std::size_t face) {
+    const engine::PointMesh& mesh = searched.mesh;
+    const bool is_undecided = engine::visit_faces(searched.tree, box, [&](std::size_t face) {
         const int count = mesh.sign_count(face);
         if (count == 0) return false;
         const Corners corners = mesh.sign_corners(face);
@@ -180,26 +186,27 @@ constexpr double share_without_edges = 0.75;
 /// A way longer than that, in units, meets more faces than a ray.
 constexpr double longest_way = 16;
 
-Crossings crossings_of(const engine::PointMesh& mesh, const Vec3& p, const Vec3& in_units,
+Crossings crossings_of(const engine::SearchedMesh& searched, const Vec3& p, const Vec3& in_units,
                        const KnownBalls::Found& known) {
     if (known.is_free) return known.ball->crossings;
-    if (known.distance < longest_way && !mesh.has_several_regions) {
+    if (known.distance < longest_way && !searched.mesh.has_several_regions) {
         engine::UnitBox box(in_units);
         box.add(engine::UnitBox(known.ball->centre));
-        if (const auto crossings = crossings_along(mesh, known.ball->callers, p, box, known.ball->crossings))
+        if (const auto crossings = crossings_along(searched, known.ball->callers, p, box, known.ball->crossings))
             return *crossings;
     }
-    return crossings_of_ray(mesh, p, in_units);
+    return crossings_of_ray(searched, p, in_units);
 }
 
 /// The winding number of a point, rounded to an integer, a half up. radius: of a ball without surface around it.
-int winding_number_with_film(const engine::PointMesh& mesh, const Vec3& p, const Vec3& in_units, double radius,
+int winding_number_with_film(const engine::SearchedMesh& searched, const Vec3& p, const Vec3& in_units, double radius,
                              KnownBalls& balls) {
     if (const KnownBalls::Found known = balls.find(in_units, 0); known.is_free) return known.ball->crossings.winding;
-    const FilmTree::View view = mesh.film->look(p);
-    const Crossings crossings{winding_of_ray(mesh, p) + view.rounded, 0};
+    const FilmTree& film = *searched.mesh.film;
+    const FilmTree::View view = film.look(p);
+    const Crossings crossings{winding_of_ray(searched, p) + view.rounded, 0};
     // The change in a ball grows with its radius, at least as fast: so the film is as far away as this says.
-    const double most = share_without_edges * radius, change = mesh.film->change_within(p, most);
+    const double most = share_without_edges * radius, change = film.change_within(p, most);
     const double free = change > view.to_half ? most * (view.to_half / change) : most;
     if (free > least_free) balls.add({in_units, p, free, crossings});
     return crossings.winding;
@@ -207,25 +214,27 @@ int winding_number_with_film(const engine::PointMesh& mesh, const Vec3& p, const
 
 }  // namespace
 
-std::optional<int> rounded_winding_number(const engine::PointMesh& mesh, const Vec3& centre, double radius) {
-    const double change = mesh.film->change_within(centre, radius);
+std::optional<int> rounded_winding_number(const engine::SearchedMesh& searched, const Vec3& centre, double radius) {
+    const FilmTree& film = *searched.mesh.film;
+    const double change = film.change_within(centre, radius);
     if (!(change < 0.5)) return std::nullopt;
-    const FilmTree::View view = mesh.film->look(centre, change);
+    const FilmTree::View view = film.look(centre, change);
     if (!(change < view.to_half)) return std::nullopt;
-    return winding_of_ray(mesh, centre) + view.rounded;
+    return winding_of_ray(searched, centre) + view.rounded;
 }
 
-double winding_number(const engine::PointMesh& mesh, const OpenBoundary& boundary, const Vec3& point) {
-    return winding_of_ray(mesh, point) + angle_of(boundary, point, mesh.lattice.unit).turns;
+double winding_number(const engine::SearchedMesh& searched, const OpenBoundary& boundary, const Vec3& point) {
+    return winding_of_ray(searched, point) + angle_of(boundary, point, searched.mesh.lattice.unit).turns;
 }
 
-Crossings count_crossings(const engine::PointMesh& mesh, const Vec3& point, const Vec3& in_units) {
-    return crossings_of_ray(mesh, point, in_units);
+Crossings count_crossings(const engine::SearchedMesh& searched, const Vec3& point, const Vec3& in_units) {
+    return crossings_of_ray(searched, point, in_units);
 }
 
-void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoints& points,
+void find_signs(const engine::SearchedMesh& searched, SignRule rule, const LocatedPoints& points,
                 std::span<std::uint8_t> signs) {
     constexpr std::size_t together = 256;
+    const engine::PointMesh& mesh = searched.mesh;
     for_each_chunk(points.order.size(), together, [&](std::size_t, std::size_t begin, std::size_t end) {
         KnownBalls balls;
         for (std::size_t i = begin; i < end; ++i) {
@@ -235,17 +244,17 @@ void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoint
             if (!mesh.film && !engine::contains(mesh.box, p)) continue;
             const double distance = std::sqrt(points.squared[i]), radius = distance * (1 - rounding) - rounding;
             const Vec3 in_units = mesh.in_units(p);
-            if (distance < nearly_on_surface && is_on_surface(mesh, p, in_units)) {
+            if (distance < CLSDF_NEARLY_ON_SURFACE && is_on_surface(searched, p, in_units)) {
                 signs[i] = CLSDF_POINT_ON_SURFACE;
                 continue;
             }
             if (rule == SignRule::none) continue;
             if (mesh.film) {
-                if (winding_number_with_film(mesh, p, in_units, radius, balls) != 0) signs[i] = CLSDF_POINT_INSIDE;
+                if (winding_number_with_film(searched, p, in_units, radius, balls) != 0) signs[i] = CLSDF_POINT_INSIDE;
                 continue;
             }
             const KnownBalls::Found known = balls.find(in_units, radius);
-            const Crossings crossings = crossings_of(mesh, p, in_units, known);
+            const Crossings crossings = crossings_of(searched, p, in_units, known);
             if (crossings.are_inside(rule)) signs[i] = CLSDF_POINT_INSIDE;
             // On the surface with joined vertices a point has the crossings of either side: no way begins there.
             const bool is_apart = mesh.sign_positions.empty() || radius > 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tree/point_mesh.hpp"
+#include "tree/wide_tree.hpp"
 
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
@@ -12,9 +12,6 @@
 
 namespace clsdf::points {
 
-/// A point nearer to the surface, in units, may lie on it.
-inline constexpr double nearly_on_surface = 1e-9;
-
 /// The surface's crossings on a way from outside the mesh to a point.
 struct Crossings {
     int winding = 0;  ///< the winding number of a surface that is balanced
@@ -25,13 +22,13 @@ struct Crossings {
 
 /// Crossings of a point that is not on the surface, given in the caller's coordinates and in units. Exact for the
 /// caller's coordinates.
-Crossings count_crossings(const engine::PointMesh& mesh, const Vec3& point, const Vec3& in_units);
+Crossings count_crossings(const engine::SearchedMesh& searched, const Vec3& point, const Vec3& in_units);
 
 /// The generalised winding number of a point, given in the caller's coordinates. boundary: the open edges, or empty.
-double winding_number(const engine::PointMesh& mesh, const OpenBoundary& boundary, const Vec3& point);
+double winding_number(const engine::SearchedMesh& searched, const OpenBoundary& boundary, const Vec3& point);
 /// That of all points of a ball without surface, rounded to an integer, a half up; nothing if it may not be the same.
 /// The open edges count: PointMesh::film is not null. radius: in units.
-std::optional<int> rounded_winding_number(const engine::PointMesh& mesh, const Vec3& centre, double radius);
+std::optional<int> rounded_winding_number(const engine::SearchedMesh& searched, const Vec3& centre, double radius);
 
 /// Points whose nearest faces are known, in an order in which neighbours are near each other.
 struct LocatedPoints {
@@ -46,7 +43,7 @@ struct LocatedPoints {
 /// Two points have the same sign if a ball around one of them holds the other and does not reach the surface. For every
 /// other point, crossings with the surface are counted: on the way from a point nearby, or on a ray along x. If open
 /// edges count, the ball does not reach the film that closes the holes either, and the ray is one towards -x.
-void find_signs(const engine::PointMesh& mesh, SignRule rule, const LocatedPoints& points,
+void find_signs(const engine::SearchedMesh& searched, SignRule rule, const LocatedPoints& points,
                 std::span<std::uint8_t> signs);
 
 }  // namespace clsdf::points

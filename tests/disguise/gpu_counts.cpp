@@ -16,6 +16,7 @@
 #include "device/context.hpp"
 #include "launch/programs.hpp"
 #include "tree/binary_tree.hpp"
+#include "tree/wide_tree.hpp"
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -215,11 +216,15 @@ SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const engine::Programs programs(context, KernelBody::by_group);
     const engine::DeviceTools tools{context, pool, programs};
-    const engine::PointMesh tree =
+    const engine::PointMesh faces_of =
         engine::make_point_mesh(tools, mesh, {}, std::make_shared<const engine::MeshTopology>(mesh));
-    const engine::FittedTree fitted = engine::fitted_tree(tools, tree, nullptr);
-    const one_lane::PointMesh sources{tree.nodes.data() + tree.tree.count[0], on_host<PointLeaf>(tree.leaves),
-                                      on_host<Polyhedron>(tree.polyhedra), on_host<PointFace>(tree.faces)};
+    const auto tree = std::make_shared<const engine::WideTree>(engine::make_wide_tree(faces_of));
+    const engine::WideLeaves leaves = engine::make_wide_leaves(tools, faces_of, tree);
+    const device::BufferPool::Lease triangles =
+        device::uploaded(context, pool, faces_of.topology->faces.triangles, "triangles");
+    const engine::FittedTree fitted = engine::fitted_tree(tools, faces_of, *triangles, nullptr);
+    const one_lane::PointMesh sources{tree->nodes.data() + tree->shape.count[0], leaves.on_host(),
+                                      on_host<Polyhedron>(faces_of.polyhedra), on_host<PointFace>(faces_of.faces)};
     const auto* const nodes = on_host<BinaryNode>(fitted.nodes);
     const auto* const faces = on_host<PlacedFace>(fitted.faces);
     SearchWorks works;
@@ -228,7 +233,7 @@ SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec
     const auto for_each_point = [&](const auto& search_for) {
         test::search_counts = {};
         for (const Vec3& point : searched) {
-            const auto& [x, y, z] = tree.in_units(point);
+            const auto& [x, y, z] = faces_of.in_units(point);
             search_for(one_lane::double3{x, y, z});
         }
         return test::search_counts;
@@ -236,19 +241,20 @@ SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec
     constexpr double infinity = std::numeric_limits<double>::infinity();
     works.wide_tree =
         work_of(for_each_point([&](const one_lane::double3& p) {
-                    one_lane::nearest_face(tree.tree, sources, p, infinity, CLSDF_NO_FACE);
+                    one_lane::nearest_face(tree->shape, sources, p, infinity, CLSDF_NO_FACE);
                 }),
                 sizeof(PointNode) / double{CLSDF_TREE_WIDTH}, sizeof(PointLeaf) / double{CLSDF_TREE_WIDTH});
-    works.binary_tree = work_of(for_each_point([&](const one_lane::double3& p) {
-                                    std::array<std::uint32_t, engine::deep_stack_entries> stack;
-                                    std::array<std::uint32_t, CLSDF_LISTED_FACES> places;
-                                    one_lane::ListedFaces found{one_lane::bound_of_squared(infinity),
-                                                                static_cast<float>(infinity), 0, places.data(), 1};
-                                    one_lane::search_for_list(fitted.divided->tree, nodes, faces,
-                                                              one_lane::tree_point(p), stack.data(), 1, &found);
-                                    test::search_counts.decisions += found.count;
-                                }),
-                                sizeof(BinaryNode) / 2.0, sizeof(PlacedFace));
+    works.binary_tree = work_of(
+        for_each_point([&](const one_lane::double3& p) {
+            std::array<std::uint32_t, engine::deep_stack_entries> stack;
+            std::array<std::uint32_t, CLSDF_LISTED_FACES> places;
+            one_lane::ListedFaces found{
+                one_lane::tree_point(p), faces, one_lane::bound_of_squared(infinity), static_cast<float>(infinity), 0,
+                places.data(),           1};
+            one_lane::search_for_list(fitted.divided->tree, nodes, stack.data(), 1, &found);
+            test::search_counts.decisions += found.count;
+        }),
+        sizeof(BinaryNode) / 2.0, sizeof(PlacedFace));
 #ifdef CLSDF_TEST_CUBQL
     const test::CubqlWork cubql = test::search_by_cubql(mesh, searched);
     works.cubql = work_of({cubql.boxes, cubql.faces, 0}, test::bytes_of_cubql_box, test::bytes_of_cubql_face);

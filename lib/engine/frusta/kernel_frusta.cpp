@@ -191,11 +191,11 @@ private:
                    copy.bytes > device::PinnedCopies::least_bytes;
         };
         cl::Event last;
-        const std::size_t launched = job_.tools.context.kernels().launched().count();
+        const std::size_t launched = set_up_.tools.context.kernels().launched().count();
         for (const Copy& copy : copies)
             if (copy.bytes > 0 && !is_pinned(copy))
                 queue.enqueueReadBuffer(copy.from, CL_FALSE, 0, copy.bytes, copy.to, nullptr, &last);
-        if (last() != nullptr) job_.tools.context.wait(last, launched);
+        if (last() != nullptr) set_up_.tools.context.wait(last, launched);
         for (const Copy& copy : copies)
             if (is_pinned(copy))
                 set_up_.tools.context.read(queue, copy.from, 0, copy.bytes, static_cast<std::byte*>(copy.to));

@@ -21,9 +21,10 @@ namespace {
 /// A mesh on its way into the tree.
 class Making {
 public:
-    Making(const DeviceTools& tools, const PointMesh& mesh)
+    Making(const DeviceTools& tools, const PointMesh& mesh, const cl::Buffer& triangles)
         : tools_(tools),
           mesh_(mesh),
+          triangles_(triangles),
           count_(mesh.face_count()),
           places_(static_cast<cl_uint>(count_)),
           program_(tools.programs.binary_tree),
@@ -41,7 +42,6 @@ public:
         const unsigned bits = static_cast<unsigned>(std::bit_width(count_));
         divided.tree.leaf = 1U << bits;
         divided.tree.distance = ~(2 * divided.tree.leaf - 1);
-        divided.triangles = device::uploaded(tools_.context, tools_.pool, mesh_.topology->faces.triangles, "triangles");
         divided.order = lease(count_ * sizeof(cl_uint), "order of the tree's faces");
         const device::BufferPool::Lease codes = lease(count_ * sizeof(cl_uint), "codes of faces");
         make_codes(divided, false, *codes);
@@ -68,7 +68,7 @@ public:
         const device::BufferPool::Lease boxes = lease(box_count * sizeof(FaceBox), "boxes of faces");
         device::LentKernel fit_faces = tools_.kernel(program_, "fit_faces"),
                            join = tools_.kernel(program_, "join_boxes");
-        launch(tools_.queue(), fit_faces, {count_}, places_, lattice_, *positions_, *divided.triangles, *divided.order,
+        launch(tools_.queue(), fit_faces, {count_}, places_, lattice_, *positions_, triangles_, *divided.order,
                *mesh_.polyhedra, *mesh_.faces, *boxes, *tree.faces);
         std::size_t from = 0;
         for (std::size_t level = count_; level >= CLSDF_JOINED_BOXES; level = chunk_count(level, CLSDF_JOINED_BOXES)) {
@@ -91,7 +91,7 @@ private:
     /// The codes of the faces or, if is_ordered, of the places.
     void make_codes(const DividedFaces& divided, bool is_ordered, const cl::Buffer& codes) {
         device::LentKernel kernel = tools_.kernel(program_, "codes_of_faces");
-        launch(tools_.queue(), kernel, {count_}, places_, lattice_, *positions_, *divided.triangles,
+        launch(tools_.queue(), kernel, {count_}, places_, lattice_, *positions_, triangles_,
                cl_uint{is_ordered}, *divided.order, codes);
     }
 
@@ -131,6 +131,7 @@ private:
 
     const DeviceTools& tools_;
     const PointMesh& mesh_;
+    const cl::Buffer& triangles_;
     std::size_t count_;
     cl_uint places_;
     cl::Program program_;
@@ -140,9 +141,12 @@ private:
 
 }  // namespace
 
-FittedTree fitted_tree(const DeviceTools& tools, const PointMesh& mesh, std::shared_ptr<const DividedFaces> before) {
+static_assert(deep_stack_entries == CLSDF_DEEPEST_TREE);
+
+FittedTree fitted_tree(const DeviceTools& tools, const PointMesh& mesh, const cl::Buffer& triangles,
+                       std::shared_ptr<const DividedFaces> before) {
     return device::guarded([&] {
-        Making making(tools, mesh);
+        Making making(tools, mesh, triangles);
         if (before) {
             FittedTree tree = making.fit(before);
             if (tree.area <= 2 * before->area) return tree;

@@ -15,13 +15,12 @@ namespace clsdf::engine {
 struct DividedFaces {
     BinaryTree tree{};
     std::size_t node_count = 0;
-    unsigned depth = 0;                   ///< nodes between the root and a leaf, both ends included
-    double area = 0;                      ///< FittedTree::area when the faces were divided
-    device::BufferPool::Lease triangles;  ///< Triangle of each face, numbers of vertices
-    device::BufferPool::Lease order;      ///< the face of each place
-    device::BufferPool::Lease nodes;      ///< NodePlaces of each node; the root is the first
+    unsigned depth = 0;               ///< nodes between the root and a leaf, both ends included
+    double area = 0;                  ///< FittedTree::area when the faces were divided
+    device::BufferPool::Lease order;  ///< the face of each place
+    device::BufferPool::Lease nodes;  ///< NodePlaces of each node; the root is the first
 
-    std::size_t device_bytes() const { return triangles.bytes() + order.bytes() + nodes.bytes(); }
+    std::size_t device_bytes() const { return order.bytes() + nodes.bytes(); }
 };
 
 /// The tree at the positions of a PointMesh.
@@ -34,8 +33,10 @@ struct FittedTree {
     std::size_t device_bytes() const { return nodes.bytes() + faces.bytes(); }
 };
 
-/// before: the division at earlier positions of the same triangles, or null. The faces are divided anew if its boxes
+/// triangles: of each face, numbers of vertices. before: the division at earlier positions of the same triangles, or
+/// null. The faces are divided anew if its boxes
 /// have become twice as large. Throws Error(out_of_memory or device_failure).
-FittedTree fitted_tree(const DeviceTools& tools, const PointMesh& mesh, std::shared_ptr<const DividedFaces> before);
+FittedTree fitted_tree(const DeviceTools& tools, const PointMesh& mesh, const cl::Buffer& triangles,
+                       std::shared_ptr<const DividedFaces> before);
 
 }  // namespace clsdf::engine
