@@ -25,12 +25,12 @@ DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, const 
                                      const CallOptions& call) {
     with_host_memory("for the mesh", [&] {
         targets::MappedMemory memory(device::context_of(device));
-        memory.add(mesh.vertices(), "vertices");
-        memory.add(mesh.triangles(), "triangles");
+        memory.add_triples(mesh.vertices(), "vertices");
+        memory.add_triples(mesh.triangles(), "triangles");
         targets::wait_for(device::context_of(device), call.wait_list);
         if ((state_ = State::of_device_mesh(device, mesh, options, call))) return;
         memory.map({});
-        Mesh copy(MeshView(memory.on_host(mesh.vertices()), memory.on_host(mesh.triangles())));
+        Mesh copy(MeshView(memory.mapped(mesh.vertices()), memory.mapped(mesh.triangles())));
         memory.unmap();
         state_ = std::make_unique<State>(std::move(device), std::move(copy), options, call);
     });
@@ -79,13 +79,13 @@ void DistanceTransform::set_positions(const InputArray& positions, const CallOpt
         State& state = this->state();
         check_array(positions, ArrayKind::positions, "positions", ErrorCode::invalid_argument);
         targets::MappedMemory memory(device::context_of(state.device));
-        memory.add(positions, "positions");
+        memory.add_triples(positions, "positions");
         if (positions.device != nullptr) {
             targets::wait_for(device::context_of(state.device), call.wait_list);
             if (state.set_positions_on_device(positions)) return;
         }
         memory.map(call.wait_list);
-        const PositionArray array(memory.on_host(positions));
+        const PositionArray array(memory.mapped(positions));
         std::vector<Vec3> copy;
         if (positions.device != nullptr) {
             copy.assign(array.get().begin(), array.get().end());

@@ -337,7 +337,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
                                         "row: set strides[0] alone",
                                         info_of(output).name, array.strides[0], array.strides[1], array.strides[2]));
         targets::MappedMemory memory(device::context_of(state.device));
-        memory.add(points, "points");
+        memory.add_triples(points, "points");
         targets::add_targets(targets, points.count, memory);
         if (state.stay_on_device(points, targets)) {
             targets::wait_for(device::context_of(state.device), call.wait_list);
@@ -348,7 +348,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
             return statistics.published();
         }
         memory.map(call.wait_list);
-        const PositionArray positions(memory.on_host(points));
+        const PositionArray positions(memory.mapped(points));
         const targets::HostTargets on_host(targets::on_host(targets, points.count, memory),
                                            targets::row_of(points.count), "there are {} points");
         std::vector<targets::WrittenArray> written;
@@ -379,7 +379,7 @@ void DistanceTransform::winding(const InputArray& points, const OutputArray& res
         check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
         if (points.count == 0) return;
         targets::MappedMemory memory(device::context_of(state.device));
-        memory.add(points, "points");
+        memory.add_triples(points, "points");
         const OutputTargets targets(results);  // winding numbers have the type and the place of distances
         const auto placed = [&](const auto& place) {
             try {
@@ -391,7 +391,7 @@ void DistanceTransform::winding(const InputArray& points, const OutputArray& res
         };
         placed([&] { targets::add_targets(targets, points.count, memory); });
         memory.map(call.wait_list);
-        const PositionArray positions(memory.on_host(points));
+        const PositionArray positions(memory.mapped(points));
         const targets::HostTargets on_host = placed([&] {
             return targets::HostTargets(targets::on_host(targets, points.count, memory), targets::row_of(points.count),
                                         "there are {} points");

@@ -2,7 +2,6 @@
 
 #include "device/read_back.hpp"
 #include "mesh/input_arrays.hpp"
-#include "mesh/triples.hpp"
 #include "targets/mapped_memory.hpp"
 
 #include <clsdf/error.hpp>

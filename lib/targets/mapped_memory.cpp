@@ -120,7 +120,7 @@ void MappedMemory::add(cl_mem memory, const ByteRange& range, Use use, const std
     });
 }
 
-void MappedMemory::add(const InputArray& triples, const std::string& what) {
+void MappedMemory::add_triples(const InputArray& triples, const std::string& what) {
     if (triples.device == nullptr) return;
     const std::size_t bytes = device::guarded([&] { return cl::Buffer(triples.device, true).getInfo<CL_MEM_SIZE>(); });
     add(triples.device, range_of(triples, bytes, what.c_str(), ErrorCode::invalid_argument), Use::read, what);
@@ -144,7 +144,7 @@ std::byte* MappedMemory::at(cl_mem memory, std::size_t byte) const {
     return found->mapped + (place.byte - found->range.begin);
 }
 
-InputArray MappedMemory::on_host(const InputArray& triples) const {
+InputArray MappedMemory::mapped(const InputArray& triples) const {
     if (triples.device == nullptr) return triples;
     InputArray result = triples;
     result.device = nullptr;

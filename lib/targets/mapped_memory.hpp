@@ -46,14 +46,14 @@ public:
     /// another context or the range does not lie in it, Error(unsupported) if its flags forbid the use.
     void add(cl_mem memory, const ByteRange& range, Use use, const std::string& what);
     /// Does nothing for memory of the host. what: a plural.
-    void add(const InputArray& triples, const std::string& what);
+    void add_triples(const InputArray& triples, const std::string& what);
 
     /// Returns when the events have ended and the memory is there.
     void map(std::span<const cl_event> wait_list);
     /// The address of a byte of a range that was added.
     std::byte* at(cl_mem memory, std::size_t byte) const;
     /// The same triples in memory of the host.
-    InputArray on_host(const InputArray& triples) const;
+    InputArray mapped(const InputArray& triples) const;
 
     /// Returns when the device has what was written.
     void unmap();

@@ -1,7 +1,8 @@
 #include "mesh_arrays.hpp"
 
+#include "core/least_index.hpp"
 #include "errors.hpp"
-#include "mesh/triples.hpp"
+#include "mesh/input_arrays.hpp"
 #include "values.hpp"
 
 #include <algorithm>

@@ -7,8 +7,8 @@
 #include "launch/programs.hpp"
 #include "launch/radix_sort.hpp"
 #include "launch/short_launches.hpp"
+#include "mesh/input_arrays.hpp"
 #include "mesh/topology.hpp"
-#include "mesh/triples.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -209,7 +209,7 @@ DeviceTriples device_triples(const InputArray& array) {
     const Steps steps = steps_of(array);
     return {cl::Buffer(array.device, true),
             array.count,
-            {array.offset / sizeof(cl_uint), steps.triple / word, steps.number / word, bytes_of(array.type) == 8, 0}};
+            {array.offset / sizeof(cl_uint), steps.triple / word, steps.number / word, steps.width == 8, 0}};
 }
 
 MeshArrays DeviceMesh::read(const DeviceSetUp& set_up) const {

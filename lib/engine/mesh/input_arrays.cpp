@@ -1,6 +1,6 @@
 #include "mesh/input_arrays.hpp"
 
-#include "mesh/triples.hpp"
+#include "core/least_index.hpp"
 
 #include <fmt/format.h>
 
@@ -34,20 +34,20 @@ void refuse_triangle(const InputArray& triangles, std::size_t triangle, const st
 
 void check_array(const InputArray& triples, ArrayKind kind, const char* what, ErrorCode code) {
     if (triples.count == 0 && triples.host == nullptr && triples.device == nullptr) return;
+    const std::size_t width = bytes_of(triples.type);
     if (triples.host != nullptr && triples.device != nullptr)
         throw Error(code, fmt::format("the {} have memory of the host and of the device; give one of them", what));
     const bool is_real = triples.type == ElementType::float32 || triples.type == ElementType::float64;
-    const bool is_known = is_real || (bytes_of(triples.type) >= 4 && triples.type <= ElementType::uint64);
+    const bool is_known = is_real || (width >= 4 && triples.type <= ElementType::uint64);
     if (!is_known || is_real != (kind == ArrayKind::positions))
         throw Error(code, fmt::format("the {} are of type {}; give {}", what, name_of(triples.type),
                                       kind == ArrayKind::indices ? "integers of 32 or 64 bits" : "floats or doubles"));
-    const auto width = static_cast<std::ptrdiff_t>(bytes_of(triples.type));
     if (triples.strides[1] != 0 || triples.strides[2] != 0)
         throw Error(code, fmt::format("the {} have strides along y and z, {} and {}; an array of them has one stride, "
                                       "strides[0]",
                                       what, triples.strides[1], triples.strides[2]));
-    if (static_cast<std::ptrdiff_t>(triples.offset % bytes_of(triples.type)) != 0 || triples.strides[0] % width != 0 ||
-        triples.component_stride % width != 0)
+    const auto is_multiple = [&](std::ptrdiff_t stride) { return stride % static_cast<std::ptrdiff_t>(width) == 0; };
+    if (triples.offset % width != 0 || !is_multiple(triples.strides[0]) || !is_multiple(triples.component_stride))
         throw Error(code,
                     fmt::format("the offset {} and the strides {} and {} of the {} are not all multiples of their "
                                 "numbers' {} bytes",
@@ -57,7 +57,7 @@ void check_array(const InputArray& triples, ArrayKind kind, const char* what, Er
         throw Error(code, fmt::format("there are {} {} and no memory for them; set the array's host or device",
                                       triples.count, what));
     if (triples.bytes == ArrayLayout::unknown_size) return;
-    const std::size_t numbers = triples.bytes / bytes_of(triples.type);
+    const std::size_t numbers = triples.bytes / width;
     if (triples.offset == 0 && triples.strides[0] == 0 && triples.component_stride == 0 && numbers % 3 != 0)
         throw Error(
             code,

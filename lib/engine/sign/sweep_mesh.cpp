@@ -1,11 +1,11 @@
 #include "sign/sweep_mesh.hpp"
 
+#include "core/least_index.hpp"
 #include "core/parallel.hpp"
 #include "device/buffer_pool.hpp"
 #include "lattice/layout_of.hpp"
 #include "launch/short_launches.hpp"
 #include "layout.h"
-#include "mesh/triples.hpp"
 #include "sweep.h"
 
 #include <fmt/format.h>
