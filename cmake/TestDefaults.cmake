@@ -1,5 +1,6 @@
 # clsdf_test_defaults(): at the end of a directory that adds tests. Every test gets a time limit, and an environment in
-# which nothing of the user's decides the outcome.
+# which nothing of the user's decides the outcome. Tests with a limit of their own are the long ones, and start first: in a
+# new build folder CTest knows no durations, and at the end one core would wait for a long test on the other.
 function(clsdf_test_defaults)
   set(limit 300)
   if(CLSDF_SANITIZE)
@@ -10,6 +11,8 @@ function(clsdf_test_defaults)
     get_test_property(${test} TIMEOUT timeout)
     if(NOT timeout)
       set_tests_properties(${test} PROPERTIES TIMEOUT ${limit})
+    else()
+      set_tests_properties(${test} PROPERTIES COST ${timeout})
     endif()
     set_property(
       TEST ${test}
