@@ -1,6 +1,7 @@
 # clsdf_test_defaults([<label>...]): at the end of a directory that adds tests. Every test gets these labels, a time limit,
 # and an environment in which nothing of the user's decides the outcome. A test has a label that says what it is about
-# (docs/architecture.md, "Folders").
+# (docs/architecture.md, "Folders"). Tests with a limit of their own are the long ones, and start first: in a new build
+# folder CTest knows no durations, and at the end one core would wait for a long test on the other.
 function(clsdf_test_defaults)
   set(limit 300)
   if(CLSDF_SANITIZE)
@@ -17,6 +18,8 @@ function(clsdf_test_defaults)
     get_test_property(${test} TIMEOUT timeout)
     if(NOT timeout)
       set_tests_properties(${test} PROPERTIES TIMEOUT ${limit})
+    else()
+      set_tests_properties(${test} PROPERTIES COST ${timeout})
     endif()
     set_property(
       TEST ${test}

@@ -1,5 +1,6 @@
 #include "compute.hpp"
 #include "core/outputs.hpp"
+#include "devices.hpp"
 #include "option_values.hpp"
 
 #include <fmt/format.h>

@@ -146,7 +146,7 @@ if(TARGET test_races AND CLSDF_OCLGRIND_DRIVER)
   set_property(TEST disguise_races APPEND PROPERTY ENVIRONMENT CLSDF_CACHE_DIR= CLSDF_SELF_TEST=0 OCLGRIND_DATA_RACES=1
                                                    OCLGRIND_CHECK_API=1 OCL_ICD_VENDORS=${CLSDF_OCLGRIND_DRIVER})
   set_tests_properties(disguise_races PROPERTIES FAIL_REGULAR_EXPRESSION "data race;Invalid;Error;OCLGRIND"
-                                                 PASS_REGULAR_EXPRESSION "No errors detected")
+                                                 PASS_REGULAR_EXPRESSION "No errors detected" TIMEOUT 900)
 endif()
 
 # and, with -C nightly (scripts/on-disguise), all that use a device, and a sample of the acceptance list: as_gpu_<test>.

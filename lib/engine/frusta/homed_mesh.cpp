@@ -109,18 +109,20 @@ HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, MeshPart part)
 }
 
 const HomedMesh::FirstMesh& HomedMesh::first() {
-    return *first_.get_or([&] {
-        std::shared_ptr<const Mesh> mesh = given_.on_host();
-        given_.forget();
-        if (!has_equal_) return FirstMesh{std::move(mesh), Vertices(vertex_count_)};
+    if (first_) return *first_;
+    first_.set(share([&] {
+        const std::shared_ptr<const Mesh>& given = given_.on_host();
+        if (!has_equal_) return FirstMesh{given, Vertices(vertex_count_)};
         set_up_.tools.context.begin_call();
         const auto& made = topology_.if_on_device();
         const std::vector<std::uint32_t> first =
-            made && made->equal ? made->equal->read(set_up_) : first_equal_vertices(mesh->vertices());
-        Mesh one_of_each = *mesh;
+            made && made->equal ? made->equal->read(set_up_) : first_equal_vertices(given->vertices());
+        Mesh one_of_each = *given;
         Vertices vertices(one_of_each, first);
         return FirstMesh{share(std::move(one_of_each)), std::move(vertices), Vertices::numbers(first)};
-    });
+    }()));
+    given_.forget();
+    return *first_;
 }
 
 const std::shared_ptr<const DeviceFaces::Names>& HomedMesh::names() {

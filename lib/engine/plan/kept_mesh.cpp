@@ -111,9 +111,7 @@ void KeptMesh::forget_positions() {
 }
 
 void KeptMesh::keep_only_copies_within_budget() {
-    if (mesh_.only_copy_bytes() <= budget()) return;
-    mesh_.read_only_copies();
-    keep_within(budget());
+    if (mesh_.only_copy_bytes() > budget()) mesh_.read_only_copies();
 }
 
 void KeptMesh::refuse_memory() const {
