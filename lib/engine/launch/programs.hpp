@@ -105,8 +105,8 @@ struct LazyProgram {
     operator cl::Program() const { return get(); }
 };
 
-/// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
-/// are not shared between threads.
+/// The kernels' programs for one device and body. Kernel objects are lent (DeviceTools::kernel()): they hold arguments,
+/// and are not shared between threads.
 struct Programs : ProgramSources {
     /// Programs that every field needs.
     static constexpr std::size_t field_programs = 5;
