@@ -3,6 +3,7 @@
 #define CLSDF_MESH_VOLUME_H
 
 #include "mesh_boxes.h"
+#include "paired_edges.h"
 
 #pragma OPENCL FP_CONTRACT OFF
 
