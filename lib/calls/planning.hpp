@@ -31,7 +31,7 @@ void DistanceTransform::State::make(Plan& plan, Asked asked, const CallOptions& 
 
 /// Makes what a plan takes from the device's memory, and waits for it: runs on other queues read it. enqueue(): may be
 /// called again with less memory, when all commands of the call before have ended.
-inline void DistanceTransform::State::set_up(calls::RunningCall& running, const std::function<void()>& enqueue) {
+inline void DistanceTransform::State::make_and_wait(calls::RunningCall& running, const std::function<void()>& enqueue) {
     calls::with_remedies(&running, {forgetting()}, [&] { context().run_or_drain(enqueue); });
     device::guarded([&] { context().finish(); });
 }
@@ -40,7 +40,7 @@ inline void DistanceTransform::State::set_up(calls::RunningCall& running, const 
 template <class Plan, class Add>
 void DistanceTransform::State::set_up_slabs(Plan& plan, calls::RunningCall& running, const Add& add) {
     bool is_retry = false;
-    set_up(running, [&] {
+    make_and_wait(running, [&] {
         plan.clear();
         if (std::exchange(is_retry, true) && plan.has_own_pool) plan.pool->release();
         plan.make_room();

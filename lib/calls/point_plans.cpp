@@ -31,7 +31,7 @@ void DistanceTransform::State::plan(plans::PointPlanState& plan, const plans::As
              running);
         const Stopwatch watch;
         plans::PlannedPoints made;
-        set_up(running, [&] {
+        make_and_wait(running, [&] {
             made.run.reset();
             made.inputs = planned_point_inputs(asked.outputs);
             if (!plan.needs_memory(programs)) return;
@@ -112,7 +112,7 @@ void PointPlan::enqueue(cl_command_queue queue, const InputArray& points, const 
 void PointPlan::update(const DistanceTransform& transform, const CallOptions& call) {
     with_host_memory("for the plan", [&] {
         State& state = this->state();
-        transform.state().plan(state, state.asked(), call);
+        transform.state().plan(state, plans::AskedPoints(state.asked()), call);
     });
 }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <iterator>
 #include <utility>
 
@@ -42,11 +43,10 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
     auto made =
         make_topology(mesh.vertices().size(), mesh.triangles().size(), call,
                       [&](const engine::DeviceSetUp& set_up) { return engine::make_device_topology(set_up, mesh); });
-    auto own = std::make_shared<Mesh>(std::move(mesh));
     if (made)
-        set_mesh(std::move(own), std::move(*made), options, call);
+        set_mesh(std::make_shared<const Mesh>(std::move(mesh)), std::move(*made), options, call);
     else
-        set_mesh(std::move(*own), options, call);
+        set_mesh(std::move(mesh), options, call);
 }
 
 DistanceTransform::State::State(Device device_in, const TransformOptions& options, const CallOptions& call,
@@ -217,6 +217,11 @@ bool DistanceTransform::State::move_by(const Move& move) {
     points_asked = 0;
     points_are_short_of_memory = false;
     plans.clear();
+    try {
+        kept_mesh->keep_only_copies_within_budget();
+    } catch (const std::exception&) {
+        // The vertices have moved, and their positions stay on the device.
+    }
     return true;
 }
 
@@ -306,16 +311,10 @@ void DistanceTransform::State::keep_within_budget() {
     if (lattices > budget) kept_mesh->keep_within(budget);
 }
 
-bool DistanceTransform::State::read_only_copies() {
-    const std::size_t bytes_before = kept_mesh->device_bytes();
-    kept_mesh->read_only_copies();
-    kept_mesh->release();
-    return pool->release() || kept_mesh->device_bytes() < bytes_before;
-}
-
 bool DistanceTransform::State::forget() {
     const std::size_t plans_before = plans.size(), bytes_before = kept_mesh->device_bytes();
     plans.clear();
+    kept_mesh->read_only_copies();
     kept_mesh->release();
     return pool->release() || plans_before > 0 || kept_mesh->device_bytes() < bytes_before;
 }

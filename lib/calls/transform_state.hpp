@@ -97,16 +97,12 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     };
     /// Device memory that a kept plan holds, beside what the kept mesh counts itself.
     std::size_t bytes_of(const engine::GridPlan& plan) const;
-    /// Releases what is kept for later calls. Returns whether there was something.
+    /// Releases what is kept for later calls; reads what only the device has before. Returns whether there was
+    /// something. Throws Error.
     bool forget();
-    /// Reads what only the device has to the host, and releases it. Returns whether there was something.
-    bool read_only_copies();
-    /// Forgets what is kept, also what has to be read before: see with_remedies().
+    /// Forgets what is kept: see with_remedies().
     calls::Remedy forgetting() {
-        return {[this] {
-            const bool has_forgotten = forget();
-            return read_only_copies() || has_forgotten;
-        }};
+        return {[this] { return forget(); }};
     }
     /// For a query of `most` points at once: forgets, halves `most`, gives up the tables.
     std::vector<calls::Remedy> remedies_for_points(std::size_t& most);
@@ -155,7 +151,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     // planning.hpp
     template <class Plan, class Asked, class MakeParts>
     void make(Plan& plan, Asked asked, const CallOptions& call, const MakeParts& make_parts);
-    void set_up(calls::RunningCall& running, const std::function<void()>& enqueue);
+    void make_and_wait(calls::RunningCall& running, const std::function<void()>& enqueue);
     template <class Plan, class Add>
     void set_up_slabs(Plan& plan, calls::RunningCall& running, const Add& add);
 
@@ -225,8 +221,8 @@ private:
     engine::KeptMesh::Options kept_options(const TransformOptions& options) const {
         return {programs, method, options.kept_bytes};
     }
-    /// What make(job), make_device_topology(), returns, by kernels that are tested; nothing if the host is to make the
-    /// topology of so many vertices and faces.
+    /// Returns what make(set_up), make_device_topology(), returns, by kernels that are tested; nothing if the host is
+    /// to make the topology of so many vertices and faces.
     template <class Make>
     std::optional<engine::MadeTopology> make_topology(std::size_t vertex_count, std::size_t face_count,
                                                       const CallOptions& call, const Make& make) const;

@@ -334,7 +334,7 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
         {"a crossing that does not count",
          few_points,
          groups,
-         {"point_signs.cl", "crossings->winding += counts * crossing;", "crossings->winding += counts - 1;"}},
+         {"point_signs.cl", "ray->winding += counts * crossing;", "ray->winding += counts - 1;"}},
         {"a triangle beside its place",
          many_points,
          vectors,

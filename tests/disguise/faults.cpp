@@ -259,6 +259,12 @@ BOOST_AUTO_TEST_CASE(a_kernel_that_fails_is_named_and_leaves_no_file) {
             const Run one = run(job, "kernel:" + std::to_string(number));
             BOOST_TEST_CONTEXT(job.name << ", launch " << number << " fails, " << one.failed << "; seed " << seed()
                                         << "; the command said: " << one.outcome.error) {
+                // How many launches a long job is divided into depends on their times.
+                if (one.failed.empty()) {
+                    BOOST_TEST(one.launches < number);
+                    BOOST_TEST((one.file == whole.file));
+                    continue;
+                }
                 check_refusal(one);
                 BOOST_TEST((!one.failed.empty() && one.outcome.error.find(one.failed) != std::string::npos));
             }
@@ -274,7 +280,10 @@ BOOST_AUTO_TEST_CASE(a_call_that_is_named_fails_wherever_it_is_made) {
         for (const char* onwards : {"", "+"}) {
             const Run one = run({"whole", compute(), {}}, std::string(call) + ":1" + onwards);
             BOOST_TEST_CONTEXT(call << onwards << "; the command said: " << one.outcome.error) {
-                BOOST_TEST(one.failed == call);
+                // Nobody waits for events that have ended already.
+                const bool is_made =
+                    one.failed == call || (one.failed.empty() && call == std::string("clWaitForEvents"));
+                BOOST_TEST(is_made);
                 check_one(one, whole);
             }
         }

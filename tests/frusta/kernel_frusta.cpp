@@ -54,7 +54,7 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
             return frusta_by_kernels(job, names, std::make_shared<const engine::FrustaSources>(job, *both.topology),
                                      mesh, lattice);
         engine::KeptValues kept;
-        engine::HomedTopology topology(kept, engine::MadeOf::triangles, nullptr, nullptr);
+        engine::HomedTopology topology(kept, engine::MadeOf::triangles, engine::UsedBy::grids, nullptr, nullptr);
         topology.set(both.topology,
                      std::make_shared<const engine::DeviceTopology>(device_topology(job, names, *both.topology)));
         engine::MadeFrusta made =

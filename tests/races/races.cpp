@@ -223,7 +223,7 @@ BOOST_AUTO_TEST_CASE(completed_frusta_of_a_gpu) {
     std::optional<engine::MadeTopology> made = engine::make_device_topology(job, mesh);
     BOOST_REQUIRE(made.has_value());
     engine::KeptValues kept;
-    engine::HomedTopology on_device(kept, engine::MadeOf::triangles, nullptr, nullptr);
+    engine::HomedTopology on_device(kept, engine::MadeOf::triangles, engine::UsedBy::grids, nullptr, nullptr);
     on_device.set(nullptr, made->topology);
     const engine::MadeFrusta kernels =
         frusta_by_kernels(job, on_device, std::make_shared<const device::BufferPool::Lease>(std::move(made->positions)),

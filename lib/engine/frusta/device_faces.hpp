@@ -44,6 +44,8 @@ struct DeviceFaces {
 
     /// Without names and positions.
     std::size_t device_bytes() const { return slopes.bytes(); }
+    /// Of what the host has found, if it has no Frusta.
+    std::size_t host_bytes() const { return found ? found->host_bytes() : 0; }
 
     /// The same on the host. Waits. Throws Error.
     Frusta read(const DeviceSetUp& set_up) const;

@@ -1,5 +1,7 @@
 #include "frusta/homed_mesh.hpp"
 
+#include <clsdf/error.hpp>
+
 #include "core/parallel.hpp"
 #include "device/read_back.hpp"
 #include "frusta/host_part.hpp"
@@ -42,7 +44,7 @@ HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, std::string name
       vertex_count_(vertex_count),
       face_count_(face_count),
       given_(
-          all, MadeOf::caller,
+          all, MadeOf::caller, UsedBy::both,
           [this] {
               set_up_.tools.context.begin_call();
               return share(mesh_of(given_.if_on_device()->read(set_up_), first_box_, name_));
@@ -51,7 +53,7 @@ HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, std::string name
       first_(all, MadeOf::caller),
       names_(all, MadeOf::triangles),
       topology_(
-          all, MadeOf::triangles,
+          all, MadeOf::triangles, UsedBy::grids,
           [this] {
               if (const auto& made = topology_.if_on_device())
                   return share(made->read(set_up_, made->equal ? first().numbers : std::vector<std::uint32_t>()));
@@ -59,20 +61,20 @@ HomedMesh::HomedMesh(KeptValues& all, const DeviceTools& tools, std::string name
           },
           [this] { return share(device_topology(set_up_, names(), topology())); }),
       positions_(
-          all, MadeOf::caller,
+          all, MadeOf::caller, UsedBy::grids,
           [this] {
               if (!positions_.is_only_copy()) return first().mesh;
               return share(read_positions(set_up_, *positions_.if_on_device(), topology(), *first().mesh, box_));
           },
           [this] { return share(set_up_.upload(ordered_positions(topology(), on_host().vertices()), "vertices")); }),
       frusta_(
-          all, MadeOf::positions,
+          all, MadeOf::positions, UsedBy::grids,
           [this] {
-              if (!frusta_.is_made()) make_frusta(nullptr);
+              require_frusta();
               return frusta_.if_on_host() ? frusta_.if_on_host() : share(frusta_.if_on_device()->read(set_up_));
           },
           [this] {
-              if (!frusta_.is_made()) make_frusta(nullptr);
+              require_frusta();
               if (frusta_.if_on_device()) return frusta_.if_on_device();
               return share(device_faces(set_up_, names(),
                                         set_up_.ways.arrays_are_shared ? nullptr : positions_.on_device(),
@@ -147,7 +149,7 @@ std::optional<PreparedMesh> HomedMesh::make_frusta(const LatticeView* lattice) {
 }
 
 const FoundFrusta& HomedMesh::found() {
-    if (!frusta_.is_made()) make_frusta(nullptr);
+    require_frusta();
     if (const auto& on_host = frusta_.if_on_host()) return *on_host;
     return *frusta_.if_on_device()->found;
 }
@@ -183,14 +185,16 @@ std::optional<MovedVertices> HomedMesh::moved_on_device(const Positions& positio
 void HomedMesh::move(std::vector<Vec3> positions) {
     const FirstMesh& first = this->first();
     std::optional<MovedVertices> on_device;
-    // A topology that a GPU has made has the caller's numbers.
+    // A topology that a GPU has made has the caller's numbers, another one those of the first mesh.
     if (first.numbers.empty() && positions.size() == first.mesh->vertices().size())
         on_device = moved_on_device(std::span<const Vec3>(positions));
     auto present = share(on_device ? moved(*first.mesh, std::move(positions), on_device->box)
                                    : moved(*first.mesh, std::move(positions), topology().faces.vertices));
+    auto positions_on_device = on_device ? share(std::move(on_device->positions)) : nullptr;
     box_ = present->box();
     has_moved_ = true;
-    positions_.set(std::move(present), on_device ? share(std::move(on_device->positions)) : nullptr);
+    positions_.set(std::move(present), std::move(positions_on_device));
+    frusta_.forget();
 }
 
 template <class Positions>
@@ -198,9 +202,11 @@ bool HomedMesh::move_on_device(const Positions& positions, std::size_t count) {
     if (count != vertex_count_ || (has_equal_ && !has_equal_on_device())) return false;
     std::optional<MovedVertices> moved = moved_on_device(positions);
     if (!moved) return false;
+    auto present = share(std::move(moved->positions));
     box_ = moved->box;
     has_moved_ = true;
-    positions_.set_only_copy(share(std::move(moved->positions)));
+    positions_.set_only_copy(std::move(present));
+    frusta_.forget();
     return true;
 }
 template bool HomedMesh::move_on_device(const DeviceTriples&, std::size_t);
@@ -210,14 +216,16 @@ bool HomedMesh::has_equal_on_device() const {
     return topology_.if_on_device() && topology_.if_on_device()->equal;
 }
 
-std::size_t HomedMesh::only_copy_bytes() const {
-    return (given_.is_only_copy() ? given_.memory().device_bytes : 0) +
-           (positions_.is_only_copy() ? positions_.memory().device_bytes : 0);
-}
-
 void HomedMesh::read_only_copies() {
     if (given_.is_only_copy()) first();
     if (positions_.is_only_copy()) on_host();
+}
+
+void HomedMesh::leave_device_together() {
+    const auto& faces = frusta_.if_on_device();
+    if (faces &&
+        ((!names_ && !topology_.if_on_device()) || (!set_up_.ways.arrays_are_shared && !positions_.if_on_device())))
+        frusta_.leave_device();
 }
 
 std::size_t HomedMesh::first_position_bytes() const {

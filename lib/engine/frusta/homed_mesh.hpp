@@ -35,7 +35,7 @@ namespace clsdf::engine {
 ///     positions  the present ones               of first, until the vertices move
 ///     frusta     topology and positions         by kernels, completed by the host
 ///
-/// On a processor kernels use the host's arrays in place. Vertices of a GPU are numbered as the topology's.
+/// On a processor kernels use the host's arrays in place. Positions on a GPU are numbered as the topology's vertices.
 ///
 /// For one thread at a time, but name() and box() between moves.
 class HomedMesh {
@@ -65,7 +65,7 @@ public:
     const std::shared_ptr<const MeshTopology>& shared_topology() { return topology_.on_host(); }
     const std::shared_ptr<const DeviceFaces::Names>& names();
 
-    /// Makes frusta that are not made, and their records for the lattice if kernels make them. lattice: may be null.
+    /// Makes the frusta, and their records for the lattice if kernels make them. lattice: may be null.
     std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);
     bool has_frusta() const { return frusta_.is_made(); }
     const Frusta& frusta() { return *frusta_.on_host(); }
@@ -75,10 +75,13 @@ public:
     /// The faces that the host writes records of.
     WrittenFaces written_faces(const DeviceFaces& faces);
     /// Whether kernels make what follows from all faces: a GPU has made the topology, and the frusta are there alone.
+    /// Then faces()->part is set.
     bool is_on_device_alone() const;
 
     /// The boxes of all clusters, and what else an index needs.
     ClusterIndex make_index();
+
+    // Moves. They leave the frusta to be made again.
 
     /// New positions of the vertices of on_host(). Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
@@ -89,10 +92,10 @@ public:
     /// Whether vertices count as one, and a GPU knows which.
     bool has_equal_on_device() const;
 
-    /// Bytes on the device that leave_device() leaves there: nobody else has these values.
-    std::size_t only_copy_bytes() const;
-    /// Reads such values to the host, so that they can leave the device. Waits. Throws Error.
+    /// Reads values that the device alone has and that could not be made again. Waits. Throws Error.
     void read_only_copies();
+    /// Lets the faces leave the device if what they hold has left it.
+    void leave_device_together();
 
     /// Bytes of the first positions, if there are others.
     std::size_t first_position_bytes() const;
@@ -109,6 +112,9 @@ private:
               std::size_t face_count);
 
     const FirstMesh& first();
+    void require_frusta() {
+        if (!frusta_.is_made()) make_frusta(nullptr);
+    }
     /// The vertices at new positions, on the device. Nothing if the host has to look at them.
     template <class Positions>
     std::optional<MovedVertices> moved_on_device(const Positions& positions);

@@ -8,18 +8,18 @@
 
 namespace clsdf::engine {
 
-/// A value with two homes: it is in memory of the host, in memory of the device, or in both. Host and Device are its
-/// two forms. Each is made when it is asked for and is not there, of the other one or of other values, in the way that
-/// is given once, to the constructor. Only this class says where a value is.
+/// A value that is in memory of the host, in memory of the device, or in both: its homes. Host and Device are its two
+/// forms. Each is made when it is asked for and is not there, of the other one or of other values, in the way that is
+/// given once, to the constructor. Only this class says where a value is.
 template <class Host, class Device>
 class Homed final : public KeptValue {
 public:
     using MakeOnHost = std::function<std::shared_ptr<const Host>()>;
     using MakeOnDevice = std::function<std::shared_ptr<const Device>()>;
 
-    /// all: as of Kept.
-    Homed(KeptValues& all, MadeOf made_of_in, MakeOnHost make_on_host, MakeOnDevice make_on_device)
-        : KeptValue(made_of_in, UsedBy::grids),
+    /// all: as of Kept. A function may be null if its form is never asked for but when it is set.
+    Homed(KeptValues& all, MadeOf made_of_in, UsedBy used_by_in, MakeOnHost make_on_host, MakeOnDevice make_on_device)
+        : KeptValue(made_of_in, used_by_in),
           make_on_host_(std::move(make_on_host)),
           make_on_device_(std::move(make_on_device)) {
         all.push_back(this);
@@ -57,12 +57,15 @@ public:
     bool is_only_copy() const { return is_only_copy_ && host_ == nullptr && device_ != nullptr; }
 
     KeptMemory memory() const override {
-        return {.host_bytes = memory_of(host_.get()).host_bytes, .device_bytes = memory_of(device_.get()).device_bytes};
+        const KeptMemory of_device = memory_of(device_.get());
+        return {.host_bytes = host_ ? memory_of(host_.get()).host_bytes : of_device.host_bytes,
+                .device_bytes = of_device.device_bytes};
     }
     bool is_in_use() const override { return device_.use_count() > 1; }
     void forget() override { set(nullptr, nullptr); }
+    bool can_leave_device() const override { return !is_only_copy(); }
     void leave_device() override {
-        if (!is_only_copy()) device_.reset();
+        if (can_leave_device()) device_.reset();
     }
 
 private:

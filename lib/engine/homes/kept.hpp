@@ -27,7 +27,9 @@ public:
     virtual bool is_in_use() const = 0;
     /// Gives up a value that is out of date.
     virtual void forget() = 0;
-    /// Gives up what it has on the device, unless that could not be made again. Neither allocates nor reads.
+    /// Whether what it has on the device could be made again.
+    virtual bool can_leave_device() const { return true; }
+    /// Gives up what it has on the device, if that could be made again. Neither allocates nor reads.
     virtual void leave_device() = 0;
 
     MadeOf made_of;

@@ -2,7 +2,6 @@
 
 #include "core/parallel.hpp"
 
-#include <limits>
 #include <utility>
 
 namespace clsdf::detail {
@@ -36,23 +35,19 @@ Mesh moved(const Mesh& mesh, std::vector<Vec3> positions, const Box& box) {
 }
 
 Mesh moved(const Mesh& mesh, std::vector<Vec3> positions, std::span<const std::uint32_t> used) {
-    Extent all;
-    if (positions.size() == mesh.vertices().size()) {
-        constexpr std::size_t grain = 4096;
-        all = reduce_ranges(
-            used.size(), grain, all,
-            [&](std::size_t begin, std::size_t end, Extent extent) {
-                for (std::size_t i = begin; i != end; ++i) extent.add(positions[used[i]]);
-                return extent;
-            },
-            [](Extent a, const Extent& b) {
-                a.add(b);
-                return a;
-            });
-    } else {
-        all.zero = std::numeric_limits<double>::quiet_NaN();
-    }
-    if (all.is_finite()) return moved(mesh, std::move(positions), without_negative_zeros(all.box));
+    constexpr std::size_t grain = 4096;
+    const bool has_all = positions.size() == mesh.vertices().size();
+    const Extent all = reduce_ranges(
+        has_all ? used.size() : 0, grain, Extent(),
+        [&](std::size_t begin, std::size_t end, Extent extent) {
+            for (std::size_t i = begin; i != end; ++i) extent.add(positions[used[i]]);
+            return extent;
+        },
+        [](Extent a, const Extent& b) {
+            a.add(b);
+            return a;
+        });
+    if (has_all && all.is_finite()) return moved(mesh, std::move(positions), without_negative_zeros(all.box));
     Mesh refused = mesh;
     refused.set_positions(std::move(positions));  // finds what is wrong, and throws
     return refused;

@@ -98,7 +98,6 @@ template <class Positions>
 bool KeptMesh::move_on_device(const Positions& positions, std::size_t count) {
     if (!sign_surface().vertices.empty() || !mesh_.move_on_device(positions, count)) return false;
     forget_positions();
-    keep_only_copies_within_budget();
     return true;
 }
 template bool KeptMesh::move_on_device(const DeviceTriples&, std::size_t);
@@ -106,12 +105,20 @@ template bool KeptMesh::move_on_device(const std::span<const Vec3>&, std::size_t
 
 void KeptMesh::forget_positions() {
     ++moves_;
-    for (KeptValue* value : all_kept())
-        if (value->made_of == MadeOf::positions) value->forget();
+    each_kept([](KeptValue& value) {
+        if (value.made_of == MadeOf::positions) value.forget();
+    });
 }
 
 void KeptMesh::keep_only_copies_within_budget() {
-    if (mesh_.only_copy_bytes() > budget()) mesh_.read_only_copies();
+    if (only_copy_bytes() > budget()) mesh_.read_only_copies();
+}
+
+std::size_t KeptMesh::only_copy_bytes() const {
+    std::size_t bytes = 0;
+    for (const KeptValue* value : kept_)
+        if (!value->can_leave_device()) bytes += value->memory().device_bytes;
+    return bytes;
 }
 
 void KeptMesh::refuse_memory() const {
@@ -222,10 +229,10 @@ std::shared_ptr<const DeviceSites> KeptMesh::sites(bool with_names, bool with_no
     });
 }
 
-KeptValues KeptMesh::all_kept() {
-    KeptValues all = kept_;
-    for (Lattice& lattice : lattices_) all.push_back(&lattice);
-    return all;
+template <class Visit>
+void KeptMesh::each_kept(const Visit& visit) {
+    for (KeptValue* value : kept_) visit(*value);
+    for (Lattice& lattice : lattices_) visit(lattice);
 }
 
 std::size_t KeptMesh::budget() {
@@ -239,30 +246,35 @@ std::size_t KeptMesh::budget() {
 }
 
 void KeptMesh::keep_within(std::size_t budget) {
-    for (KeptValue* value : all_kept()) {
-        const std::size_t bytes = value->memory().device_bytes;
+    budget -= std::min(budget, only_copy_bytes());
+    each_kept([&](KeptValue& value) {
+        if (!value.can_leave_device()) return;
+        const std::size_t bytes = value.memory().device_bytes;
         if (bytes > budget)
-            value->leave_device();
+            value.leave_device();
         else
             budget -= bytes;
-    }
+    });
+    mesh_.leave_device_together();
 }
 
 void KeptMesh::release() {
     // The last first: before the values whose memory they hold.
-    KeptValues all = all_kept();
-    for (KeptValue* value : std::views::reverse(all))
-        if (!value->is_in_use()) value->leave_device();
+    const auto release = [](KeptValue& value) {
+        if (!value.is_in_use()) value.leave_device();
+    };
+    for (Lattice& lattice : std::views::reverse(lattices_)) release(lattice);
+    for (KeptValue* value : std::views::reverse(kept_)) release(*value);
 }
 
 KeptMemory KeptMesh::memory() {
     KeptMemory sum;
     sum.host_bytes = mesh_.first_position_bytes();
-    for (const KeptValue* value : all_kept()) {
-        const KeptMemory memory = value->memory();
+    each_kept([&](const KeptValue& value) {
+        const KeptMemory memory = value.memory();
         sum.host_bytes += memory.host_bytes;
         sum.device_bytes += memory.device_bytes;
-    }
+    });
     return sum;
 }
 

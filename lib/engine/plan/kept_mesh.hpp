@@ -42,7 +42,7 @@ namespace clsdf::engine {
 ///     pseudonormals  + positions                         kept until the vertices move, once gradients need them
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last: see grid_inputs()
 ///
-/// For one thread at a time.
+/// For one thread at a time, but moves(), and name() and box() between moves.
 class KeptMesh {
 public:
     struct Options {
@@ -178,8 +178,10 @@ public:
     void keep_within(std::size_t budget);
     /// Gives up everything on the device that no plan holds and that could be made again.
     void release();
-    /// Reads the rest to the host, so that the next release() gives it up, too. Throws Error.
+    /// Reads the rest to the host, so that release() gives it up, too. Throws Error.
     void read_only_copies() { mesh_.read_only_copies(); }
+    /// The same if the budget has no room for it.
+    void keep_only_copies_within_budget();
 
     /// All memory that is kept.
     KeptMemory memory();
@@ -194,12 +196,13 @@ private:
     KeptMesh(device::Context& context, std::shared_ptr<device::BufferPool> pool, MeshPart part, Restriction restriction,
              Options options);
 
-    /// With those of lattices: the mesh's own values come first, then the lattices, the last used first.
-    KeptValues all_kept();
+    /// The mesh's own values come first, then the lattices, the last used first.
+    template <class Visit>
+    void each_kept(const Visit& visit);
+    /// Bytes of what only the device has and could not be made again.
+    std::size_t only_copy_bytes() const;
     /// Gives up what was made of other positions.
     void forget_positions();
-    /// Reads what only the device has to the host if the budget has no room for it.
-    void keep_only_copies_within_budget();
     template <class Positions>
     bool move_on_device(const Positions& positions, std::size_t count);
     [[noreturn]] void refuse_memory() const;
