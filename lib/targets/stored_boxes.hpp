@@ -3,8 +3,8 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/outputs.hpp>
 
-#include "launch/commands.hpp"
 #include "box_store.h"
+#include "launch/commands.hpp"
 
 #include <cstddef>
 #include <optional>

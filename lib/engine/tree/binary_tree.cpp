@@ -91,8 +91,8 @@ private:
     /// The codes of the faces or, if is_ordered, of the places.
     void make_codes(const DividedFaces& divided, bool is_ordered, const cl::Buffer& codes) {
         device::LentKernel kernel = tools_.kernel(program_, "codes_of_faces");
-        launch(tools_.queue(), kernel, {count_}, places_, lattice_, *positions_, triangles_,
-               cl_uint{is_ordered}, *divided.order, codes);
+        launch(tools_.queue(), kernel, {count_}, places_, lattice_, *positions_, triangles_, cl_uint{is_ordered},
+               *divided.order, codes);
     }
 
     /// Waits twice, for numbers of 8 and 4 bytes.
