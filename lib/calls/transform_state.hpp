@@ -35,8 +35,8 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// method: of a library beside the core; null: leaned frusta by bricks.
     State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
           std::shared_ptr<const FieldMethod> method_in = nullptr);
-    /// Makes the state of a mesh in memory of the device, which the host does not read. Null if it has to: because it makes the
-    /// topology by itself, or because it is to say why this is no mesh.
+    /// Makes the state of a mesh in memory of the device, which the host does not read. Null if it has to: because it
+    /// makes the topology by itself, or because it is to say why this is no mesh.
     static std::unique_ptr<State> of_device_mesh(const Device& device, const MeshView& mesh,
                                                  const TransformOptions& options, const CallOptions& call);
     State(const State&) = delete;
@@ -111,7 +111,8 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
         return {[this] { return !std::exchange(points_are_short_of_memory, true); }};
     }
 
-    /// The values of the mesh that finishing needs for these outputs, beside their names: normals, and whether they point inside.
+    /// The values of the mesh that finishing needs for these outputs, beside their names: normals, and whether they
+    /// point inside.
     struct NormalsNeeded {
         bool are_needed;
         bool is_inside_out;
