@@ -210,8 +210,7 @@ if(WAY STREQUAL "find_package" OR WAY STREQUAL "clang")
   run(${build}/consumer_both)
 
 elseif(WAY STREQUAL "add_subdirectory")
-  # Without optimisation, which is not what is tested here, it takes half the time.
-  configure(${COMPILER} -DWAY=add_subdirectory -DCLSDF=${CLSDF} -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0)
+  configure(${COMPILER} -DWAY=add_subdirectory -DCLSDF=${CLSDF})
   build_and_run()
   run(${build}/consumer_papers)
   check_readme_program()
