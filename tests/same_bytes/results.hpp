@@ -117,7 +117,8 @@ struct Layout {
     enum { packed, strided, planes } order = packed;
 };
 
-/// An array for each output of a box of samples or of a row of points. What the call does not write keeps a pattern.
+/// An array for each output of a box of samples or of a row of points. Bytes that the call does not write keep a
+/// pattern.
 class Results {
 public:
     Results(OutputSet outputs, const Index3& size, const Layout& layout = {}) : layout_(layout) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <clsdf/calls.hpp>
 #include <clsdf/mesh.hpp>
 
 #include "device/buffer_pool.hpp"

@@ -100,7 +100,7 @@ public:
 
     // Waits. PoCL's blocking calls, and waits for its queues, succeed if a command has failed. So each wait looks at an
     // event, and throws Error(device_failure) that names the kernels which may have failed: those that were launched
-    // since the last wait. What the kernels have left is not used then: see failures().
+    // since the last wait. The values that the kernels have left are not used then: see failures().
 
     /// Waits for a command, and so for those before it in its queue. launched: kernels().launched().count() when it was
     /// enqueued. Also throws cl::Error.
