@@ -108,8 +108,9 @@ typedef struct NearestSearch {
     double3 point;
     PointBox box;
     NearestFace found;
-    // Squared distances of the children of the present node of each level, from level 2 on.
+    // Of the present node of each level, from level 2 on: the squared distances of its children, and the nearest one.
     __private float* squares;
+    __private uint* nearest;
 } NearestSearch;
 
 #define SQUARES_OF(level, search) ((search)->squares + ((level)-2) * CLSDF_TREE_WIDTH)
@@ -120,20 +121,29 @@ INLINE uint near_children(__global const PointNode* node, uint level, __private 
     uint bits = 0;
     for (int first = 0; first < CLSDF_TREE_WIDTH; first += CHILDREN_AT_ONCE)
         bits |= near_boxes(node, search->box, search->found.bound, first, squares + first) << first;
-    return bits;
-}
-
-INLINE uint nearest_child(uint bits, uint level, __private NearestSearch* search) {
-    __private const float* squares = SQUARES_OF(level, search);
-    float least = search->found.bound;
-    uint nearest = CLSDF_NO_CHILD;
-    for (; bits != 0; bits &= bits - 1) {
-        const uint child = lowest_bit(bits);
-        const bool is_nearest = squares[child] <= least;
+    float least = INFINITY;
+    uint nearest = 0;
+    for (uint left = bits; left != 0; left &= left - 1) {
+        const uint child = lowest_bit(left);
+        const bool is_nearest = squares[child] < least;
         least = is_nearest ? squares[child] : least;
         nearest = is_nearest ? child : nearest;
     }
-    return nearest;
+    search->nearest[level - 2] = nearest;
+    return bits;
+}
+
+// The nearest child first, then the others in their order: to look for the nearest one each time takes longer than the
+// visits that it saves.
+INLINE uint next_child(uint bits, uint level, __private NearestSearch* search) {
+    __private const float* squares = SQUARES_OF(level, search);
+    const uint nearest = search->nearest[level - 2];
+    if (bits >> nearest & 1u) return squares[nearest] <= search->found.bound ? nearest : CLSDF_NO_CHILD;
+    for (; bits != 0; bits &= bits - 1) {
+        const uint child = lowest_bit(bits);
+        if (squares[child] <= search->found.bound) return child;
+    }
+    return CLSDF_NO_CHILD;
 }
 
 // Takes the faces of a leaf that may be nearer.
@@ -156,12 +166,13 @@ INLINE bool take_faces_of_leaf(uint number, __private NearestSearch* search) {
     return false;
 }
 
-INLINE DEFINE_WIDE_WALK(search, NearestSearch, near_children, nearest_child, take_faces_of_leaf)
+INLINE DEFINE_WIDE_WALK(search, NearestSearch, near_children, next_child, take_faces_of_leaf)
 
     // The nearest face of a point, at most at the squared distance `most`, which may be infinite. before: a face that
     // is likely to be near, or CLSDF_NO_FACE.
     static inline NearestFace nearest_face(PointTree tree, PointMesh mesh, double3 p, double most, uint before) {
     float squares[(CLSDF_TREE_LEVELS - 1) * CLSDF_TREE_WIDTH];
+    uint nearest[CLSDF_TREE_LEVELS - 1];
     NearestSearch own;
     own.mesh = mesh;
     own.faces = tree.faces;
@@ -169,6 +180,7 @@ INLINE DEFINE_WIDE_WALK(search, NearestSearch, near_children, nearest_child, tak
     own.box = box_of_point(p);
     own.found = none_nearest(most);
     own.squares = squares;
+    own.nearest = nearest;
     if (before != CLSDF_NO_FACE) take_if_nearer(mesh.polyhedra, mesh.faces, before, p, &own.found);
     search(tree, mesh.nodes, &own);
     return own.found;
