@@ -3,10 +3,11 @@
 #include "device/launched_kernels.hpp"
 #include "device/opencl.hpp"
 
+#include <cstddef>
 #include <exception>
-#include <map>
+#include <functional>
 #include <mutex>
-#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -16,23 +17,32 @@ namespace clsdf::device {
 /// kernel holds arguments, so it is lent to one user at a time.
 class KernelShelf {
 public:
+    /// Kernels of one program and name.
+    using Place = std::vector<cl::Kernel>;
+    struct Lent {
+        cl::Kernel kernel;
+        Place* place;
+    };
+
     /// name: a literal. Throws cl::Error.
-    cl::Kernel take(const cl::Program& program, const char* name) {
+    Lent take(const cl::Program& program, const char* name) {
+        Lent lent{{}, nullptr};
         {
             const std::scoped_lock lock(mutex_);
-            std::vector<cl::Kernel>& kernels = kernels_[{program(), name}];
-            if (!kernels.empty()) {
-                cl::Kernel kernel = std::move(kernels.back());
-                kernels.pop_back();
-                return kernel;
+            lent.place = &places_[{program(), name}];
+            if (!lent.place->empty()) {
+                lent.kernel = std::move(lent.place->back());
+                lent.place->pop_back();
+                return lent;
             }
         }
-        return {program, name};
+        lent.kernel = cl::Kernel(program, name);
+        return lent;
     }
-    void give_back(cl_program program, const char* name, cl::Kernel kernel) noexcept {
+    void give_back(Place& place, cl::Kernel kernel) noexcept {
         try {
             const std::scoped_lock lock(mutex_);
-            kernels_[{program, name}].push_back(std::move(kernel));
+            place.push_back(std::move(kernel));
         } catch (const std::exception&) {
             // No memory to remember it by: it is released.
         }
@@ -41,8 +51,16 @@ public:
     LaunchedKernels& launched() { return launched_; }
 
 private:
+    using Key = std::pair<cl_program, const char*>;
+    struct Hash {
+        std::size_t operator()(const Key& key) const {
+            return std::hash<const void*>()(key.first) * 31 + std::hash<const void*>()(key.second);
+        }
+    };
+
     std::mutex mutex_;
-    std::map<std::pair<cl_program, std::string_view>, std::vector<cl::Kernel>> kernels_;  // the context keeps programs
+    // The context keeps programs. Literals of one name may have several places.
+    std::unordered_map<Key, Place, Hash> places_;
     LaunchedKernels launched_;
 };
 
@@ -53,18 +71,18 @@ public:
     LentKernel() = default;
     /// name: a literal. Throws cl::Error.
     LentKernel(KernelShelf& shelf, const cl::Program& program, const char* name)
-        : cl::Kernel(shelf.take(program, name)), shelf_(&shelf), program_(program()), name_(name) {}
+        : LentKernel(shelf, shelf.take(program, name), name) {}
     LentKernel(LentKernel&& other) noexcept
         : cl::Kernel(std::move(static_cast<cl::Kernel&>(other))),
           shelf_(std::exchange(other.shelf_, nullptr)),
-          program_(other.program_),
+          place_(other.place_),
           name_(other.name_) {}
     LentKernel& operator=(LentKernel&& other) noexcept {
         if (this == &other) return *this;
         give_back();
         cl::Kernel::operator=(std::move(static_cast<cl::Kernel&>(other)));
         shelf_ = std::exchange(other.shelf_, nullptr);
-        program_ = other.program_;
+        place_ = other.place_;
         name_ = other.name_;
         return *this;
     }
@@ -75,13 +93,16 @@ public:
     void note_launch() const noexcept { shelf_->launched().add(name_); }
 
 private:
+    LentKernel(KernelShelf& shelf, KernelShelf::Lent lent, const char* name)
+        : cl::Kernel(std::move(lent.kernel)), shelf_(&shelf), place_(lent.place), name_(name) {}
+
     void give_back() noexcept {
-        if (shelf_ != nullptr) shelf_->give_back(program_, name_, std::move(static_cast<cl::Kernel&>(*this)));
+        if (shelf_ != nullptr) shelf_->give_back(*place_, std::move(static_cast<cl::Kernel&>(*this)));
         shelf_ = nullptr;
     }
 
     KernelShelf* shelf_ = nullptr;
-    cl_program program_ = nullptr;
+    KernelShelf::Place* place_ = nullptr;
     const char* name_ = nullptr;
 };
 
