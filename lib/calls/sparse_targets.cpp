@@ -47,7 +47,7 @@ SparseArrays::SparseArrays(const SparseTargets& given) : bricks(given.bricks), i
                                        "the array of bricks has room for bricks of {} samples");
     for_each_output(
         [](const OutputInfo& row, const targets::HostArray& array) {
-            if (array.in_double)
+            if (may_be_double(row) && array.in_double)
                 throw Error(ErrorCode::unsupported,
                             fmt::format("the array of the output {} has doubles, and a sparse field has floats; give "
                                         "it an array of floats",

@@ -416,6 +416,26 @@ BOOST_AUTO_TEST_CASE(the_callers_arrays_get_the_field) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(closest_points_go_into_arrays_of_doubles) {
+    const Mesh mesh = sphere();
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = lattice_around(mesh, 40, 5, {0, 0, 0});
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const SparseField whole = transform.compute_sparse(grid, band, Output::closest);
+    OwnArrays own(whole.bricks.size(), whole.inside.size());
+    const std::size_t samples = whole.bricks.size() * brick_samples;
+    std::vector<double> closest(3 * samples);
+    SparseTargets targets = own.targets();
+    targets.values = {{Output::distance, std::span(own.distance).first(samples)}, {Output::closest, closest}};
+    SparseCounts counts;
+    transform.compute_sparse(grid, band, targets, counts);
+    BOOST_TEST(std::memcmp(closest.data(), whole.closest().data(), whole.closest().size_bytes()) == 0);
+    std::vector<float> floats(closest.size());
+    targets.values = {{Output::distance, std::span(own.distance).first(samples)}, {Output::closest, floats}};
+    check_throws(ErrorCode::unsupported, {"closest", "double"},
+                 [&] { transform.compute_sparse(grid, band, targets, counts); });
+}
+
 // A pointer beyond the arrays would be seen by the sanitizers.
 BOOST_AUTO_TEST_CASE(layers_without_bricks_may_follow_those_that_exceed_the_room) {
     const Mesh mesh = make_shape("sphere4");
