@@ -186,10 +186,11 @@ constexpr double share_without_edges = 0.75;
 /// A way longer than that, in units, meets more faces than a ray.
 constexpr double longest_way = 16;
 
+/// is_apart: the point is not on the surface that decides the sign.
 Crossings crossings_of(const engine::SearchedMesh& searched, const Vec3& p, const Vec3& in_units,
-                       const KnownBalls::Found& known) {
+                       const KnownBalls::Found& known, bool is_apart) {
     if (known.is_free) return known.ball->crossings;
-    if (known.distance < longest_way && !searched.mesh.has_several_regions) {
+    if (is_apart && known.distance < longest_way && !searched.mesh.has_several_regions) {
         engine::UnitBox box(in_units);
         box.add(engine::UnitBox(known.ball->centre));
         if (const auto crossings = crossings_along(searched, known.ball->callers, p, box, known.ball->crossings))
@@ -254,10 +255,11 @@ void find_signs(const engine::SearchedMesh& searched, SignRule rule, const Locat
                 continue;
             }
             const KnownBalls::Found known = balls.find(in_units, radius);
-            const Crossings crossings = crossings_of(searched, p, in_units, known);
-            if (crossings.are_inside(rule)) signs[i] = CLSDF_POINT_INSIDE;
-            // On the surface with joined vertices a point has the crossings of either side: no way begins there.
+            // On the surface with joined vertices a point has the crossings of either side: no way begins or ends
+            // there.
             const bool is_apart = mesh.sign_positions.empty() || radius > 0;
+            const Crossings crossings = crossings_of(searched, p, in_units, known, is_apart);
+            if (crossings.are_inside(rule)) signs[i] = CLSDF_POINT_INSIDE;
             if (!known.is_free && is_apart) balls.add({in_units, p, radius, crossings});
         }
     });

@@ -1,3 +1,4 @@
+#include "points/joined_faces.hpp"
 #include "support/queries.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
@@ -150,6 +151,27 @@ BOOST_AUTO_TEST_CASE(the_sign_follows_the_rule_at_the_very_point) {
 
 // The lower corner of the mesh's box is the origin of its points. The sign of a zero there must not depend on the order
 // of vertices.
+// Of joined vertices those with the least position count, so the surface that decides the sign may go through a point
+// that is not on the mesh. Both signs are right there, and each call has the same.
+BOOST_AUTO_TEST_CASE(a_point_on_joined_faces_has_the_same_sign_in_each_call) {
+    std::vector<Triangle> triangles;
+    for (std::uint32_t first = 0; first < corners_with_noise.size(); first += 3)
+        triangles.push_back({first, first + 1, first + 2});
+    const DistanceTransform transform(
+        test_device(), Mesh({corners_with_noise.begin(), corners_with_noise.end()}, std::move(triangles)));
+    BOOST_TEST(transform.topology().joined_vertices > 0U);
+    BOOST_TEST((transform.sign() == SignRule::nonzero));
+    // So many that they are scanned together.
+    std::vector<Vec3> points(points_on_joined_faces.begin(), points_on_joined_faces.end());
+    points.insert(points.end(), points_on_joined_faces.begin(), points_on_joined_faces.end());
+    const Field together = query(transform, points);
+    for (std::size_t i = 0; i < points_on_joined_faces.size(); ++i) {
+        const Field alone = query(transform, std::span(&points[i], 1));
+        BOOST_TEST(differences(together, i, alone, 0, 1, output_table()[0]).count == 0U,
+                   "point " << i << ": " << together.distance()[i] << ", " << alone.distance()[0] << " alone");
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_move_to_the_same_positions_changes_nothing) {
     std::vector<Vec3> points;
     for (int i = -4; i < 12; ++i)
