@@ -617,7 +617,7 @@ typedef struct clsdf_read_options {
 CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh);
 /* A mesh made by code: "sphere0" to "sphere9", "torus", "knot", ... */
 CLSDF_API clsdf_status clsdf_mesh_shape(const char* name, clsdf_mesh** mesh);
-/* Reads .off, .obj, .stl or .ply; polygons become fans. CLSDF_UNREADABLE_INPUT names the line and the value. */
+/* Reads .off, .obj, .stl or .ply; polygons become triangles. CLSDF_UNREADABLE_INPUT names the line and the value. */
 CLSDF_API clsdf_status clsdf_mesh_read(const char* path, clsdf_mesh** mesh);
 /* Reads files as one mesh: the vertices and the triangles of each follow those of the one before it. `options` may be
  * null. */

@@ -231,8 +231,9 @@ public:
     /// The generalised winding number at points anywhere: of the surface that decides the sign, or of the mesh if there
     /// is no sign. A closed surface has an integer, with the sign rule parity, too. With open edges the value lies
     /// between; the rule solid_angle takes points with one half or more, or minus one half or less, to be inside. The
-    /// error is that of a float, or 1e-14 for each thousand open edges in an array of doubles. On the surface it has
-    /// the value of one of the sides. A point that is not finite has NaN.
+    /// error is that of a float, or 1e-14 for each thousand open edges in an array of doubles, and in both 1e-16 times
+    /// the length of an open edge over its distance. On the surface it has the value of one of the sides. A point that
+    /// is not finite has NaN.
     ///
     /// Points and results are arrays of the host or of the device as in query(), which says what they throw. Works on
     /// the host, on all cores, and takes for each point as long as crossings and a sum over the open edges. Also throws
