@@ -1,4 +1,5 @@
-// The volume that a mesh encloses: the sums of encloses_negative_volume() (lib/engine/mesh/volume.cpp), in its order.
+// The volume that a mesh encloses: the sums of encloses_negative_volume() (lib/engine/surface/volume.cpp), in its
+// order.
 #ifndef CLSDF_MESH_VOLUME_H
 #define CLSDF_MESH_VOLUME_H
 

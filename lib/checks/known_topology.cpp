@@ -6,10 +6,11 @@
 #include "frusta/kernel_topology.hpp"
 #include "lattice/layout_of.hpp"
 #include "launch/device_tools.hpp"
-#include "mesh/parts.hpp"
-#include "mesh/topology.hpp"
+#include "mesh/equal_vertices.hpp"
 #include "mesh/vertices.hpp"
 #include "sign/sweep_mesh.hpp"
+#include "surface/parts.hpp"
+#include "surface/topology.hpp"
 
 #include <fmt/format.h>
 

@@ -10,8 +10,8 @@
 #include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
 #include "layout.h"
-#include "mesh/sign_surface.hpp"
 #include "outputs.h"
+#include "surface/sign_surface.hpp"
 
 #include <cstdint>
 #include <memory>

@@ -3,8 +3,8 @@
 #include <clsdf/mesh.hpp>
 
 #include "frusta/topology.hpp"
-#include "mesh/sign_surface.hpp"
 #include "outputs.h"
+#include "surface/sign_surface.hpp"
 
 #include <span>
 

@@ -8,7 +8,7 @@
 #include "launch/radix_sort.hpp"
 #include "launch/short_launches.hpp"
 #include "mesh/input_arrays.hpp"
-#include "mesh/topology.hpp"
+#include "surface/topology.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -5,8 +5,8 @@
 #include "core/parallel.hpp"
 #include "device/read_back.hpp"
 #include "frusta/host_part.hpp"
+#include "mesh/equal_vertices.hpp"
 #include "mesh/moved_mesh.hpp"
-#include "mesh/topology.hpp"
 
 #include <utility>
 

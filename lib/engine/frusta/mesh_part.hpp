@@ -3,7 +3,7 @@
 #include "frusta/cluster_index.hpp"
 #include "frusta/frusta.hpp"
 #include "frusta/topology.hpp"
-#include "mesh/sign_surface.hpp"
+#include "surface/sign_surface.hpp"
 
 #include <clsdf/mesh.hpp>
 

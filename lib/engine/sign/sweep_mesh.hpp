@@ -9,9 +9,9 @@
 #include "frusta/homed_mesh.hpp"
 #include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
-#include "mesh/open_edges.hpp"
-#include "mesh/sign_surface.hpp"
 #include "sign/film.hpp"
+#include "surface/open_edges.hpp"
+#include "surface/sign_surface.hpp"
 
 #include <cstddef>
 #include <cstdint>

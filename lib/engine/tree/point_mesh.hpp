@@ -5,8 +5,8 @@
 #include "frusta/frames.hpp"
 #include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
-#include "mesh/film_tree.hpp"
-#include "mesh/sign_surface.hpp"
+#include "surface/film_tree.hpp"
+#include "surface/sign_surface.hpp"
 
 #include "point_tree.h"
 

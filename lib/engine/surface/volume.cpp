@@ -1,6 +1,6 @@
 #include "core/parallel.hpp"
-#include "mesh/local_frame.hpp"
-#include "mesh/topology.hpp"
+#include "surface/local_frame.hpp"
+#include "surface/topology.hpp"
 
 #include <functional>
 #include <limits>

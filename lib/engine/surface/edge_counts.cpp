@@ -1,7 +1,7 @@
-#include "mesh/edge_counts.hpp"
+#include "surface/edge_counts.hpp"
 
 #include "core/parallel.hpp"
-#include "mesh/parts.hpp"
+#include "surface/parts.hpp"
 
 #include <algorithm>
 

@@ -1,11 +1,12 @@
-#include "mesh/sign_surface.hpp"
+#include "mesh/join_vertices.hpp"
 
 #include "mesh/box_index.hpp"
 #include "mesh/disjoint_sets.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <cstddef>
 #include <utility>
 
 namespace clsdf {
@@ -173,37 +174,6 @@ std::vector<JoinedVertex> join_vertices(std::span<const Vec3> positions, std::ve
                                         double tolerance) {
     if (!(tolerance > 0) || !std::isfinite(tolerance)) return {};
     return Joiner(positions, std::move(candidates), tolerance).join();
-}
-
-std::vector<DoubledFace> doubled_faces(std::span<const Triangle> triangles) {
-    /// The vertices in ascending order.
-    struct Named {
-        Triangle vertices;
-        std::uint32_t face;
-        bool is_forward;  ///< the face runs through them in that order
-
-        bool operator<(const Named& other) const {
-            return vertices != other.vertices ? vertices < other.vertices : face < other.face;
-        }
-    };
-    std::vector<Named> named;
-    named.reserve(triangles.size());
-    for (std::uint32_t face = 0; face < triangles.size(); ++face) {
-        const auto& [a, b, c] = triangles[face];
-        if (a == b || b == c || c == a) continue;
-        const bool is_forward = (a > b) != ((b > c) != (c > a));
-        named.push_back({triangles[face], face, is_forward});
-        std::ranges::sort(named.back().vertices);
-    }
-    std::sort(named.begin(), named.end());
-    std::vector<DoubledFace> doubled;
-    for (std::size_t first = 0, i = 1; i < named.size(); ++i) {
-        if (named[i].vertices != named[first].vertices)
-            first = i;
-        else
-            doubled.push_back({named[i].face, named[first].face, named[i].is_forward != named[first].is_forward});
-    }
-    return doubled;
 }
 
 }  // namespace clsdf

@@ -1,7 +1,7 @@
-#include "mesh/film_tree.hpp"
+#include "surface/film_tree.hpp"
 
-#include "mesh/film_bounds.hpp"
-#include "mesh/loop_turns.hpp"
+#include "surface/film_bounds.hpp"
+#include "surface/loop_turns.hpp"
 
 #include <algorithm>
 #include <limits>

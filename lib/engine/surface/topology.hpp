@@ -3,20 +3,13 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
-#include "mesh/sign_surface.hpp"
+#include "surface/sign_surface.hpp"
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace clsdf {
-
-/// For each vertex the index of the first vertex with equal coordinates, which may be its own; -0.0 equals 0.0. At most
-/// 2^32 - 1 vertices.
-std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices);
-
-/// The mesh with only those vertices that stand for themselves. first: for each vertex the one that stands for it.
-Mesh merged(const Mesh& mesh, const std::vector<std::uint32_t>& first);
 
 /// Whether a closed surface encloses a volume that is negative by more than its rounding error: its faces look inwards.
 bool encloses_negative_volume(const Mesh& mesh, const SignSurface& surface = {});

@@ -1,6 +1,7 @@
-#include "mesh/surface_search.hpp"
+#include "surface/surface_search.hpp"
 
-#include "mesh/parts.hpp"
+#include "mesh/join_vertices.hpp"
+#include "surface/parts.hpp"
 
 #include <algorithm>
 #include <functional>

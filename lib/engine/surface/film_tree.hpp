@@ -1,7 +1,7 @@
 #pragma once
 
-#include "mesh/open_edges.hpp"
 #include "solid_angle.h"
+#include "surface/open_edges.hpp"
 
 #include <array>
 #include <cstddef>

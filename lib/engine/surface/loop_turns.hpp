@@ -2,8 +2,8 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "mesh/ray_side.hpp"
 #include "solid_angle.h"
+#include "surface/ray_side.hpp"
 
 #include <cstddef>
 

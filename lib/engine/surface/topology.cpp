@@ -1,10 +1,11 @@
-#include "mesh/topology.hpp"
+#include "surface/topology.hpp"
 
 #include "core/parallel.hpp"
-#include "mesh/edge_counts.hpp"
-#include "mesh/open_edges.hpp"
-#include "mesh/parts.hpp"
-#include "mesh/surface_search.hpp"
+#include "mesh/equal_vertices.hpp"
+#include "surface/edge_counts.hpp"
+#include "surface/open_edges.hpp"
+#include "surface/parts.hpp"
+#include "surface/surface_search.hpp"
 
 #include <clsdf/topology.hpp>
 

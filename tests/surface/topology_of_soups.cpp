@@ -3,9 +3,10 @@
 
 #include <clsdf/topology.hpp>
 
-#include "mesh/topology.hpp"
+#include "mesh/equal_vertices.hpp"
 #include "support/random_meshes.hpp"
 #include "support/same_topology.hpp"
+#include "surface/topology.hpp"
 
 #include <tbb/task_arena.h>
 #include <boost/test/unit_test.hpp>

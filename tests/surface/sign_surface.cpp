@@ -1,12 +1,13 @@
 // What decides the sign of meshes that are not balanced (docs/sign.md).
 
-#include "mesh/sign_surface.hpp"
+#include "surface/sign_surface.hpp"
 
 #include <clsdf/topology.hpp>
 
-#include "mesh/topology.hpp"
+#include "mesh/join_vertices.hpp"
 #include "support/doubtful_meshes.hpp"
 #include "support/throws.hpp"
+#include "surface/topology.hpp"
 
 #include <boost/test/unit_test.hpp>
 

@@ -1,11 +1,11 @@
-#include "mesh/parts.hpp"
+#include "surface/parts.hpp"
 
 #include "core/parallel.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/disjoint_sets.hpp"
-#include "mesh/local_frame.hpp"
 #include "mesh/predicates.hpp"
-#include "mesh/ray_side.hpp"
+#include "surface/local_frame.hpp"
+#include "surface/ray_side.hpp"
 
 #include <algorithm>
 #include <array>

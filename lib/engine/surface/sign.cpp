@@ -1,7 +1,7 @@
 #include <clsdf/error.hpp>
 #include <clsdf/topology.hpp>
 
-#include "mesh/open_edges.hpp"
+#include "surface/open_edges.hpp"
 
 #include <fmt/format.h>
 

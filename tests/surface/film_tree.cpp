@@ -1,9 +1,9 @@
 // Open edges as points see them: the tree over a film is held against the sum over all open edges.
 
-#include "mesh/film_tree.hpp"
-#include "mesh/film_bounds.hpp"
-#include "mesh/topology.hpp"
+#include "surface/film_tree.hpp"
 #include "support/open_meshes.hpp"
+#include "surface/film_bounds.hpp"
+#include "surface/topology.hpp"
 
 #include <boost/test/unit_test.hpp>
 

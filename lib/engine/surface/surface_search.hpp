@@ -1,7 +1,7 @@
 #pragma once
 
-#include "mesh/edge_counts.hpp"
-#include "mesh/sign_surface.hpp"
+#include "surface/edge_counts.hpp"
+#include "surface/sign_surface.hpp"
 
 #include <cstddef>
 #include <cstdint>

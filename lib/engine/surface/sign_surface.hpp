@@ -2,7 +2,9 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "mesh/open_edges.hpp"
+#include "mesh/join_vertices.hpp"
+#include "mesh/vertices.hpp"
+#include "surface/open_edges.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -46,22 +48,8 @@ struct SignSurface {
 
 /// Vertices nearer to each other than that part of the longest side are joined.
 inline constexpr double joining_tolerance = 0x1p-43;
-/// A cluster of joined vertices that is longer, as a multiple of the tolerance, is left apart.
-inline constexpr double longest_cluster = 4;
-/// The same as a part of the longest side: joined vertices never are farther apart on an axis.
+/// Joined vertices are never farther apart on an axis, as a part of the longest side.
 inline constexpr double joined_extent = longest_cluster * joining_tolerance;
-
-/// A vertex that is joined, and the one of its cluster whose position is least in (x, y, z).
-struct JoinedVertex {
-    std::uint32_t vertex;
-    std::uint32_t least;
-};
-
-/// Joins those of the candidates (numbers of positions, all different) that differ by at most `tolerance` on every
-/// axis, and what is connected that way, unless the cluster is longer than longest_cluster tolerances on an axis.
-/// Returns the vertices that are not the least of their cluster, ascending.
-std::vector<JoinedVertex> join_vertices(std::span<const Vec3> positions, std::vector<std::uint32_t> candidates,
-                                        double tolerance);
 
 /// Faces with the same three vertices, and one of them.
 struct DoubledFace {
@@ -72,5 +60,10 @@ struct DoubledFace {
 
 /// The faces with the three different vertices of an earlier one, in the order of the groups.
 std::vector<DoubledFace> doubled_faces(std::span<const Triangle> triangles);
+
+/// Throws Error(invalid_argument) that names the caller's vertices if some that are joined for the sign move farther
+/// apart than joined_extent of the longest side. `moved`: as Vertices::moved() returns them.
+void check_joined(const engine::Vertices& vertices, const Mesh& mesh, const SignSurface& surface,
+                  std::span<const Vec3> moved);
 
 }  // namespace clsdf

@@ -1,8 +1,8 @@
-#include "mesh/open_edges.hpp"
+#include "surface/open_edges.hpp"
 
 #include "core/parallel.hpp"
-#include "mesh/loop_turns.hpp"
-#include "mesh/ray_side.hpp"
+#include "surface/loop_turns.hpp"
+#include "surface/ray_side.hpp"
 
 #include <algorithm>
 #include <array>
