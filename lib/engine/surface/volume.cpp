@@ -18,7 +18,7 @@ struct Volume {
 };
 
 /// Sums faces [begin, end), divided by halves down to leaves of 64: an order that GPUs sum in, too
-/// (kernels/frusta/mesh_volume.h).
+/// (kernels/topology/mesh_volume.h).
 template <class TriangleOf>
 Volume volume_of(const LocalFrame& frame, const TriangleOf& triangle_of, std::size_t begin, std::size_t end) {
     if (end - begin > volume_leaf) {

@@ -1,10 +1,11 @@
-#include "frusta/face_order.hpp"
+#include "topology/face_order.hpp"
 
 #include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
-#include "frusta/frames.hpp"
 #include "mesh/one_rings.hpp"
 #include "spread_bits.h"
+
+#include <Eigen/Core>
 
 #include <span>
 #include <vector>
@@ -12,6 +13,8 @@
 namespace clsdf::engine {
 
 namespace {
+
+using Vector = Eigen::Vector3d;
 
 std::uint32_t cell(double place, double last) {
     const double positive = place > 0 ? place : 0;  // 0 for a NaN, too
@@ -25,8 +28,8 @@ UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh) {
     const unsigned bits = morton_bits(count);
     const double longest = mesh.box().longest_side(), cells = 1u << bits;
     const double scale = longest > 0 ? cells / (3 * longest) : 0;
-    const Vector lower = 3 * to_vector(mesh.box().lower);
-    const auto at = [&](std::uint32_t vertex) { return to_vector(mesh.vertices()[vertex]); };
+    const Vector lower = 3 * Vector(mesh.box().lower.data());
+    const auto at = [&](std::uint32_t vertex) { return Vector(mesh.vertices()[vertex].data()); };
     UninitializedVector<Coded> memory(2 * count);  // in one piece, as large as what is needed next
     const std::span<Coded> coded = std::span(memory).first(count);
     for_each_index(count, [&](std::size_t t) {

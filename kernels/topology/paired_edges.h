@@ -2,6 +2,7 @@
 #ifndef CLSDF_PAIRED_EDGES_H
 #define CLSDF_PAIRED_EDGES_H
 
+#include "face_edges.h"
 #include "mesh_topology.h"
 
 static inline uint next_of(uint k) {
@@ -24,7 +25,7 @@ static inline PairedEdge paired_edge(uint face, uint k, __global const uint* tri
     PairedEdge edge = {0u, 0u, false};
     const uint own = face << 2 | k, v = triangles[3 * (size_t)face + k], w = triangles[3 * (size_t)face + next_of(k)];
     if (v == w) {
-        edge.mark = CLSDF_EDGE_AT_BOX;
+        edge.mark = CLSDF_MARK_AT_BOX;
         return edge;
     }
     const bool is_at_v = starts[v + 1] - starts[v] <= starts[w + 1] - starts[w];
@@ -48,12 +49,12 @@ static inline PairedEdge paired_edge(uint face, uint k, __global const uint* tri
         }
     }
     if (count > 2 || (count == 2 && other >> 2 == face)) {
-        edge.mark = CLSDF_EDGE_NON_MANIFOLD;
+        edge.mark = CLSDF_MARK_NON_MANIFOLD;
     } else if (count == 1) {
-        edge.mark = CLSDF_EDGE_OPEN;
+        edge.mark = CLSDF_MARK_OPEN;
     } else {
         edge.across = other;
-        edge.mark = triangles[3 * (size_t)(other >> 2) + (other & 3)] == v ? CLSDF_EDGE_UNORIENTED : 0u;
+        edge.mark = triangles[3 * (size_t)(other >> 2) + (other & 3)] == v ? CLSDF_MARK_UNORIENTED : 0u;
     }
     return edge;
 }

@@ -17,12 +17,6 @@
 // A bit of the first equal vertex of each one: that one is in use.
 #define CLSDF_IN_USE 0x80000000u
 
-// EdgeMark of lib/engine/frusta/topology.hpp, as far as the kernels set them.
-#define CLSDF_EDGE_OPEN 4u
-#define CLSDF_EDGE_NON_MANIFOLD 8u
-#define CLSDF_EDGE_UNORIENTED 16u
-#define CLSDF_EDGE_AT_BOX 32u
-
 #ifndef __OPENCL_VERSION__
 namespace clsdf {
 #endif
@@ -37,7 +31,7 @@ typedef struct TopologyResults {
     clsdf_uint32 vertex_count;        // of the mesh in its order
     clsdf_uint32 joined_vertices;     // vertex_count minus the number of parts that share no vertex
     clsdf_uint32 marked_edges;        // edges of faces that have a mark
-    clsdf_uint32 irregular_faces;     // faces that have an edge with another mark than CLSDF_EDGE_OPEN
+    clsdf_uint32 irregular_faces;     // faces that have an edge with another mark than CLSDF_MARK_OPEN
     clsdf_uint32 unused;
 } TopologyResults;
 
@@ -64,46 +58,8 @@ typedef struct GivenTriples {
     clsdf_uint32 unused;
 } GivenTriples;
 
-// The lengths of the lists of faces that kernels leave to the host. They begin as zeros.
-typedef struct ListCounts {
-    clsdf_uint32 measured;    // faces left to the host, and those around such vertices
-    clsdf_uint32 near;        // these and all faces at the edges of those that the host measures
-    clsdf_uint32 saddles;     // saddle vertices beside those left to the host
-    clsdf_uint32 is_refused;  // 1: a list is too long, or too many faces share a vertex; the host looks at all faces
-} ListCounts;
-
-// The sizes of a mesh, where the parts of an array of words begin, all of which begin as zeros, and the room of each
-// list.
-typedef struct ListSizes {
-    clsdf_uint32 vertices;
-    clsdf_uint32 faces;
-    clsdf_uint32 measured;       // a bit for each face: it is in the list
-    clsdf_uint32 near_vertices;  // a bit for each vertex: all faces around it are in the next list
-    clsdf_uint32 near;           // a bit for each face: it is in the list
-    clsdf_uint32 room;
-} ListSizes;
-
-// A face near what the host decides.
-typedef struct ListedFace {
-    double corners[3][3];
-    clsdf_uint32 number;       // its place in the order
-    clsdf_uint32 triangle;     // the caller's number
-    clsdf_uint32 vertices[3];  // numbers in the order
-    clsdf_uint32 given[3];     // the caller's numbers
-    clsdf_uint32 left;         // bits: see below
-    clsdf_uint32 unused;
-} ListedFace;
-// The host decides about vertex 0, 1, 2; about the slopes of the face; and vertex 0, 1, 2 has a gap, as the kernels
-// know.
-#define CLSDF_LEFT_VERTEX 1u
-#define CLSDF_LEFT_FACE 8u
-#define CLSDF_LEFT_GAP 16u
-
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(GivenTriples) == 32);
-static_assert(sizeof(ListCounts) == 16);
-static_assert(sizeof(ListSizes) == 24);
-static_assert(sizeof(ListedFace) == 112);
 static_assert(sizeof(TopologyResults) == 96);
 static_assert(sizeof(TopologySizes) == 36);
 }  // namespace clsdf

@@ -4,11 +4,11 @@
 #include <clsdf/mesh.hpp>
 
 #include "device/buffer_pool.hpp"
-#include "frusta/device_faces.hpp"
-#include "frusta/topology.hpp"
+#include "homes/device_set_up.hpp"
 #include "homes/homed.hpp"
 #include "mesh/mesh_arrays.hpp"
 #include "mesh_topology.h"
+#include "topology/topology.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +18,20 @@
 #include <vector>
 
 namespace clsdf::engine {
+
+/// The faces of a mesh on the device, in their order, with their names: the data that moving vertices leave as they
+/// are.
+struct NamedFaces {
+    std::size_t face_count = 0;
+    std::size_t vertex_count = 0;
+    std::shared_ptr<const MeshTopology> topology;  ///< whose arrays are shared; null if a GPU has made the names
+    device::BufferPool::Lease triangles;           ///< Triangle, numbers of vertices as in MeshTopology::faces
+    device::BufferPool::Lease names;               ///< see face_edges.h
+
+    std::size_t device_bytes() const { return triangles.bytes() + names.bytes(); }
+};
+
+NamedFaces device_names(const DeviceSetUp& set_up, std::shared_ptr<const MeshTopology> topology);
 
 /// The first vertex of equal coordinates of each of the caller's vertices.
 struct EqualVertices {
@@ -30,9 +44,9 @@ struct EqualVertices {
 };
 
 /// The topology of a mesh in memory of a GPU: the bytes of MeshTopology and of opposite_words(), by
-/// kernels/frusta/mesh_topology.cl or from the host. The host reads it back when it needs it.
+/// kernels/topology/mesh_topology.cl or from the host. The host reads it back when it needs it.
 struct DeviceTopology {
-    std::shared_ptr<const DeviceFaces::Names> names;
+    std::shared_ptr<const NamedFaces> names;
     device::BufferPool::Lease order;
     device::BufferPool::Lease vertices;  ///< the given vertex of each vertex
     device::BufferPool::Lease starts;    ///< of each vertex in `corners`, and the end of the last
@@ -110,10 +124,7 @@ MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& top
 MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& topology, std::span<const Vec3> positions);
 
 /// The host's topology, in memory of the device.
-DeviceTopology device_topology(const DeviceSetUp& set_up, std::shared_ptr<const DeviceFaces::Names> names,
+DeviceTopology device_topology(const DeviceSetUp& set_up, std::shared_ptr<const NamedFaces> names,
                                const MeshTopology& topology);
-
-/// cluster_boxes() of faces on the device. Waits. Throws Error.
-std::vector<Box> cluster_boxes(const DeviceSetUp& set_up, const DeviceFaces& faces);
 
 }  // namespace clsdf::engine

@@ -3,9 +3,9 @@
 #include <clsdf/mesh.hpp>
 
 #include "core/large_memory.hpp"
-#include "face_sources.h"
-#include "frusta/face_order.hpp"
+#include "face_edges.h"
 #include "mesh/one_rings.hpp"
+#include "topology/face_order.hpp"
 
 #include <array>
 #include <cstddef>
@@ -22,11 +22,12 @@ enum EdgeMark : std::uint8_t {
         CLSDF_MARK_CONVEX,  ///< of two faces that run along it in opposite directions, by the exact orientation of
     edge_concave = CLSDF_MARK_CONCAVE,  ///< the coordinates as given; neither: flat
     edge_open = CLSDF_MARK_OPEN,        ///< one face, or two folded onto each other: no plane cuts there
-    edge_non_manifold = 8,              ///< three faces or more; in a part of a mesh, those of the whole count
-    edge_unoriented =
-        16,            ///< two faces that run along it the same way: what is convex for one is concave for the other
-    edge_at_box = 32,  ///< one of its faces is so degenerate that its polyhedron is a box
-    edge_folded = CLSDF_MARK_FOLDED,  ///< open because its two faces are folded onto each other
+    edge_non_manifold =
+        CLSDF_MARK_NON_MANIFOLD,              ///< three faces or more; in a part of a mesh, those of the whole count
+    edge_unoriented = CLSDF_MARK_UNORIENTED,  ///< two faces that run along it the same way: what is convex for one is
+                                              ///< concave for the other
+    edge_at_box = CLSDF_MARK_AT_BOX,          ///< one of its faces is so degenerate that its polyhedron is a box
+    edge_folded = CLSDF_MARK_FOLDED,          ///< open because its two faces are folded onto each other
 };
 
 /// Data of the edges of a face; edge k runs from the face's vertex k to the next.
@@ -120,5 +121,10 @@ struct MeshTopology {
 
     std::size_t host_bytes() const;
 };
+
+/// Three of each face: the vertex of the other face that lies opposite to edge k, and which edge of that face it is
+/// (CLSDF_OPPOSITE_EDGE). CLSDF_NO_VERTEX for an open edge; CLSDF_UNPAIRED_EDGE for others unless the edge has exactly
+/// two faces, of one orientation.
+UninitializedVector<std::uint32_t> opposite_words(const MeshTopology& topology);
 
 }  // namespace clsdf::engine

@@ -1,4 +1,4 @@
-#include "frusta/topology.hpp"
+#include "topology/topology.hpp"
 
 #include "core/parallel.hpp"
 
@@ -71,6 +71,14 @@ private:
     std::vector<EdgeEntry> entries_;
 };
 
+std::uint32_t opposite_word(const MeshTopology& topology, const FaceEdges& edges, std::size_t k) {
+    if (edges.marks[k] == edge_open) return CLSDF_NO_VERTEX;
+    if (edges.marks[k] != 0) return CLSDF_UNPAIRED_EDGE;
+    const Corner across = Corner::unpack(edges.across[k]);
+    return topology.faces.triangles[across.face][previous_of_three(across.vertex)] | across.vertex
+                                                                                         << CLSDF_OPPOSITE_EDGE;
+}
+
 }  // namespace
 
 PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings) {
@@ -137,6 +145,16 @@ MeshTopology::MeshTopology(const Mesh& mesh, UninitializedVector<std::uint32_t> 
 std::size_t MeshTopology::host_bytes() const {
     return order.size() * sizeof(order[0]) + faces.triangles.size() * sizeof(Triangle) +
            faces.vertices.size() * sizeof(std::uint32_t) + rings.bytes() + edges.faces.size() * sizeof(FaceEdges);
+}
+
+UninitializedVector<std::uint32_t> opposite_words(const MeshTopology& topology) {
+    UninitializedVector<std::uint32_t> opposite(3 * topology.order.size());
+    for_each_index(topology.order.size(), [&](std::size_t face) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            opposite[3 * face + k] = opposite_word(topology, topology.edges.faces[face], k);
+        }
+    });
+    return opposite;
 }
 
 }  // namespace clsdf::engine

@@ -1,8 +1,7 @@
-#include "frusta/device_topology.hpp"
+#include "topology/device_topology.hpp"
 
 #include "core/parallel.hpp"
 #include "device/read_back.hpp"
-#include "frusta/kernel_topology.hpp"
 #include "launch/commands.hpp"
 #include "launch/programs.hpp"
 #include "launch/radix_sort.hpp"
@@ -19,8 +18,6 @@ namespace clsdf::engine {
 
 namespace {
 
-static_assert(edge_open == CLSDF_EDGE_OPEN && edge_non_manifold == CLSDF_EDGE_NON_MANIFOLD);
-static_assert(edge_unoriented == CLSDF_EDGE_UNORIENTED && edge_at_box == CLSDF_EDGE_AT_BOX);
 static_assert(volume_leaf == CLSDF_VOLUME_LEAF);
 static_assert(sizeof(FaceEdges) == 16 && offsetof(FaceEdges, marks) == 12);
 
@@ -86,8 +83,8 @@ public:
             topology_.equal = std::make_shared<const EqualVertices>(EqualVertices{std::move(first_equal_), vertices_});
         topology_.are_paired = made_.results.marked_edges == 0;
         topology_.has_irregular = made_.results.irregular_faces > 0;
-        topology_.names = std::make_shared<const DeviceFaces::Names>(
-            DeviceFaces::Names{faces_, made_.results.vertex_count, nullptr, std::move(ordered_), std::move(names_)});
+        topology_.names = std::make_shared<const NamedFaces>(
+            NamedFaces{faces_, made_.results.vertex_count, nullptr, std::move(ordered_), std::move(names_)});
         made_.topology = std::make_shared<const DeviceTopology>(std::move(topology_));
         return std::move(made_);
     }
@@ -204,6 +201,20 @@ private:
 
 }  // namespace
 
+NamedFaces device_names(const DeviceSetUp& set_up, std::shared_ptr<const MeshTopology> topology) {
+    const std::size_t count = topology->order.size();
+    set_up.tools.pool->check_size(count * sizeof(Triangle), "triangles");
+    device::HostFilling filling(set_up.tools.context, set_up.tools.pool, count * sizeof(cl_uint),
+                                "numbers of the triangles");
+    auto* const names = static_cast<cl_uint*>(filling.memory());
+    for_each_index(count, [&](std::size_t face) {
+        names[face] = topology->order[face] | (topology->edges.is_non_manifold(face) ? CLSDF_NAME_NON_MANIFOLD : 0U);
+    });
+    auto triangles = set_up.input(topology, topology->faces.triangles, "triangles");
+    const std::size_t vertex_count = topology->faces.vertices.size();
+    return {count, vertex_count, std::move(topology), std::move(triangles), filling.finish()};
+}
+
 DeviceTriples device_triples(const InputArray& array) {
     constexpr auto word = static_cast<std::ptrdiff_t>(sizeof(cl_uint));
     const Steps steps = steps_of(array);
@@ -317,7 +328,7 @@ MovedVertices move_vertices(const DeviceSetUp& set_up, const DeviceTopology& top
     return move_vertices(set_up, topology, {*given, positions.size(), {0, 3 * words, words, 1, 0}});
 }
 
-DeviceTopology device_topology(const DeviceSetUp& set_up, std::shared_ptr<const DeviceFaces::Names> names,
+DeviceTopology device_topology(const DeviceSetUp& set_up, std::shared_ptr<const NamedFaces> names,
                                const MeshTopology& topology) {
     DeviceTopology result;
     result.names = std::move(names);
@@ -328,22 +339,6 @@ DeviceTopology device_topology(const DeviceSetUp& set_up, std::shared_ptr<const 
     result.edges = set_up.upload(topology.edges.faces, "edges of faces");
     result.opposite = set_up.upload(opposite_words(topology), "opposite vertices");
     result.are_paired = topology.edges.are_paired;
-    return result;
-}
-
-std::vector<Box> cluster_boxes(const DeviceSetUp& set_up, const DeviceFaces& faces) {
-    static_assert(sizeof(Box) == 6 * sizeof(double));
-    const DeviceTools& tools = set_up.tools;
-    const std::size_t count = chunk_count(faces.names->face_count, ClusterIndex::cluster),
-                      group = tools.programs.group_size;
-    std::vector<Box> result(count);
-    tools.context.run_or_drain([&] {
-        const auto boxes = tools.pool->lease(count * sizeof(Box), "boxes of clusters");
-        device::LentKernel kernel = tools.kernel(tools.programs.mesh_topology, "cluster_boxes");
-        launch(tools.queue(), kernel, {count * group, group}, static_cast<cl_uint>(faces.names->face_count),
-               *faces.names->triangles, **faces.positions, *boxes);
-        device::read_values(set_up.tools.context, *boxes, result);
-    });
     return result;
 }
 

@@ -1,11 +1,11 @@
 // Makes the topology of a mesh on a GPU, from the caller's arrays to the pairs of edges: the bytes of MeshTopology,
-// KernelTopology::opposite and encloses_negative_volume() of the host, whatever the order of the work-items.
+// opposite_words() and encloses_negative_volume() of the host, whatever the order of the work-items.
 //
 // The vertices of equal coordinates share a slot of a hash table. Faces are sorted by their Morton codes, vertices are
 // numbered in the order in which the faces name them, and corners are sorted by vertex. Corner 3 p + k is vertex k of
 // the face at place p of the order. Values that begin as zeros and are joined by atomic_max are complements.
 
-#include "face_sources.h"
+#include "face_edges.h"
 #include "given_triples.h"
 #include "joined_vertices.h"
 #include "mesh_boxes.h"
@@ -220,7 +220,7 @@ __kernel void order_corners(TopologySizes sizes, __global const uint* sorted, __
 // Pairs of edges. -----------------------------------------------------------------------------------------------------
 
 // across: four words a face, of which the fourth one holds the marks of its edges, a byte each: FaceEdges of
-// lib/engine/frusta/topology.hpp. opposite: see KernelTopology.
+// lib/engine/topology/topology.hpp. opposite: opposite_words().
 __kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uint* triangles,
                                          __global const uint* starts, __global const uint* corners,
                                          __global uint* across, __global uchar* marks, __global uint* opposite,
@@ -234,7 +234,7 @@ __kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uin
         across[4 * (size_t)face + k] = edge.across;
         marks[16 * (size_t)face + 12 + k] = (uchar)edge.mark;
         const uint other = edge.across & 3;
-        opposite[corner] = edge.mark == CLSDF_EDGE_OPEN ? CLSDF_NO_VERTEX
+        opposite[corner] = edge.mark == CLSDF_MARK_OPEN ? CLSDF_NO_VERTEX
                            : edge.mark != 0             ? CLSDF_UNPAIRED_EDGE
                                             : triangles[3 * (size_t)(edge.across >> 2) + previous_of(other)] |
                                                   other << CLSDF_OPPOSITE_EDGE;
@@ -245,7 +245,7 @@ __kernel GROUP_OF_KERNEL void pair_edges(TopologySizes sizes, __global const uin
 
 // Parts. --------------------------------------------------------------------------------------------------------------
 
-// Joins the vertices of each face, and writes its name (face_sources.h).
+// Joins the vertices of each face, and writes its name (face_edges.h).
 __kernel GROUP_OF_KERNEL void join_faces(TopologySizes sizes, __global const uint* order,
                                          __global const uint* triangles, __global const uchar* marks, Atomic words,
                                          __global uint* names, __global TopologyResults* results) {
@@ -254,10 +254,10 @@ __kernel GROUP_OF_KERNEL void join_faces(TopologySizes sizes, __global const uin
     uint joined = 0, all_marks = 0;
     if (face < sizes.faces) {
         for (uint k = 0; k < 3; ++k) all_marks |= marks[16 * (size_t)face + 12 + k];
-        names[face] = order[face] | (all_marks & CLSDF_EDGE_NON_MANIFOLD ? CLSDF_NAME_NON_MANIFOLD : 0u);
+        names[face] = order[face] | (all_marks & CLSDF_MARK_NON_MANIFOLD ? CLSDF_NAME_NON_MANIFOLD : 0u);
         __global const uint* const t = triangles + 3 * (size_t)face;
         joined = join(words + sizes.above, t[0], t[1]) + join(words + sizes.above, t[1], t[2]);
     }
     count_up(joined, &sum, (Atomic)&results->joined_vertices);
-    count_up((all_marks & ~CLSDF_EDGE_OPEN) != 0, &sum, (Atomic)&results->irregular_faces);
+    count_up((all_marks & ~CLSDF_MARK_OPEN) != 0, &sum, (Atomic)&results->irregular_faces);
 }

@@ -1,5 +1,5 @@
-#include "frusta/face_order.hpp"
 #include "support/random_meshes.hpp"
+#include "topology/face_order.hpp"
 
 #include <tbb/global_control.h>
 
