@@ -1,5 +1,5 @@
 // How a face lies to a point, exact for coordinates in the range of expansions.h: the rules of
-// lib/engine/mesh/ray_side.hpp and lib/points/signs_by_host.cpp.
+// lib/engine/surface/ray_side.hpp and lib/points/signs_by_host.cpp.
 #ifndef CLSDF_RAY_SIDE_H
 #define CLSDF_RAY_SIDE_H
 

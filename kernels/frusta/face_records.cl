@@ -7,7 +7,6 @@
 
 #include "face_frames.h"
 #include "fan_kernels.h"
-#include "mesh_topology.h"
 #include "simd.h"
 #include "sweep_vertices.h"
 

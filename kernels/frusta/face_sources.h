@@ -2,24 +2,11 @@
 #ifndef CLSDF_FACE_SOURCES_H
 #define CLSDF_FACE_SOURCES_H
 
+#include "face_edges.h"
 #include "polyhedron.h"
 
-// A face's name is its triangle's index in the caller's order, with this bit if three faces or more meet at an edge.
-#define CLSDF_NAME_NON_MANIFOLD 0x80000000u
-// The vertex opposite to an edge: of the other face there, whose edge with this number it is, from this bit on.
-#define CLSDF_OPPOSITE_EDGE 30
-#define CLSDF_OPPOSITE_VERTEX 0x3FFFFFFFu
-// In its place: no plane cuts there, as at open edges; or the host decides. No edge has the number 3.
-#define CLSDF_NO_VERTEX 0xFFFFFFFFu
-#define CLSDF_UNPAIRED_EDGE 0xFFFFFFFEu
-#define CLSDF_FIRST_NO_VERTEX 0xC0000000u
 // Two faces whose inward directions differ by less than this angle are folded onto each other.
 #define CLSDF_FOLD_ANGLE 1.0e-6
-// EdgeMark of lib/engine/frusta/topology.hpp, of edges with two faces.
-#define CLSDF_MARK_CONVEX 1u
-#define CLSDF_MARK_CONCAVE 2u
-#define CLSDF_MARK_OPEN 4u
-#define CLSDF_MARK_FOLDED 64u
 // Answers about a face that the kernels leave to the host.
 #define CLSDF_FACE_IS_SLIVER 1u  // so thin, or so small, that its frame may be a special case
 #define CLSDF_FACE_AT_SLIVER 2u  // the other face at an edge is

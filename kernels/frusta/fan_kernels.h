@@ -4,7 +4,6 @@
 #define CLSDF_FAN_KERNELS_H
 
 #include "face_frames.h"
-#include "mesh_topology.h"
 #include "simd.h"
 #include "vertex_fans.h"
 #if LANES == 1
@@ -30,8 +29,8 @@ static inline uint border_answer(__global const uint* corners, uint begin, uint 
             uses += mark == 0 ? 1u : 0u;
         }
     }
-    if (all_marks == CLSDF_EDGE_OPEN && uses < 4) return 0u;
-    if (all_marks != CLSDF_EDGE_OPEN || end - begin > CLSDF_FAN_FACES)
+    if (all_marks == CLSDF_MARK_OPEN && uses < 4) return 0u;
+    if (all_marks != CLSDF_MARK_OPEN || end - begin > CLSDF_FAN_FACES)
         return CLSDF_VERTEX_IS_OPEN | CLSDF_VERTEX_IS_IRREGULAR;
     for (uint i = begin; i < end; ++i) words[i] = corners[i];
     return CLSDF_VERTEX_IS_OPEN;

@@ -2,6 +2,7 @@
 // their edges.
 
 #include "face_sources.h"
+#include "host_lists.h"
 #include "mesh_groups.h"
 #include "mesh_topology.h"
 
@@ -19,7 +20,7 @@ static inline bool add_once(uint number, Atomic bits, Atomic count, uint room, _
 static inline bool is_left_face(uint face, __global const uchar* answers, __global const uchar* marks) {
     uint all_marks = 0;
     for (uint k = 0; k < 3; ++k) all_marks |= marks[16 * (size_t)face + 12 + k];
-    return answers[face] != 0 || (all_marks & ~CLSDF_EDGE_OPEN) != 0;
+    return answers[face] != 0 || (all_marks & ~CLSDF_MARK_OPEN) != 0;
 }
 
 // Lists, in any order, the faces that the host measures, and those around vertices with a gap. face_answers,
@@ -108,9 +109,9 @@ __kernel void list_near(ListSizes sizes, __global const uchar* face_answers, __g
         if (!is_measured(data, face)) continue;
         for (uint k = 0; k < 3 && has_room; ++k) {
             const uint mark = marks[16 * (size_t)face + 12 + k];
-            if (mark == 0 || mark == CLSDF_EDGE_UNORIENTED)
+            if (mark == 0 || mark == CLSDF_MARK_UNORIENTED)
                 has_room = add_near(data, across[4 * (size_t)face + k] >> 2, bits, near_count, sizes.room, near);
-            if (mark != CLSDF_EDGE_NON_MANIFOLD) continue;
+            if (mark != CLSDF_MARK_NON_MANIFOLD) continue;
             const uint vertex = triangles[3 * (size_t)face + k], bit = 1u << vertex % 32;
             if (atomic_or(words + sizes.near_vertices + vertex / 32, bit) & bit) continue;
             has_room = starts[vertex + 1] - starts[vertex] <= CLSDF_MOST_RING;

@@ -1,9 +1,10 @@
 #include "calls/transform_state.hpp"
 
-#include "mesh/parts.hpp"
-#include "mesh/topology.hpp"
+#include "mesh/equal_vertices.hpp"
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
+#include "surface/parts.hpp"
+#include "surface/topology.hpp"
 
 #include <fmt/format.h>
 
@@ -178,7 +179,7 @@ void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
     if (move_by([&] { return kept_mesh->move_equal(positions); })) return;
     const engine::Vertices& vertices = kept_mesh->vertices();
     std::vector<Vec3> moved = vertices.moved(kept_mesh->mesh(), positions);
-    vertices.check_joined(kept_mesh->mesh(), kept_mesh->sign_surface(), moved);
+    check_joined(vertices, kept_mesh->mesh(), kept_mesh->sign_surface(), moved);
     move_vertices(std::move(moved));
 }
 

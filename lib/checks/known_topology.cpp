@@ -6,10 +6,11 @@
 #include "frusta/kernel_topology.hpp"
 #include "lattice/layout_of.hpp"
 #include "launch/device_tools.hpp"
-#include "mesh/parts.hpp"
-#include "mesh/topology.hpp"
+#include "mesh/equal_vertices.hpp"
 #include "mesh/vertices.hpp"
 #include "sign/sweep_mesh.hpp"
+#include "surface/parts.hpp"
+#include "surface/topology.hpp"
 
 #include <fmt/format.h>
 
@@ -272,12 +273,12 @@ std::optional<std::string> topology_difference(const engine::DeviceSetUp& set_up
 std::optional<std::string> sweep_difference(const engine::DeviceSetUp& set_up) {
     const Mesh mesh = mesh_of_known_topology();
     const engine::MeshTopology topology(mesh);
-    const engine::DeviceFaces faces{std::make_shared<const engine::DeviceFaces::Names>(
-                                        engine::DeviceFaces::Names{topology.order.size(),
-                                                                   topology.faces.vertices.size(),
-                                                                   nullptr,
-                                                                   set_up.upload(topology.faces.triangles, "triangles"),
-                                                                   {}}),
+    const engine::DeviceFaces faces{std::make_shared<const engine::NamedFaces>(
+                                        engine::NamedFaces{topology.order.size(),
+                                                           topology.faces.vertices.size(),
+                                                           nullptr,
+                                                           set_up.upload(topology.faces.triangles, "triangles"),
+                                                           {}}),
                                     std::make_shared<const device::BufferPool::Lease>(set_up.upload(
                                         engine::ordered_positions(topology, mesh.vertices()), "vertices")),
                                     {}};

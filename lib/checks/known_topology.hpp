@@ -2,7 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "frusta/device_topology.hpp"
+#include "topology/device_topology.hpp"
 
 #include <optional>
 #include <string>

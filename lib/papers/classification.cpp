@@ -2,9 +2,9 @@
 
 #include "core/parallel.hpp"
 #include "frusta/slopes.hpp"
-#include "frusta/topology.hpp"
-#include "mesh/topology.hpp"
+#include "mesh/equal_vertices.hpp"
 #include "papers/gap_tests.hpp"
+#include "topology/topology.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 

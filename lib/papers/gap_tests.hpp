@@ -1,7 +1,7 @@
 #pragma once
 
 #include "frusta/frames.hpp"
-#include "frusta/topology.hpp"
+#include "topology/topology.hpp"
 
 #include <clsdf/papers.hpp>
 

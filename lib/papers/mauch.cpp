@@ -1,9 +1,9 @@
 #include "papers/pieces.hpp"
 
 #include "core/parallel.hpp"
-#include "frusta/face_order.hpp"
 #include "frusta/frames.hpp"
-#include "frusta/topology.hpp"
+#include "topology/face_order.hpp"
+#include "topology/topology.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 

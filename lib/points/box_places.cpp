@@ -2,9 +2,9 @@
 
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
-#include "mesh/film_bounds.hpp"
 #include "points/curve_order.hpp"
 #include "points/signs_by_host.hpp"
+#include "surface/film_bounds.hpp"
 
 #include <clsdf/error.hpp>
 

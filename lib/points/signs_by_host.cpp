@@ -2,7 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "mesh/predicates.hpp"
-#include "mesh/ray_side.hpp"
+#include "surface/ray_side.hpp"
 
 #include "point_order.h"
 

@@ -2,7 +2,7 @@
 
 #include <clsdf/topology.hpp>
 
-#include "mesh/topology.hpp"
+#include "surface/topology.hpp"
 
 #include <Eigen/Geometry>
 

@@ -3,7 +3,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/reference.hpp>
 
-#include "mesh/sign_surface.hpp"
+#include "surface/sign_surface.hpp"
 
 #include <map>
 #include <optional>

@@ -1,5 +1,5 @@
 # The reference uses GPL parts of CGAL (the AABB tree), so it is a library of its own. It includes nothing of the
-# engine but its mesh: it must not share a mistake with what it judges.
+# engine but lib/engine/surface: it must not share a mistake with what it judges.
 add_library(clsdf_reference)
 add_library(clsdf::reference ALIAS clsdf_reference)
 set_target_properties(clsdf_reference PROPERTIES EXPORT_NAME reference)

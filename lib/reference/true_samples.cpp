@@ -3,7 +3,7 @@
 #include <clsdf/reference.hpp>
 #include <clsdf/topology.hpp>
 
-#include "mesh/topology.hpp"
+#include "surface/topology.hpp"
 
 #include <Eigen/Geometry>
 

@@ -5,8 +5,8 @@
 #include "triangle.hpp"
 #include "triangle_tree.hpp"
 
-#include "mesh/sign_surface.hpp"
-#include "mesh/topology.hpp"
+#include "surface/sign_surface.hpp"
+#include "surface/topology.hpp"
 
 #include <array>
 #include <memory>

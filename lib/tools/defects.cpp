@@ -1,7 +1,7 @@
 #include <clsdf/mesh_files.hpp>
 
+#include "mesh/equal_vertices.hpp"
 #include "mesh/predicates.hpp"
-#include "mesh/topology.hpp"
 
 #include <algorithm>
 #include <numeric>

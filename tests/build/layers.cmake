@@ -36,7 +36,7 @@ endfunction()
 
 # The core's folders, in order.
 set(folders foundations/core foundations/device)
-foreach(stage launch homes mesh lattice frusta tree lists sign finish bricks plan)
+foreach(stage launch homes mesh surface topology lattice frusta tree lists sign finish bricks plan)
   list(APPEND folders engine/${stage})
 endforeach()
 list(APPEND folders targets points checks plans calls)
@@ -56,7 +56,7 @@ string(REGEX REPLACE "^set\\(CLSDF_KERNEL_FOLDERS (.*)\\)$" "\\1" kernel_folders
 separate_arguments(kernel_folders)
 set(stages ${folders})
 list(TRANSFORM stages REPLACE ".*/" "")
-list(FILTER stages INCLUDE REGEX "^(frusta|tree|lists|sign|finish|bricks|targets|points)$")
+list(FILTER stages INCLUDE REGEX "^(topology|frusta|tree|lists|sign|finish|bricks|targets|points)$")
 if(NOT "common;${stages}" STREQUAL "${kernel_folders}")
   message(SEND_ERROR "the folders of kernels are ${kernel_folders}; by the order of lib they would be common;${stages}")
 endif()
@@ -111,7 +111,7 @@ endforeach()
 
 # The engine's face: plans and calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid,
 # and GridPlan, which plans and runs.
-set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh targets points checks plans)
+set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh surface targets points checks plans)
 allow_kernels(targets)
 check_folder(${SOURCE}/lib/plans)
 list(APPEND allowed ${face} calls)

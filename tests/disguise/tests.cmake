@@ -25,7 +25,7 @@ endfunction()
 clsdf_test(disguise_promises promises.cpp memory_promises.cpp plan_promises.cpp LABELS disguise device moves plan plans LINK clsdf_disguise clsdf::reference clsdf::papers OpenCL::OpenCL)
 clsdf_between(disguise_promises)
 
-clsdf_test(disguise_device_meshes device_meshes.cpp LABELS disguise homes mesh frusta moves LINK clsdf_disguise clsdf::reference OpenCL::OpenCL)
+clsdf_test(disguise_device_meshes device_meshes.cpp LABELS disguise homes mesh topology frusta moves LINK clsdf_disguise clsdf::reference OpenCL::OpenCL)
 clsdf_between(disguise_device_meshes)
 
 clsdf_test(disguise_pinned_reads pinned_reads.cpp LABELS disguise device LINK clsdf_disguise OpenCL::OpenCL)

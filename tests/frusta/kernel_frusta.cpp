@@ -48,7 +48,7 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     BothFrusta both{std::make_shared<const engine::MeshTopology>(mesh), {}, {}};
     both.host = engine::make_frusta(*both.topology, mesh.vertices());
     const engine::DeviceSetUp job({context, pool, programs});
-    const auto names = std::make_shared<const engine::DeviceFaces::Names>(device_names(job, both.topology));
+    const auto names = std::make_shared<const engine::NamedFaces>(device_names(job, both.topology));
     const auto make = [&](const engine::LatticeView* lattice) {
         if (job.ways.arrays_are_shared)
             return frusta_by_kernels(job, names, std::make_shared<const engine::FrustaSources>(job, *both.topology),

@@ -1,8 +1,8 @@
-#include "frusta/face_order.hpp"
 #include "frusta/frames.hpp"
 #include "pointwise.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
+#include "topology/face_order.hpp"
 
 #include <clsdf/mesh.hpp>
 

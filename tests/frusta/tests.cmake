@@ -1,4 +1,4 @@
-foreach(name counterexamples random_meshes cone_search one_rings morton_order cluster_index)
+foreach(name counterexamples random_meshes cone_search slopes_and_sites cluster_index)
   clsdf_test(frusta_${name} ${name}.cpp LABELS frusta LINK TBB::tbb)
 endforeach()
 clsdf_test(frusta_records records.cpp LABELS frusta lattice LINK TBB::tbb)
@@ -6,4 +6,3 @@ clsdf_test(frusta_records records.cpp LABELS frusta lattice LINK TBB::tbb)
 set_property(SOURCE ${CMAKE_CURRENT_LIST_DIR}/cone_search.cpp APPEND PROPERTY COMPILE_OPTIONS "-Wno-old-style-cast")
 
 clsdf_field_test(kernel_frusta LABELS frusta)
-clsdf_test(mesh_topology LABELS frusta LINK clsdf::reference clsdf::io OpenCL::OpenCL)

@@ -6,7 +6,7 @@
 #include "launch/programs.hpp"
 #include "mesh/expansions.hpp"
 #include "mesh/predicates.hpp"
-#include "mesh/ray_side.hpp"
+#include "surface/ray_side.hpp"
 
 #include <boost/multiprecision/cpp_int.hpp>
 

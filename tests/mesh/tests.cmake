@@ -1,6 +1,2 @@
 clsdf_test(mesh LABELS mesh)
-clsdf_test(topology LABELS mesh sign)
-clsdf_test(topology_of_soups LABELS mesh sign)
-clsdf_test(sign_surface LABELS mesh sign)
-clsdf_test(film_tree LABELS mesh sign points)
-clsdf_test(expansions LABELS mesh launch points LINK clsdf::reference OpenCL::OpenCL)
+clsdf_test(expansions LABELS mesh surface launch points LINK clsdf::reference OpenCL::OpenCL)

@@ -7,11 +7,11 @@
 #include "core/outputs.hpp"
 #include "device/buffer_pool.hpp"
 #include "frusta/frames.hpp"
-#include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
 #include "layout.h"
-#include "mesh/sign_surface.hpp"
 #include "outputs.h"
+#include "surface/sign_surface.hpp"
+#include "topology/topology.hpp"
 
 #include <cstdint>
 #include <memory>

@@ -2,9 +2,9 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "frusta/topology.hpp"
-#include "mesh/sign_surface.hpp"
 #include "outputs.h"
+#include "surface/sign_surface.hpp"
+#include "topology/topology.hpp"
 
 #include <span>
 

@@ -2,7 +2,7 @@
 
 #include "frusta/frusta.hpp"
 #include "frusta/records.hpp"
-#include "frusta/topology.hpp"
+#include "topology/topology.hpp"
 
 #include <clsdf/mesh.hpp>
 

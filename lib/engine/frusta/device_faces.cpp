@@ -31,21 +31,7 @@ void enqueue_faces(const DeviceSetUp& set_up, const DeviceFaces& faces, const La
 
 }  // namespace
 
-DeviceFaces::Names device_names(const DeviceSetUp& set_up, std::shared_ptr<const MeshTopology> topology) {
-    const std::size_t count = topology->order.size();
-    set_up.tools.pool->check_size(count * sizeof(Triangle), "triangles");
-    device::HostFilling filling(set_up.tools.context, set_up.tools.pool, count * sizeof(cl_uint),
-                                "numbers of the triangles");
-    auto* const names = static_cast<cl_uint*>(filling.memory());
-    for_each_index(count, [&](std::size_t face) {
-        names[face] = topology->order[face] | (topology->edges.is_non_manifold(face) ? CLSDF_NAME_NON_MANIFOLD : 0U);
-    });
-    auto triangles = set_up.input(topology, topology->faces.triangles, "triangles");
-    const std::size_t vertex_count = topology->faces.vertices.size();
-    return {count, vertex_count, std::move(topology), std::move(triangles), filling.finish()};
-}
-
-DeviceFaces device_faces(const DeviceSetUp& set_up, std::shared_ptr<const DeviceFaces::Names> names,
+DeviceFaces device_faces(const DeviceSetUp& set_up, std::shared_ptr<const NamedFaces> names,
                          std::shared_ptr<const device::BufferPool::Lease> positions,
                          const std::shared_ptr<const Frusta>& frusta) {
     if (!positions)
@@ -137,6 +123,22 @@ PreparedMesh records_on_device(const DeviceSetUp& set_up, const DeviceFaces& fac
         written.place(set_up, *prepared.polyhedra);
     });
     return prepared;
+}
+
+std::vector<Box> cluster_boxes(const DeviceSetUp& set_up, const DeviceFaces& faces) {
+    static_assert(sizeof(Box) == 6 * sizeof(double));
+    const DeviceTools& tools = set_up.tools;
+    const std::size_t count = chunk_count(faces.names->face_count, ClusterIndex::cluster),
+                      group = tools.programs.group_size;
+    std::vector<Box> result(count);
+    tools.context.run_or_drain([&] {
+        const auto boxes = tools.pool->lease(count * sizeof(Box), "boxes of clusters");
+        device::LentKernel kernel = tools.kernel(tools.programs.mesh_topology, "cluster_boxes");
+        launch(tools.queue(), kernel, {count * group, group}, static_cast<cl_uint>(faces.names->face_count),
+               *faces.names->triangles, **faces.positions, *boxes);
+        device::read_values(set_up.tools.context, *boxes, result);
+    });
+    return result;
 }
 
 }  // namespace clsdf::engine

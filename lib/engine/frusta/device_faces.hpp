@@ -5,8 +5,8 @@
 #include "frusta/cluster_index.hpp"
 #include "frusta/frusta.hpp"
 #include "frusta/prepared_mesh.hpp"
-#include "frusta/topology.hpp"
 #include "homes/device_set_up.hpp"
+#include "topology/device_topology.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -25,18 +25,7 @@ inline constexpr double seconds_per_face = 1e-6;
 /// The frusta of a mesh on the device. Records and the vertices of the sign's sweep are made of them there, for each
 /// lattice. If device and host share their memory, the arrays are those of the topology and of the host's frusta.
 struct DeviceFaces {
-    /// The data that moving vertices leave as they are.
-    struct Names {
-        std::size_t face_count = 0;
-        std::size_t vertex_count = 0;
-        std::shared_ptr<const MeshTopology> topology;  ///< whose arrays are shared; null if a GPU has made the names
-        device::BufferPool::Lease triangles;           ///< Triangle, numbers of vertices as in MeshTopology::faces
-        device::BufferPool::Lease names;               ///< see face_sources.h
-
-        std::size_t device_bytes() const { return triangles.bytes() + names.bytes(); }
-    };
-
-    std::shared_ptr<const Names> names;
+    std::shared_ptr<const NamedFaces> names;
     std::shared_ptr<const device::BufferPool::Lease> positions;  ///< Vec3 of each vertex
     device::BufferPool::Lease slopes;                            ///< FaceSlopes of each face
     std::shared_ptr<const FoundFrusta> found{};
@@ -51,9 +40,8 @@ struct DeviceFaces {
     Frusta read(const DeviceSetUp& set_up) const;
 };
 
-DeviceFaces::Names device_names(const DeviceSetUp& set_up, std::shared_ptr<const MeshTopology> topology);
 /// `positions`: on the device; null if kernels use those of the frusta in place.
-DeviceFaces device_faces(const DeviceSetUp& set_up, std::shared_ptr<const DeviceFaces::Names> names,
+DeviceFaces device_faces(const DeviceSetUp& set_up, std::shared_ptr<const NamedFaces> names,
                          std::shared_ptr<const device::BufferPool::Lease> positions,
                          const std::shared_ptr<const Frusta>& frusta);
 
@@ -116,5 +104,8 @@ private:
 PreparedMesh records_on_device(const DeviceSetUp& set_up, const DeviceFaces& faces, const WrittenFaces& from,
                                const LatticeView& lattice, std::span<const RecordRange> of_faces,
                                std::span<const RecordRange> of_sites);
+
+/// cluster_boxes() of faces on the device. Waits. Throws Error.
+std::vector<Box> cluster_boxes(const DeviceSetUp& set_up, const DeviceFaces& faces);
 
 }  // namespace clsdf::engine

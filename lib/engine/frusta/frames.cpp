@@ -1,7 +1,7 @@
 #include "frusta/frames.hpp"
 
 #include "frusta/one_lane.hpp"
-#include "frusta/topology.hpp"
+#include "topology/topology.hpp"
 
 #include <cmath>
 #include <limits>

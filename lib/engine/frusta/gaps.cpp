@@ -2,7 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "frusta/one_lane.hpp"
-#include "frusta/topology.hpp"
+#include "topology/topology.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 

@@ -2,7 +2,7 @@
 
 #include "frusta/frames.hpp"
 #include "frusta/slopes.hpp"
-#include "frusta/topology.hpp"
+#include "topology/topology.hpp"
 
 #include <cstddef>
 #include <cstdint>

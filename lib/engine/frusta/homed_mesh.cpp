@@ -5,8 +5,8 @@
 #include "core/parallel.hpp"
 #include "device/read_back.hpp"
 #include "frusta/host_part.hpp"
+#include "mesh/equal_vertices.hpp"
 #include "mesh/moved_mesh.hpp"
-#include "mesh/topology.hpp"
 
 #include <utility>
 
@@ -127,7 +127,7 @@ const HomedMesh::FirstMesh& HomedMesh::first() {
     return *first_;
 }
 
-const std::shared_ptr<const DeviceFaces::Names>& HomedMesh::names() {
+const std::shared_ptr<const NamedFaces>& HomedMesh::names() {
     if (const auto& made = topology_.if_on_device()) return made->names;
     return names_.get_or([&] { return device_names(set_up_, shared_topology()); });
 }

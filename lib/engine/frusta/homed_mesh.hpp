@@ -5,15 +5,15 @@
 #include "device/buffer_pool.hpp"
 #include "frusta/cluster_index.hpp"
 #include "frusta/device_faces.hpp"
-#include "frusta/device_topology.hpp"
 #include "frusta/frusta.hpp"
 #include "frusta/kernel_frusta.hpp"
 #include "frusta/mesh_part.hpp"
-#include "frusta/topology.hpp"
 #include "homes/device_set_up.hpp"
 #include "homes/homed.hpp"
 #include "homes/kept.hpp"
 #include "mesh/vertices.hpp"
+#include "topology/device_topology.hpp"
+#include "topology/topology.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -62,7 +62,7 @@ public:
 
     const MeshTopology& topology() { return *topology_.on_host(); }
     const std::shared_ptr<const MeshTopology>& shared_topology() { return topology_.on_host(); }
-    const std::shared_ptr<const DeviceFaces::Names>& names();
+    const std::shared_ptr<const NamedFaces>& names();
 
     /// Makes the frusta, and their records for the lattice if kernels make them. lattice: may be null.
     std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);
@@ -127,7 +127,7 @@ private:
     bool has_moved_ = false;
     Homed<Mesh, DeviceMesh> given_;
     Kept<FirstMesh> first_;
-    Kept<DeviceFaces::Names> names_;
+    Kept<NamedFaces> names_;
     HomedTopology topology_;
     Homed<Mesh, device::BufferPool::Lease> positions_;
     HomedFrusta frusta_;

@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "device/read_back.hpp"
+#include "host_lists.h"
 #include "launch/commands.hpp"
 #include "launch/programs.hpp"
 

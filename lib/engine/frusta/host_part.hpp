@@ -1,8 +1,8 @@
 #pragma once
 
-#include "frusta/device_topology.hpp"
 #include "frusta/frusta.hpp"
-#include "frusta/topology.hpp"
+#include "topology/device_topology.hpp"
+#include "topology/topology.hpp"
 
 #include <cstdint>
 #include <optional>

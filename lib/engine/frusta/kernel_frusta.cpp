@@ -37,7 +37,7 @@ double least_length(const Box& box, const LatticeView& lattice) {
 /// The launches of the kernels, and their results.
 class KernelFrusta {
 public:
-    KernelFrusta(const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces::Names>& names, const Box& box,
+    KernelFrusta(const DeviceSetUp& set_up, const std::shared_ptr<const NamedFaces>& names, const Box& box,
                  const LatticeView* lattice)
         : set_up_(set_up),
           box_(box),
@@ -283,7 +283,7 @@ FrustaSources::FrustaSources(const DeviceSetUp& set_up, const MeshTopology& topo
     fan_items = set_up.input(of_kernels, of_kernels->fan_items, "items of vertices");
 }
 
-MadeFrusta frusta_by_kernels(const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces::Names>& names,
+MadeFrusta frusta_by_kernels(const DeviceSetUp& set_up, const std::shared_ptr<const NamedFaces>& names,
                              const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
                              const LatticeView* lattice) {
     return device::guarded([&] { return KernelFrusta(set_up, names, mesh.box(), lattice).make(sources, mesh); });

@@ -2,10 +2,10 @@
 
 #include "device/buffer_pool.hpp"
 #include "frusta/device_faces.hpp"
-#include "frusta/device_topology.hpp"
 #include "frusta/frusta.hpp"
 #include "frusta/kernel_topology.hpp"
 #include "frusta/prepared_mesh.hpp"
+#include "topology/device_topology.hpp"
 
 #include <cstddef>
 #include <memory>
@@ -38,7 +38,7 @@ struct MadeFrusta {
 
 /// The frusta of a mesh with these faces: made by kernels, and completed by the host, exactly. `lattice`: whose records
 /// are made, too; null for none. One wait for the device.
-MadeFrusta frusta_by_kernels(const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces::Names>& names,
+MadeFrusta frusta_by_kernels(const DeviceSetUp& set_up, const std::shared_ptr<const NamedFaces>& names,
                              const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
                              const LatticeView* lattice);
 

@@ -135,25 +135,7 @@ private:
     UninitializedVector<std::uint32_t> fans_;  // corners of vertices of items, packed, as in OneRings
 };
 
-std::uint32_t opposite_word(const MeshTopology& topology, const FaceEdges& edges, std::size_t k) {
-    if (edges.marks[k] == edge_open) return CLSDF_NO_VERTEX;
-    if (edges.marks[k] != 0) return CLSDF_UNPAIRED_EDGE;
-    const Corner across = Corner::unpack(edges.across[k]);
-    return topology.faces.triangles[across.face][previous_of_three(across.vertex)] | across.vertex
-                                                                                         << CLSDF_OPPOSITE_EDGE;
-}
-
 }  // namespace
-
-UninitializedVector<std::uint32_t> opposite_words(const MeshTopology& topology) {
-    UninitializedVector<std::uint32_t> opposite(3 * topology.order.size());
-    for_each_index(topology.order.size(), [&](std::size_t face) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            opposite[3 * face + k] = opposite_word(topology, topology.edges.faces[face], k);
-        }
-    });
-    return opposite;
-}
 
 KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(opposite_words(topology)) {
     constexpr std::size_t chunk = 1U << 16;

@@ -2,7 +2,7 @@
 
 #include "face_sources.h"
 #include "frusta/frusta.hpp"
-#include "frusta/topology.hpp"
+#include "topology/topology.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -10,11 +10,6 @@
 #include <vector>
 
 namespace clsdf::engine {
-
-/// Three of each face: the vertex of the other face that lies opposite to edge k, and which edge of that face it is
-/// (CLSDF_OPPOSITE_EDGE). CLSDF_NO_VERTEX for an open edge; CLSDF_UNPAIRED_EDGE for others unless the edge has exactly
-/// two faces, of one orientation.
-UninitializedVector<std::uint32_t> opposite_words(const MeshTopology& topology);
 
 /// A mesh's topology as the kernels that make polyhedra read it (kernels/frusta/face_records.cl), and what they leave
 /// out.

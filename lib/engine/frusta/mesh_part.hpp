@@ -2,8 +2,8 @@
 
 #include "frusta/cluster_index.hpp"
 #include "frusta/frusta.hpp"
-#include "frusta/topology.hpp"
-#include "mesh/sign_surface.hpp"
+#include "surface/sign_surface.hpp"
+#include "topology/topology.hpp"
 
 #include <clsdf/mesh.hpp>
 

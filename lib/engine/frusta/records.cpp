@@ -1,7 +1,7 @@
 #include "frusta/records.hpp"
 
 #include "frusta/one_lane.hpp"
-#include "frusta/topology.hpp"
+#include "topology/topology.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -2,7 +2,7 @@
 
 #include "coarse.h"
 #include "frusta/frusta.hpp"
-#include "frusta/topology.hpp"
+#include "topology/topology.hpp"
 
 #include <array>
 #include <vector>

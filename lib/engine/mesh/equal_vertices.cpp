@@ -1,10 +1,12 @@
+#include "mesh/equal_vertices.hpp"
+
 #include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
-#include "mesh/topology.hpp"
 
 #include <array>
 #include <bit>
 #include <limits>
+#include <utility>
 
 namespace clsdf {
 
@@ -59,6 +61,20 @@ std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices) 
         }
     });
     return first;
+}
+
+Mesh merged(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
+    std::vector<Vec3> vertices;
+    std::vector<std::uint32_t> new_index(first.size());
+    for (std::size_t i = 0; i < first.size(); ++i)
+        if (first[i] == i) {
+            new_index[i] = static_cast<std::uint32_t>(vertices.size());
+            vertices.push_back(mesh.vertices()[i]);
+        }
+    std::vector<Triangle> triangles = mesh.triangles();
+    for (Triangle& triangle : triangles)
+        for (std::uint32_t& index : triangle) index = new_index[first[index]];
+    return Mesh(std::move(vertices), std::move(triangles), mesh.name());
 }
 
 }  // namespace clsdf

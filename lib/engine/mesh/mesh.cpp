@@ -1,8 +1,9 @@
 #include "core/parallel.hpp"
 #include "mesh/box_index.hpp"
+#include "mesh/equal_vertices.hpp"
 #include "mesh/input_arrays.hpp"
+#include "mesh/join_vertices.hpp"
 #include "mesh/mesh_arrays.hpp"
-#include "mesh/topology.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/mesh.hpp>
@@ -145,20 +146,6 @@ std::uint64_t Mesh::hash() const {
     for (const Triangle& triangle : triangles())
         for (const std::uint32_t index : triangle) add(index);
     return hash;
-}
-
-Mesh merged(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
-    std::vector<Vec3> vertices;
-    std::vector<std::uint32_t> new_index(first.size());
-    for (std::size_t i = 0; i < first.size(); ++i)
-        if (first[i] == i) {
-            new_index[i] = static_cast<std::uint32_t>(vertices.size());
-            vertices.push_back(mesh.vertices()[i]);
-        }
-    std::vector<Triangle> triangles = mesh.triangles();
-    for (Triangle& triangle : triangles)
-        for (std::uint32_t& index : triangle) index = new_index[first[index]];
-    return Mesh(std::move(vertices), std::move(triangles), mesh.name());
 }
 
 Mesh weld(const Mesh& mesh) {

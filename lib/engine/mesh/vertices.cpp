@@ -1,12 +1,10 @@
 #include "mesh/vertices.hpp"
 
 #include <clsdf/error.hpp>
-#include <clsdf/topology.hpp>
 
 #include "core/parallel.hpp"
-#include "mesh/box_index.hpp"
+#include "mesh/equal_vertices.hpp"
 #include "mesh/mesh_arrays.hpp"
-#include "mesh/topology.hpp"
 
 #include <fmt/format.h>
 
@@ -91,37 +89,6 @@ std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positi
 std::size_t Vertices::callers_number(std::uint32_t vertex) const {
     if (welded_.empty()) return vertex;
     return static_cast<std::size_t>(std::ranges::find(welded_, vertex) - welded_.begin());
-}
-
-void Vertices::check_joined(const Mesh& mesh, const SignSurface& surface, std::span<const Vec3> moved) const {
-    if (surface.vertices.empty()) return;
-    Box all = empty_box;
-    for (const Triangle& triangle : mesh.triangles())
-        for (const std::uint32_t index : triangle) add(all, {moved[index], moved[index]});
-    double half_side = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        half_side = std::max(half_side, 0.5 * all.upper[axis] - 0.5 * all.lower[axis]);
-    const double most = 2 * joined_extent * half_side;
-    std::vector<Box> boxes(moved.size(), empty_box);  // of clusters, by the vertex that counts
-    for (std::uint32_t vertex = 0; vertex < moved.size(); ++vertex) {
-        const std::uint32_t least = surface.vertex(vertex);
-        if (least == vertex) continue;
-        Box& box = boxes[least];
-        for (const std::uint32_t one : {least, vertex}) add(box, {moved[one], moved[one]});
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            if (!(box.upper[axis] - box.lower[axis] > most))
-                continue;  // also if one is not finite, which is told later
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("vertices {} and {} of {} differed by rounding and are joined for the sign, and "
-                            "they move apart, to ({}, {}, {}) and ({}, {}, {}), or others that are joined with "
-                            "them do; move them together, to within {} on each axis, use the sign rule none, or "
-                            "make a new transform",
-                            callers_number(least), callers_number(vertex), mesh.name(), moved[least][0],
-                            moved[least][1], moved[least][2], moved[vertex][0], moved[vertex][1], moved[vertex][2],
-                            most));
-        }
-    }
 }
 
 std::vector<Vec3> Vertices::moved(std::span<const Vec3> first, const std::array<Vec3, 3>& rotation,

@@ -2,8 +2,6 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "mesh/sign_surface.hpp"
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -31,13 +29,12 @@ public:
     /// they are the same.
     static std::vector<std::uint32_t> numbers(const std::vector<std::uint32_t>& first);
 
+    /// The caller's number of a vertex: the first of those that are equal.
+    std::size_t callers_number(std::uint32_t vertex) const;
+
     /// New positions of the transform's mesh from those of the caller's. Throws Error(invalid_argument) if their number
     /// is another one, or if vertices that count as one move apart.
     std::vector<Vec3> moved(const Mesh& mesh, std::span<const Vec3> positions) const;
-
-    /// Throws Error(invalid_argument) that names the caller's vertices if some that are joined for the sign move
-    /// farther apart than joined_extent of the longest side. `moved`: as moved() returns them.
-    void check_joined(const Mesh& mesh, const SignSurface& surface, std::span<const Vec3> moved) const;
 
     /// New positions R x + t from the first ones, x, of the transform's mesh; see DistanceTransform::set_motion().
     /// Throws Error(invalid_argument) if R is no rotation.
@@ -47,9 +44,6 @@ public:
 private:
     std::size_t count_;                  // of the caller's mesh
     std::vector<std::uint32_t> welded_;  // of each of them its index here, or no_vertex; empty if they are the same
-
-    /// The caller's number of a vertex: the first of those that are equal.
-    std::size_t callers_number(std::uint32_t vertex) const;
 
     static constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
 };

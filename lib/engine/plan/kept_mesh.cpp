@@ -3,7 +3,7 @@
 #include "finish/sites.hpp"
 #include "lattice/layout_of.hpp"
 #include "mesh/box_index.hpp"
-#include "mesh/topology.hpp"
+#include "surface/topology.hpp"
 
 #include <fmt/format.h>
 

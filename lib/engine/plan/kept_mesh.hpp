@@ -11,12 +11,12 @@
 #include "frusta/prepared_mesh.hpp"
 #include "homes/kept.hpp"
 #include "launch/programs.hpp"
-#include "mesh/open_edges.hpp"
-#include "mesh/sign_surface.hpp"
 #include "plan/job.hpp"
 #include "plan/lattice.hpp"
 #include "plan/restriction.hpp"
 #include "sign/sweep_mesh.hpp"
+#include "surface/open_edges.hpp"
+#include "surface/sign_surface.hpp"
 
 #include <atomic>
 #include <cstddef>

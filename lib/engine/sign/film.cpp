@@ -1,9 +1,9 @@
 #include "sign/film.hpp"
 
 #include "core/parallel.hpp"
-#include "mesh/film_bounds.hpp"
 #include "sign/turns_of_lanes.hpp"
 #include "solid_angle.h"
+#include "surface/film_bounds.hpp"
 
 #include <algorithm>
 #include <array>

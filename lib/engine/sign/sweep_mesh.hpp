@@ -7,11 +7,11 @@
 #include "frusta/cluster_index.hpp"
 #include "frusta/device_faces.hpp"
 #include "frusta/homed_mesh.hpp"
-#include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
-#include "mesh/open_edges.hpp"
-#include "mesh/sign_surface.hpp"
 #include "sign/film.hpp"
+#include "surface/open_edges.hpp"
+#include "surface/sign_surface.hpp"
+#include "topology/topology.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -29,7 +29,7 @@ struct SweepMesh {
     std::int32_t first_x = 0;  ///< a multiple of CLSDF_BRICK; not 0 only if the mesh is far from sample (0, 0, 0)
 
     /// Whose triangles are swept; null: own_triangles.
-    std::shared_ptr<const DeviceFaces::Names> faces{};
+    std::shared_ptr<const NamedFaces> faces{};
     /// The open edges of the whole surface; null if there are none, or if the rule is not solid_angle.
     std::shared_ptr<const LatticeBoundary> boundary{};
 

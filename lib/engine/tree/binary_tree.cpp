@@ -2,11 +2,11 @@
 
 #include "core/parallel.hpp"
 #include "device/read_back.hpp"
-#include "frusta/face_order.hpp"
 #include "launch/commands.hpp"
 #include "launch/prefix_sums.hpp"
 #include "launch/programs.hpp"
 #include "launch/radix_sort.hpp"
+#include "topology/face_order.hpp"
 
 #include <algorithm>
 #include <bit>

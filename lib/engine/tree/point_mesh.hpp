@@ -3,10 +3,10 @@
 #include "core/large_memory.hpp"
 #include "device/buffer_pool.hpp"
 #include "frusta/frames.hpp"
-#include "frusta/topology.hpp"
 #include "launch/device_tools.hpp"
-#include "mesh/film_tree.hpp"
-#include "mesh/sign_surface.hpp"
+#include "surface/film_tree.hpp"
+#include "surface/sign_surface.hpp"
+#include "topology/topology.hpp"
 
 #include "point_tree.h"
 

@@ -1,0 +1,235 @@
+#include <clsdf/error.hpp>
+#include <clsdf/topology.hpp>
+
+#include "surface/open_edges.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+namespace clsdf {
+
+namespace {
+
+constexpr std::array<std::pair<SignRule, const char*>, 5> names{{{SignRule::automatic, "auto"},
+                                                                 {SignRule::nonzero, "nonzero"},
+                                                                 {SignRule::parity, "parity"},
+                                                                 {SignRule::none, "none"},
+                                                                 {SignRule::solid_angle, "solid-angle"}}};
+
+std::string text_of(const Vec3& point) {
+    return fmt::format("({}, {}, {})", point[0], point[1], point[2]);
+}
+
+/// "1 face", "3 faces".
+std::string counted(std::size_t count, const char* thing) {
+    return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
+/// ": (0, 0, 0) to (1, 0, 0), ... and 1 more".
+std::string list_edges(std::size_t count, const std::vector<Topology::Edge>& first) {
+    std::string text;
+    const char* separator = ": ";
+    for (const Topology::Edge& edge : first) {
+        text += fmt::format("{}{} to {}", separator, text_of(edge.from), text_of(edge.to));
+        separator = ", ";
+    }
+    if (count > first.size()) text += fmt::format(" and {} more", count - first.size());
+    return text;
+}
+
+std::string doubled_faces(const Topology& topology) {
+    const std::size_t count = topology.duplicate_faces;
+    return count == 1 ? "1 face is there twice" : fmt::format("{} faces are there twice or more often", count);
+}
+
+/// "it has 3 open edges: ..."; never open if nothing is.
+std::string list_open_edges(const Topology& topology) {
+    const std::size_t open = topology.open_edges, boundary = topology.boundary_edges;
+    const std::string edges = list_edges(open, topology.first_open_edges);
+    const std::string remedy =
+        boundary > 0 ? "; if they are seams, --weld LENGTH (weld()) joins vertices that are near" : "";
+    if (open == boundary)
+        return fmt::format("it has {} open {}{}{}", open, open == 1 ? "edge" : "edges", edges, remedy);
+    std::string text = fmt::format("{} {} an odd number of faces", counted(open, "edge"), open == 1 ? "has" : "have");
+    if (boundary > 0) text += fmt::format(" ({} of them one face)", boundary);
+    text += edges + remedy;
+    if (topology.duplicate_faces > 0) text += "; " + doubled_faces(topology);
+    if (topology.inner_wall_faces > 0)
+        text += fmt::format(
+            "; {} an inner wall, with an inside on both of its sides: leave out triangle {} and those that are joined "
+            "to it over edges of two faces",
+            topology.inner_wall_faces == 1 ? "1 face is" : fmt::format("{} faces are", topology.inner_wall_faces),
+            topology.first_inner_wall_face);
+    return text;
+}
+
+std::string list_unbalanced_edges(const Topology& topology) {
+    const std::size_t count = topology.unbalanced_edges;
+    return fmt::format("{} unbalanced {}{}", count, count == 1 ? "edge" : "edges",
+                       list_edges(count, topology.first_unbalanced_edges));
+}
+
+/// Sentences that a semicolon parts.
+class Sentences {
+public:
+    void add(const std::string& sentence) { text_ += (text_.empty() || sentence.empty() ? "" : "; ") + sentence; }
+    std::string text() const { return text_; }
+
+private:
+    std::string text_;
+};
+
+/// The difference of the surface that decides the sign from the mesh; empty if there is none.
+std::string difference_of(const Topology& topology) {
+    std::string text;
+    const auto add = [&](std::size_t count, const std::string& what) {
+        if (count > 0) text += (text.empty() ? "for the sign, " : ", ") + what;
+    };
+    const std::size_t joined = topology.joined_vertices, turned = topology.reoriented_faces;
+    add(joined, fmt::format("{} from another one by rounding and {} as it",
+                            joined == 1 ? "1 vertex differs" : fmt::format("{} vertices differ", joined),
+                            joined == 1 ? "counts" : "count"));
+    add(topology.uncounted_faces,
+        topology.uncounted_faces == 1
+            ? "1 face is there twice and counts once"
+            : fmt::format("{} faces repeat others or cancel them and do not count", topology.uncounted_faces));
+    add(turned,
+        fmt::format("{} the wrong way and {} turned around",
+                    turned == 1 ? "1 face looks" : fmt::format("{} faces look", turned), turned == 1 ? "is" : "are"));
+    return text;
+}
+
+std::string warning_of_parts(const Topology& topology) {
+    Sentences sentences;
+    if (topology.inward_parts > 0)
+        sentences.add(fmt::format(
+            "{} of {} parts {} inwards and {} not wholly within others, so an overlap with them is outside: turn the "
+            "faces of {} around ({} triangle {})",
+            topology.inward_parts, topology.parts, topology.inward_parts == 1 ? "looks" : "look",
+            topology.inward_parts == 1 ? "is" : "are", topology.inward_parts == 1 ? "this part" : "these parts",
+            topology.inward_parts == 1 ? "that of" : "the first is that of", topology.first_inward_face));
+    if (topology.nested_parts > 0)
+        sentences.add(fmt::format(
+            "{} of {} parts {} within others and {} the same way, so {} no cavity (that of triangle {}{}): the sign "
+            "rule parity makes cavities of such parts, and so do faces that look inwards",
+            topology.nested_parts, topology.parts, topology.nested_parts == 1 ? "lies" : "lie",
+            topology.nested_parts == 1 ? "looks" : "look", topology.nested_parts == 1 ? "it is" : "they are",
+            topology.first_nested_face, topology.nested_parts == 1 ? "" : " is the first"));
+    return sentences.text();
+}
+
+/// "at 3% of 512 points it is in doubt".
+std::string share_in_doubt(const Topology& topology) {
+    const double percent =
+        100 * static_cast<double>(topology.doubtful_points) / static_cast<double>(topology.tested_points);
+    return fmt::format("at {:.3g}% of {} points of the mesh's box it is in doubt", percent, topology.tested_points);
+}
+
+/// "it has 3 open edges".
+std::string count_holes(const Topology& topology) {
+    const std::size_t count = topology.unbalanced_edges;
+    const char* const edges = count == 1 ? "edge" : "edges";
+    if (topology.boundary_edges == count) return fmt::format("it has {} open {}", count, edges);
+    return fmt::format("it has {} unbalanced {}, {} of them with one face", count, edges, topology.boundary_edges);
+}
+
+/// Of the rule solid_angle for a mesh that is not balanced.
+std::string warning_of_holes(const Topology& topology) {
+    if (topology.tested_points == 0) return {};
+    if (topology.inside_points == 0)
+        return fmt::format(
+            "the winding number is below one half at each of {} points of the mesh's box, so perhaps "
+            "nothing is inside; the sign rule none gives the distance alone",
+            topology.tested_points);
+    return fmt::format(
+        "{}, {}, so the sign follows from the winding number: inside is where its magnitude is one half "
+        "or more; {}; the sign rule none gives the distance alone",
+        topology.closed ? "the mesh is not balanced" : "the mesh is not closed", count_holes(topology),
+        share_in_doubt(topology));
+}
+
+/// Why `automatic` does not take it.
+std::string refusal_of_winding_number(const Topology& topology) {
+    if (topology.tested_points == 0) return {};
+    return topology.inside_points == 0
+               ? fmt::format(
+                     "; its winding number is below one half at each of {} points of its box, so the sign rule "
+                     "solid-angle would find nothing inside",
+                     topology.tested_points)
+               : fmt::format(
+                     "; its winding number would tell inside from outside, but {}, and 10% is the limit: the "
+                     "sign rule solid-angle takes it all the same",
+                     share_in_doubt(topology));
+}
+
+/// The warnings about a mesh that has a sign.
+std::string warning_of(const Topology& topology, SignRule rule) {
+    Sentences sentences;
+    sentences.add(difference_of(topology));
+    if (topology.inside_out)
+        sentences.add(
+            "the mesh is inside out (its faces look inwards); the region that it encloses is inside all the same");
+    if (rule == SignRule::nonzero) sentences.add(warning_of_parts(topology));
+    return sentences.text();
+}
+
+}  // namespace
+
+const char* name_of(SignRule rule) {
+    for (const auto& [known, name] : names)
+        if (known == rule) return name;
+    return "unknown";
+}
+
+ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
+    switch (asked) {
+        case SignRule::automatic:
+            if (topology.balanced) return {SignRule::nonzero, warning_of(topology, SignRule::nonzero)};
+            if (topology.closed) {
+                Sentences sentences;
+                sentences.add(fmt::format(
+                    "the mesh is closed, but its faces are not oriented alike, so the sign "
+                    "follows from parity, and regions within an even number of shells are outside; it has {}",
+                    list_unbalanced_edges(topology)));
+                sentences.add(warning_of(topology, SignRule::parity));
+                return {SignRule::parity, sentences.text()};
+            }
+            if (has_clear_winding_number(topology)) {
+                Sentences sentences;
+                sentences.add(warning_of_holes(topology));
+                sentences.add(warning_of(topology, SignRule::solid_angle));
+                return {SignRule::solid_angle, sentences.text()};
+            }
+            return {SignRule::none, fmt::format("the mesh is not closed, so the distance has no sign; {}{}",
+                                                list_open_edges(topology), refusal_of_winding_number(topology))};
+        case SignRule::nonzero:
+            if (!topology.balanced)
+                throw Error(ErrorCode::invalid_mesh,
+                            fmt::format("the sign rule nonzero needs a mesh whose edges are used equally often in both "
+                                        "directions, but this one has {}; {}",
+                                        list_unbalanced_edges(topology),
+                                        topology.closed ? "the rules parity and solid-angle would do"
+                                                        : "the rules solid-angle and none would do"));
+            return {SignRule::nonzero, warning_of(topology, SignRule::nonzero)};
+        case SignRule::parity:
+            if (!topology.closed)
+                throw Error(ErrorCode::invalid_mesh,
+                            fmt::format("the sign rule parity needs a closed mesh; {}; the rules solid-angle and none "
+                                        "would do",
+                                        list_open_edges(topology)));
+            return {SignRule::parity, warning_of(topology, SignRule::parity)};
+        case SignRule::solid_angle: {
+            Sentences sentences;
+            if (!topology.balanced) sentences.add(warning_of_holes(topology));
+            sentences.add(warning_of(topology, topology.balanced ? SignRule::nonzero : SignRule::solid_angle));
+            return {SignRule::solid_angle, sentences.text()};
+        }
+        case SignRule::none:
+            break;
+    }
+    return {SignRule::none, {}};
+}
+
+}  // namespace clsdf

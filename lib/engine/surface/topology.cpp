@@ -1,0 +1,200 @@
+#include "surface/topology.hpp"
+
+#include "core/parallel.hpp"
+#include "mesh/equal_vertices.hpp"
+#include "surface/edge_counts.hpp"
+#include "surface/open_edges.hpp"
+#include "surface/parts.hpp"
+#include "surface/surface_search.hpp"
+
+#include <clsdf/topology.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace clsdf {
+
+namespace {
+
+/// Counts the vertices; `first` as of first_equal_vertices().
+void count_vertices(std::span<const Triangle> triangles, std::span<const std::uint32_t> first, Topology& report) {
+    // Counts the vertices number_of(index) of the triangles' indices.
+    const auto count_used = [&](const auto& number_of) {
+        std::vector<std::uint8_t> used(first.size());
+        for_each_index(triangles.size(), [&](std::size_t t) {
+            for (const std::uint32_t index : triangles[t]) {
+                const std::atomic_ref flag(used[number_of(index)]);
+                if (flag.load(std::memory_order_relaxed) == 0) flag.store(1, std::memory_order_relaxed);
+            }
+        });
+        return static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
+    };
+    bool are_different = true;
+    for (std::size_t v = 0; v < first.size(); ++v) are_different = are_different && first[v] == v;
+    const std::size_t used = count_used([](std::uint32_t index) { return index; });
+    report.unused_vertices = first.size() - used;
+    report.coincident_vertices =
+        are_different ? 0 : used - count_used([&](std::uint32_t index) { return first[index]; });
+}
+
+std::vector<Triangle> triangles_over(std::span<const std::uint32_t> first, std::span<const Triangle> triangles) {
+    std::vector<Triangle> result(triangles.size());
+    for_each_index(triangles.size(), [&](std::size_t t) {
+        for (std::size_t k = 0; k < 3; ++k) result[t][k] = first[triangles[t][k]];
+    });
+    return result;
+}
+
+/// The first five of the edges, and the first five open ones, in the order and the direction of the first triangles
+/// that use them.
+void report_first_edges(std::vector<UnbalancedEdge> edges, std::span<const Triangle> triangles,
+                        const std::vector<Vec3>& vertices, Topology& report) {
+    constexpr std::size_t limit = 5;
+    const std::size_t wanted = std::min(report.unbalanced_edges, limit);
+    const std::size_t open_wanted = std::min(report.open_edges, limit);
+    std::vector<Topology::Edge>& first = report.first_unbalanced_edges;
+    std::vector<Topology::Edge>& first_open = report.first_open_edges;
+    for (std::size_t t = 0; first.size() < wanted || first_open.size() < open_wanted; ++t) {
+        if (has_repeated_vertex(triangles[t])) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t from = triangles[t][k];
+            const std::uint32_t to = triangles[t][(k + 1) % 3];
+            const UnbalancedEdge edge{std::min(from, to), std::max(from, to)};
+            const auto found = std::lower_bound(edges.begin(), edges.end(), edge);
+            if (found == edges.end() || edge < *found || found->is_noted) continue;
+            found->is_noted = true;
+            if (first.size() < wanted) first.push_back({vertices[from], vertices[to]});
+            if (found->is_open && first_open.size() < open_wanted) first_open.push_back({vertices[from], vertices[to]});
+        }
+    }
+}
+
+OpenLoops loops_of(const EdgeCounts& edges) {
+    std::vector<OpenEdge> open;
+    open.reserve(edges.unbalanced.size());
+    for (const UnbalancedEdge& edge : edges.unbalanced) {
+        if (edge.net > 0)
+            open.push_back({edge.lower, edge.higher, static_cast<std::uint32_t>(edge.net)});
+        else
+            open.push_back({edge.higher, edge.lower, static_cast<std::uint32_t>(-edge.net)});
+    }
+    return clsdf::loops_of(std::move(open));
+}
+
+/// Describes the edges of a mesh's triangles, whose vertices are all different.
+SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles, SignRule asked, Topology& report) {
+    constexpr std::size_t grain = 4096;
+    report.repeated_vertex_faces = reduce_ranges(
+        triangles.size(), grain, std::size_t{0},
+        [&](std::size_t begin, std::size_t end, std::size_t count) {
+            const auto part = triangles.subspan(begin, end - begin);
+            return count + static_cast<std::size_t>(std::count_if(part.begin(), part.end(), has_repeated_vertex));
+        },
+        std::plus<>());
+    EdgeCounts edges = count_edges(triangles, mesh.vertices().size());
+    report.non_manifold_edges = edges.non_manifold;
+    if (edges.unbalanced.empty()) {
+        report.closed = report.balanced = true;
+        if (edges.non_manifold > 0) report.duplicate_faces = doubled_faces(triangles).size();
+        report.inside_out = encloses_negative_volume(mesh);
+        return {};
+    }
+    SurfaceSearch search(mesh, triangles, std::move(edges));
+    search.join_noise();
+    const std::vector<DoubledFace> doubled = doubled_faces(search.triangles());
+    if (!search.is_balanced()) search.count_doubled_once(doubled);
+    if (!search.is_balanced() && search.is_closed()) search.orient_parts(doubled);
+    report.joined_vertices = search.joined();
+    report.duplicate_faces = doubled.size();
+    report.uncounted_faces = search.uncounted();
+    report.reoriented_faces = search.reoriented();
+    report.boundary_edges = search.edges().boundary;
+    report.unbalanced_edges = search.edges().unbalanced.size();
+    report.open_edges = search.edges().open();
+    report_first_edges(search.edges().unbalanced, search.triangles(), mesh.vertices(), report);
+    report.closed = search.is_closed();
+    report.balanced = search.is_balanced();
+    if (report.open_edges > 0 && report.boundary_edges == 0) find_inner_walls(mesh, search.triangles(), report);
+    SignSurface surface = search.take_surface();
+    report.inside_out = report.balanced && encloses_negative_volume(mesh, surface);
+    if (report.balanced) return surface;
+    if (asked == SignRule::solid_angle || (asked == SignRule::automatic && !report.closed)) {
+        surface.open_loops = loops_of(search.edges());
+        test_winding_number(mesh, search.triangles(), surface.open_loops, report);
+        report.inside_out = report.inside_out && (asked == SignRule::solid_angle || has_clear_winding_number(report));
+    }
+    return surface;
+}
+
+/// The triangles of the surface that decides the sign.
+std::vector<Triangle> triangles_of(std::span<const Triangle> given, const SignSurface& surface) {
+    std::vector<Triangle> triangles(given.size());
+    for_each_index(given.size(), [&](std::size_t face) { triangles[face] = surface.triangle(given[face], face); });
+    return triangles;
+}
+
+}  // namespace
+
+OpenLoops open_loops_of(const Mesh& mesh, const SignSurface& surface) {
+    const std::vector<Triangle> own =
+        surface.is_mesh() ? std::vector<Triangle>() : triangles_of(mesh.triangles(), surface);
+    const std::span<const Triangle> triangles = surface.is_mesh() ? std::span(mesh.triangles()) : std::span(own);
+    return loops_of(count_edges(triangles, mesh.vertices().size()));
+}
+
+Topology describe_vertices(const Mesh& mesh, std::span<const std::uint32_t> first) {
+    Topology report;
+    count_vertices(mesh.triangles(), first, report);
+    return report;
+}
+
+SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> neighbours, bool are_paired, SignRule asked,
+                           Topology& report) {
+    if (are_paired) {
+        describe_paired_edges(encloses_negative_volume(mesh), report);
+        if (!is_one_part(neighbours, mesh.vertices().size())) describe_parts(mesh, mesh.triangles(), report);
+        return {};
+    }
+    SignSurface surface = describe_edges(mesh, mesh.triangles(), asked, report);
+    report.parts = report.balanced ? 1 : 0;
+    if (report.balanced && (!surface.is_mesh() || !is_one_part(neighbours, mesh.vertices().size())))
+        describe_parts(mesh, triangles_of(mesh.triangles(), surface), report);
+    return surface;
+}
+
+void describe_paired_edges(bool encloses_negative_volume, Topology& report) {
+    report.closed = report.balanced = true;
+    report.inside_out = encloses_negative_volume;
+    report.parts = 1;
+}
+
+DescribedMesh describe_mesh(const Mesh& mesh, SignRule asked) {
+    DescribedMesh described;
+    auto& [report, surface] = described;
+    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
+    count_vertices(mesh.triangles(), first, report);
+    const std::vector<Triangle> own =
+        report.coincident_vertices > 0 ? triangles_over(first, mesh.triangles()) : std::vector<Triangle>();
+    const std::span<const Triangle> triangles = own.empty() ? std::span(mesh.triangles()) : std::span(own);
+    surface = describe_edges(mesh, triangles, asked, report);
+    report.parts = report.balanced ? 1 : 0;
+    if (report.balanced && (!surface.is_mesh() || !is_one_part(triangles, mesh.vertices().size())))
+        describe_parts(mesh, triangles_of(triangles, surface), report);
+    if (!own.empty() && !surface.is_mesh()) {
+        if (surface.vertices.empty())
+            surface.vertices = first;
+        else
+            for (std::size_t v = 0; v < first.size(); ++v) surface.vertices[v] = surface.vertices[first[v]];
+    }
+    return described;
+}
+
+Topology describe_topology(const Mesh& mesh) {
+    return describe_mesh(mesh).topology;
+}
+
+}  // namespace clsdf

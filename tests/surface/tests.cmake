@@ -1,0 +1,5 @@
+foreach(name topology topology_of_soups)
+  clsdf_test(surface_${name} ${name}.cpp LABELS surface sign)
+endforeach()
+clsdf_test(sign_surface LABELS surface mesh sign)
+clsdf_test(film_tree LABELS surface sign points)
