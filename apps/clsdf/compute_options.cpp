@@ -93,7 +93,9 @@ void add_grid_options(Parser& parser, ComputeOptions& options) {
         .excludes("--cubic")
         .excludes("--size")
         .excludes("--origin");
-    parser.add("--samples", options.samples, "of the box, both ends included, for all axes or each")
+    parser
+        .add("--samples", options.samples,
+             "of the box, both ends included, for all axes or each; 1 for a slice, where both are equal")
         .takes_text("N[,N,N]")
         .needs("--box");
     parser.add("--cells", options.cells, "of the box; one sample more, or with --cell-centred as many")

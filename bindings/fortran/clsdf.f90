@@ -2008,7 +2008,7 @@ contains
 
   !> The grid from one corner of a box to the other: `samples` on each axis, both ends included, or `cells`, with samples
   !> at their corners or, with cell_centred, at their centres. The first sample is box%lower exactly, the spacing is rounded
-  !> once.
+  !> once. A slice: an axis on which both corners are equal has one sample, and the least of the other spacings.
   subroutine grid_between(self, box, samples, cells, cell_centred, stat, errmsg)
     class(clsdf_grid), intent(inout) :: self
     type(clsdf_box), intent(in) :: box

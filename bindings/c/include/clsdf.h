@@ -360,7 +360,7 @@ typedef struct clsdf_grid_options {
 /* How clsdf_grid_between() divides a box: by samples or by cells. Give one of them, on each axis; the other is 0. */
 typedef struct clsdf_grid_division {
     size_t struct_size;
-    int64_t samples[3];   /* at least 2: both ends of the box are samples */
+    int64_t samples[3];   /* at least 2: both ends of the box are samples; 1 on an axis on which they are equal */
     int64_t cells[3];     /* at least 1: samples at their corners, one more than the cells */
     int32_t cell_centred; /* 1, with cells: one sample at the centre of each instead */
     int32_t reserved;
@@ -381,7 +381,9 @@ CLSDF_API clsdf_status clsdf_grid_around_box(const clsdf_box* box, const clsdf_g
 CLSDF_API clsdf_status clsdf_grid_around_mesh(const clsdf_mesh* mesh, int64_t resolution, const clsdf_band* band,
                                               clsdf_grid* grid);
 /* The grid from one corner of a box to the other. The first sample is box->lower exactly; the spacing is rounded once,
- * so the last sample is within n/2 ulp of the spacing of box->upper, n being the cells along an axis. */
+ * so the last sample is within n/2 ulp of the spacing of box->upper, n being the cells along an axis. A slice: an axis
+ * on which both corners are equal has one sample (samples 1, or cells 1 if cell_centred), and the least of the other
+ * spacings. */
 CLSDF_API clsdf_status clsdf_grid_between(const clsdf_box* box, const clsdf_grid_division* division, clsdf_grid* grid);
 /* In the next seven, `result` may be `grid`. */
 /* The block of size[3] samples that starts offset[3] samples from this grid's first one; must be inside. */

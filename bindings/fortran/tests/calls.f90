@@ -283,6 +283,8 @@ contains
     call check(w%calls > 0 .and. statistics%slabs >= 1 .and. statistics%field_seconds > 0, 'progress and statistics')
     w%stop_after = 0
     call transform%compute(grid, band, phi, options=w, stat=stat, errmsg=errmsg)
+    call part%between(clsdf_box([0d0, 0d0, 4d0], [1d0, 2d0, 4d0]), samples=[3, 3, 1])
+    call check(all(part%size == [3, 3, 1]) .and. part%origin(3) == 4 .and. part%spacing(3) == 0.5d0, 'a slice')
     call fails(stat, 1234, errmsg, 'enough')
     w%progress => null()
     w%should_stop => cancel
