@@ -1,12 +1,16 @@
 #include <clsdf/io.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
 
 #include "written_files.hpp"
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -222,6 +226,53 @@ BOOST_AUTO_TEST_CASE(lines_of_obj_with_unknown_keywords_are_counted) {
         {"2 lines with keywords that OBJ does not have are skipped, the first at line 6, 'something'"});
     check_is_refused("a.obj", "this is\nno mesh\n", invalid,
                      {"no triangle", "2 lines with keywords", "line 1, 'this'"});
+}
+
+BOOST_AUTO_TEST_CASE(numbers_of_text_files_may_be_as_fortran_writes_them) {
+    const auto of = [](const std::string& text, const std::string& one, const std::string& zero) {
+        std::string result;
+        for (const char c : text) result += c == '@' ? one : c == '$' ? zero : std::string(1, c);
+        return result;
+    };
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n$ $ $\n@ $ $\n@ @ $\n$ @ $\n4 0 1 2 3\n";
+    const std::string stl =
+        "solid\nfacet normal 0 0 1\nouter loop\nvertex $ $ $\nvertex @ $ $\nvertex @ @ $\nendloop\nendfacet\n"
+        "facet normal 0 0 1\nouter loop\nvertex $ $ $\nvertex @ @ $\nvertex $ @ $\nendloop\nendfacet\nendsolid\n";
+    for (const char* one :
+         {"1.0D+00", "1.D0", ".1d1", "+0.1D+01", "10.0D-1", "1d0", "1.0Q+0", "1000.0-3", "0.01+2", "0.01E+002"})
+        for (const char* zero : {"0.0D+00", "-0d0", "1.0-400", "1.0D-400"}) {
+            check_is_square("a.off", of("OFF\n4 1 0\n$ $ $\n@ $ $\n@ @ $\n$ @ $\n4 0 1 2 3\n", one, zero));
+            check_is_square("a.obj", of("v $ $ $\nv @ $ $\nv @ @ $ @\nv $ @ $ 1\nf 1 2 3 4\n", one, zero));
+            check_is_square("a.ply", of(ply, one, zero));
+            check_is_square("a.stl", of(stl, one, zero));
+        }
+    const TemporaryFolder folder;
+    const std::vector<Vec3> points{{-150, 2.5e120, 1e-120}};
+    BOOST_TEST((read_points(folder.file("a.csv", "x,y,z\n-1.5D+02,2.5+120,1.0-120\n")) == points));
+    for (const char* other : {"1.0D", "1.0D+", "1.0D+1.5", "D+00", "1-3", "1+3", "1.0+2+2", "1.0E+2-3", "1.0De0",
+                              "infD0", "1.0-", "2020-11-28"})
+        check_is_refused("a.obj", fmt::format("v 0 0 {}\n", other), unreadable, {"line 1", "coordinate", other});
+    check_is_refused("a.off", "OFF\n3 1 0\n0 0 0\n1.0D+400 0 0\n0 1 0\n3 0 1 2\n", invalid, {"vertex 1", "inf"});
+}
+
+BOOST_AUTO_TEST_CASE(vertices_that_no_face_uses_may_be_what_windows_writes_for_nan) {
+    for (const char* word : {"1.#QNAN", "-1.#IND", "1.#INF", "-1.#INF00", "1.#QNAN0", "nan(ind)", "-nan"}) {
+        const TemporaryFolder folder;
+        const std::string off = fmt::format("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n{0} {0} {0} # unused\n3 0 1 2\n", word);
+        BOOST_TEST(read_mesh(folder.file("a.off", off)).triangles().size() == 1U, word);
+        const std::string ply = fmt::format(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement "
+            "face 1\n"
+            "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n{0} {0} {0}\n3 0 1 2\n",
+            word);
+        BOOST_TEST(read_mesh(folder.file("a.ply", ply)).triangles().size() == 1U, word);
+        const std::string obj = fmt::format("v 0 0 0\nv 1 0 0\nv 1 1 0\nv {0} {0} {0}\nf 1 2 3\n", word);
+        BOOST_TEST(read_mesh(folder.file("a.obj", obj)).triangles().size() == 1U, word);
+    }
+    check_is_refused("a.obj", "v 0 0 1.#IN\n", unreadable, {"line 1"});
+    check_is_square("a.off", "OFF\n4 2 5\n" + replaced(off_body, "1 0 0\n", "1.#a comment\n0\n0\n"));
 }
 
 BOOST_AUTO_TEST_CASE(a_decimal_comma_is_named) {

@@ -61,7 +61,8 @@ struct Defects {
 CLSDF_EXPORT Defects find_defects(const Mesh& mesh);
 
 /// Reads points from .npy (shape (n, 3), float32 or float64, in C or Fortran order), .csv (a header row with the
-/// columns x, y and z; other columns are skipped) or .ply (its vertices, with or without faces). Throws
+/// columns x, y and z; other columns are skipped; an empty field or NA is NaN) or .ply (its vertices, with or without
+/// faces). Throws
 /// Error(unreadable_input) that names the file, the row and the value; Error(unsupported) for an unknown ending. log:
 /// called with warnings about a .ply file, as ReadOptions::log.
 CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path,
