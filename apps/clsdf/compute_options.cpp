@@ -133,7 +133,9 @@ void add_method_options(Parser& parser, ComputeOptions& options) {
 
 void add_options(Parser& parser, ComputeOptions& options) {
     add_mesh_argument(parser, options.mesh);
-    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf").takes("FIELD");
+    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf")
+        .takes("FIELD")
+        .in_usage();  // but for --dry-run
     add_grid_options(parser, options);
     add_field_options(parser, options);
     add_method_options(parser, options);

@@ -61,8 +61,8 @@ void add_mesh_argument(Parser& parser, std::vector<std::string>& files) {
 
 void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string& name, std::vector<std::string>& more,
                            const std::string& text) {
-    parser.add("MESH", mesh, mesh_text).required();
-    parser.add(name, more, text).required();
+    parser.add("MESH", mesh, mesh_text).required().in_usage("MESH...");
+    parser.add(name, more, text).required().in_usage(name);
 }
 
 std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more) {
