@@ -64,6 +64,22 @@ CLSDF_EXPORT Defects find_defects(const Mesh& mesh);
 /// columns x, y and z; other columns are skipped; an empty field or NA is NaN) or .ply (its vertices, with or without
 /// faces). Throws
 /// Error(unreadable_input) that names the file, the row and the value; Error(unsupported) for an unknown ending. log:
+/// How a mesh differs from the one that it was welded from (weld() of clsdf/mesh.hpp), face by face.
+struct WeldReport {
+    std::size_t lost_faces = 0;        ///< had three different vertices, and have fewer now, so no area
+    std::size_t coinciding_faces = 0;  ///< have the three vertices of other faces now, and did not before
+    /// Of a closed mesh its volume, > 0 if its faces look outwards. Of an open one that of the cones from the faces to
+    /// the centre of the box.
+    double volume_before = 0;
+    double volume_after = 0;
+    /// What the faces that are lost or coincide mean, with the remedy; empty if there are none.
+    std::string warning;
+};
+
+/// `welded`: weld(mesh, tolerance). A thin wall may be flat then. Throws Error(invalid_argument) unless both have as
+/// many triangles.
+CLSDF_EXPORT WeldReport describe_weld(const Mesh& mesh, const Mesh& welded);
+
 /// called with warnings about a .ply file, as ReadOptions::log.
 CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path,
                                            const std::function<void(const std::string& message)>& log = {});
