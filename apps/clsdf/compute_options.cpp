@@ -112,7 +112,7 @@ void add_field_options(Parser& parser, ComputeOptions& options) {
     parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
     add_sign_option(parser, options.sign);
     add_positive_inside_option(parser, options.positive_inside);
-    add_weld_option(parser, options.weld);
+    add_weld_option(parser, options.reading);
     add_outputs_option(parser, options.with);
     parser.add("--sparse", options.sparse,
                "only the bricks of 8 x 8 x 8 samples near the surface: .npy or .h5; .vdb and .nvdb are always sparse");
@@ -140,7 +140,8 @@ void add_options(Parser& parser, ComputeOptions& options) {
     add_field_options(parser, options);
     add_method_options(parser, options);
     parser.begin_group("Options");
-    add_placement_options(parser, options.placement);
+    add_placement_options(parser, options.reading);
+    add_skip_option(parser, options.reading);
     add_device_option(parser, options.device, "what computes");
     parser.add("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
     parser.set_footer(

@@ -607,13 +607,26 @@ typedef struct clsdf_read_options {
     clsdf_log_function log;
     double scale;        /* a coordinate x becomes x * scale + translate; product and sum are each rounded once; > 0 */
     double translate[3]; /* in the units after the scale */
+    /* 1: faces with a coordinate that is not finite, or that name a vertex that does not exist, are left out; log gets
+     * their number and the first of them. 0: they are errors. */
+    int32_t skip_bad_facets;
+    int32_t reserved;
 } clsdf_read_options;
-#define CLSDF_READ_OPTIONS_INIT                      \
-    {                                                \
-        sizeof(clsdf_read_options), NULL, NULL, 1, { \
-            0, 0, 0                                  \
-        }                                            \
-    }
+#define CLSDF_READ_OPTIONS_INIT \
+    { sizeof(clsdf_read_options), NULL, NULL, 1, {0, 0, 0}, 0, 0 }
+
+/* How a mesh differs from the one that it was welded from, face by face. */
+typedef struct clsdf_weld_report {
+    size_t struct_size;
+    int64_t lost_faces;       /* had three different vertices, and have fewer now, so no area */
+    int64_t coinciding_faces; /* have the three vertices of other faces now, and did not before */
+    /* Of a closed mesh its volume, > 0 if its faces look outwards. Of an open one that of the cones from the faces to
+     * the centre of the box. */
+    double volume_before;
+    double volume_after;
+} clsdf_weld_report;
+#define CLSDF_WELD_REPORT_INIT \
+    { CLSDF_RESULT_SIZE(clsdf_weld_report), 0, 0, 0, 0 }
 
 /* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element, the value and the base of its numbers. */
 CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh);
@@ -630,6 +643,11 @@ CLSDF_API clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** weld
 /* The mesh in which vertices are one, too, if they differ by at most `tolerance` on every axis, in the mesh's units, or
  * are connected by others that do; clusters longer than four tolerances are left apart. */
 CLSDF_API clsdf_status clsdf_mesh_weld_within(const clsdf_mesh* mesh, double tolerance, clsdf_mesh** welded);
+/* What clsdf_mesh_weld_within() did to `mesh`: a wall that is thinner than the tolerance is flat. The warning, which
+ * may be "", says so, with the remedy. */
+CLSDF_API clsdf_status clsdf_mesh_describe_weld(const clsdf_mesh* mesh, const clsdf_mesh* welded,
+                                                clsdf_weld_report* report, char* warning, int64_t size,
+                                                int64_t* length);
 /* Writes by the file's ending, complete or not at all. `colours`: red, green, blue of each triangle, as uint8_t
  * [colour_count][3], or null and 0. Threads: any number. */
 CLSDF_API clsdf_status clsdf_mesh_write(const clsdf_mesh* mesh, const char* path, const uint8_t* colours,
