@@ -292,7 +292,7 @@ BOOST_AUTO_TEST_CASE(warns_where_no_sample_is_within_the_limits_and_names_both_b
     const auto warning = result["warnings"][0].get<std::string>();
     for (const char* fragment : {"no sample", "(100, 0, 0) to (103.5, 3.5, 3.5)", "(0, 0, 0) to (1, 1, 1)"})
         BOOST_CHECK_MESSAGE(warning.find(fragment) != std::string::npos, fragment << " in " << warning);
-    BOOST_TEST(outcome.error == "warning: " + warning + "\n");
+    BOOST_TEST(outcome.error.starts_with("warning: no sample"));
 }
 
 BOOST_AUTO_TEST_CASE(warns_that_a_format_cannot_carry_the_band) {
