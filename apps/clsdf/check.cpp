@@ -23,8 +23,7 @@ using clsdf::reference::CheckReport;
 struct Options {
     std::string mesh;
     std::vector<std::string> more;  ///< further files of the mesh, and last the field
-    Placement placement;
-    std::string weld;
+    MeshReading reading;
     clsdf::reference::CheckOptions check;
     bool complete = false;
     bool positive_inside = false;
@@ -124,7 +123,7 @@ void print_human(const CheckReport& report, const clsdf::Field& field, bool is_n
 
 ExitStatus run(const Options& options, Report& report) {
     const std::vector<std::string> meshes = options.meshes();
-    const clsdf::Mesh mesh = welded(read_body(meshes, report, options.placement), options.weld);
+    const clsdf::Mesh mesh = read_body(meshes, options.reading, report);
     clsdf::Field field = clsdf::read_field(options.field());
     if (const std::vector<std::string> missing = clsdf::missing_field_files(options.field()); !missing.empty())
         throw clsdf::Error(
@@ -164,12 +163,13 @@ Command add_check(Parser& program) {
     Parser parser = program.add_subcommand("check", "Compare a field with the reference, in double precision");
     add_mesh_and_argument(parser, options->mesh, "FIELD", options->more,
                           "its field, last: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf");
-    add_weld_option(parser, options->weld);
+    add_weld_option(parser, options->reading);
+    add_skip_option(parser, options->reading);
     parser
         .add("--samples", options->check.samples,
              "samples to check, half of them near the band's limits, edges and vertices")
         .takes_whole_number("N", 1, 1'000'000'000'000'000);
-    add_placement_options(parser, options->placement);
+    add_placement_options(parser, options->reading);
     add_field_convention_option(parser, options->positive_inside);
     parser.add("--complete", options->complete, "check every sample").excludes("--samples");
     parser.add("--seed", options->check.seed, "of the random choice of samples")

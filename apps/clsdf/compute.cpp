@@ -220,7 +220,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         second_compiler.emplace(options.device, bricks_ahead(request.outputs));
 
     const Stopwatch read;
-    const clsdf::Mesh mesh = welded(read_body(options.mesh, report, options.placement), options.weld);
+    const clsdf::Mesh mesh = read_body(options.mesh, options.reading, report);
     const double read_seconds = read.seconds();
 
     const clsdf::Grid grid = request.grid_around(mesh.box());

@@ -15,7 +15,7 @@
 /// The options of "clsdf compute" as they are typed.
 struct ComputeOptions {
     std::vector<std::string> mesh;
-    Placement placement;
+    MeshReading reading;
     std::string output;
     std::int64_t resolution = 256;
     std::string spacing;
@@ -31,7 +31,6 @@ struct ComputeOptions {
     std::string band_inside;
     std::string band_outside;
     std::string sign = "auto";
-    std::string weld;
     std::vector<std::string> with;
     bool positive_inside = false;
     std::string polyhedra = "leaned";

@@ -93,7 +93,9 @@ void add_grid_options(Parser& parser, ComputeOptions& options) {
         .excludes("--cubic")
         .excludes("--size")
         .excludes("--origin");
-    parser.add("--samples", options.samples, "of the box, both ends included, for all axes or each")
+    parser
+        .add("--samples", options.samples,
+             "of the box, both ends included, for all axes or each; 1 for a slice, where both are equal")
         .takes_text("N[,N,N]")
         .needs("--box");
     parser.add("--cells", options.cells, "of the box; one sample more, or with --cell-centred as many")
@@ -110,7 +112,7 @@ void add_field_options(Parser& parser, ComputeOptions& options) {
     parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
     add_sign_option(parser, options.sign);
     add_positive_inside_option(parser, options.positive_inside);
-    add_weld_option(parser, options.weld);
+    add_weld_option(parser, options.reading);
     add_outputs_option(parser, options.with);
     parser.add("--sparse", options.sparse,
                "only the bricks of 8 x 8 x 8 samples near the surface: .npy or .h5; .vdb and .nvdb are always sparse");
@@ -131,12 +133,15 @@ void add_method_options(Parser& parser, ComputeOptions& options) {
 
 void add_options(Parser& parser, ComputeOptions& options) {
     add_mesh_argument(parser, options.mesh);
-    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf").takes("FIELD");
+    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf")
+        .takes("FIELD")
+        .in_usage();  // but for --dry-run
     add_grid_options(parser, options);
     add_field_options(parser, options);
     add_method_options(parser, options);
     parser.begin_group("Options");
-    add_placement_options(parser, options.placement);
+    add_placement_options(parser, options.reading);
+    add_skip_option(parser, options.reading);
     add_device_option(parser, options.device, "what computes");
     parser.add("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
     parser.set_footer(

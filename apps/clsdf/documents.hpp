@@ -11,8 +11,8 @@ struct OptionDescription {
     std::string takes;               ///< "FILE", "x|y|z"; empty for a flag
     std::string text;                ///< one line, without a full stop
     std::string default_text;        ///< empty if there is none
-    bool required = false;
-    bool repeats = false;  ///< an argument that may come several times, the last one
+    std::string usage;               ///< in the usage line: "-o FILE", "MESH...", "[MESH...]"; empty for other options
+    bool repeats = false;            ///< an argument that may come several times, the last one
 
     std::vector<std::string> words;    ///< the possible values, if they are known
     bool is_file = false;              ///< otherwise

@@ -66,7 +66,7 @@ OptionDescription describe(const Option& option, const Parser& program) {
         result.default_text = result.text.substr(bracket + 2, result.text.size() - bracket - 3);
         result.text.resize(bracket);
     }
-    result.required = option.is_required();
+    result.usage = option.usage();
     result.repeats = option.repeats();
     result.words = known_words(result.takes, program);
     if (result.words.empty()) result.words = known_words(option.placeholder(), program);
@@ -115,6 +115,12 @@ SubcommandDescription describe_one(const Parser& parser, const Parser& program) 
             group == result.groups.end() ? result.groups.emplace_back(OptionGroup{option.group(), {}}) : *group;
         place.options.push_back(describe(option, program));
     }
+    // Further files of a mesh may stand where the last argument does.
+    for (const OptionDescription& argument : result.arguments)
+        if (argument.usage.ends_with("...") && !argument.repeats) {
+            std::vector<std::string>& endings = result.arguments.back().endings;
+            endings.insert(endings.end(), argument.endings.begin(), argument.endings.end());
+        }
     const std::string footer = parser.footer();
     const std::size_t examples = footer.find(examples_begin);
     result.explanation = paragraphs_of(footer.substr(0, std::min(examples, footer.find(exit_status_help()))));

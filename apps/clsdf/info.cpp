@@ -24,7 +24,7 @@ using clsdf::VertexKind;
 
 struct InfoOptions {
     std::vector<std::string> mesh;
-    std::string weld;
+    MeshReading reading;
     bool self_intersections = false;
 };
 
@@ -226,14 +226,14 @@ ExitStatus describe_field(const std::string& path, Report& report) {
 
 ExitStatus run(const InfoOptions& options, Report& report) {
     if (options.mesh.size() == 1 && is_field(options.mesh.front())) {
-        if (options.self_intersections || !options.weld.empty())
+        if (options.self_intersections || !options.reading.weld.empty() || options.reading.skip_bad_facets)
             throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
-                               fmt::format("{}: --weld and --self-intersections are about meshes, and this is a field; "
-                                           "leave them out",
+                               fmt::format("{}: --weld, --skip-bad-facets and --self-intersections are about meshes, "
+                                           "and this is a field; leave them out",
                                            options.mesh.front()));
         return describe_field(options.mesh.front(), report);
     }
-    const Info info(options, welded(read_body(options.mesh, report), options.weld));
+    const Info info(options, read_body(options.mesh, options.reading, report));
     if (!report.quiet) print_human(info);
     const std::string warning = resolve_sign_rule(clsdf::SignRule::automatic, info.topology).warning;
     if (!warning.empty()) report.warn(warning);
@@ -253,7 +253,8 @@ Command add_info(Parser& program) {
              "the mesh: .off, .obj, .stl or .ply; several files are one body; or a field: .nrrd, .npy, .vti, .h5, "
              ".vdb, .nvdb or .sdf")
         .required();
-    add_weld_option(parser, options->weld);
+    add_weld_option(parser, options->reading);
+    add_skip_option(parser, options->reading);
     parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
     parser.set_footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"

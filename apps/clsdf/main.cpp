@@ -91,6 +91,7 @@ void CommandLine::add(Command command) {
 void CommandLine::add_common_options(Parser& parser) {
     parser.add("--json", report_.json, "print the result, or the error, as JSON on standard output");
     parser.add("--quiet", report_.quiet, "print warnings and errors only");
+    parser.add("--verbose", report_.verbose, "print warnings in full, not two lines of each");
 }
 
 ExitStatus CommandLine::run(int argument_count, char** arguments) {

@@ -60,6 +60,15 @@ std::string value(const OptionDescription& option) {
     return "\\fI" + escaped(option.takes) + "\\fR";
 }
 
+// "[MESH...]": the word alone is italic.
+std::string italic_words(const std::string& usage) {
+    const auto is_letter = [](char letter) { return letter >= 'A' && letter <= 'Z'; };
+    const auto begin = std::find_if(usage.begin(), usage.end(), is_letter);
+    const auto end = std::find_if_not(begin, usage.end(), is_letter);
+    return std::string(usage.begin(), begin) + "\\fI" + std::string(begin, end) + "\\fR" +
+           std::string(end, usage.end());
+}
+
 std::string sentence(std::string text) {
     if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 32);
     return text + '.';
@@ -148,8 +157,10 @@ std::string page_of(const SubcommandDescription& subcommand) {
     PageWriter page(name, subcommand.text);
     page.section("synopsis");
     std::string synopsis = bold("clsdf " + subcommand.name) + " [\\fIOPTION\\fR ...]";
-    for (const OptionDescription& argument : subcommand.arguments)
-        synopsis += argument.required ? ' ' + value(argument) : " [" + value(argument) + ']';
+    for (const OptionDescription& argument : subcommand.arguments) synopsis += ' ' + italic_words(argument.usage);
+    for (const OptionDescription& option : subcommand.options())
+        if (const std::size_t end = option.usage.find(' '); !option.usage.empty())
+            synopsis += ' ' + bold(option.usage.substr(0, end)) + ' ' + italic_words(option.usage.substr(end + 1));
     page.line("{}", synopsis);
     page.section("description");
     page.words(subcommand.text + '.');

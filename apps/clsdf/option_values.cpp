@@ -61,8 +61,8 @@ void add_mesh_argument(Parser& parser, std::vector<std::string>& files) {
 
 void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string& name, std::vector<std::string>& more,
                            const std::string& text) {
-    parser.add("MESH", mesh, mesh_text).required();
-    parser.add(name, more, text).required();
+    parser.add("MESH", mesh, mesh_text).required().in_usage("MESH...");
+    parser.add(name, more, text).required().in_usage(name);
 }
 
 std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more) {
@@ -85,19 +85,60 @@ clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, cons
     return {is_refused ? clsdf::ErrorCode::unreadable_input : error.code(), fmt::format("{}: {}", file, error.what())};
 }
 
-void add_placement_options(Parser& parser, Placement& placement) {
-    parser.add("--scale", placement.scale, "factor of the mesh's coordinates, such as 0.001 from millimetres to metres")
+void add_placement_options(Parser& parser, MeshReading& reading) {
+    parser.add("--scale", reading.scale, "factor of the mesh's coordinates, such as 0.001 from millimetres to metres")
         .takes_number_above_0("FACTOR");
-    parser.add("--translate", placement.translate, "added to them after that").takes_text("X,Y,Z");
+    parser.add("--translate", reading.translate, "added to them after that").takes_text("X,Y,Z");
 }
 
-clsdf::ReadOptions read_options(const Placement& placement) {
+void add_skip_option(Parser& parser, MeshReading& reading) {
+    parser.add("--skip-bad-facets", reading.skip_bad_facets,
+               "leave out faces of a vertex that is not finite or does not exist");
+}
+
+void add_weld_option(Parser& parser, MeshReading& reading) {
+    parser
+        .add("--weld", reading.weld, "join vertices that are so near to each other, in the mesh's units or in percent")
+        .takes_text("LENGTH");
+}
+
+namespace {
+
+clsdf::ReadOptions read_options(const MeshReading& reading) {
     clsdf::ReadOptions options;
-    options.scale = placement.scale;
-    if (!placement.translate.empty())
-        options.translate =
-            parse_triple<double>("--translate", placement.translate, "three numbers, as -1,-1,0", false);
+    options.scale = reading.scale;
+    options.skip_bad_facets = reading.skip_bad_facets;
+    if (!reading.translate.empty())
+        options.translate = parse_triple<double>("--translate", reading.translate, "three numbers, as -1,-1,0", false);
     return options;
+}
+
+clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length,
+                   const std::function<void(const std::string& message)>& warn) {
+    if (length.empty()) return mesh;
+    const clsdf::Length within = clsdf::Length::parse(length, "--weld");
+    if (within.unit == clsdf::Length::Unit::voxels || within.is_infinite())
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           "--weld: '" + length +
+                               "' is no length of the mesh; give one in its units, as 1e-6, or in percent of its "
+                               "longest side, as 0.0001%");
+    try {
+        clsdf::Mesh joined = weld(mesh, within.resolve(0, mesh.box().longest_side()));
+        const std::string warning = describe_weld(mesh, joined).warning;
+        if (!warning.empty()) warn(fmt::format("--weld {}: {}", length, warning));
+        return joined;
+    } catch (const clsdf::Error& error) {
+        throw clsdf::Error(error.code(), fmt::format("--weld: '{}': {}", length, error.what()));
+    }
+}
+
+}  // namespace
+
+clsdf::Mesh read_body(const std::vector<std::string>& files, const MeshReading& reading,
+                      const std::function<void(const std::string& message)>& warn) {
+    clsdf::ReadOptions options = read_options(reading);
+    options.log = warn;
+    return welded(clsdf::read_meshes(files, options), reading.weld, warn);
 }
 
 clsdf::OutputSet parse_outputs(const std::vector<std::string>& names) {
@@ -140,26 +181,6 @@ bool make_negative_inside(clsdf::Field& field, bool positive_inside, const std::
     if (is_negated) field.negate();
     field.positive_inside = false;
     return is_negated;
-}
-
-void add_weld_option(Parser& parser, std::string& length) {
-    parser.add("--weld", length, "join vertices that are so near to each other, in the mesh's units or in percent")
-        .takes_text("LENGTH");
-}
-
-clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length) {
-    if (length.empty()) return mesh;
-    const clsdf::Length within = clsdf::Length::parse(length, "--weld");
-    if (within.unit == clsdf::Length::Unit::voxels || within.is_infinite())
-        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
-                           "--weld: '" + length +
-                               "' is no length of the mesh; give one in its units, as 1e-6, or in percent of its "
-                               "longest side, as 0.0001%");
-    try {
-        return weld(mesh, within.resolve(0, mesh.box().longest_side()));
-    } catch (const clsdf::Error& error) {
-        throw clsdf::Error(error.code(), fmt::format("--weld: '{}': {}", length, error.what()));
-    }
 }
 
 clsdf::SignRule parse_sign(const std::string& rule) {

@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <optional>
 #include <span>
@@ -46,13 +47,16 @@ void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string&
 /// The files of the mesh among these two.
 std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more);
 
-/// --scale and --translate: a unit and a place for the mesh of a file.
-struct Placement {
+/// How the files of a mesh are read: its unit and place, bad facets, vertices that are joined.
+struct MeshReading {
     double scale = 1;
     std::string translate;
+    bool skip_bad_facets = false;
+    std::string weld;
 };
-void add_placement_options(Parser& parser, Placement& placement);
-clsdf::ReadOptions read_options(const Placement& placement);
+/// Adds --scale and --translate.
+void add_placement_options(Parser& parser, MeshReading& reading);
+void add_skip_option(Parser& parser, MeshReading& reading);
 
 /// "a.stl + b.stl", with or without folders.
 std::string paths_of(const std::vector<std::string>& files);
@@ -99,11 +103,12 @@ std::array<Number, 3> parse_triple(const std::string& option, const std::string&
                        fmt::format("{}: expected {}, not '{}'", option, expected, text));
 }
 
-/// The mesh of all files. Warnings say what was skipped or changed.
-inline clsdf::Mesh read_body(const std::vector<std::string>& files, Report& report, const Placement& placement = {}) {
-    clsdf::ReadOptions options = read_options(placement);
-    options.log = [&](const std::string& message) { report.warn(message); };
-    return clsdf::read_meshes(files, options);
+/// The mesh of all files, with its vertices joined. Warnings say what was skipped or changed. Throws
+/// Error(invalid_argument) that names the option.
+clsdf::Mesh read_body(const std::vector<std::string>& files, const MeshReading& reading,
+                      const std::function<void(const std::string& message)>& warn);
+inline clsdf::Mesh read_body(const std::vector<std::string>& files, const MeshReading& reading, Report& report) {
+    return read_body(files, reading, [&](const std::string& message) { report.warn(message); });
 }
 
 /// The outputs of --with.
@@ -121,11 +126,7 @@ void add_field_convention_option(Parser& parser, bool& positive_inside);
 bool make_negative_inside(clsdf::Field& field, bool positive_inside, const std::string& path);
 clsdf::SignRule parse_sign(const std::string& rule);
 
-/// Adds --weld.
-void add_weld_option(Parser& parser, std::string& length);
-/// The mesh with vertices joined within the length of --weld, or as it is if the option is not given. Throws
-/// Error(invalid_argument) that names the option.
-clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length);
+void add_weld_option(Parser& parser, MeshReading& reading);
 
 /// More than the samples of any grid along an axis.
 inline constexpr std::uint64_t most_samples_on_a_side = std::uint64_t{1} << 30;

@@ -70,6 +70,25 @@ bool is_file(const std::string& placeholder) {
 
 }  // namespace
 
+namespace {
+
+/// "-o FILE", with the shortest name.
+std::string usage_name(const CLI::Option& option) {
+    const std::string name =
+        option.get_snames().empty() ? "--" + option.get_lnames().front() : '-' + option.get_snames().front();
+    return option.get_items_expected_max() > 0 ? name + ' ' + option.get_type_name() : name;
+}
+
+/// As of Option::usage().
+std::string usage_of(const CLI::Option& option) {
+    if (!option.get_option_text().empty()) return option.get_option_text();
+    if (option.nonpositional()) return option.get_required() ? usage_name(option) : "";
+    const std::string name = option.get_name(true) + (option.get_items_expected_max() > 1 ? "..." : "");
+    return option.get_required() ? name : '[' + name + ']';
+}
+
+}  // namespace
+
 Option& Option::takes(const std::string& placeholder) {
     option_->type_name(placeholder);
     if (is_file(placeholder)) option_->check(check_file);
@@ -125,6 +144,13 @@ Option& Option::required() {
     return *this;
 }
 
+// CLI11 prints the option text in formats that are not used here.
+Option& Option::in_usage(const std::string& text) {
+    const std::string name = option_->get_positional() ? option_->get_name(true) : usage_name(*option_);
+    option_->option_text(text.empty() ? name : text);
+    return *this;
+}
+
 Option& Option::needs(const std::string& other) {
     option_->needs(other);
     return *this;
@@ -166,6 +192,10 @@ bool Option::repeats() const {
     return option_->get_positional() && option_->get_items_expected_max() > 1;
 }
 
+std::string Option::usage() const {
+    return usage_of(*option_);
+}
+
 bool Option::is_required() const {
     return option_->get_required();
 }
@@ -190,6 +220,18 @@ public:
         for (std::size_t at = text.find("\n\n\n"); at != std::string::npos; at = text.find("\n\n\n", at))
             text.erase(at, 1);
         return text;
+    }
+
+    // "Usage: clsdf query [OPTIONS] MESH... POINTS -o RESULT": what is required, in the order of the command line.
+    std::string make_usage(const CLI::App* parser, std::string name) const override {
+        std::string text = "Usage: " + name + " [OPTIONS]";
+        for (const bool is_option : {false, true})
+            for (const CLI::Option* const option : parser->get_options()) {
+                const std::string usage = usage_of(*option);
+                if (option->nonpositional() == is_option && !usage.empty()) text += ' ' + usage;
+            }
+        if (!parser->get_subcommands([](const CLI::App*) { return true; }).empty()) text += " SUBCOMMAND";
+        return text + '\n';
     }
 
     // Without "exactly one of the following is required".

@@ -42,6 +42,8 @@ public:
     Option& separated_by_commas();
 
     Option& required();
+    /// The usage line has it as if it was required. text: instead of the name of an argument, "MESH..."
+    Option& in_usage(const std::string& text = {});
     /// The other option, "--all", is added before this one.
     Option& needs(const std::string& other);
     Option& excludes(const std::string& other);
@@ -53,6 +55,8 @@ public:
     std::string default_text() const;  ///< empty if there is none
     std::string group() const;
     bool is_required() const;
+    /// What the usage line has: "-o FILE", "MESH...", "[SUBCOMMAND]"; empty for other options.
+    std::string usage() const;
     bool repeats() const;  ///< an argument that may come several times
 
 private:

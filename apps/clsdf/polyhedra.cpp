@@ -26,6 +26,7 @@ using clsdf::SolidPart;
 
 struct PolyhedraOptions {
     std::vector<std::string> mesh;
+    MeshReading reading;
     std::string output;
     std::optional<std::uint32_t> around;
     std::vector<std::uint32_t> triangles;
@@ -145,7 +146,7 @@ ColouredMesh join(const std::vector<BoundingSolid>& solids, const std::vector<st
 
 ExitStatus run(const PolyhedraOptions& options, Report& report) {
     keep_mesh(options.mesh, options.output);
-    const Mesh mesh = read_body(options.mesh, report);
+    const Mesh mesh = read_body(options.mesh, options.reading, report);
     std::optional<std::uint32_t> vertex = options.around;
     if (!vertex && options.triangles.empty()) vertex = interesting_vertex(mesh);
     const std::vector<std::uint32_t> triangles = vertex ? triangles_at(mesh, *vertex) : options.triangles;
@@ -193,6 +194,7 @@ Command add_polyhedra(Parser& program) {
         .takes_one_of({"leaned", "peikert-sigg"});
     parser.add("--half-width", options->half_width, "of the band: 10% of the mesh's longest side, or 0.05")
         .takes("LENGTH");
+    add_skip_option(parser, options->reading);
     parser.add("--no-closing", options->no_closing, "the paper's polyhedra before their gaps are closed");
     parser.set_footer(
         "Every triangle has a colour; the back of a leaned polyhedron is darker, and a point site grey. Without "

@@ -28,11 +28,10 @@ using clsdf::Vec3;
 struct QueryOptions {
     std::string mesh;
     std::vector<std::string> more;  ///< further files of the mesh, and last the points
-    Placement placement;
+    MeshReading reading;
     std::string output;
     std::string half_width = "full";
     std::string sign = "auto";
-    std::string weld;
     std::vector<std::string> with;
     bool positive_inside = false;
     bool refuse_unusable_points = false;
@@ -112,7 +111,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     keep_input(options.points(), options.output, "file of points");
     const clsdf::Device device = open_device(options.device, report);
     const Stopwatch read;
-    const clsdf::Mesh mesh = welded(read_body(meshes, report, options.placement), options.weld);
+    const clsdf::Mesh mesh = read_body(meshes, options.reading, report);
     const std::vector<Vec3> points =
         clsdf::read_points(options.points(), [&](const std::string& message) { report.warn(message); });
     const double read_seconds = read.seconds();
@@ -178,8 +177,9 @@ Command add_query(Parser& program) {
     parser.add("--refuse-unusable-points", options->refuse_unusable_points,
                "fail if a point is not finite or too far from the mesh");
     add_positive_inside_option(parser, options->positive_inside);
-    add_placement_options(parser, options->placement);
-    add_weld_option(parser, options->weld);
+    add_placement_options(parser, options->reading);
+    add_weld_option(parser, options->reading);
+    add_skip_option(parser, options->reading);
     add_device_option(parser, options->device, "what computes");
     parser.set_footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels of 1/256 of that side), 0.05 (the\n"

@@ -1,5 +1,7 @@
 #include "report.hpp"
 
+#include "two_lines.hpp"
+
 #include <fmt/format.h>
 
 #include <fcntl.h>
@@ -135,7 +137,7 @@ using clsdf::ErrorCode;
 
 void Report::warn(const std::string& warning) {
     warnings_.push_back(warning);
-    print_text("warning: {}\n", warning);
+    print_text("{}\n", verbose ? "warning: " + warning : two_lines_of("warning: " + warning));
 }
 
 ExitStatus Report::fail(ErrorCode code, const std::string& message) {

@@ -78,7 +78,8 @@ std::string human(const clsdf::Band& band, double voxel);
 /// The output of a subcommand. Human text goes to standard error, the result with --json to standard output.
 struct Report {
     bool json = false;
-    bool quiet = false;  ///< warnings and errors only
+    bool quiet = false;    ///< warnings and errors only
+    bool verbose = false;  ///< warnings in full
 
     /// One object, printed at the end of the subcommand, also after an error, which becomes its member "error".
     Json result = Json::object();
@@ -89,7 +90,8 @@ struct Report {
         if (!quiet) print_text(format, values...);
     }
 
-    /// Prints a warning, also with --quiet, and adds it to the result's member "warnings", which always exists.
+    /// Prints a warning, also with --quiet, shortened unless with --verbose, and adds it in full to the result's member
+    /// "warnings", which always exists.
     void warn(const std::string& warning);
 
     /// Prints the error, and with --json the result, which contains it.

@@ -51,8 +51,8 @@ ExitStatus run(const ShapeOptions& options, Report& report) {
 Command add_shape(Parser& program) {
     const auto options = std::make_shared<ShapeOptions>();
     Parser parser = program.add_subcommand("shape", "Write a mesh made by code: sphere6, torus, knot and others");
-    parser.add("SHAPE", options->name, "the shape; see --list");
-    parser.add("-o,--output", options->output, "the mesh file: .off, .obj, .stl or .ply").takes("FILE");
+    parser.add("SHAPE", options->name, "the shape; see --list").in_usage();
+    parser.add("-o,--output", options->output, "the mesh file: .off, .obj, .stl or .ply").takes("FILE").in_usage();
     parser.add("--list", options->list, "print the names and their descriptions");
     parser.set_footer(
         "Examples:\n"

@@ -24,7 +24,8 @@ module clsdf
   implicit none
   private
 
-  public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_transform, &
+  public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_weld_report, &
+      clsdf_transform, &
       clsdf_kept_memory, clsdf_plan, clsdf_point_plan, clsdf_sparse_plan, clsdf_sparse_buffers, clsdf_device_sparse_counts, &
       clsdf_field, clsdf_sparse_field, clsdf_thread_limit
   public :: clsdf_array, clsdf_pinned, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, &
@@ -404,6 +405,15 @@ module clsdf
     integer(c_int64_t) :: zero_area_faces = 0, duplicate_faces = 0, components = 0
   end type
 
+  !> How a mesh differs from the one that it was welded from, face by face.
+  type, bind(C) :: clsdf_weld_report
+    integer(c_size_t) :: struct_size = 0
+    !> Faces that had three different vertices and have fewer now, so no area; that have the vertices of others now.
+    integer(c_int64_t) :: lost_faces = 0, coinciding_faces = 0
+    !> Of a closed mesh its volume. Of an open one that of the cones from the faces to the centre of the box.
+    real(c_double) :: volume_before = 0, volume_after = 0
+  end type
+
   type :: clsdf_mesh
     type(c_ptr), private :: handle = c_null_ptr
   contains
@@ -657,6 +667,7 @@ module clsdf
     type(c_ptr) :: user = c_null_ptr
     type(c_funptr) :: log = c_null_funptr
     real(c_double) :: scale = 1, translate(3) = 0
+    integer(c_int32_t) :: skip_bad_facets = 0, reserved = 0
   end type
   type, bind(C) :: c_transform_options
     integer(c_size_t) :: struct_size = 0
@@ -1254,6 +1265,15 @@ module clsdf
       integer(c_int32_t) :: value
       type(c_ptr), value :: mesh
       type(clsdf_defects), intent(inout) :: defects
+    end function
+    function c_mesh_describe_weld(mesh, welded, report, warning, size, length) &
+        bind(C, name="clsdf_mesh_describe_weld") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh, welded, warning
+      type(clsdf_weld_report), intent(inout) :: report
+      integer(c_int64_t), value :: size
+      integer(c_int64_t), intent(out) :: length
     end function
     function c_mesh_sign(mesh, asked, rule, warning, size, length) bind(C, name="clsdf_mesh_sign") result(value)
       import
@@ -2008,7 +2028,7 @@ contains
 
   !> The grid from one corner of a box to the other: `samples` on each axis, both ends included, or `cells`, with samples
   !> at their corners or, with cell_centred, at their centres. The first sample is box%lower exactly, the spacing is rounded
-  !> once.
+  !> once. A slice: an axis on which both corners are equal has one sample, and the least of the other spacings.
   subroutine grid_between(self, box, samples, cells, cell_centred, stat, errmsg)
     class(clsdf_grid), intent(inout) :: self
     type(clsdf_box), intent(in) :: box
@@ -3193,24 +3213,26 @@ contains
   end subroutine
 
   !> Reads .off, .obj, .stl or .ply; polygons become fans. The log of the options gets what was skipped or changed.
-  subroutine mesh_read(self, path, scale, translate, stat, errmsg, options)
+  subroutine mesh_read(self, path, scale, translate, stat, errmsg, options, skip_bad_facets)
     class(clsdf_mesh), intent(inout) :: self
     character(*), intent(in) :: path
     real(c_double), intent(in), optional :: scale, translate(3)  !< a coordinate x becomes x * scale + translate
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     class(clsdf_call_options), intent(inout), target, optional :: options
-    call self%read([path], scale, translate, stat, errmsg, options)
+    logical, intent(in), optional :: skip_bad_facets  !< leave out faces of a vertex that is not finite or does not exist
+    call self%read([path], scale, translate, stat, errmsg, options, skip_bad_facets)
   end subroutine
 
   !> Reads files as one mesh: the vertices and the triangles of each follow those of the one before it.
-  subroutine mesh_read_files(self, paths, scale, translate, stat, errmsg, options)
+  subroutine mesh_read_files(self, paths, scale, translate, stat, errmsg, options, skip_bad_facets)
     class(clsdf_mesh), intent(inout) :: self
     character(*), intent(in) :: paths(:)
     real(c_double), intent(in), optional :: scale, translate(3)  !< a coordinate x becomes x * scale + translate
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     class(clsdf_call_options), intent(inout), target, optional :: options
+    logical, intent(in), optional :: skip_bad_facets  !< leave out faces of a vertex that is not finite or does not exist
     character(kind=c_char), target :: texts(len(paths) + 1, size(paths))
     type(c_ptr) :: pointers(size(paths))
     type(caller), target :: given
@@ -3228,6 +3250,7 @@ contains
     read%struct_size = c_sizeof(read)
     if (present(scale)) read%scale = scale
     if (present(translate)) read%translate = translate
+    if (present(skip_bad_facets)) read%skip_bad_facets = merge(1, 0, skip_bad_facets)
     if (present(options)) then
       given%options => options
       read%user = c_loc(given)
@@ -3239,19 +3262,35 @@ contains
   end subroutine
 
   !> The mesh in which vertices of equal coordinates are one, with the same index base. tolerance: those that differ by
-  !> at most so much on every axis are one, too; clusters longer than four tolerances are left apart.
-  subroutine mesh_weld(self, welded, tolerance, stat, errmsg)
+  !> at most so much on every axis are one, too; clusters longer than four tolerances are left apart. report: what became
+  !> of the faces. warning: says so, with the remedy, if a wall that is thinner than the tolerance is flat; else "".
+  subroutine mesh_weld(self, welded, tolerance, stat, errmsg, report, warning)
     class(clsdf_mesh), intent(in) :: self
     type(clsdf_mesh), intent(inout) :: welded
     real(c_double), intent(in), optional :: tolerance
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    type(clsdf_weld_report), intent(out), optional :: report
+    character(:), allocatable, intent(out), optional :: warning
+    type(clsdf_weld_report) :: found
+    character(kind=c_char), allocatable, target :: text(:)
+    integer(c_int64_t) :: length, written
     type(c_ptr) :: handle
     integer(c_int32_t) :: status
     if (present(tolerance)) then
       status = c_mesh_weld_within(self%handle, tolerance, handle)
     else
       status = c_mesh_weld(self%handle, handle)
+    end if
+    if (status == CLSDF_OK .and. (present(report) .or. present(warning))) then
+      found%struct_size = c_sizeof(found) + 1  ! calls fill it
+      status = c_mesh_describe_weld(self%handle, handle, found, c_null_ptr, 0_c_int64_t, length)
+      if (present(report)) report = found
+      if (status == CLSDF_OK .and. present(warning)) then
+        allocate (text(length + 1))
+        status = c_mesh_describe_weld(self%handle, handle, found, c_loc(text), length + 1, written)
+        warning = clsdf_text(c_loc(text))
+      end if
     end if
     call welded%release()
     welded%handle = handle

@@ -7,6 +7,9 @@
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
 
+#include <map>
+#include <string>
+
 using clsdf::test::check_refused;
 using clsdf::test::no_devices;
 using clsdf::test::Outcome;
@@ -36,6 +39,25 @@ BOOST_AUTO_TEST_CASE(tells_its_version_and_what_it_was_built_with) {
     BOOST_TEST(outcome.out.starts_with("clsdf " + clsdf::version()));
     for (const char* part : {"CGAL ", "Eigen ", "cairo 1."})
         BOOST_TEST(outcome.out.find(part) != std::string::npos, "no " << part << " in " << outcome.out);
+}
+
+BOOST_AUTO_TEST_CASE(has_usage_lines_with_what_is_required_in_the_order_of_the_command_line) {
+    for (const auto& [name, usage] : std::map<std::string, std::string>{{"compute", "MESH... -o FIELD"},
+                                                                        {"query", "MESH... POINTS -o RESULT"},
+                                                                        {"check", "MESH... FIELD"},
+                                                                        {"slice", "FIELD -o PICTURE"},
+                                                                        {"render", "FIELD -o PICTURE"},
+                                                                        {"info", "MESH..."},
+                                                                        {"polyhedra", "MESH... -o FILE"},
+                                                                        {"shape", "SHAPE -o FILE"},
+                                                                        {"devices", ""},
+                                                                        {"bench", "BENCHMARK [MESHES...]"},
+                                                                        {"help", "[SUBCOMMAND]"}}) {
+        const std::string page = run_command({name, "--help"}).out;
+        const std::string line = "\nUsage: clsdf " + name + " [OPTIONS]" + (usage.empty() ? "" : " ") + usage + '\n';
+        BOOST_TEST(page.find(line) != std::string::npos, "no " << line << " in " << page.substr(0, 200));
+    }
+    BOOST_TEST(run_command({"--help"}).out.find("\nUsage: clsdf [OPTIONS] SUBCOMMAND\n") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_CASE(has_the_same_page_as_help_and_as_option) {

@@ -29,8 +29,8 @@ offers "x y z" slice --axis ""
 offers "folder mesh.off two words.stl" compute ""
 offers "two words.stl" compute tw
 offers "folder mesh.off two words.stl" compute --resolution 9 ""
-offers "field.nrrd folder" check mesh.off ""
-offers "field.nrrd folder" check --seed 3 mesh.off ""
+offers "field.nrrd folder mesh.off two words.stl" check mesh.off ""
+offers "field.nrrd folder mesh.off two words.stl" check --seed 3 mesh.off ""
 offers "field.nrrd folder" compute mesh.off -o ""
 offers "folder picture.png" slice field.nrrd --output = ""
 offers "knot" shape kn

@@ -5,6 +5,8 @@
 
 #include <regex>
 #include <set>
+#include <utility>
+#include <vector>
 
 using clsdf::test::content_of;
 using clsdf::test::exit_statuses;
@@ -70,6 +72,17 @@ BOOST_FIXTURE_TEST_CASE(have_every_option_of_every_subcommand, Generated) {
                     std::regex_search(fish, std::regex("from " + name + "'[^\n]* -l " + option.substr(2) + " ")));
             }
     }
+}
+
+BOOST_FIXTURE_TEST_CASE(have_what_a_subcommand_requires_in_the_synopsis, Generated) {
+    for (const auto& [name, synopsis] :
+         std::vector<std::pair<std::string, std::string>>{{"query", "fIMESHfR... fIPOINTSfR fB-ofR fIRESULTfR"},
+                                                          {"check", "fIMESHfR... fIFIELDfR"},
+                                                          {"compute", "fIMESHfR... fB-ofR fIFIELDfR"},
+                                                          {"bench", "fIBENCHMARKfR [fIMESHESfR...]"}})
+        BOOST_TEST(contains(without_backslashes(file("clsdf-" + name + ".1")),
+                            "fBclsdf " + name + "fR [fIOPTIONfR ...] " + synopsis + '\n'),
+                   name);
 }
 
 BOOST_FIXTURE_TEST_CASE(have_the_words_that_an_option_takes_and_the_endings_of_files, Generated) {

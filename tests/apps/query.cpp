@@ -232,6 +232,36 @@ BOOST_AUTO_TEST_CASE(counts_points_that_are_not_finite_or_too_far) {
     BOOST_TEST(rows[4][3] == "-0.6");
 }
 
+BOOST_AUTO_TEST_CASE(takes_an_empty_field_and_marks_of_missing_values_for_nan) {
+    const Inputs inputs;
+    const std::vector<std::string> marks{"",       " ",     "\"\"",    "NA",      "N/A",     "n/a",
+                                         "null",   "NULL",  "None",    "#N/A",    "<NA>",    "#N/A N/A",
+                                         "#NA",    "nan",   "-NaN",    "-1.#IND", "1.#QNAN", "-1.#QNAN",
+                                         "1.#IND", "#NUM!", "#DIV/0!", "#VALUE!", "\\N"};
+    std::string text = "x,y,z,note\n0.5D+00,0,0,\n,,,\n\n  \n";
+    for (const std::string& mark : marks) text += "0.5," + mark + ",0,a\n";
+    const std::vector<Vec3> points = read_points(inputs.folder.file("missing.csv", text + "0.25,0,0,NA\n"));
+    BOOST_TEST_REQUIRE(points.size() == marks.size() + 3);
+    BOOST_TEST((points[0] == Vec3{0.5, 0, 0} && points.back() == Vec3{0.25, 0, 0}));
+    for (const double x : points[1]) BOOST_TEST(std::isnan(x));
+    for (std::size_t i = 0; i < marks.size(); ++i)
+        BOOST_TEST((std::isnan(points[i + 2][1]) && points[i + 2][0] == 0.5 && points[i + 2][2] == 0), marks[i]);
+    const std::string result = inputs.folder.file("found.csv");
+    const Outcome outcome =
+        run_command({"query", inputs.mesh, inputs.folder.file("missing.csv"), "-o", result, "--json"});
+    BOOST_TEST_REQUIRE(outcome.status == 0, outcome.error);
+    BOOST_TEST(nlohmann::json::parse(outcome.out)["unusable_points"] == marks.size() + 1);
+    const auto rows = table_of(result);
+    BOOST_TEST(rows[1][3] == "-0.5");
+    BOOST_TEST(rows[2][3] == "nan");
+    BOOST_TEST(rows.back()[3] == "-0.75");
+    for (const char* other : {"missing", "N A", "#", "--", "nul"})
+        check_refused(
+            run_command({"query", inputs.mesh,
+                         inputs.folder.file("h.csv", std::string("x,y,z\n1,2,3\n1,") + other + ",3\n"), "-o", result}),
+            3, {"h.csv: line 3: ", other});
+}
+
 BOOST_AUTO_TEST_CASE(counts_points_inside_only_if_there_is_an_inside) {
     const Inputs inputs;
     const std::string result = inputs.folder.file("found.csv");
@@ -308,7 +338,6 @@ BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
                   {"e.npy", "(2, 2)", "(n, 3)"});
     check_refused(query(inputs.folder.file("i.npy", npy("<i8", "2, 3", std::string(48, '\0')))), 3,
                   {"i.npy", "float64"});
-    check_refused(query(inputs.folder.file("h.csv", "x,y,z\n1,,3\n")), 3, {"h.csv: line 2: column 'y' is empty"});
     check_refused(query(inputs.folder.file("j.csv", "x,y,z\n1,\"2,3\n")), 3, {"j.csv: line 2: ", "quotation mark"});
     check_refused(query(inputs.folder.file("g.npy", npy("<f4", "2, 3", std::string(16, '\0')))), 3, {"g.npy"});
     check_refused(query(inputs.folder.file("none.csv")), 3, {"none.csv"});

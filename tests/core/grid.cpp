@@ -370,6 +370,25 @@ BOOST_AUTO_TEST_CASE(takes_one_number_for_all_axes) {
     BOOST_TEST((Grid::between({0, 0, 0}, {1, 2, 3}, {.samples = 2}).spacing == Vec3{1, 2, 3}));
 }
 
+BOOST_AUTO_TEST_CASE(is_a_slice_where_the_box_has_no_extent) {
+    const Grid slice = Grid::between({-1, 0, 0.1}, {1, 1, 0.1}, {.samples = {41, 41, 1}});
+    BOOST_TEST((slice.size == Index3{41, 41, 1} && slice.origin == Vec3{-1, 0, 0.1}));
+    BOOST_TEST((slice.spacing == Vec3{0.05, 0.025, 0.025}));
+    BOOST_TEST(slice.voxel() == 0.025);
+    BOOST_TEST((slice.box().upper == Vec3{1, 1, 0.1}));
+    const Grid centres = Grid::between({-1, 0, 0.1}, {1, 1, 0.1}, {.cells = {40, 40, 1}, .cell_centred = true});
+    BOOST_TEST((centres.size == Index3{40, 40, 1} && centres.origin == Vec3{-0.975, 0.0125, 0.1}));
+    const Grid row = Grid::between({0, 2, 3}, {1, 2, 3}, {.samples = {5, 1, 1}});
+    BOOST_TEST((row.size == Index3{5, 1, 1} && row.spacing == Vec3{0.25, 0.25, 0.25} && row.origin == Vec3{0, 2, 3}));
+    const auto refuses = [](const Vec3& upper, const clsdf::GridDivision& division, const std::string& word) {
+        check_throws(ErrorCode::invalid_argument, {word}, [&] { Grid::between({0, 0, 0}, upper, division); });
+    };
+    refuses({1, 1, 0}, {.samples = 41}, "give 1 sample along z");
+    refuses({1, 1, 0}, {.cells = {40, 40, 1}}, "1 cell with samples at the centres");
+    refuses({1, 1, 0}, {.cells = {40, 40, 2}, .cell_centred = true}, "along z");
+    refuses({0, 0, 0}, {.samples = 1}, "the box is a point");
+}
+
 BOOST_AUTO_TEST_CASE(needs_a_box_and_one_number) {
     const auto refuses = [](const Vec3& upper, const clsdf::GridDivision& division,
                             const std::vector<std::string>& words) {
@@ -378,7 +397,8 @@ BOOST_AUTO_TEST_CASE(needs_a_box_and_one_number) {
     refuses({1, 1, 1}, {}, {"samples", "cells", "give one"});
     refuses({1, 1, 1}, {.samples = 3, .cells = 2}, {"give one"});
     refuses({1, 1, 1}, {.samples = 3, .cell_centred = true}, {"centres", "number of cells"});
-    refuses({1, 1, 1}, {.samples = {3, 1, 3}}, {"1 samples along y", "at least 2"});
+    refuses({1, 1, 1}, {.samples = {3, 1, 3}}, {"1 sample along y", "from 0 to 1", "same coordinate", "at least 2"});
+    refuses({1, 1, 1}, {.samples = {3, 0, 3}}, {"0 samples along y", "at least 2"});
     refuses({1, 1, 1}, {.cells = {3, 3, 0}}, {"0 cells along z", "at least 1"});
     refuses({1, 1, 1}, {.cells = std::int64_t{1} << 60}, {"at most 2^53"});
     refuses({1, 0, 1}, {.cells = 4}, {"from 0 to 0 along y"});

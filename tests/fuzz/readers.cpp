@@ -24,8 +24,8 @@ std::string content_of(const fs::path& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::size_t take_mesh(const std::string& path) {
-    const Mesh mesh = read_mesh(path);
+std::size_t take_mesh(const std::string& path, const ReadOptions& options) {
+    const Mesh mesh = read_mesh(path, options);
     if (mesh.triangles().empty()) fail("a mesh without a triangle was given");
     for (const Triangle& triangle : mesh.triangles())
         for (const std::uint32_t corner : triangle) {
@@ -34,6 +34,11 @@ std::size_t take_mesh(const std::string& path) {
                 if (!std::isfinite(x)) fail("a vertex in use is not finite");
         }
     return mesh.triangles().size() * sizeof(Triangle) + mesh.vertices().size() * sizeof(Vec3);
+}
+
+std::size_t take_mesh(const std::string& path) {
+    take_mesh(path, {.skip_bad_facets = true});
+    return take_mesh(path, {});
 }
 
 std::size_t take_field(const std::string& path) {

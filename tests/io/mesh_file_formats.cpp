@@ -260,9 +260,8 @@ BOOST_AUTO_TEST_CASE(damaged_ply_files_are_refused_with_the_line_or_the_row) {
     refused("4 0 1 2 3", "-1 0 1", unreadable, {"line 14", "-1"});
     refused("4 0 1 2 3", "1000000000 0 1", unreadable, {"line 14"});
     refused("4 0 1 2 3\n", "", unreadable, {"'face'"});
-    refused("element face 1\nproperty list uchar int vertex_indices",
-            "element tristrips 1\nproperty list uchar int vertex_indices", ErrorCode::unsupported, {"strips"});
-    refused("element face 1\nproperty list uchar int vertex_indices\n", "", invalid, {"'face'"});
+    refused("element face 1\nproperty list uchar int vertex_indices\n", "", invalid,
+            {"'face'", "4 vertices are a cloud of points", "reconstruct a surface", "POINTS of clsdf query"});
     refused("4 0 1 2 3\n", "4 0 1 2 3\n\n3 1 2 3\n", unreadable, {"line 16", "1 rows of 'face'"});
     check_is_square("a.ply", ply_square + " \n\n");
     check_is_refused("a.ply", "ply\nformat ascii 1.0\n", unreadable, {"header"});

@@ -4,6 +4,7 @@
 #include "written_files.hpp"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 /// Files that are not what their ending says: the message tells what they are and what to do.
@@ -64,6 +65,15 @@ BOOST_AUTO_TEST_CASE(text_in_utf_16_is_named) {
 BOOST_AUTO_TEST_CASE(a_compressed_file_is_named) {
     check_is_refused_as_any(std::string("\x1F\x8B\x08").append(50, 'x'), {"compressed by gzip", "unpack it"});
     check_is_refused_as_any(std::string("PK\x03\x04").append(50, '\0'), {"compressed by zip", "unpack it"});
+    check_is_refused_as_any(std::string("PK\x03\x04").append(50, '\0') + "3D/3dmodel.model",
+                            {"compressed by zip", "package", ".3mf", "export the mesh as .stl or .ply"});
+    check_is_refused_as_any(std::string("\x1F\x8B\x08").append(50, 'x'), {"gunzip"});
+    for (const auto& [name, program] : {std::pair("a.stl.gz", "gunzip a.stl.gz"),
+                                        {"b.OFF.GZ", "gunzip b.OFF.GZ"},
+                                        {"c.ply.bz2", "bunzip2 c.ply.bz2"},
+                                        {"d.zip", "unzip d.zip"}})
+        check_throws(ErrorCode::unsupported, {name, "compressed", program, ".off, .obj, .stl or .ply"},
+                     [&] { read_mesh(name); });
     check_is_refused_as_any(std::string("\x28\xB5\x2F\xFD").append(50, '\7'), {"compressed by zstd", "unpack it"});
 }
 

@@ -1,12 +1,16 @@
 #include <clsdf/io.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
 
 #include "written_files.hpp"
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -222,6 +226,241 @@ BOOST_AUTO_TEST_CASE(lines_of_obj_with_unknown_keywords_are_counted) {
         {"2 lines with keywords that OBJ does not have are skipped, the first at line 6, 'something'"});
     check_is_refused("a.obj", "this is\nno mesh\n", invalid,
                      {"no triangle", "2 lines with keywords", "line 1, 'this'"});
+}
+
+BOOST_AUTO_TEST_CASE(numbers_of_text_files_may_be_as_fortran_writes_them) {
+    const auto of = [](const std::string& text, const std::string& one, const std::string& zero) {
+        std::string result;
+        for (const char c : text) result += c == '@' ? one : c == '$' ? zero : std::string(1, c);
+        return result;
+    };
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n$ $ $\n@ $ $\n@ @ $\n$ @ $\n4 0 1 2 3\n";
+    const std::string stl =
+        "solid\nfacet normal 0 0 1\nouter loop\nvertex $ $ $\nvertex @ $ $\nvertex @ @ $\nendloop\nendfacet\n"
+        "facet normal 0 0 1\nouter loop\nvertex $ $ $\nvertex @ @ $\nvertex $ @ $\nendloop\nendfacet\nendsolid\n";
+    for (const char* one :
+         {"1.0D+00", "1.D0", ".1d1", "+0.1D+01", "10.0D-1", "1d0", "1.0Q+0", "1000.0-3", "0.01+2", "0.01E+002"})
+        for (const char* zero : {"0.0D+00", "-0d0", "1.0-400", "1.0D-400"}) {
+            check_is_square("a.off", of("OFF\n4 1 0\n$ $ $\n@ $ $\n@ @ $\n$ @ $\n4 0 1 2 3\n", one, zero));
+            check_is_square("a.obj", of("v $ $ $\nv @ $ $\nv @ @ $ @\nv $ @ $ 1\nf 1 2 3 4\n", one, zero));
+            check_is_square("a.ply", of(ply, one, zero));
+            check_is_square("a.stl", of(stl, one, zero));
+        }
+    const TemporaryFolder folder;
+    const std::vector<Vec3> points{{-150, 2.5e120, 1e-120}};
+    BOOST_TEST((read_points(folder.file("a.csv", "x,y,z\n-1.5D+02,2.5+120,1.0-120\n")) == points));
+    for (const char* other : {"1.0D", "1.0D+", "1.0D+1.5", "D+00", "1-3", "1+3", "1.0+2+2", "1.0E+2-3", "1.0De0",
+                              "infD0", "1.0-", "2020-11-28"})
+        check_is_refused("a.obj", fmt::format("v 0 0 {}\n", other), unreadable, {"line 1", "coordinate", other});
+    check_is_refused("a.off", "OFF\n3 1 0\n0 0 0\n1.0D+400 0 0\n0 1 0\n3 0 1 2\n", invalid, {"vertex 1", "inf"});
+}
+
+BOOST_AUTO_TEST_CASE(vertices_that_no_face_uses_may_be_what_windows_writes_for_nan) {
+    for (const char* word : {"1.#QNAN", "-1.#IND", "1.#INF", "-1.#INF00", "1.#QNAN0", "nan(ind)", "-nan"}) {
+        const TemporaryFolder folder;
+        const std::string off = fmt::format("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n{0} {0} {0} # unused\n3 0 1 2\n", word);
+        BOOST_TEST(read_mesh(folder.file("a.off", off)).triangles().size() == 1U, word);
+        const std::string ply = fmt::format(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement "
+            "face 1\n"
+            "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n{0} {0} {0}\n3 0 1 2\n",
+            word);
+        BOOST_TEST(read_mesh(folder.file("a.ply", ply)).triangles().size() == 1U, word);
+        const std::string obj = fmt::format("v 0 0 0\nv 1 0 0\nv 1 1 0\nv {0} {0} {0}\nf 1 2 3\n", word);
+        BOOST_TEST(read_mesh(folder.file("a.obj", obj)).triangles().size() == 1U, word);
+    }
+    check_is_square("a.off", "OFF\n4 2 5\n" + replaced(off_body, "1 0 0\n", "1.#a comment\n0\n0\n"));
+}
+
+namespace {
+
+/// A cube of six strips with the list's numbers in `order`, or in text if there is none.
+std::string strips_ply(std::optional<std::endian> order, const std::vector<std::vector<std::int32_t>>& rows) {
+    std::string content = fmt::format(
+        "ply\nformat {} 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+        "element tristrips {}\nproperty list int int vertex_indices\nend_header\n",
+        !order                       ? "ascii"
+        : *order == std::endian::big ? "binary_big_endian"
+                                     : "binary_little_endian",
+        rows.size());
+    for (int k = 0; k < 8; ++k)
+        for (int axis = 0; axis < 3; ++axis) {
+            const int x = k >> axis & 1;
+            content += order ? bytes_of(static_cast<float>(x), *order) : fmt::format("{}{}", x, axis == 2 ? "\n" : " ");
+        }
+    for (const std::vector<std::int32_t>& row : rows) {
+        const auto length = static_cast<std::int32_t>(row.size());
+        content += order ? bytes_of(length, *order) : fmt::format("{}", length);
+        for (const std::int32_t index : row) content += order ? bytes_of(index, *order) : fmt::format(" {}", index);
+        if (!order) content += '\n';
+    }
+    return content;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(ply_may_have_triangle_strips) {
+    const std::vector<std::int32_t> sides{0, 1, 4, 5, 6, 7, 2, 3, 0, 1}, right{1, 3, 5, 7}, left{0, 4, 2, 6};
+    const auto joined = [](std::vector<std::int32_t> strip, const std::vector<std::int32_t>& more,
+                           std::initializer_list<std::int32_t> between) {
+        strip.insert(strip.end(), between);
+        strip.insert(strip.end(), more.begin(), more.end());
+        return strip;
+    };
+    const TemporaryFolder folder;
+    for (const std::optional<std::endian> order :
+         {std::optional<std::endian>(), std::optional(std::endian::little), std::optional(std::endian::big)}) {
+        // Each row a strip; all in one row; -1 at the end and twice; a strip that goes on over repeated corners.
+        for (const std::vector<std::vector<std::int32_t>>& rows : std::vector<std::vector<std::vector<std::int32_t>>>{
+                 {sides, right, left},
+                 {joined(joined(sides, right, {-1}), left, {-1})},
+                 {joined(joined(sides, right, {-1, -1}), left, {-1}), {-1}, {}},
+                 {joined(sides, right, {1, 1}), left}}) {
+            const Mesh mesh = read_mesh(folder.file("a.ply", strips_ply(order, rows)));
+            BOOST_TEST(mesh.triangles().size() == 12U);
+            const Topology topology = describe_topology(mesh);
+            BOOST_TEST(topology.balanced);
+            BOOST_TEST(!topology.inside_out);
+            BOOST_TEST(topology.reoriented_faces == 0U);
+        }
+        check_is_refused("a.ply", strips_ply(order, {sides, {1, 3, 8, 7}}), invalid, {"index 8", "8 vertices"});
+        check_is_refused("a.ply", strips_ply(order, {sides, {1, 3, -2, 7}}), invalid, {"index -2"});
+        check_is_refused("a.ply", strips_ply(order, {{1, 2}}), invalid, {"no triangle"});
+    }
+    const std::string text = strips_ply({}, {sides});
+    check_is_refused("a.ply", replaced(text, "vertex_indices", "indices"), unreadable, {"'tristrips'"});
+    check_is_refused("a.ply", replaced(text, "list int int", "list int float"), unreadable, {"no list of integers"});
+    // Beside single faces.
+    const std::string both = replaced(strips_ply({}, {sides, right}), "element tristrips",
+                                      "element face 2\nproperty list uchar int vertex_index\nelement tristrips");
+    BOOST_TEST(
+        describe_topology(read_mesh(folder.file("a.ply", replaced(both, "1 1 1\n", "1 1 1\n3 0 4 2\n3 4 6 2\n"))))
+            .balanced);
+}
+
+BOOST_AUTO_TEST_CASE(off_may_state_that_it_has_three_dimensions) {
+    check_is_square("a.off", "nOFF\n3\n4 2 5\n" + off_body);
+    check_is_square("a.off", "nOFF 3\n4 2 5\n" + off_body);
+    check_is_square("a.off", "nOFF 3 4 2 5 " + with_line_ends(off_body, " "));
+    check_is_square("a.off",
+                    "CnOFF\n3\n4 1 5\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n1 1 0 1 1 1 1\n0 1 0 1 1 1 1\n4 0 1 2 3\n");
+    for (const char* header : {"nOFF\n4\n", "nOFF 2\n", "4nOFF\n3\n"})
+        check_is_refused("a.off", header + ("4 2 5\n" + off_body), ErrorCode::unsupported, {"three dimensions"});
+    check_is_refused("a.off", "nOFF\nx\n4 2 5\n" + off_body, unreadable, {"line 2", "'x'"});
+}
+
+namespace {
+
+/// Reads the file with bad facets, which the message without the option names. `left_out`: the begin of the warning.
+Mesh read_without_bad_facets(const std::string& name, const std::string& content, const std::string& left_out) {
+    check_is_refused(name, content, invalid, {"--skip-bad-facets (skip_bad_facets"});
+    const TemporaryFolder folder;
+    std::string warning;
+    const std::string path = folder.file(name, content);
+    Mesh mesh =
+        read_mesh(path, {.log = [&](const std::string& message) { warning += message; }, .skip_bad_facets = true});
+    BOOST_TEST(warning.starts_with(path + ": " + left_out), warning);
+    return mesh;
+}
+
+std::string binary_stl(const std::vector<std::array<float, 9>>& triangles) {
+    std::string content(80, ' ');
+    content += bytes_of(static_cast<std::uint32_t>(triangles.size()), std::endian::little);
+    for (const auto& triangle : triangles) {
+        content += std::string(12, '\0');
+        for (const float x : triangle) content += bytes_of(x, std::endian::little);
+        content += std::string(2, '\0');
+    }
+    return content;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(bad_facets_are_left_out_if_that_is_asked_for) {
+    const std::string two = "2 faces with a vertex that does not exist or is not finite are left out, the first at ";
+    const auto is_square = [](const Mesh& mesh) {
+        BOOST_CHECK(mesh.triangles() == two_triangles);
+        for (std::size_t v = 0; v < 4; ++v) BOOST_CHECK(mesh.vertices()[v] == square[v]);
+    };
+    const std::string vertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 nan 0\n";
+    is_square(read_without_bad_facets("a.off", "OFF\n5 4 0\n" + vertices + "3 0 1 2\n4 0 1 2 4\n3 0 2 3\n3 0 1 5\n",
+                                      two + "line 9 (a vertex is (0, nan, 0))"));
+    is_square(read_without_bad_facets("a.off",
+                                      "OFF 5 4 0 " + with_line_ends(vertices, " ") + "3 0 -1 2 3 0 1 2 3 0 2 3 3 0 1 4",
+                                      two + "line 1 (there is no vertex -1)"));
+    // Of .obj faces come before vertices, too, and relative numbers count back.
+    is_square(read_without_bad_facets(
+        "a.obj", "f 1 2 3\nf 5 1 2 3\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv inf 0 0\nf -5 -3 -2\nf 1 2 0\n",
+        two + "line 2 (a vertex is (inf, 0, 0))"));
+    for (const char* missing : {"6", "-6", "0", "5000000000"})
+        is_square(read_without_bad_facets(
+            "a.obj", fmt::format("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0\nf 1 2 {}\nf 1 2 3\nf 1 3 4\n", missing),
+            fmt::format(
+                "1 face with a vertex that does not exist or is not finite is left out, the first at line 6 (there "
+                "is no vertex {})",
+                missing)));
+    const std::string header = "ply\nformat ascii 1.0\n",
+                      of_vertices =
+                          "element vertex 5\nproperty float x\n"
+                          "property float y\nproperty float z\n",
+                      of_faces = "element face 4\nproperty list uchar int vertex_indices\n",
+                      faces = "3 0 1 2\n3 4 1 2\n4 0 1 2 9\n3 0 2 3\n";
+    is_square(read_without_bad_facets("a.ply", header + of_vertices + of_faces + "end_header\n" + vertices + faces,
+                                      two + "line 16 (a vertex is (0, nan, 0))"));
+    is_square(read_without_bad_facets("a.ply", header + of_faces + of_vertices + "end_header\n" + faces + vertices,
+                                      two + "line 11 (a vertex is (0, nan, 0))"));
+    // Each triangle of a strip by itself.
+    const Mesh strip = read_without_bad_facets("a.ply", strips_ply({}, {{0, 1, 2, 3, 99, 4, 5, 6}}),
+                                               "3 faces with a vertex that does not exist");
+    BOOST_TEST(strip.triangles().size() == 3U);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    is_square(read_without_bad_facets("a.stl",
+                                      binary_stl({{0, 0, 0, 1, 0, 0, 1, 1, 0},
+                                                  {0, 0, nan, 1, 0, 0, 1, 1, 0},
+                                                  {5, 5, 5, 1, nan, 0, 1, 1, 0},
+                                                  {0, 0, 0, 1, 1, 0, 0, 1, 0}}),
+                                      two + "triangle 1, counted from 0 (a vertex is (0, 0, nan))"));
+    const auto facet = [](const std::string& third) {
+        return "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex " + third + "\nendloop\nendfacet\n";
+    };
+    const std::string last = replaced(facet("0 1 0"), "1 0 0", "1 1 0");
+    is_square(read_without_bad_facets(
+        "a.stl", "solid\n" + facet("1 1 0") + facet("1.#QNAN 1 0") + facet("1 1 -inf") + last + "endsolid\n",
+        two + "line 9 (a vertex is (nan, 1, 0))"));
+    // What is left must be a mesh, and other damage stays an error.
+    const TemporaryFolder folder;
+    check_throws(invalid, {"no triangle", "1 face with a vertex"},
+                 [&] { read_mesh(folder.file("a.obj", "v 0 0 0\nf 1 1 2\n"), {.skip_bad_facets = true}); });
+    check_throws(unreadable, {"line 4", "'x'"}, [&] {
+        read_mesh(folder.file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n"), {.skip_bad_facets = true});
+    });
+}
+
+BOOST_AUTO_TEST_CASE(a_bad_facet_of_a_text_stl_of_many_megabytes_has_its_line) {
+    std::string text = "solid\n";
+    for (int t = 0; t < 20000; ++t)
+        text += fmt::format(
+            "facet normal 0 0 1\n outer loop\n  vertex {0} 0 0\n  vertex {1} 0 0\n  vertex {0} {0} 1\n "
+            "endloop\nendfacet\n",
+            t, t == 19000 ? "nan" : fmt::format("{}", t + 1));
+    const Mesh mesh =
+        read_without_bad_facets("a.stl", text + "endsolid\n",
+                                "1 face with a vertex that does not exist or is not finite is left out, the "
+                                "first at line 133002 (a vertex is (nan, 0, 0))");
+    BOOST_TEST(mesh.triangles().size() == 19999U);
+}
+
+BOOST_AUTO_TEST_CASE(a_cloud_of_points_is_named) {
+    const std::vector<std::string> fragments{"no triangle", "; its 3 vertices are a cloud of points", "reconstruct a surface",
+                                             "POINTS of clsdf query"};
+    check_is_refused("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", invalid, fragments);
+    check_is_refused("a.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", invalid, fragments);
+    check_is_refused("a.ply",
+                     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                     "element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n",
+                     invalid, fragments);
 }
 
 BOOST_AUTO_TEST_CASE(a_decimal_comma_is_named) {

@@ -360,7 +360,7 @@ typedef struct clsdf_grid_options {
 /* How clsdf_grid_between() divides a box: by samples or by cells. Give one of them, on each axis; the other is 0. */
 typedef struct clsdf_grid_division {
     size_t struct_size;
-    int64_t samples[3];   /* at least 2: both ends of the box are samples */
+    int64_t samples[3];   /* at least 2: both ends of the box are samples; 1 on an axis on which they are equal */
     int64_t cells[3];     /* at least 1: samples at their corners, one more than the cells */
     int32_t cell_centred; /* 1, with cells: one sample at the centre of each instead */
     int32_t reserved;
@@ -381,7 +381,9 @@ CLSDF_API clsdf_status clsdf_grid_around_box(const clsdf_box* box, const clsdf_g
 CLSDF_API clsdf_status clsdf_grid_around_mesh(const clsdf_mesh* mesh, int64_t resolution, const clsdf_band* band,
                                               clsdf_grid* grid);
 /* The grid from one corner of a box to the other. The first sample is box->lower exactly; the spacing is rounded once,
- * so the last sample is within n/2 ulp of the spacing of box->upper, n being the cells along an axis. */
+ * so the last sample is within n/2 ulp of the spacing of box->upper, n being the cells along an axis. A slice: an axis
+ * on which both corners are equal has one sample (samples 1, or cells 1 if cell_centred), and the least of the other
+ * spacings. */
 CLSDF_API clsdf_status clsdf_grid_between(const clsdf_box* box, const clsdf_grid_division* division, clsdf_grid* grid);
 /* In the next seven, `result` may be `grid`. */
 /* The block of size[3] samples that starts offset[3] samples from this grid's first one; must be inside. */
@@ -605,13 +607,26 @@ typedef struct clsdf_read_options {
     clsdf_log_function log;
     double scale;        /* a coordinate x becomes x * scale + translate; product and sum are each rounded once; > 0 */
     double translate[3]; /* in the units after the scale */
+    /* 1: faces with a coordinate that is not finite, or that name a vertex that does not exist, are left out; log gets
+     * their number and the first of them. 0: they are errors. */
+    int32_t skip_bad_facets;
+    int32_t reserved;
 } clsdf_read_options;
-#define CLSDF_READ_OPTIONS_INIT                      \
-    {                                                \
-        sizeof(clsdf_read_options), NULL, NULL, 1, { \
-            0, 0, 0                                  \
-        }                                            \
-    }
+#define CLSDF_READ_OPTIONS_INIT \
+    { sizeof(clsdf_read_options), NULL, NULL, 1, {0, 0, 0}, 0, 0 }
+
+/* How a mesh differs from the one that it was welded from, face by face. */
+typedef struct clsdf_weld_report {
+    size_t struct_size;
+    int64_t lost_faces;       /* had three different vertices, and have fewer now, so no area */
+    int64_t coinciding_faces; /* have the three vertices of other faces now, and did not before */
+    /* Of a closed mesh its volume, > 0 if its faces look outwards. Of an open one that of the cones from the faces to
+     * the centre of the box. */
+    double volume_before;
+    double volume_after;
+} clsdf_weld_report;
+#define CLSDF_WELD_REPORT_INIT \
+    { CLSDF_RESULT_SIZE(clsdf_weld_report), 0, 0, 0, 0 }
 
 /* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element, the value and the base of its numbers. */
 CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh);
@@ -628,6 +643,11 @@ CLSDF_API clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** weld
 /* The mesh in which vertices are one, too, if they differ by at most `tolerance` on every axis, in the mesh's units, or
  * are connected by others that do; clusters longer than four tolerances are left apart. */
 CLSDF_API clsdf_status clsdf_mesh_weld_within(const clsdf_mesh* mesh, double tolerance, clsdf_mesh** welded);
+/* What clsdf_mesh_weld_within() did to `mesh`: a wall that is thinner than the tolerance is flat. The warning, which
+ * may be "", says so, with the remedy. */
+CLSDF_API clsdf_status clsdf_mesh_describe_weld(const clsdf_mesh* mesh, const clsdf_mesh* welded,
+                                                clsdf_weld_report* report, char* warning, int64_t size,
+                                                int64_t* length);
 /* Writes by the file's ending, complete or not at all. `colours`: red, green, blue of each triangle, as uint8_t
  * [colour_count][3], or null and 0. Threads: any number. */
 CLSDF_API clsdf_status clsdf_mesh_write(const clsdf_mesh* mesh, const char* path, const uint8_t* colours,

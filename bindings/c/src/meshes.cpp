@@ -62,6 +62,18 @@ clsdf_status clsdf_mesh_weld_within(const clsdf_mesh* mesh, double tolerance, cl
     });
 }
 
+clsdf_status clsdf_mesh_describe_weld(const clsdf_mesh* mesh, const clsdf_mesh* welded, clsdf_weld_report* report,
+                                      char* warning, std::int64_t size, std::int64_t* length) {
+    return guarded([&] {
+        const WeldReport found = describe_weld(of(mesh).mesh, of(welded).mesh);
+        const clsdf_weld_report result{sizeof result, static_cast<std::int64_t>(found.lost_faces),
+                                       static_cast<std::int64_t>(found.coinciding_faces), found.volume_before,
+                                       found.volume_after};
+        c::write_struct(result, report, "clsdf_weld_report");
+        c::write_text(found.warning, warning, size, length);
+    });
+}
+
 clsdf_status clsdf_mesh_write(const clsdf_mesh* mesh, const char* path, const std::uint8_t* colours,
                               std::int64_t colour_count) {
     return guarded([&] {

@@ -407,6 +407,8 @@ ReadOptions read_options_of(const clsdf_read_options* options) {
         read.log = [from](const std::string& message) { call_back("log", from.log, from.user, message.c_str()); };
     read.scale = from.scale;
     read.translate = {from.translate[0], from.translate[1], from.translate[2]};
+    read.skip_bad_facets = flag(from.skip_bad_facets, "clsdf_read_options.skip_bad_facets");
+    check_reserved(from.reserved, "clsdf_read_options");
     return read;
 }
 

@@ -98,6 +98,10 @@ static void check_grids(void) {
     division.cell_centred = 1;
     OK(clsdf_grid_between(&box, &division, &other));
     CHECK(other.size[0] == 8 && other.origin[2] == 0.25);
+    box.upper[2] = 0; /* a slice */
+    division.cells[2] = 1;
+    OK(clsdf_grid_between(&box, &division, &other));
+    CHECK(other.size[2] == 1 && other.origin[2] == 0 && other.spacing[2] == 0.125 && other.origin[1] == 0.125);
     division.samples[0] = 2;
     FAILS(CLSDF_INVALID_ARGUMENT, "give one of them", clsdf_grid_between(&box, &division, &other));
     options.spacing[0] = options.spacing[1] = options.spacing[2] = 0.5;
@@ -157,6 +161,18 @@ static void check_files(void) {
     clsdf_mesh_release(mesh);
     OK(clsdf_mesh_read_files(paths, 1, NULL, &mesh));
     clsdf_mesh_release(mesh);
+    /* The second face names a vertex that does not exist. */
+    file = fopen("edge.obj", "w");
+    CHECK(file != NULL && fputs(text, file) >= 0 && fputs("f 1 2 9\n", file) >= 0 && fclose(file) == 0);
+    FAILS(CLSDF_INVALID_MESH, "skip_bad_facets", clsdf_mesh_read_files(paths, 2, &options, &mesh));
+    options.skip_bad_facets = 2;
+    FAILS(CLSDF_INVALID_ARGUMENT, "skip_bad_facets is 2", clsdf_mesh_read_files(paths, 2, &options, &mesh));
+    options.skip_bad_facets = 1;
+    messages[0] = 0;
+    OK(clsdf_mesh_read_files(paths, 2, &options, &mesh));
+    OK(clsdf_mesh_triangles(mesh, &indices, &count));
+    CHECK(count == 5 && strstr(messages, "left out, the first at line 6 (there is no vertex 9)") != NULL);
+    clsdf_mesh_release(mesh);
     options.log = end_with_7;
     CHECK(clsdf_mesh_read_files(paths, 2, &options, &mesh) == 7);
     FAILS(CLSDF_INVALID_ARGUMENT, "no file", clsdf_mesh_read_files(NULL, 0, NULL, &mesh));
@@ -175,7 +191,8 @@ static void check_meshes(void) {
     const uint32_t* indices;
     const uint8_t colours[12] = {255, 0, 0};
     const char* name;
-    char warning[64];
+    char warning[64], flat[200];
+    clsdf_weld_report welded = CLSDF_WELD_REPORT_INIT;
     int64_t count, length;
     int32_t rule, base;
     uint64_t hash, other_hash;
@@ -243,6 +260,18 @@ static void check_meshes(void) {
     OK(clsdf_mesh_weld_within(own, 1e-3, &other));
     OK(clsdf_mesh_vertices(other, &again, &count));
     CHECK(count == 4);
+    OK(clsdf_mesh_describe_weld(own, other, &welded, warning, sizeof warning, &length));
+    CHECK(welded.lost_faces == 0 && welded.coinciding_faces == 0 && length == 0 && warning[0] == 0);
+    CHECK(welded.volume_before > 0.16 && welded.volume_after == welded.volume_before);
+    clsdf_mesh_release(other);
+    memcpy(moved, positions, sizeof moved);
+    moved[3][2] = 1e-4; /* a flat tetrahedron: its tip falls onto the corner below it */
+    array = clsdf_host_array(CLSDF_FLOAT64, moved, 4);
+    OK(clsdf_mesh_set_positions(own, &array));
+    OK(clsdf_mesh_weld_within(own, 1e-3, &other));
+    OK(clsdf_mesh_describe_weld(own, other, &welded, flat, sizeof flat, NULL));
+    CHECK(welded.lost_faces == 2 && welded.coinciding_faces == 2 && welded.volume_after == 0);
+    CHECK(strstr(flat, "give a smaller") != NULL);
     clsdf_mesh_release(other);
 
     memcpy(moved, positions, sizeof moved);

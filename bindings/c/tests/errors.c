@@ -64,6 +64,7 @@ static void check_null(void) {
     NULL_FAILS(clsdf_mesh_read(NULL, &mesh));
     NULL_FAILS(clsdf_mesh_weld(NULL, &mesh));
     NULL_FAILS(clsdf_mesh_weld_within(NULL, 0, &mesh));
+    NULL_FAILS(clsdf_mesh_describe_weld(NULL, NULL, NULL, NULL, 0, NULL));
     NULL_FAILS(clsdf_mesh_write(NULL, "x.ply", NULL, 0));
     NULL_FAILS(clsdf_mesh_set_positions(NULL, NULL));
     NULL_FAILS(clsdf_mesh_set_index_base(NULL, 0));

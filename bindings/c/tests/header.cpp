@@ -11,6 +11,7 @@ int main() {
     clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
     clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
     clsdf_defects defects = CLSDF_DEFECTS_INIT;
+    clsdf_weld_report weld = CLSDF_WELD_REPORT_INIT;
     clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
     clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
     clsdf_transform_options transform = CLSDF_TRANSFORM_OPTIONS_INIT;
@@ -21,7 +22,8 @@ int main() {
     const size_t sizes = output.struct_size + grid.struct_size + device.struct_size + limits.struct_size +
                          arrays.struct_size + topology.struct_size + defects.struct_size + call.struct_size +
                          statistics.struct_size + transform.struct_size + memory.struct_size + blocks.struct_size +
-                         slabs.struct_size + field.struct_size + division.struct_size + read.struct_size;
+                         slabs.struct_size + field.struct_size + division.struct_size + read.struct_size +
+                         weld.struct_size;
     const bool is_default = grid.resolution == 256 && transform.kept_bytes == -1 && clsdf_band_full().inside > 1e300 &&
                             clsdf_band_signs_only().signs_only == 1;
     return sizes > 500 && is_default && clsdf_version() == CLSDF_VERSION ? 0 : 1;

@@ -143,6 +143,14 @@ int main(void) {
     MEMBER(clsdf_read_options, log);
     MEMBER(clsdf_read_options, scale);
     MEMBER(clsdf_read_options, translate);
+    MEMBER(clsdf_read_options, skip_bad_facets);
+    MEMBER(clsdf_read_options, reserved);
+    SIZE(clsdf_weld_report);
+    MEMBER(clsdf_weld_report, struct_size);
+    MEMBER(clsdf_weld_report, lost_faces);
+    MEMBER(clsdf_weld_report, coinciding_faces);
+    MEMBER(clsdf_weld_report, volume_before);
+    MEMBER(clsdf_weld_report, volume_after);
     SIZE(clsdf_call_options);
     MEMBER(clsdf_call_options, struct_size);
     MEMBER(clsdf_call_options, user);

@@ -201,9 +201,21 @@ contains
     call check(welded%index_base() == 1, 'a welded mesh')
     call own%weld(welded, 4d0, stat=stat, errmsg=errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'no face')
-    call own%weld(welded, 1d-3)
-    call welded%vertices(vertices)
-    call check(size(vertices, 2) == size(x, 2), 'a mesh welded within a length')
+    block
+      type(clsdf_weld_report) :: report
+      character(:), allocatable :: warning
+      call own%weld(welded, 1d-3, report=report, warning=warning)
+      call welded%vertices(vertices)
+      call check(size(vertices, 2) == size(x, 2), 'a mesh welded within a length')
+      call check(report%lost_faces == 0 .and. report%volume_before == report%volume_after .and. warning == '', 'unchanged')
+      call own%weld(welded, 4d0, stat, errmsg, report, warning)
+      call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'no face')
+      call own%set_positions(x*spread([1d0, 1d0, 1d-4], 2, size(x, 2)))
+      call own%weld(welded, 1d-3, report=report, warning=warning)
+      call check(report%lost_faces == 2 .and. report%coinciding_faces == 2 .and. report%volume_after == 0, 'flat')
+      call check(index(warning, 'give a smaller') > 0, 'the remedy')
+      call own%set_positions(x)
+    end block
     call own%set_index_base(0)
     call own%weld(welded)
     call check(welded%index_base() == 0, 'a welded mesh has the index base of the mesh')
@@ -220,6 +232,17 @@ contains
     call check(all(vertices == 0.5d0*x + spread([1d0, 2d0, 3d0], 2, size(x, 2))), 'in another unit, at another place')
     call welded%read('fortran_mesh.ply', scale=0d0, stat=stat, errmsg=errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'scale: 0')
+    block
+      integer :: unit
+      open (newunit=unit, file='fortran_bad.obj', status='replace')
+      write (unit, '(a)') 'v 0 0 0', 'v 1.0D+00 0 0', 'v 0 1 0', 'f 1 2 3', 'f 1 2 9'
+      close (unit)
+      call welded%read('fortran_bad.obj', stat=stat, errmsg=errmsg)
+      call fails(stat, CLSDF_INVALID_MESH, errmsg, 'skip_bad_facets')
+      call welded%read('fortran_bad.obj', skip_bad_facets=.true.)
+      call welded%vertices(vertices)
+      call check(size(vertices, 2) == 3 .and. vertices(1, 2) == 1, 'a face is left out')
+    end block
     call welded%read('fortran_mesh.ply')
     call own%write('fortran_mesh.ply', colours(:2, :), stat, errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'colours')
@@ -260,6 +283,8 @@ contains
     call check(all(part%spacing == [0.5d0, 1d0, 2d0]) .and. all(part%size == 3) .and. all(part%origin == 0), 'a box')
     call part%between(clsdf_box([0d0, 0d0, 0d0], [1d0, 2d0, 4d0]), cells=[2, 2, 2], cell_centred=.true.)
     call check(all(part%size == 2) .and. all(part%origin == [0.25d0, 0.5d0, 1d0]), 'its cells')
+    call part%between(clsdf_box([0d0, 0d0, 4d0], [1d0, 2d0, 4d0]), samples=[3, 3, 1])
+    call check(all(part%size == [3, 3, 1]) .and. part%origin(3) == 4 .and. part%spacing(3) == 0.5d0, 'a slice')
     call part%around(mesh%box(), spacing=[0.1d0, 0.1d0, 0.1d0], margin=clsdf_length(0.3d0), cubic=.true., cell_centred=.true.)
     call check(all(part%size == part%size(1)) .and. abs(part%voxel() - 0.1d0) < 1d-12, 'a grid of a spacing')
     part = grid%part([0, 1, 1], [2, 2, 2], stat, errmsg)

@@ -106,13 +106,16 @@ def read_mesh(
     scale: float = 1.0,
     translate: Any = (0.0, 0.0, 0.0),
     weld: float = 0.0,
+    skip_bad_facets: bool = False,
 ) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     """Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply; of several files as one
     mesh: the vertices and faces of each follow those of the one before it. A coordinate x becomes x * scale + translate,
-    in double: scale=0.001 makes metres of millimetres. weld: the tolerance of weld(), if it is not 0. A MeshWarning says what was skipped or changed. Raises
+    in double: scale=0.001 makes metres of millimetres. weld: the tolerance of weld(), if it is not 0. skip_bad_facets: faces
+    with a coordinate that is not finite, or that name a vertex that does not exist, are left out; without it they are
+    errors. A MeshWarning says what was skipped or changed. Raises
     clsdf.Error: unreadable_input or invalid_mesh that names the line or the element; unsupported for an unknown ending;
     invalid_argument unless scale > 0."""
-    vertices, faces = _core.read_mesh([os.fspath(name) for name in (path, *more)], scale, translate)
+    vertices, faces = _core.read_mesh([os.fspath(name) for name in (path, *more)], scale, translate, skip_bad_facets)
     return (vertices, faces) if weld == 0 else _core.weld(vertices, faces, weld)
 
 
@@ -128,8 +131,8 @@ def mesh_hash(mesh: Any) -> int:
 def weld(mesh: Any, tolerance: float = 0.0) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     """The mesh in which vertices of equal coordinates are one vertex, as vertices (n, 3), float64, and faces (m, 3),
     uint32, which keep their order. So are vertices that differ by at most `tolerance` on every axis, in the mesh's
-    units, or are connected by others that do; clusters longer than four tolerances are left apart. mesh: as for
-    mesh_hash()."""
+    units, or are connected by others that do; clusters longer than four tolerances are left apart. A MeshWarning says
+    how many faces lose their area, as those of a wall that is thinner than the tolerance. mesh: as for mesh_hash()."""
     vertices, faces, _ = arrays_of(mesh)
     return _core.weld(vertices, faces, tolerance)
 

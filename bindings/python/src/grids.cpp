@@ -179,14 +179,16 @@ void add_grids(nb::module_& module) {
             nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = nb::make_tuple(0, 0, 0),
             nb::sig("def __init__(self, origin: numpy.typing.ArrayLike, spacing: float | numpy.typing.ArrayLike, "
                     "size: int | numpy.typing.ArrayLike, first: numpy.typing.ArrayLike = (0, 0, 0)) -> None"))
-        .def_static("between", &between, nb::arg("lower"), nb::arg("upper"), nb::kw_only(),
-                    nb::arg("samples") = nb::none(), nb::arg("cells") = nb::none(), nb::arg("cell_centred") = false,
-                    nb::sig("def between(lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, *, "
-                            "samples: int | typing.Sequence[int] | None = None, "
-                            "cells: int | typing.Sequence[int] | None = None, cell_centred: bool = False) -> Grid"),
-                    "The grid from one corner of a box to the other: so many samples, both ends included, or so many\n"
-                    "cells, with samples at their corners or, if cell_centred, at their centres. A number is for all\n"
-                    "axes or (nx, ny, nz). The first sample is `lower` exactly; the spacing is rounded once.")
+        .def_static(
+            "between", &between, nb::arg("lower"), nb::arg("upper"), nb::kw_only(), nb::arg("samples") = nb::none(),
+            nb::arg("cells") = nb::none(), nb::arg("cell_centred") = false,
+            nb::sig("def between(lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, *, "
+                    "samples: int | typing.Sequence[int] | None = None, "
+                    "cells: int | typing.Sequence[int] | None = None, cell_centred: bool = False) -> Grid"),
+            "The grid from one corner of a box to the other: so many samples, both ends included, or so many\n"
+            "cells, with samples at their corners or, if cell_centred, at their centres. A number is for all\n"
+            "axes or (nx, ny, nz). The first sample is `lower` exactly; the spacing is rounded once. A slice: an\n"
+            "axis on which both corners are equal has one sample, and the least of the other spacings.")
         .def_ro("origin", &Grid::origin, "Position (x, y, z) of the lattice's sample (0, 0, 0).")
         .def_ro("spacing", &Grid::spacing, "Distance of the samples along x, y and z.")
         .def_ro("size", &Grid::size, "Number of samples along x, y and z.")

@@ -35,9 +35,10 @@ auto arrays_of(const Mesh& mesh) {
     return std::pair(array_of<double>(mesh.vertices()), array_of<std::uint32_t>(mesh.triangles()));
 }
 
-Mesh read(const std::vector<std::string>& paths, double scale, const Vec3& translate) {
+Mesh read(const std::vector<std::string>& paths, double scale, const Vec3& translate, bool skip_bad_facets) {
     const nb::gil_scoped_release no_gil;
-    return read_meshes(paths, {.log = warn, .scale = scale, .translate = translate});
+    return read_meshes(paths,
+                       {.log = warn, .scale = scale, .translate = translate, .skip_bad_facets = skip_bad_facets});
 }
 
 // Calls the function with a mesh of the arrays, without the GIL.
@@ -54,7 +55,13 @@ std::uint64_t hash_of_mesh(nb::handle vertices, nb::handle faces) {
 }
 
 auto welded(nb::handle vertices, nb::handle faces, double tolerance) {
-    return arrays_of(with_mesh(vertices, faces, [tolerance](const Mesh& mesh) { return weld(mesh, tolerance); }));
+    return arrays_of(with_mesh(vertices, faces, [tolerance](const Mesh& mesh) {
+        Mesh result = weld(mesh, tolerance);
+        if (tolerance > 0)
+            if (const std::string warning = describe_weld(mesh, result).warning; !warning.empty())
+                warn(fmt::format("weld: vertices are joined within {}: {}", tolerance, warning));
+        return result;
+    }));
 }
 
 Defects defects_of(nb::handle vertices, nb::handle faces) {
@@ -201,10 +208,10 @@ void add_meshes(nb::module_& module) {
         });
     module.def(
         "read_mesh",
-        [](const std::vector<std::string>& paths, double scale, const Vec3& translate) {
-            return arrays_of(read(paths, scale, translate));
+        [](const std::vector<std::string>& paths, double scale, const Vec3& translate, bool skip_bad_facets) {
+            return arrays_of(read(paths, scale, translate, skip_bad_facets));
         },
-        nb::arg("paths"), nb::arg("scale") = 1.0, nb::arg("translate") = Vec3{},
+        nb::arg("paths"), nb::arg("scale") = 1.0, nb::arg("translate") = Vec3{}, nb::arg("skip_bad_facets") = false,
         "Vertices (n, 3), float64, and faces (m, 3), uint32, of files .off, .obj, .stl or .ply, one after the other.\n"
         "Raises clsdf.Error (unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));

@@ -246,6 +246,16 @@ def test_files_of_one_body_are_read_as_one_mesh(tmp_path):
     assert vertices[:, 0].tolist() == [0, 1, 0, 5, 6, 5] and faces.tolist() == [[0, 1, 2], [3, 4, 5]]
 
 
+def test_bad_facets_of_a_file_are_left_out_if_asked_for(tmp_path):
+    path = tmp_path / "bad.obj"
+    path.write_text("v 0 0 0\nv 1.0D+00 0 0\nv 0 1 0\nv 1 nan 0\nf 1 2 3\nf 1 2 4\nf 1 2 9\n")
+    with pytest.raises(clsdf.Error, match="skip_bad_facets"):
+        clsdf.read_mesh(path)
+    with pytest.warns(clsdf.MeshWarning, match="2 faces .* left out, the first at line 6"):
+        vertices, faces = clsdf.read_mesh(path, skip_bad_facets=True)
+    assert faces.tolist() == [[0, 1, 2]] and vertices[1].tolist() == [1, 0, 0]
+
+
 def test_rows_of_a_mesh_are_named(solid):
     vertices, faces = solid
     bad = vertices.copy()
@@ -401,6 +411,9 @@ def test_vertices_that_are_near_are_welded(solid, tmp_path):
     assert len(clsdf.read_mesh(path, weld=1e-6)[0]) == len(vertices)
     with pytest.raises(clsdf.Error, match="0 or more"):
         clsdf.weld((soup, corners), -1)
+    plate = clsdf.make_shape("cube")[0] * (1, 1, 5e-4), clsdf.make_shape("cube")[1]
+    with pytest.warns(clsdf.MeshWarning, match="within 0.002: .* faces lose their area.*give a smaller"):
+        clsdf.weld(plate, 0.002)
 
 
 def test_other_meshes_have_other_hashes(solid):

@@ -194,6 +194,10 @@ def test_grids_from_corner_to_corner():
     assert grid == clsdf.Grid.between([-1, -1, 0], np.array([1, 1, 1]), samples=(65, 65, 33))
     centred = clsdf.Grid.between((-1, -1, -1), (1, 1, 1), cells=64, cell_centred=True)
     assert centred.size == (64, 64, 64) and centred.origin == (-1 + 1 / 64,) * 3
+    slice_ = clsdf.Grid.between((0, 0, 2), (1, 1, 2), samples=(41, 41, 1))
+    assert slice_.size == (41, 41, 1) and slice_.box == ((0, 0, 2), (1, 1, 2)) and slice_.spacing == (0.025,) * 3
+    with pytest.raises(clsdf.Error, match="1 sample along z.*same coordinate in both corners"):
+        clsdf.Grid.between((0, 0, 0), (1, 1, 1), samples=(41, 41, 1))
     for wrong in ({}, {"samples": 3, "cells": 2}, {"samples": 1}, {"cells": "many"}, {"samples": 3, "cell_centred": True}):
         with pytest.raises(clsdf.Error, match="samples|cells"):
             clsdf.Grid.between((0, 0, 0), (1, 1, 1), **wrong)

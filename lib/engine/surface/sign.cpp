@@ -48,21 +48,23 @@ std::string doubled_faces(const Topology& topology) {
 std::string list_open_edges(const Topology& topology) {
     const std::size_t open = topology.open_edges, boundary = topology.boundary_edges;
     const std::string edges = list_edges(open, topology.first_open_edges);
-    const std::string remedy =
-        boundary > 0 ? "; if they are seams, --weld LENGTH (weld()) joins vertices that are near" : "";
+    const std::string remedy = boundary > 0 ? "; if they are seams, --weld LENGTH (weld()) joins near vertices" : "";
     if (open == boundary)
         return fmt::format("it has {} open {}{}{}", open, open == 1 ? "edge" : "edges", edges, remedy);
     std::string text = fmt::format("{} {} an odd number of faces", counted(open, "edge"), open == 1 ? "has" : "have");
     if (boundary > 0) text += fmt::format(" ({} of them one face)", boundary);
     text += edges + remedy;
     if (topology.duplicate_faces > 0) text += "; " + doubled_faces(topology);
-    if (topology.inner_wall_faces > 0)
-        text += fmt::format(
-            "; {} an inner wall, with an inside on both of its sides: leave out triangle {} and those that are joined "
-            "to it over edges of two faces",
-            topology.inner_wall_faces == 1 ? "1 face is" : fmt::format("{} faces are", topology.inner_wall_faces),
-            topology.first_inner_wall_face);
     return text;
+}
+
+/// Empty if there is none.
+std::string inner_wall(const Topology& topology) {
+    if (topology.inner_wall_faces == 0) return {};
+    return fmt::format(
+        "{} an inner wall: leave out triangle {} and those joined to it over edges of two faces",
+        topology.inner_wall_faces == 1 ? "1 face is" : fmt::format("{} faces are", topology.inner_wall_faces),
+        topology.first_inner_wall_face);
 }
 
 std::string list_unbalanced_edges(const Topology& topology) {
@@ -71,7 +73,7 @@ std::string list_unbalanced_edges(const Topology& topology) {
                        list_edges(count, topology.first_unbalanced_edges));
 }
 
-/// Sentences that a semicolon parts.
+/// Sentences that a semicolon parts. The command prints those that two lines hold, so remedies come first.
 class Sentences {
 public:
     void add(const std::string& sentence) { text_ += (text_.empty() || sentence.empty() ? "" : "; ") + sentence; }
@@ -95,9 +97,11 @@ std::string difference_of(const Topology& topology) {
         topology.uncounted_faces == 1
             ? "1 face is there twice and counts once"
             : fmt::format("{} faces repeat others or cancel them and do not count", topology.uncounted_faces));
+    // If the mesh is inside out, neither these faces nor the others look outwards as they should.
     add(turned,
-        fmt::format("{} the wrong way and {} turned around",
-                    turned == 1 ? "1 face looks" : fmt::format("{} faces look", turned), turned == 1 ? "is" : "are"));
+        fmt::format("{} {} and {} turned around", turned == 1 ? "1 face looks" : fmt::format("{} faces look", turned),
+                    topology.inside_out ? "another way than their neighbours" : "the wrong way",
+                    turned == 1 ? "is" : "are"));
     return text;
 }
 
@@ -105,8 +109,8 @@ std::string warning_of_parts(const Topology& topology) {
     Sentences sentences;
     if (topology.inward_parts > 0)
         sentences.add(fmt::format(
-            "{} of {} parts {} inwards and {} not wholly within others, so an overlap with them is outside: turn the "
-            "faces of {} around ({} triangle {})",
+            "{} of {} parts {} inwards and {} not wholly within others, so an overlap with another part, if there "
+            "is one, is outside: turn the faces of {} around ({} triangle {})",
             topology.inward_parts, topology.parts, topology.inward_parts == 1 ? "looks" : "look",
             topology.inward_parts == 1 ? "is" : "are", topology.inward_parts == 1 ? "this part" : "these parts",
             topology.inward_parts == 1 ? "that of" : "the first is that of", topology.first_inward_face));
@@ -120,11 +124,11 @@ std::string warning_of_parts(const Topology& topology) {
     return sentences.text();
 }
 
-/// "at 3% of 512 points it is in doubt".
+/// "at 3% of 512 points of the mesh's box".
 std::string share_in_doubt(const Topology& topology) {
     const double percent =
         100 * static_cast<double>(topology.doubtful_points) / static_cast<double>(topology.tested_points);
-    return fmt::format("at {:.3g}% of {} points of the mesh's box it is in doubt", percent, topology.tested_points);
+    return fmt::format("at {:.3g}% of {} points of the mesh's box", percent, topology.tested_points);
 }
 
 /// "it has 3 open edges".
@@ -144,8 +148,8 @@ std::string warning_of_holes(const Topology& topology) {
             "nothing is inside; the sign rule none gives the distance alone",
             topology.tested_points);
     return fmt::format(
-        "{}, {}, so the sign follows from the winding number: inside is where its magnitude is one half "
-        "or more; {}; the sign rule none gives the distance alone",
+        "{}, {}, so the sign follows from the winding number; the sign rule none gives the distance alone; inside is "
+        "where the magnitude of the winding number is one half or more; {} it is in doubt",
         topology.closed ? "the mesh is not balanced" : "the mesh is not closed", count_holes(topology),
         share_in_doubt(topology));
 }
@@ -155,23 +159,34 @@ std::string refusal_of_winding_number(const Topology& topology) {
     if (topology.tested_points == 0) return {};
     return topology.inside_points == 0
                ? fmt::format(
-                     "; its winding number is below one half at each of {} points of its box, so the sign rule "
+                     "its winding number is below one half at each of {} points of its box, so the sign rule "
                      "solid-angle would find nothing inside",
                      topology.tested_points)
                : fmt::format(
-                     "; its winding number would tell inside from outside, but {}, and 10% is the limit: the "
-                     "sign rule solid-angle takes it all the same",
+                     "the sign rule solid-angle takes it all the same; {} its winding number is in doubt, and 10% is "
+                     "the "
+                     "limit",
                      share_in_doubt(topology));
+}
+
+std::string warning_of_no_sign(const Topology& topology) {
+    Sentences sentences;
+    sentences.add("the mesh is not closed, so the distance has no sign");
+    sentences.add(inner_wall(topology));
+    sentences.add(list_open_edges(topology));
+    sentences.add(refusal_of_winding_number(topology));
+    return sentences.text();
 }
 
 /// The warnings about a mesh that has a sign.
 std::string warning_of(const Topology& topology, SignRule rule) {
     Sentences sentences;
-    sentences.add(difference_of(topology));
-    if (topology.inside_out)
-        sentences.add(
-            "the mesh is inside out (its faces look inwards); the region that it encloses is inside all the same");
     if (rule == SignRule::nonzero) sentences.add(warning_of_parts(topology));
+    if (topology.inside_out)
+        sentences.add(fmt::format(
+            "the mesh is inside out ({}its faces look inwards); the region that it encloses is inside all the same",
+            topology.reoriented_faces > 0 ? "turned to look alike, " : ""));
+    sentences.add(difference_of(topology));
     return sentences.text();
 }
 
@@ -202,8 +217,7 @@ ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
                 sentences.add(warning_of(topology, SignRule::solid_angle));
                 return {SignRule::solid_angle, sentences.text()};
             }
-            return {SignRule::none, fmt::format("the mesh is not closed, so the distance has no sign; {}{}",
-                                                list_open_edges(topology), refusal_of_winding_number(topology))};
+            return {SignRule::none, warning_of_no_sign(topology)};
         case SignRule::nonzero:
             if (!topology.balanced)
                 throw Error(ErrorCode::invalid_mesh,
@@ -214,11 +228,14 @@ ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
                                                         : "the rules solid-angle and none would do"));
             return {SignRule::nonzero, warning_of(topology, SignRule::nonzero)};
         case SignRule::parity:
-            if (!topology.closed)
-                throw Error(ErrorCode::invalid_mesh,
-                            fmt::format("the sign rule parity needs a closed mesh; {}; the rules solid-angle and none "
-                                        "would do",
-                                        list_open_edges(topology)));
+            if (!topology.closed) {
+                Sentences sentences;
+                sentences.add("the sign rule parity needs a closed mesh");
+                sentences.add(list_open_edges(topology));
+                sentences.add(inner_wall(topology));
+                sentences.add("the rules solid-angle and none would do");
+                throw Error(ErrorCode::invalid_mesh, sentences.text());
+            }
             return {SignRule::parity, warning_of(topology, SignRule::parity)};
         case SignRule::solid_angle: {
             Sentences sentences;

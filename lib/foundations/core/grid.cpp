@@ -337,9 +337,25 @@ Grid Grid::between(const Vec3& lower, const Vec3& upper, const GridDivision& div
     const Index3& counts = are_samples ? division.samples.each() : division.cells.each();
     Grid grid;
     grid.origin = lower;
+    std::array<bool, 3> is_flat{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const char name = axis_names[axis];
         const std::int64_t cells = counts[axis] - (are_samples ? 1 : 0);
+        is_flat[axis] = lower[axis] == upper[axis] && std::isfinite(lower[axis]);
+        if (is_flat[axis]) {
+            if (counts[axis] != 1 || !(are_samples || division.cell_centred))
+                refuse(fmt::format(
+                    "the box reaches from {0} to {0} along {1}, so it has one sample there; give 1 sample "
+                    "along {1} (or 1 cell with samples at the centres), or a second corner beyond the first",
+                    lower[axis], name));
+            grid.size[axis] = 1;
+            continue;
+        }
+        if (are_samples && counts[axis] == 1)
+            refuse(fmt::format(
+                "1 sample along {}, where the box reaches from {} to {}; a slice has the same coordinate in "
+                "both corners, and a box at least 2 samples, one at each end",
+                name, lower[axis], upper[axis]));
         if (counts[axis] > largest_index || cells < 1)
             refuse(fmt::format("{} {} along {}; a box has {}", counts[axis], are_samples ? "samples" : "cells", name,
                                counts[axis] > largest_index ? "at most 2^53"
@@ -354,7 +370,19 @@ Grid Grid::between(const Vec3& lower, const Vec3& upper, const GridDivision& div
         grid.spacing[axis] = step_between(lower[axis], upper[axis], static_cast<double>(cells));
         grid.size[axis] = division.cell_centred ? cells : cells + 1;
     }
-    if (division.cell_centred) grid = grid.cell_centred();
+    // A spacing for the axes without an extent that leaves the voxel, the least spacing, as it is.
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (!is_flat[axis]) least = std::min(least, grid.spacing[axis]);
+    if (std::isinf(least))
+        refuse("the box is a point, so no spacing follows from it; state the origin, the spacing and the size instead");
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (is_flat[axis]) grid.spacing[axis] = least;
+    if (division.cell_centred) {
+        grid = grid.cell_centred();
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (is_flat[axis]) grid.origin[axis] = lower[axis];
+    }
     grid.validate();
     return grid;
 }

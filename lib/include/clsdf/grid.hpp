@@ -95,7 +95,7 @@ private:
 
 /// How Grid::between() divides a box: {.samples = 65}, {.cells = {64, 64, 32}}. One of the two numbers is given.
 struct GridDivision {
-    AxisCounts samples{};  ///< on each axis, at least 2: both ends of the box are samples
+    AxisCounts samples{};  ///< on each axis, at least 2: both ends of the box are samples; 1 if they are equal
     AxisCounts cells{};    ///< on each axis, at least 1: samples at their corners, one more than the cells
     /// With cells: one sample at the centre of each instead.
     bool cell_centred = false;
@@ -124,10 +124,10 @@ struct CLSDF_EXPORT Grid {
     /// The same around a mesh's box, with the band's outside half width as margin (5% of the longest side if infinite).
     static Grid around(const Mesh& mesh, std::int64_t resolution, const Band& band);
 
-    /// The grid from one corner of a box to the other. The first sample is `lower` exactly. The spacing is (upper -
-    /// lower) / n, n being the cells along an axis, rounded once, so the last sample is within n/2 ulp of the spacing
-    /// of `upper`. Throws Error(invalid_argument) unless upper > lower on every axis and just one number is given, or
-    /// if it is too small.
+    /// The grid from `lower`, its first sample, to `upper`. The spacing is (upper - lower) / n, n being the cells along
+    /// an axis, rounded once: the last sample is within n/2 ulp of the spacing of `upper`. A slice has upper == lower
+    /// on an axis, and one sample there (samples 1, or cells 1 if cell_centred) with the least of the other spacings.
+    /// Throws Error(invalid_argument) if upper < lower, for a point, unless one number is given, or if it does not fit.
     static Grid between(const Vec3& lower, const Vec3& upper, const GridDivision& division);
 
     /// The block of `part_size` samples that starts `offset` samples from this grid's first one. Throws

@@ -28,9 +28,13 @@ struct ReadOptions {
     /// rounded once. 0.001 makes metres of millimetres. Finite, and the scale > 0: a mirrored mesh would be inside out.
     double scale = 1;
     Vec3 translate{};
+    /// Faces with a coordinate that is not finite, or that name a vertex that does not exist, are left out; `log` gets
+    /// their number and the first of them. Without this they are errors.
+    bool skip_bad_facets = false;
 };
 
-/// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders). A polygon becomes a fan
+/// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders, single faces and triangle
+/// strips). Numbers in text may be as Fortran writes them, 1.0D+00 or 1.0+120. A polygon becomes a fan
 /// around its first corner; if the fan would leave a concave polygon, the polygon is cut into ears. A polygon that
 /// crosses itself stays a fan. Vertices of equal coordinates in an STL file become one. Throws Error(unreadable_input
 /// or invalid_mesh) that names the file, the line or element and the value, also for a file that is not what its ending
@@ -60,8 +64,25 @@ struct Defects {
 
 CLSDF_EXPORT Defects find_defects(const Mesh& mesh);
 
+/// How a mesh differs from the one that it was welded from (weld() of clsdf/mesh.hpp), face by face.
+struct WeldReport {
+    std::size_t lost_faces = 0;        ///< had three different vertices, and have fewer now, so no area
+    std::size_t coinciding_faces = 0;  ///< have the three vertices of other faces now, and did not before
+    /// Of a closed mesh its volume, > 0 if its faces look outwards. Of an open one that of the cones from the faces to
+    /// the centre of the box.
+    double volume_before = 0;
+    double volume_after = 0;
+    /// What the faces that are lost or coincide mean, with the remedy; empty if there are none.
+    std::string warning;
+};
+
+/// `welded`: weld(mesh, tolerance). A thin wall may be flat then. Throws Error(invalid_argument) unless both have as
+/// many triangles.
+CLSDF_EXPORT WeldReport describe_weld(const Mesh& mesh, const Mesh& welded);
+
 /// Reads points from .npy (shape (n, 3), float32 or float64, in C or Fortran order), .csv (a header row with the
-/// columns x, y and z; other columns are skipped) or .ply (its vertices, with or without faces). Throws
+/// columns x, y and z; other columns are skipped; an empty field or NA is NaN) or .ply (its vertices, with or without
+/// faces). Throws
 /// Error(unreadable_input) that names the file, the row and the value; Error(unsupported) for an unknown ending. log:
 /// called with warnings about a .ply file, as ReadOptions::log.
 CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path,

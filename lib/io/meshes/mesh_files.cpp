@@ -11,12 +11,14 @@
 
 #include <fcntl.h>
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <new>
 #include <span>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -67,12 +69,25 @@ const char* ending_of(MeshFormat format) {
     return ".ply";
 }
 
+namespace {
+
+constexpr std::array<std::pair<std::string_view, const char*>, 6> packing_programs{
+    {{".gz", "gunzip"}, {".bz2", "bunzip2"}, {".xz", "unxz"}, {".zst", "unzstd"}, {".zip", "unzip"}, {".7z", "7z x"}}};
+
+}  // namespace
+
 MeshFormat format_of_ending(const std::string& path) {
     const std::string ending = std::filesystem::path(path).extension().string();
     if (equals_ignoring_case(ending, ".off")) return MeshFormat::off;
     if (equals_ignoring_case(ending, ".obj")) return MeshFormat::obj;
     if (equals_ignoring_case(ending, ".stl")) return MeshFormat::stl;
     if (equals_ignoring_case(ending, ".ply")) return MeshFormat::ply;
+    for (const auto& [packed, program] : packing_programs)
+        if (equals_ignoring_case(ending, packed))
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("'{0}' is compressed, by its ending; unpack it first, with '{1} {0}', and give the "
+                                    "file .off, .obj, .stl or .ply that comes out",
+                                    path, program));
     throw Error(ErrorCode::unsupported,
                 fmt::format("'{}' does not end like a mesh file; the endings are .off, .obj, .stl and .ply", path));
 }
@@ -87,21 +102,36 @@ MeshArrays read_arrays(const FileContent& file, MeshFormat format, ReadingNotes&
         case MeshFormat::obj:
             return read_obj(file, notes);
         case MeshFormat::stl:
-            return read_stl(file);
+            return read_stl(file, notes);
         case MeshFormat::ply:
             break;
     }
     return read_ply(file, notes);
 }
 
+/// Also names the option that leaves out a face of a vertex that is not finite.
+Mesh mesh_of(MeshArrays arrays, const std::string& path) {
+    try {
+        return Mesh(std::move(arrays.vertices), std::move(arrays.triangles), path);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::invalid_mesh) throw;
+        throw Error(error.code(), std::string(error.what()) + bad_facets_remedy);
+    }
+}
+
 Mesh read_file(const std::string& path, const ReadOptions& options) {
     const MeshFormat format = format_of_ending(path);
     ReadingNotes notes;
+    notes.skip_bad_facets = options.skip_bad_facets;
     MeshArrays arrays = read_arrays(FileContent(path), format, notes);
     const std::vector<std::string> texts = notes.texts();
-    if (arrays.triangles.empty() && !texts.empty())
-        throw Error(ErrorCode::invalid_mesh, fmt::format("{}: there is no triangle; {}", path, fmt::join(texts, "; ")));
-    Mesh mesh(std::move(arrays.vertices), std::move(arrays.triangles), path);
+    if (arrays.triangles.empty()) {
+        std::string reason = fmt::format("{}", fmt::join(texts, "; "));
+        if (texts.empty() && !arrays.vertices.empty()) reason = cloud_of(arrays.vertices.size());
+        throw Error(ErrorCode::invalid_mesh,
+                    fmt::format("{}: there is no triangle{}{}", path, reason.empty() ? "" : "; ", reason));
+    }
+    Mesh mesh = mesh_of(std::move(arrays), path);
     if (format == MeshFormat::stl) mesh = weld(mesh);
     if (options.log)
         for (const std::string& text : texts) options.log(fmt::format("{}: {}", path, text));
@@ -117,9 +147,30 @@ auto with_memory_for(const std::string& what, const Read& read) try {
 
 }  // namespace
 
+void ReadingNotes::skip_face(const std::string& place, std::int64_t missing_vertex) {
+    bad_faces.add([&] { return fmt::format("{} (there is no vertex {})", place, missing_vertex); });
+}
+
+void ReadingNotes::skip_face(const std::string& place, const Vec3& vertex) {
+    bad_faces.add([&] { return fmt::format("{} (a vertex is ({}))", place, fmt::join(vertex, ", ")); });
+}
+
+std::string cloud_of(std::size_t points) {
+    return fmt::format(
+        "its {} {} a cloud of points, not a mesh; reconstruct a surface from them first, or, if they are the points of "
+        "a "
+        "query, give them as POINTS of clsdf query (read_points())",
+        points, points == 1 ? "vertex is" : "vertices are");
+}
+
 std::vector<std::string> ReadingNotes::texts() const {
     std::vector<std::string> texts;
     const auto plural = [](std::size_t count) { return count == 1 ? "" : "s"; };
+    if (bad_faces.count > 0)
+        texts.push_back(
+            fmt::format("{} with a vertex that does not exist or is not finite {} left out, the first at {}",
+                        bad_faces.count == 1 ? "1 face" : fmt::format("{} faces", bad_faces.count),
+                        bad_faces.count == 1 ? "is" : "are", bad_faces.first));
     if (small_faces.count > 0)
         texts.push_back(fmt::format("{} face{} of fewer than three corners {} skipped, the first at {}",
                                     small_faces.count, plural(small_faces.count), small_faces.count == 1 ? "is" : "are",

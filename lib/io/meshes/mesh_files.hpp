@@ -64,6 +64,8 @@ const char* ending_of(MeshFormat format);
 
 /// Counts of the lines, faces and numbers that a reader skipped or changed.
 struct ReadingNotes {
+    bool skip_bad_facets = false;  ///< ReadOptions::skip_bad_facets: what the reader is asked to do
+
     struct Count {
         std::size_t count = 0;
         std::string first;  ///< the first place, "line 12"
@@ -75,15 +77,36 @@ struct ReadingNotes {
         }
     };
 
+    Count bad_faces;              ///< with a vertex that does not exist or is not finite: skipped if asked for
     Count small_faces;            ///< faces of one or two corners: skipped
     Count weights;                ///< vertices of .obj with a fourth number other than 1: divided by it
     Count unknown_lines;          ///< lines of .obj whose keyword OBJ does not have: skipped
     Count header_lines;           ///< lines of a .ply header without a keyword: skipped
     std::size_t bytes_after = 0;  ///< the last row of a binary .ply file: skipped
 
+    /// Counts a bad face that names a vertex that does not exist, by its number in the file.
+    void skip_face(const std::string& place, std::int64_t missing_vertex);
+    /// The same of one that has a vertex that is not finite.
+    void skip_face(const std::string& place, const Vec3& vertex);
+
+    /// Counts a bad face if one of these vertices is not finite, and returns whether. where: returns the place.
+    template <typename Where>
+    bool skips_face_at(std::span<const std::uint32_t> corners, std::span<const Vec3> vertices, const Where& where) {
+        for (const std::uint32_t corner : corners)
+            if (!is_finite(vertices[corner])) {
+                skip_face(where(), vertices[corner]);
+                return true;
+            }
+        return false;
+    }
+
     /// A sentence for each kind that occurred, without the file's name.
     std::vector<std::string> texts() const;
 };
+
+/// The end of the message about a bad face.
+inline constexpr const char* bad_facets_remedy =
+    "; --skip-bad-facets (skip_bad_facets of the library's reading functions) leaves such faces out";
 
 /// Throws Error(unreadable_input) that says what the file is and what to do if it is clearly not of this format: a
 /// pointer of Git LFS, a web page, text in UTF-16, a compressed file, or a mesh of another format.
@@ -92,6 +115,9 @@ void refuse_other_content(const FileContent& file, MeshFormat format);
 /// The same for files that hold no mesh, without other meshes. The first bytes are enough.
 void refuse_other_content(const FileContent& file);
 inline constexpr std::size_t telling_bytes = 4096;
+
+/// "its 8 vertices are a cloud of points, ...", with what to do.
+std::string cloud_of(std::size_t points);
 
 /// The first line of a text for a message, in quotes. Empty if the file does not begin with text.
 std::string quoted_begin(const FileContent& file);
@@ -114,6 +140,6 @@ MeshArrays read_ply(const FileContent& file, ReadingNotes& notes);
 std::vector<Vec3> read_ply_points(const FileContent& file, ReadingNotes& notes);
 
 /// Adds a triangle with three vertices of its own.
-MeshArrays read_stl(const FileContent& file);
+MeshArrays read_stl(const FileContent& file, ReadingNotes& notes);
 
 }  // namespace clsdf

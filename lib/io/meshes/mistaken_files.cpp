@@ -46,20 +46,22 @@ bool starts_with_ignoring_case(std::string_view text, std::string_view lower) {
     return equals_ignoring_case(text.substr(0, lower.size()), lower);
 }
 
-/// The first bytes of files that are not text, and what such a file is and wants.
+/// The first bytes of files that hold no mesh as they are, and what to say of such a file.
 struct Signature {
     std::string_view bytes;
     const char* what;
 };
-constexpr const char* compressed = "; unpack it first";
 constexpr std::array packed_signatures{
-    Signature{"\x1F\x8B"sv, "gzip"},
-    Signature{"PK\x03\x04"sv, "zip"},
-    Signature{"BZh"sv, "bzip2"},
-    Signature{"\xFD\x37zXZ"sv, "xz"},
-    Signature{"\x28\xB5\x2F\xFD"sv, "zstd"},
-    Signature{"7z\xBC\xAF\x27\x1C"sv, "7-Zip"},
-    Signature{"Rar!\x1A"sv, "RAR"},
+    Signature{"\x1F\x8B"sv, "gzip; unpack it first, as gunzip does"},
+    Signature{
+        "PK\x03\x04"sv,
+        "zip; unpack it first, or, if it is a package of a program, such as .3mf, export the mesh as .stl or .ply "
+        "from there"},
+    Signature{"BZh"sv, "bzip2; unpack it first, as bunzip2 does"},
+    Signature{"\xFD\x37zXZ"sv, "xz; unpack it first, as unxz does"},
+    Signature{"\x28\xB5\x2F\xFD"sv, "zstd; unpack it first, as unzstd does"},
+    Signature{"7z\xBC\xAF\x27\x1C"sv, "7-Zip; unpack it first"},
+    Signature{"Rar!\x1A"sv, "RAR; unpack it first"},
 };
 constexpr std::array other_signatures{
     Signature{"glTF"sv, "a binary glTF file"},
@@ -201,7 +203,7 @@ void refuse_other_content(const FileContent& file) {
                fmt::format("this is text in {}, as PowerShell's '>' writes it; save it as UTF-8 or ASCII", *encoding));
     for (const Signature& signature : packed_signatures)
         if (file.text().starts_with(signature.bytes))
-            refuse(file, fmt::format("this file is compressed by {}{}", signature.what, compressed));
+            refuse(file, fmt::format("this file is compressed by {}", signature.what));
 }
 
 void refuse_other_content(const FileContent& file, MeshFormat format) {

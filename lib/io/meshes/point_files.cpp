@@ -76,6 +76,15 @@ FileContent text_of_points(const std::string& path) {
     return content;
 }
 
+/// Whether a field of a table stands for no value: as pandas writes and reads it, R, databases and spreadsheets.
+bool is_missing(std::string_view field) {
+    if (field.empty()) return true;
+    if (std::string_view("+-.0123456789").find(field.front()) != std::string_view::npos) return false;
+    constexpr std::array<std::string_view, 12> marks{"na",  "n/a",  "null",  "none",    "#n/a",    "#n/a n/a",
+                                                     "#na", "<na>", "#num!", "#div/0!", "#value!", "\\n"};
+    return std::ranges::any_of(marks, [&](std::string_view mark) { return equals_ignoring_case(field, mark); });
+}
+
 /// The rows of a table with commas between its fields; lines end with LF, CR LF, LF CR or CR.
 class CsvRows {
 public:
@@ -115,8 +124,9 @@ public:
         return true;
     }
 
-    double number(std::string_view field, const char* column) const {
-        if (field.empty()) fail(fmt::format("column '{}' is empty", column));
+    /// NaN if the field is empty or a mark of a value that is missing.
+    double number(std::string_view field) const {
+        if (is_missing(field)) return std::numeric_limits<double>::quiet_NaN();
         TextScanner scanner(field, path_, {}, line_);
         scanner.next_line();
         const double value = scanner.real("a number");
@@ -181,7 +191,7 @@ std::vector<Vec3> read_csv_points(const FileContent& file) {
         if (fields.size() != width)
             rows.fail(fmt::format("the row has {} fields, and the first one names {} columns", fields.size(), width));
         Vec3 point{};
-        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = rows.number(fields[columns[axis]], names[axis]);
+        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = rows.number(fields[columns[axis]]);
         points.push_back(point);
     }
     return points;

@@ -33,7 +33,15 @@ std::string upper_case(std::string_view word) {
     return upper;
 }
 
-VertexKind read_keyword(const TextScanner& scanner, std::string_view keyword) {
+/// A count of the header, on this line or the next one.
+std::size_t read_count(TextScanner& scanner, const char* what) {
+    if (scanner.at_end_of_line()) scanner.next_line();
+    const std::int64_t count = scanner.integer(what);
+    if (count < 0) scanner.fail(fmt::format("{} is negative: {}", what, count));
+    return static_cast<std::size_t>(count);
+}
+
+VertexKind read_keyword(TextScanner& scanner, std::string_view keyword) {
     // Capital letters, or all small ones: "nOFF" has other dimensions than "NOFF".
     const std::string word = keyword.ends_with("OFF") ? std::string(keyword) : upper_case(keyword);
     std::string_view prefix = std::string_view(word).substr(0, word.size() - 3);
@@ -42,7 +50,11 @@ VertexKind read_keyword(const TextScanner& scanner, std::string_view keyword) {
         kind.has_texture = true;
         prefix.remove_prefix(2);
     }
-    if (prefix.find_first_not_of("CN") == std::string_view::npos) {
+    // "nOFF" states the dimension before the counts.
+    const bool states_dimension = prefix.ends_with('n') && prefix.find('4') == std::string_view::npos;
+    if (states_dimension) prefix.remove_suffix(1);
+    if (prefix.find_first_not_of("CN") == std::string_view::npos &&
+        (!states_dimension || read_count(scanner, "the number of dimensions") == 3)) {
         kind.has_colour = prefix.find('C') != std::string_view::npos;
         kind.has_normal = prefix.find('N') != std::string_view::npos;
         return kind;
@@ -51,14 +63,6 @@ VertexKind read_keyword(const TextScanner& scanner, std::string_view keyword) {
         scanner.fail(ErrorCode::unsupported,
                      fmt::format("{} has vertices of other than three dimensions", quoted(keyword)));
     scanner.fail(fmt::format("expected the keyword OFF, found {}", quoted(keyword)));
-}
-
-/// A count of the header, on this line or the next one.
-std::size_t read_count(TextScanner& scanner, const char* what) {
-    if (scanner.at_end_of_line()) scanner.next_line();
-    const std::int64_t count = scanner.integer(what);
-    if (count < 0) scanner.fail(fmt::format("{} is negative: {}", what, count));
-    return static_cast<std::size_t>(count);
 }
 
 /// The number of edges, which is not used. It may be on a line of its own if the other counts are.
@@ -119,23 +123,33 @@ Header read_header(TextScanner& scanner) {
     return header;
 }
 
-/// Adds a face, or counts it if it has fewer than three corners. next: returns the next integer.
+/// Adds a face, or counts it if it has fewer than three corners or is bad. next: returns the next integer.
 template <typename Next>
-void read_face(const TextScanner& scanner, std::size_t vertex_count, const Next& next,
-               std::vector<std::uint32_t>& corners, ReadingNotes& notes, Polygons& polygons, MeshArrays& mesh) {
+void read_face(const TextScanner& scanner, const Next& next, std::vector<std::uint32_t>& corners, ReadingNotes& notes,
+               Polygons& polygons, MeshArrays& mesh) {
+    const auto where = [&] { return fmt::format("line {}", scanner.line()); };
+    const std::size_t vertex_count = mesh.vertices.size();
     const std::int64_t count = next("a face's number of corners");
     if (count < 1) scanner.fail(fmt::format("a face needs three corners or more, not {}", count));
     corners.clear();
+    std::optional<std::int64_t> missing;
     for (std::int64_t k = 0; k < count; ++k) {
         const std::int64_t index = next("a vertex index");
-        if (index < 0 || static_cast<std::uint64_t>(index) >= vertex_count)
+        if (index >= 0 && static_cast<std::uint64_t>(index) < vertex_count)
+            corners.push_back(static_cast<std::uint32_t>(index));
+        else if (!notes.skip_bad_facets)
             scanner.fail(ErrorCode::invalid_mesh,
-                         fmt::format("the vertex index {} is out of range: there are {} vertices, counted from 0",
-                                     index, vertex_count));
-        corners.push_back(static_cast<std::uint32_t>(index));
+                         fmt::format("the vertex index {} is out of range: there are {} vertices, counted from 0{}",
+                                     index, vertex_count, bad_facets_remedy));
+        else if (!missing)
+            missing = index;
     }
-    if (count < 3)
-        notes.small_faces.add([&] { return fmt::format("line {}", scanner.line()); });
+    if (missing)
+        notes.skip_face(where(), *missing);
+    else if (notes.skip_bad_facets && notes.skips_face_at(corners, mesh.vertices, where))
+        return;
+    else if (count < 3)
+        notes.small_faces.add(where);
     else
         polygons.add(mesh, corners);
 }
@@ -158,7 +172,7 @@ MeshArrays read_off_lines(TextScanner scanner, const Header& header, ReadingNote
     const auto next = [&](const char* what) { return scanner.integer(what); };
     for (std::size_t i = 0; i < header.faces; ++i) {
         if (!scanner.next_line()) scanner.fail(fmt::format("the file ends after {} of {} faces", i, header.faces));
-        read_face(scanner, header.vertices, next, corners, notes, polygons, mesh);
+        read_face(scanner, next, corners, notes, polygons, mesh);
     }
     if (scanner.next_line())
         scanner.fail(fmt::format("this line follows the {} vertices and {} faces that the header counts",
@@ -212,7 +226,7 @@ MeshArrays read_free_off(TextScanner scanner, std::size_t colour_values, Reading
     std::vector<std::uint32_t> corners;
     for (std::size_t i = 0; i < header.faces; ++i) {
         if (!next_word(scanner)) scanner.fail(fmt::format("the file ends after {} of {} faces", i, header.faces));
-        read_face(scanner, header.vertices, integer, corners, notes, polygons, mesh);
+        read_face(scanner, integer, corners, notes, polygons, mesh);
     }
     if (next_word(scanner))
         scanner.fail(fmt::format("more follows the {} vertices and {} faces that the header counts", header.vertices,
@@ -265,16 +279,27 @@ namespace {
 /// end of the file. The greatest index and its line are kept until then.
 class ObjFaces {
 public:
-    /// The vertex index of "v", "v/vt", "v//vn" or "v/vt/vn", counted from 0.
-    std::uint32_t read_corner(const TextScanner& scanner, std::string_view word, std::size_t vertex_count) {
+    /// The index of "v", "v/vt", "v//vn" or "v/vt/vn": from 1, or back from -1.
+    static std::int64_t read_index(const TextScanner& scanner, std::string_view word) {
         const std::string_view number = word.substr(0, word.find('/'));
         std::int64_t index = 0;
         const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), index);
         if (error != std::errc() || end != number.data() + number.size()) scanner.fail_word("a vertex index", word);
+        return index;
+    }
+
+    /// The vertex, counted from 0, if the file may have it. vertex_count: of those before the face.
+    static std::optional<std::uint32_t> corner_of(std::int64_t index, std::size_t vertex_count) {
         const auto count = static_cast<std::int64_t>(vertex_count);
-        if (index == 0 || index < -count || index >= std::numeric_limits<std::uint32_t>::max())
-            fail(scanner, index, vertex_count);
-        const auto corner = static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
+        if (index == 0 || index < -count || index >= std::numeric_limits<std::uint32_t>::max()) return {};
+        return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
+    }
+
+    std::uint32_t read_corner(const TextScanner& scanner, std::string_view word, std::size_t vertex_count) {
+        const std::int64_t index = read_index(scanner, word);
+        const std::optional<std::uint32_t> found = corner_of(index, vertex_count);
+        if (!found) fail(scanner, index, vertex_count);
+        const std::uint32_t corner = *found;
         if (corner > greatest_) {
             greatest_ = corner;
             where_greatest_ = scanner;
@@ -291,8 +316,8 @@ private:
     [[noreturn]] static void fail(const TextScanner& scanner, std::int64_t index, std::size_t vertex_count) {
         scanner.fail(ErrorCode::invalid_mesh,
                      fmt::format("the vertex index {} is out of range: there are {} vertices, counted from 1 or back "
-                                 "from -1",
-                                 index, vertex_count));
+                                 "from -1{}",
+                                 index, vertex_count, bad_facets_remedy));
     }
 
     std::uint32_t greatest_ = 0;
@@ -329,10 +354,47 @@ void divide_by_weight(TextScanner& scanner, Vec3& vertex, ReadingNotes& notes) {
     notes.weights.add([&] { return fmt::format("line {} (w is {})", scanner.line(), weight); });
 }
 
+Vec3 read_obj_vertex(TextScanner& scanner, ReadingNotes& notes) {
+    const double x = scanner.real("a coordinate");
+    const double y = scanner.real("a coordinate");
+    const double z = scanner.real("a coordinate");
+    Vec3 vertex{x, y, z};
+    divide_by_weight(scanner, vertex, notes);
+    return vertex;
+}
+
+std::vector<Vec3> read_obj_vertices(TextScanner scanner) {
+    std::vector<Vec3> vertices;
+    ReadingNotes ignored;
+    while (scanner.next_line())
+        if (scanner.word() == "v") vertices.push_back(read_obj_vertex(scanner, ignored));
+    return vertices;
+}
+
+/// Reads the corners of a face. Returns false if it is bad, which is counted. all: the file's vertices.
+bool read_sound_corners(TextScanner& scanner, std::size_t vertex_count, std::span<const Vec3> all,
+                        std::vector<std::uint32_t>& corners, ReadingNotes& notes) {
+    const auto where = [&] { return fmt::format("line {}", scanner.line()); };
+    std::optional<std::int64_t> missing;
+    while (!scanner.at_end_of_line()) {
+        const std::int64_t index = ObjFaces::read_index(scanner, scanner.word());
+        const std::optional<std::uint32_t> corner = ObjFaces::corner_of(index, vertex_count);
+        if (corner && *corner < all.size())
+            corners.push_back(*corner);
+        else if (!missing)
+            missing = index;
+    }
+    if (missing) notes.skip_face(where(), *missing);
+    return !missing && !notes.skips_face_at(corners, all, where);
+}
+
 }  // namespace
 
 MeshArrays read_obj(const FileContent& file, ReadingNotes& notes) {
     TextScanner scanner(file.text(), file.path(), {.hash_comments = true, .line_continuation = true});
+    // A face may come before its vertices.
+    std::vector<Vec3> all;
+    if (notes.skip_bad_facets) all = read_obj_vertices(scanner);
     MeshArrays mesh;
     ObjFaces faces;
     Polygons polygons;
@@ -340,14 +402,11 @@ MeshArrays read_obj(const FileContent& file, ReadingNotes& notes) {
     while (scanner.next_line()) {
         const std::string_view keyword = scanner.word();
         if (keyword == "v") {
-            const double x = scanner.real("a coordinate");
-            const double y = scanner.real("a coordinate");
-            const double z = scanner.real("a coordinate");
-            Vec3 vertex{x, y, z};
-            divide_by_weight(scanner, vertex, notes);
-            mesh.vertices.push_back(vertex);
+            mesh.vertices.push_back(read_obj_vertex(scanner, notes));
         } else if (keyword == "f") {
             corners.clear();
+            if (notes.skip_bad_facets && !read_sound_corners(scanner, mesh.vertices.size(), all, corners, notes))
+                continue;
             while (!scanner.at_end_of_line())
                 corners.push_back(faces.read_corner(scanner, scanner.word(), mesh.vertices.size()));
             if (corners.empty()) scanner.fail("a face needs three corners or more, not 0");

@@ -139,7 +139,8 @@ private:
 struct Layout {
     std::size_t vertex_count = 0;
     std::array<std::size_t, 3> coordinates{};
-    std::size_t corners = 0;
+    std::optional<std::size_t> corners;  ///< of the element 'face'
+    std::optional<std::size_t> strips;   ///< of the element 'tristrips'
 };
 
 Layout find_vertices(const FileContent& file, const PlyHeader& header) {
@@ -157,20 +158,28 @@ Layout find_vertices(const FileContent& file, const PlyHeader& header) {
     return layout;
 }
 
-Layout find_layout(const FileContent& file, const PlyHeader& header) {
-    Layout layout = find_vertices(file, header);
-    const PlyElement* face = header.find("face");
-    if (face == nullptr && header.find("tristrips") != nullptr)
-        fail_header(file, "the faces are triangle strips; convert the file to one with single faces",
-                    ErrorCode::unsupported);
-    if (face == nullptr) fail_header(file, "there is no element 'face'", ErrorCode::invalid_mesh);
-    std::optional<std::size_t> corners = face->find("vertex_indices");
-    if (!corners) corners = face->find("vertex_index");
-    if (!corners) fail_header(file, "the element 'face' has no list 'vertex_indices'");
-    const PlyProperty& list = face->properties[*corners];
+/// The list of vertices that an element of faces has.
+std::size_t find_list(const FileContent& file, const PlyElement& element) {
+    std::optional<std::size_t> found = element.find("vertex_indices");
+    if (!found) found = element.find("vertex_index");
+    if (!found) fail_header(file, fmt::format("the element {} has no list 'vertex_indices'", quoted(element.name)));
+    const PlyProperty& list = element.properties[*found];
     if (!list.count_type || list.type == PlyType::float32 || list.type == PlyType::float64)
         fail_header(file, fmt::format("the property '{}' is no list of integers", list.name));
-    layout.corners = *corners;
+    return *found;
+}
+
+Layout find_layout(const FileContent& file, const PlyHeader& header) {
+    Layout layout = find_vertices(file, header);
+    const PlyElement* const face = header.find("face");
+    const PlyElement* const strips = header.find("tristrips");
+    if (face == nullptr && strips == nullptr)
+        fail_header(file,
+                    fmt::format("there is no element 'face'{}{}", layout.vertex_count > 0 ? "; " : "",
+                                layout.vertex_count > 0 ? cloud_of(layout.vertex_count) : std::string()),
+                    ErrorCode::invalid_mesh);
+    if (face != nullptr) layout.corners = find_list(file, *face);
+    if (strips != nullptr) layout.strips = find_list(file, *strips);
     return layout;
 }
 
@@ -230,39 +239,97 @@ std::vector<Vec3> read_points(Rows rows, const PlyHeader& header, const Layout& 
     return points;
 }
 
+/// The vertex of an index. Returns nothing, and the index in `missing`, if there is no such vertex and bad faces are
+/// skipped.
 template <typename Rows>
-void read_corners(Rows& rows, const PlyProperty& list, std::size_t vertex_count, std::vector<std::uint32_t>& corners) {
+std::optional<std::uint32_t> vertex_of(Rows& rows, std::int64_t index, std::size_t vertex_count,
+                                       const ReadingNotes& notes, std::optional<std::int64_t>& missing) {
+    if (index >= 0 && static_cast<std::uint64_t>(index) < vertex_count) return static_cast<std::uint32_t>(index);
+    if (!notes.skip_bad_facets)
+        rows.fail(ErrorCode::invalid_mesh,
+                  fmt::format("the vertex index {} is out of range: there are {} vertices, counted from 0{}", index,
+                              vertex_count, bad_facets_remedy));
+    if (!missing) missing = index;
+    return {};
+}
+
+/// The faces of a file on their way into a mesh.
+struct Faces {
+    const Layout& layout;
+    MeshArrays& mesh;
+    Polygons& polygons;
+    ReadingNotes& notes;
+    std::span<const Vec3> vertices;  ///< all of the file, if bad faces are to be skipped
+
+    /// Adds a polygon, or counts it if it is bad or small. missing: a vertex that it names and that does not exist.
+    void add(std::span<const std::uint32_t> corners, std::optional<std::int64_t> missing, const auto& where) {
+        if (missing)
+            notes.skip_face(where(), *missing);
+        else if (notes.skip_bad_facets && notes.skips_face_at(corners, vertices, where))
+            return;
+        else if (corners.size() < 3)
+            notes.small_faces.add(where);
+        else
+            polygons.add(mesh, corners);
+    }
+};
+
+template <typename Rows>
+void read_corners(Rows& rows, const PlyProperty& list, Faces& faces, std::vector<std::uint32_t>& corners) {
     const std::size_t length = read_length(rows, list);
     if (length < 1)
         rows.fail(ErrorCode::unreadable_input, fmt::format("a face needs three corners or more, not {}", length));
     corners.clear();
+    std::optional<std::int64_t> missing;
+    for (std::size_t k = 0; k < length; ++k)
+        if (const auto corner =
+                vertex_of(rows, rows.integer(list.type), faces.layout.vertex_count, faces.notes, missing))
+            corners.push_back(*corner);
+    faces.add(corners, missing, [&] { return rows.place(); });
+}
+
+/// The strip a, b, c, d, ... stands for the triangles abc, cbd, ...: every other one is turned. -1 ends a strip. A
+/// triangle with a repeated corner joins two parts of a strip, and is no face.
+template <typename Rows>
+void read_strips(Rows& rows, const PlyProperty& list, Faces& faces) {
+    const std::size_t length = read_length(rows, list);
+    std::array<std::optional<std::uint32_t>, 3> last;
+    std::size_t corners = 0;  // of this strip
+    std::array<std::optional<std::int64_t>, 3> missing;
+    const auto where = [&] { return rows.place(); };
     for (std::size_t k = 0; k < length; ++k) {
         const std::int64_t index = rows.integer(list.type);
-        if (index < 0 || static_cast<std::uint64_t>(index) >= vertex_count)
-            rows.fail(ErrorCode::invalid_mesh,
-                      fmt::format("the vertex index {} is out of range: there are {} vertices, counted from 0", index,
-                                  vertex_count));
-        corners.push_back(static_cast<std::uint32_t>(index));
+        if (index == -1) {
+            corners = 0;
+            continue;
+        }
+        last = {last[1], last[2], std::nullopt};
+        missing = {missing[1], missing[2], std::nullopt};
+        last[2] = vertex_of(rows, index, faces.layout.vertex_count, faces.notes, missing[2]);
+        if (++corners < 3) continue;
+        const auto first_missing = std::ranges::find_if(missing, [](const auto& m) { return m.has_value(); });
+        if (first_missing != missing.end()) {
+            faces.add({}, *first_missing, where);
+            continue;
+        }
+        Triangle triangle{*last[0], *last[1], *last[2]};
+        if (corners % 2 == 0) std::swap(triangle[0], triangle[1]);
+        if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
+            faces.add(triangle, {}, where);
     }
 }
 
-template <typename Rows>
-void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, MeshArrays& mesh, Polygons& polygons,
-                ReadingNotes& notes) {
-    mesh.triangles.reserve(element.count);
-    std::vector<std::uint32_t> corners;
+/// read(property): reads the property with the index `list`. The others are skipped.
+template <typename Rows, typename Read>
+void read_faces(Rows& rows, const PlyElement& element, std::size_t list, const Read& read) {
     for (std::size_t row = 0; row < element.count; ++row) {
         rows.begin_row(element, row);
         for (std::size_t p = 0; p < element.properties.size(); ++p)
-            if (p == layout.corners)
-                read_corners(rows, element.properties[p], layout.vertex_count, corners);
+            if (p == list)
+                read(element.properties[p]);
             else
                 skip_property(rows, element.properties[p]);
         rows.end_row();
-        if (corners.size() < 3)
-            notes.small_faces.add([&] { return rows.place(); });
-        else
-            polygons.add(mesh, corners);
     }
 }
 
@@ -270,11 +337,23 @@ template <typename Rows>
 MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout, ReadingNotes& notes) {
     MeshArrays mesh;
     Polygons polygons;
+    std::vector<std::uint32_t> corners;
+    std::vector<Vec3> all;
+    // The faces may come before the vertices.
+    if (notes.skip_bad_facets) {
+        ReadingNotes ignored;
+        all = read_points(rows, header, layout, ignored);
+    }
+    Faces faces{layout, mesh, polygons, notes, all};
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex") {
             read_vertices(rows, element, layout, mesh.vertices);
         } else if (element.name == "face") {
-            read_faces(rows, element, layout, mesh, polygons, notes);
+            mesh.triangles.reserve(element.count);
+            read_faces(rows, element, *layout.corners,
+                       [&](const PlyProperty& list) { read_corners(rows, list, faces, corners); });
+        } else if (element.name == "tristrips") {
+            read_faces(rows, element, *layout.strips, [&](const PlyProperty& list) { read_strips(rows, list, faces); });
         } else {
             skip_rows(rows, element);
         }

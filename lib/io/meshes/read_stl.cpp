@@ -34,20 +34,25 @@ bool starts_with_solid(const FileContent& file) {
     return equals_ignoring_case(scanner.word_of_text(), "solid");
 }
 
-MeshArrays read_binary(const FileContent& file, std::size_t triangle_count) {
+MeshArrays read_binary(const FileContent& file, std::size_t triangle_count, ReadingNotes& notes) {
     MeshArrays mesh;
     mesh.vertices.reserve(3 * triangle_count);
     mesh.triangles.reserve(triangle_count);
     const std::byte* address = file.bytes().data() + header_bytes + normal_bytes;
     for (std::size_t t = 0; t < triangle_count; ++t, address += triangle_bytes) {
+        const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
         for (std::size_t k = 0; k < 3; ++k) {
             Vec3 vertex;
             for (std::size_t axis = 0; axis < 3; ++axis)
                 vertex[axis] = static_cast<double>(load<float>(address + 4 * (3 * k + axis), std::endian::little));
             mesh.vertices.push_back(vertex);
         }
-        const auto first = static_cast<std::uint32_t>(3 * t);
-        mesh.triangles.push_back({first, first + 1, first + 2});
+        const Triangle triangle{first, first + 1, first + 2};
+        if (notes.skip_bad_facets &&
+            notes.skips_face_at(triangle, mesh.vertices, [&] { return fmt::format("triangle {}, counted from 0", t); }))
+            mesh.vertices.resize(first);
+        else
+            mesh.triangles.push_back(triangle);
     }
     return mesh;
 }
@@ -71,8 +76,9 @@ std::string_view joined_end(TextScanner& scanner, std::string_view word) {
     return word;
 }
 
-/// Reads the text between "facet" and "endfacet".
-void read_facet(TextScanner& scanner, MeshArrays& mesh) {
+/// Reads the text between "facet" and "endfacet". notes: to skip bad facets, if that is asked for; else null.
+void read_facet(TextScanner& scanner, MeshArrays& mesh, ReadingNotes* notes) {
+    const std::size_t facet_line = scanner.line();
     expect(scanner, "normal");
     // The normal follows from the vertices, and is written as NaN for faces without area.
     for (int k = 0; k < 3; ++k)
@@ -80,6 +86,7 @@ void read_facet(TextScanner& scanner, MeshArrays& mesh) {
     expect(scanner, "outer");
     expect(scanner, "loop");
     const std::size_t first = mesh.vertices.size();
+    std::optional<Vec3> bad;
     for (;;) {
         const std::string_view word = joined_end(scanner, scanner.word_of_text());
         if (equals_ignoring_case(word, "endloop")) break;
@@ -87,15 +94,20 @@ void read_facet(TextScanner& scanner, MeshArrays& mesh) {
         Vec3 vertex;
         for (double& coordinate : vertex) {
             coordinate = scanner.real("a coordinate");
-            if (!std::isfinite(coordinate))
-                scanner.fail(ErrorCode::invalid_mesh, fmt::format("a coordinate is not finite: {}", coordinate));
+            if (!std::isfinite(coordinate) && notes == nullptr)
+                scanner.fail(ErrorCode::invalid_mesh,
+                             fmt::format("a coordinate is not finite: {}{}", coordinate, bad_facets_remedy));
         }
         mesh.vertices.push_back(vertex);
+        if (!bad && !is_finite(vertex)) bad = vertex;
     }
     const std::size_t corners = mesh.vertices.size() - first;
     if (corners < 3) scanner.fail(fmt::format("a facet needs three vertices or more, not {}", corners));
     const auto begin = static_cast<std::uint32_t>(first);
-    if (corners == 3) {
+    if (notes != nullptr && bad) {
+        mesh.vertices.resize(first);
+        notes->skip_face(fmt::format("line {}", facet_line), *bad);
+    } else if (corners == 3) {
         mesh.triangles.push_back({begin, begin + 1, begin + 2});
     } else {
         std::vector<std::uint32_t> polygon(corners);
@@ -109,8 +121,9 @@ void read_facet(TextScanner& scanner, MeshArrays& mesh) {
 }
 
 /// Facets until no more than `rest` bytes of the text are left, or else until all solids have ended. Whether the
-/// scanner stands in a solid, between facets, is given and returned.
-bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t> rest, MeshArrays& mesh) {
+/// scanner stands in a solid, between facets, is given and returned. notes: as of read_facet().
+bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t> rest, MeshArrays& mesh,
+                 ReadingNotes* notes = nullptr) {
     // A file may hold several solids; the rest of the lines "solid" and "endsolid" is a name.
     while (in_solid || scanner.next_line()) {
         if (!in_solid) {
@@ -123,7 +136,7 @@ bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t>
         if (equals_ignoring_case(word, "endsolid"))
             in_solid = false;
         else if (equals_ignoring_case(word, "facet"))
-            read_facet(scanner, mesh);
+            read_facet(scanner, mesh, notes);
         else
             scanner.fail_word("'facet' or 'endsolid'", word);
     }
@@ -201,12 +214,12 @@ std::optional<MeshArrays> read_parts(const FileContent& file) {
     return joined(parts);
 }
 
-MeshArrays read_ascii(const FileContent& file) {
+MeshArrays read_ascii(const FileContent& file, ReadingNotes& notes) {
     if (std::optional<MeshArrays> mesh = read_parts(file)) return std::move(*mesh);
-    // As a whole: errors have their line here.
+    // As a whole: errors and bad facets have their line here.
     TextScanner scanner(file.text(), file.path(), {});
     MeshArrays mesh;
-    read_solids(scanner, false, {}, mesh);
+    read_solids(scanner, false, {}, mesh, notes.skip_bad_facets ? &notes : nullptr);
     return mesh;
 }
 
@@ -217,16 +230,16 @@ bool has_size_of_binary_stl(const FileContent& file) {
     return count && file.size() == header_bytes + *count * triangle_bytes;
 }
 
-MeshArrays read_stl(const FileContent& file) {
+MeshArrays read_stl(const FileContent& file, ReadingNotes& notes) {
     // The size tells, because the header of a binary file may begin with "solid" as well.
     const std::optional<std::size_t> count = binary_triangle_count(file);
-    if (has_size_of_binary_stl(file)) return read_binary(file, *count);
+    if (has_size_of_binary_stl(file)) return read_binary(file, *count, notes);
     const bool has_zero_byte = file.text().substr(0, 4096).find('\0') != std::string_view::npos;
-    if (starts_with_solid(file) && !has_zero_byte) return read_ascii(file);
+    if (starts_with_solid(file) && !has_zero_byte) return read_ascii(file, notes);
     // Some programs write bytes after the last triangle. With room for another triangle the count may be wrong.
     if (const std::size_t size = header_bytes + count.value_or(0) * triangle_bytes;
         count && file.size() > size && file.size() - size < triangle_bytes)
-        return read_binary(file, *count);
+        return read_binary(file, *count, notes);
     if (file.size() == 0) throw Error(ErrorCode::unreadable_input, fmt::format("{}: the file is empty", file.path()));
     if (const std::string begin = quoted_begin(file); !begin.empty())
         throw Error(ErrorCode::unreadable_input,

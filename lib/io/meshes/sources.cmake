@@ -20,7 +20,8 @@ target_sources(
           ${CMAKE_CURRENT_SOURCE_DIR}/tools/defects.cpp
           ${CMAKE_CURRENT_SOURCE_DIR}/tools/shape_surfaces.cpp
           ${CMAKE_CURRENT_SOURCE_DIR}/tools/shapes.cpp
-          ${CMAKE_CURRENT_SOURCE_DIR}/tools/text.cpp)
+          ${CMAKE_CURRENT_SOURCE_DIR}/tools/text.cpp
+          ${CMAKE_CURRENT_SOURCE_DIR}/tools/weld_report.cpp)
 target_include_directories(clsdf_meshes PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_options(clsdf_meshes PRIVATE -ffp-contract=off -fno-math-errno -fno-semantic-interposition)
 target_link_libraries(

@@ -6,9 +6,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <limits>
+#include <optional>
+#include <string>
 #include <system_error>
+#include <utility>
 
 namespace clsdf {
 
@@ -39,6 +43,54 @@ double out_of_range_value(std::string_view word) {
              static_cast<std::int64_t>(mantissa.find_first_of("123456789"));
     const double magnitude = power < 0 ? 0.0 : std::numeric_limits<double>::infinity();
     return negative ? -magnitude : magnitude;
+}
+
+/// A value that is not finite, as older C libraries of Windows write it: "1.#QNAN", "-1.#IND00".
+struct WindowsValue {
+    double value;
+    std::size_t length;  ///< without zeros that follow
+};
+
+/// The value with which the text begins; its '#' is at `hash`.
+std::optional<WindowsValue> windows_value(std::string_view text, std::size_t hash) {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+    constexpr std::array<std::pair<std::string_view, double>, 4> names{
+        {{"qnan", nan}, {"snan", nan}, {"ind", nan}, {"inf", infinity}}};
+    const std::string_view before = text.substr(0, hash), after = text.substr(hash + 1);
+    if (before != "1." && before != "-1." && before != "+1.") return {};
+    for (const auto& [name, value] : names)
+        if (equals_ignoring_case(after.substr(0, name.size()), name))
+            return WindowsValue{before[0] == '-' ? -value : value, hash + 1 + name.size()};
+    return {};
+}
+
+/// Whether the '#' within [begin, end) is that of such a value, and no comment.
+bool is_number_of_windows(const char* begin, const char* hash, const char* end) {
+    constexpr std::size_t longest = 8;  // "-1.#QNAN"
+    if (hash - begin > 3) return false;
+    const std::string_view word(begin, std::min(longest, static_cast<std::size_t>(end - begin)));
+    return windows_value(word, static_cast<std::size_t>(hash - begin)).has_value();
+}
+
+/// The value of a word that std::from_chars does not read to its end, if it is a number as other programs write it:
+/// "1.0D+00" and "1.0+120" of Fortran, "1.#QNAN" of Windows.
+std::optional<double> foreign_number(std::string_view word) {
+    if (const std::size_t hash = word.find('#'); hash != std::string_view::npos) {
+        const std::optional<WindowsValue> found = windows_value(word, hash);
+        if (!found || word.find_first_not_of('0', found->length) != std::string_view::npos) return {};
+        return found->value;
+    }
+    std::size_t end = word.find_first_of("dDqQ"), exponent = end + 1;
+    if (end == std::string_view::npos) {
+        // Without a letter before an exponent of three digits; "1-3" without a point is no number.
+        end = exponent = std::min(word.find_first_of("+-", 1), word.size());
+        if (word.substr(0, end).find('.') == std::string_view::npos) return {};
+    }
+    const std::string text = fmt::format("{}e{}", word.substr(0, end), word.substr(exponent));
+    double value = 0;
+    const auto [stop, error] = read_real(text.data(), text.data() + text.size(), value);
+    if (error == std::errc::invalid_argument || stop != text.data() + text.size()) return {};
+    return error == std::errc::result_out_of_range ? out_of_range_value(text) : value;
 }
 
 /// "0,000000e+00": as programs write numbers in the language of a country that has a comma there.
@@ -123,7 +175,7 @@ std::string_view TextScanner::word() {
     const char* begin = position_;
     const auto ends_word = [&](const char* c) {
         if (is_blank(*c) || is_line_end(*c)) return true;
-        if (*c == '#') return syntax_.hash_comments;
+        if (*c == '#') return syntax_.hash_comments && !is_number_of_windows(begin, c, end_);
         return *c == '\\' && syntax_.line_continuation && c + 1 != end_ && is_line_end(c[1]);
     };
     while (position_ != end_ && !ends_word(position_)) ++position_;
@@ -153,7 +205,10 @@ double TextScanner::real_in(std::string_view text, const char* what) const {
     if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
     double value = 0;
     const auto [end, error] = read_real(digits.data(), digits.data() + digits.size(), value);
-    if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) fail_word(what, text);
+    if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) {
+        if (const std::optional<double> foreign = foreign_number(digits)) return *foreign;
+        fail_word(what, text);
+    }
     return error == std::errc::result_out_of_range ? out_of_range_value(digits) : value;
 }
 

@@ -36,8 +36,9 @@ public:
     /// The next word of the text, on this line or a later one; empty at the end of the text.
     std::string_view word_of_text();
 
-    /// The next word of this line as a number; `what` describes it in messages. Infinity and NaN are numbers; a number
-    /// too large for a double is infinite.
+    /// The next word of this line as a number; `what` describes it in messages. Infinity and NaN are numbers, also as
+    /// older C libraries of Windows write them (1.#QNAN); a number too large for a double is infinite. Fortran's
+    /// numbers are read, too: 1.0D+00, 1.0+120.
     double real(const char* what);
     /// The same of a word that has been taken.
     double real_in(std::string_view word, const char* what) const;
