@@ -81,6 +81,8 @@ struct ReadingNotes {
     Count header_lines;           ///< lines of a .ply header without a keyword: skipped
     std::size_t bytes_after = 0;  ///< the last row of a binary .ply file: skipped
 
+    std::string group_by;  ///< what the reader is asked for: as in ReadOptions
+
     /// A sentence for each kind that occurred, without the file's name.
     std::vector<std::string> texts() const;
 };

@@ -140,6 +140,7 @@ struct Layout {
     std::size_t vertex_count = 0;
     std::array<std::size_t, 3> coordinates{};
     std::size_t corners = 0;
+    std::optional<std::size_t> group;  ///< if groups are asked for
 };
 
 Layout find_vertices(const FileContent& file, const PlyHeader& header) {
@@ -157,7 +158,26 @@ Layout find_vertices(const FileContent& file, const PlyHeader& header) {
     return layout;
 }
 
-Layout find_layout(const FileContent& file, const PlyHeader& header) {
+std::size_t find_group(const FileContent& file, const PlyElement& face, const std::string& group_by) {
+    const std::optional<std::size_t> group = face.find(group_by);
+    if (!group) {
+        std::string names;
+        for (const PlyProperty& property : face.properties) names += (names.empty() ? "" : ", ") + property.name;
+        fail_header(file,
+                    fmt::format("the element 'face' has no property {} for groups; its properties are {}",
+                                quoted(group_by), names),
+                    ErrorCode::invalid_argument);
+    }
+    const PlyProperty& property = face.properties[*group];
+    if (property.count_type || property.type == PlyType::float32 || property.type == PlyType::float64)
+        fail_header(file,
+                    fmt::format("the property {} of faces is {}; groups need one integer a face", quoted(group_by),
+                                property.count_type ? "a list" : "no integer"),
+                    ErrorCode::invalid_argument);
+    return *group;
+}
+
+Layout find_layout(const FileContent& file, const PlyHeader& header, const std::string& group_by) {
     Layout layout = find_vertices(file, header);
     const PlyElement* face = header.find("face");
     if (face == nullptr && header.find("tristrips") != nullptr)
@@ -171,6 +191,7 @@ Layout find_layout(const FileContent& file, const PlyHeader& header) {
     if (!list.count_type || list.type == PlyType::float32 || list.type == PlyType::float64)
         fail_header(file, fmt::format("the property '{}' is no list of integers", list.name));
     layout.corners = *corners;
+    if (!group_by.empty()) layout.group = find_group(file, *face, group_by);
     return layout;
 }
 
@@ -251,11 +272,16 @@ void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, Mes
                 ReadingNotes& notes) {
     mesh.triangles.reserve(element.count);
     std::vector<std::uint32_t> corners;
+    std::optional<std::int64_t> run_group;
     for (std::size_t row = 0; row < element.count; ++row) {
         rows.begin_row(element, row);
+        const std::size_t first_triangle = mesh.triangles.size();
+        std::int64_t group = 0;
         for (std::size_t p = 0; p < element.properties.size(); ++p)
             if (p == layout.corners)
                 read_corners(rows, element.properties[p], layout.vertex_count, corners);
+            else if (p == layout.group)
+                group = rows.integer(element.properties[p].type);
             else
                 skip_property(rows, element.properties[p]);
         rows.end_row();
@@ -263,6 +289,10 @@ void read_faces(Rows& rows, const PlyElement& element, const Layout& layout, Mes
             notes.small_faces.add([&] { return rows.place(); });
         else
             polygons.add(mesh, corners);
+        if (layout.group && run_group != group && mesh.triangles.size() > first_triangle) {
+            mesh.runs.push_back({first_triangle, fmt::format("{}", group)});
+            run_group = group;
+        }
     }
 }
 
@@ -312,7 +342,7 @@ auto read_from_begin(const PlyHeader& header, ReadingNotes& notes, const Read& r
 
 MeshArrays read_ply(const FileContent& file, ReadingNotes& notes) {
     const PlyHeader header = read_ply_header(file, notes);
-    const Layout layout = find_layout(file, header);
+    const Layout layout = find_layout(file, header, notes.group_by);
     if (header.format == PlyFormat::ascii) return read_body(TextRows(file, header), header, layout, notes);
     return read_from_begin(header, notes, [&](std::size_t begin, ReadingNotes& found) {
         return read_body(BinaryRows(file, header, begin), header, layout, found);
