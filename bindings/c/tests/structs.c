@@ -143,6 +143,9 @@ int main(void) {
     MEMBER(clsdf_read_options, log);
     MEMBER(clsdf_read_options, scale);
     MEMBER(clsdf_read_options, translate);
+    MEMBER(clsdf_read_options, up);
+    MEMBER(clsdf_read_options, rotate);
+    MEMBER(clsdf_read_options, group_by);
     SIZE(clsdf_call_options);
     MEMBER(clsdf_call_options, struct_size);
     MEMBER(clsdf_call_options, user);
