@@ -46,12 +46,16 @@ void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string&
 /// The files of the mesh among these two.
 std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more);
 
-/// --scale and --translate: a unit and a place for the mesh of a file.
+/// How the mesh of a file is read: --scale, --up, --rotate and --translate, its unit, axes and place; and --group-by.
 struct Placement {
     double scale = 1;
+    std::string up = "z";
+    std::string rotate;
     std::string translate;
+    std::string group_by;
 };
 void add_placement_options(Parser& parser, Placement& placement);
+void add_group_option(Parser& parser, Placement& placement);
 clsdf::ReadOptions read_options(const Placement& placement);
 
 /// "a.stl + b.stl", with or without folders.
@@ -106,12 +110,17 @@ inline clsdf::Mesh read_body(const std::vector<std::string>& files, Report& repo
     return clsdf::read_meshes(files, options);
 }
 
-/// The outputs of --with.
+/// The outputs of --with. Groups follow from the triangle.
 clsdf::OutputSet parse_outputs(const std::vector<std::string>& names);
+/// Whether --with asks for groups. Throws Error(invalid_argument) if it does and the mesh has none.
+bool wants_groups(const std::vector<std::string>& names, const clsdf::Mesh& mesh);
+inline constexpr const char* group_word = "group";
 /// All outputs but the distance.
 std::span<const clsdf::OutputInfo> extra_outputs();
 /// Adds --with and --sign.
 void add_outputs_option(Parser& parser, std::vector<std::string>& names);
+/// The same with the word "group".
+void add_outputs_and_groups_option(Parser& parser, std::vector<std::string>& names);
 void add_sign_option(Parser& parser, std::string& rule);
 void add_positive_inside_option(Parser& parser, bool& positive_inside);
 /// Adds --positive-inside for a field that is read.
