@@ -53,6 +53,7 @@ clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
     field.positive_inside = layout.positive_inside;
     // The field carries the name of the mesh file without its folder, which is private.
     field.mesh_name = names_of(layout.mesh_files);
+    field.groups = layout.groups;
     return field;
 }
 
@@ -85,6 +86,16 @@ void check_sparse_format(const ComputeOptions& options) {
         throw Error(ErrorCode::unsupported,
                     fmt::format("{}: this format stores no sparse fields; choose .npy, .h5, .vdb or .nvdb, or leave "
                                 "--sparse out",
+                                options.output));
+}
+
+/// Throws Error(unsupported) if --with asks for groups and the format does not store them.
+void check_group_format(const ComputeOptions& options) {
+    const bool is_wanted = std::ranges::find(options.with, group_word) != options.with.end();
+    if (is_wanted && !options.output.empty() && !clsdf::stores_groups(options.output))
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("--with group: {}: this format stores no groups; choose .vti, or --with triangle and "
+                                "the groups of \"clsdf info\"",
                                 options.output));
 }
 
@@ -209,6 +220,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     const ComputeRequest request(options);
     keep_mesh(options.mesh, options.output);
     check_sparse_format(options);
+    check_group_format(options);
     if (!options.output.empty())
         clsdf::check_field_path(options.output, request.outputs);
     else if (!options.dry_run)
@@ -228,18 +240,20 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     check_size(grid);
     const clsdf::Topology topology = describe_topology(mesh);
     const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
-    const ComputeLayout layout{mesh,
-                               options.mesh,
-                               topology,
-                               grid,
-                               band,
-                               sign.rule,
-                               sign.warning,
-                               request.outputs,
-                               options.positive_inside,
-                               request.polyhedra,
-                               request.scan,
-                               is_sparse(options, band, sign.rule, request.scan)};
+    const ComputeLayout layout{
+        mesh,
+        options.mesh,
+        topology,
+        grid,
+        band,
+        sign.rule,
+        sign.warning,
+        request.outputs,
+        options.positive_inside,
+        request.polyhedra,
+        request.scan,
+        is_sparse(options, band, sign.rule, request.scan),
+        wants_groups(options.with, mesh) ? std::make_shared<const clsdf::FaceGroups>(mesh.groups()) : nullptr};
     if (band.has_signs_only && sign.rule == clsdf::SignRule::none)
         throw Error(ErrorCode::invalid_argument,
                     "--band 0 asks for the signs alone, and the field has no sign; give the band a width, or choose a "

@@ -8,6 +8,7 @@
 #include <clsdf/papers.hpp>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -74,7 +75,8 @@ struct ComputeLayout {
     bool positive_inside;
     clsdf::Polyhedra polyhedra;
     clsdf::Scan scan;
-    bool is_sparse;  ///< only bricks near the surface are computed and written
+    bool is_sparse;                                   ///< only bricks near the surface are computed and written
+    std::shared_ptr<const clsdf::FaceGroups> groups;  ///< null unless they are written
 };
 
 /// The result of "clsdf compute".

@@ -113,7 +113,7 @@ void add_field_options(Parser& parser, ComputeOptions& options) {
     add_sign_option(parser, options.sign);
     add_positive_inside_option(parser, options.positive_inside);
     add_weld_option(parser, options.reading);
-    add_outputs_option(parser, options.with);
+    add_outputs_and_groups_option(parser, options.with);
     parser.add("--sparse", options.sparse,
                "only the bricks of 8 x 8 x 8 samples near the surface: .npy or .h5; .vdb and .nvdb are always sparse");
 }
@@ -141,6 +141,7 @@ void add_options(Parser& parser, ComputeOptions& options) {
     add_method_options(parser, options);
     parser.begin_group("Options");
     add_placement_options(parser, options.reading);
+    add_group_option(parser, options.reading);
     add_skip_option(parser, options.reading);
     add_device_option(parser, options.device, "what computes");
     parser.add("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");

@@ -112,21 +112,23 @@ const char* meaning_of(clsdf::SignRule rule) {
 }
 
 Json describe_layout(const ComputeLayout& layout) {
-    return {{"mesh",
-             {{"file", paths_of(layout.mesh_files)},
-              {"name", names_of(layout.mesh_files)},
-              {"vertices", layout.mesh.vertices().size()},
-              {"triangles", layout.mesh.triangles().size()},
-              {"lower", layout.mesh.box().lower},
-              {"upper", layout.mesh.box().upper}}},
-            {"topology", facts_of(layout.topology)},
-            {"grid", describe(layout.grid)},
-            {"band", describe(layout.band)},
-            {"sign", name_of(layout.sign)},
-            {"positive_inside", layout.positive_inside},
-            {"sparse", layout.is_sparse},
-            {"polyhedra", name_of(layout.polyhedra)},
-            {"scan", name_of(layout.scan)}};
+    Json result = {{"mesh",
+                    {{"file", paths_of(layout.mesh_files)},
+                     {"name", names_of(layout.mesh_files)},
+                     {"vertices", layout.mesh.vertices().size()},
+                     {"triangles", layout.mesh.triangles().size()},
+                     {"lower", layout.mesh.box().lower},
+                     {"upper", layout.mesh.box().upper}}},
+                   {"topology", facts_of(layout.topology)},
+                   {"grid", describe(layout.grid)},
+                   {"band", describe(layout.band)},
+                   {"sign", name_of(layout.sign)},
+                   {"positive_inside", layout.positive_inside},
+                   {"sparse", layout.is_sparse},
+                   {"polyhedra", name_of(layout.polyhedra)},
+                   {"scan", name_of(layout.scan)}};
+    if (layout.groups) result["groups"] = layout.groups->names;
+    return result;
 }
 
 std::string human_slabs(std::size_t count) {
@@ -255,6 +257,7 @@ std::string warning_of_stale_outputs(const ComputeLayout& layout, const Computat
 void print_layout(const ComputeLayout& layout) {
     print_text("mesh    {}: {} vertices, {} triangles\n", paths_of(layout.mesh_files), layout.mesh.vertices().size(),
                layout.mesh.triangles().size());
+    if (layout.groups) print_text("groups  {}\n", human(*layout.groups));
     print_text("grid    {}\n", human(layout.grid));
     print_text("band    {}\n", human(layout.band, layout.grid.voxel()));
     print_text("sign    {}{}\n", meaning_of(layout.sign), layout.positive_inside ? "; positive inside" : "");

@@ -3,6 +3,8 @@
 #include "option_values.hpp"
 #include "report.hpp"
 
+#include "tools/text.hpp"
+
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/papers.hpp>
@@ -12,6 +14,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +31,35 @@ struct InfoOptions {
     bool self_intersections = false;
 };
 
+/// The faces of a group: one or more.
+struct Group {
+    std::string name;
+    std::size_t faces = 0;
+    double area = 0;
+    clsdf::Box box{};
+};
+
+std::vector<Group> groups_of(const clsdf::Mesh& mesh) {
+    std::vector<Group> groups;
+    for (const std::string& name : mesh.groups().names) groups.push_back({.name = name});
+    for (std::size_t face = 0; face < mesh.groups().numbers.size(); ++face) {
+        Group& group = groups[mesh.groups().numbers[face]];
+        const auto& [i, j, k] = mesh.triangles()[face];
+        const clsdf::Vec3 &a = mesh.vertices()[i], &b = mesh.vertices()[j], &c = mesh.vertices()[k];
+        if (++group.faces == 1) group.box = {a, a};
+        clsdf::Vec3 u, v;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            auto& [lower, upper] = group.box;
+            lower[axis] = std::min({lower[axis], a[axis], b[axis], c[axis]});
+            upper[axis] = std::max({upper[axis], a[axis], b[axis], c[axis]});
+            u[axis] = b[axis] - a[axis];
+            v[axis] = c[axis] - a[axis];
+        }
+        group.area += 0.5 * std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
+    }
+    return groups;
+}
+
 struct Info {
     Info(const InfoOptions& options, const clsdf::Mesh& mesh)
         : vertices(mesh.vertices().size()),
@@ -35,7 +67,8 @@ struct Info {
           topology(describe_topology(mesh)),
           defects(find_defects(mesh)),
           kinds(classify_convexity(mesh)),
-          saddles(examine_saddles(mesh)) {
+          saddles(examine_saddles(mesh)),
+          groups(groups_of(mesh)) {
         if (options.self_intersections) self_intersections = clsdf::reference::find_self_intersections(mesh).size();
     }
 
@@ -45,6 +78,7 @@ struct Info {
     clsdf::Defects defects;
     clsdf::Classification kinds;
     clsdf::SaddleReport saddles;
+    std::vector<Group> groups;
     std::optional<std::size_t> self_intersections;
 };
 
@@ -76,6 +110,13 @@ Json describe(const Info& info) {
                  {"doubtful_points", info.topology.doubtful_points},
                  {"inside_points", info.topology.inside_points}};
     if (info.self_intersections) defects["self_intersections"] = *info.self_intersections;
+    Json groups = Json::array();
+    for (const Group& group : info.groups)
+        groups.push_back({{"name", group.name},
+                          {"faces", group.faces},
+                          {"area", group.area},
+                          {"lower", group.box.lower},
+                          {"upper", group.box.upper}});
     return {{"vertices", info.vertices},
             {"triangles", info.triangles},
             {"saddle_vertices", vertices(VertexKind::saddle)},
@@ -89,7 +130,8 @@ Json describe(const Info& info) {
             {"flat_edges", edges(EdgeKind::flat)},
             {"decisions", info.saddles.decisions},
             {"exact_decisions", info.saddles.exact_decisions},
-            {"defects", defects}};
+            {"defects", defects},
+            {"groups", groups}};
 }
 
 /// "1 face", "3 faces".
@@ -109,6 +151,18 @@ std::string closedness(const clsdf::Topology& topology) {
                            counted(boundary, "edge"), others);
     if (!topology.balanced) return "closed, faces not oriented alike";
     return topology.inside_out ? "closed, inside out" : "closed";
+}
+
+void print_groups(const std::vector<Group>& groups) {
+    constexpr std::size_t most = 50;
+    for (std::size_t i = 0; i < std::min(groups.size(), most); ++i) {
+        const auto& [lower, upper] = groups[i].box;
+        print_text("{}", fmt::format("{} {:<3} {}: {}, area {:.6g}, from ({:.6g}) to ({:.6g})\n",
+                                     i == 0 ? "groups   " : "         ", i, clsdf::quoted(groups[i].name),
+                                     counted(groups[i].faces, "face"), groups[i].area, fmt::join(lower, ", "),
+                                     fmt::join(upper, ", ")));
+    }
+    if (groups.size() > most) print_text("          and {} more\n", groups.size() - most);
 }
 
 void print_human(const Info& info) {
@@ -142,6 +196,7 @@ void print_human(const Info& info) {
         print_text("sign      {} of {} points of the box have a winding number in doubt, {} are inside: {}\n",
                    topology.doubtful_points, topology.tested_points, topology.inside_points,
                    name_of(resolve_sign_rule(clsdf::SignRule::automatic, topology).rule));
+    print_groups(info.groups);
     if (info.self_intersections)
         print_text("          {}\n", *info.self_intersections == 1
                                          ? "1 pair of triangles intersects"
@@ -226,10 +281,11 @@ ExitStatus describe_field(const std::string& path, Report& report) {
 
 ExitStatus run(const InfoOptions& options, Report& report) {
     if (options.mesh.size() == 1 && is_field(options.mesh.front())) {
-        if (options.self_intersections || !options.reading.weld.empty() || options.reading.skip_bad_facets)
+        if (options.self_intersections || !options.reading.weld.empty() || options.reading.skip_bad_facets ||
+            !options.reading.group_by.empty())
             throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
-                               fmt::format("{}: --weld, --skip-bad-facets and --self-intersections are about meshes, "
-                                           "and this is a field; leave them out",
+                               fmt::format("{}: --weld, --skip-bad-facets, --group-by and --self-intersections are about "
+                                           "meshes, and this is a field; leave them out",
                                            options.mesh.front()));
         return describe_field(options.mesh.front(), report);
     }
@@ -255,6 +311,7 @@ Command add_info(Parser& program) {
         .required();
     add_weld_option(parser, options->reading);
     add_skip_option(parser, options->reading);
+    add_group_option(parser, options->reading);
     parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
     parser.set_footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"

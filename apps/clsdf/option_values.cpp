@@ -88,7 +88,16 @@ clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, cons
 void add_placement_options(Parser& parser, MeshReading& reading) {
     parser.add("--scale", reading.scale, "factor of the mesh's coordinates, such as 0.001 from millimetres to metres")
         .takes_number_above_0("FACTOR");
-    parser.add("--translate", reading.translate, "added to them after that").takes_text("X,Y,Z");
+    parser.add("--up", reading.up, "the axis of the file that points up; the mesh gets z up")
+        .takes_one_of({"x", "y", "z", "-x", "-y", "-z"});
+    parser.add("--rotate", reading.rotate, "degrees about x, then y, then z, after --scale and --up")
+        .takes_text("X,Y,Z");
+    parser.add("--translate", reading.translate, "added to the coordinates after that").takes_text("X,Y,Z");
+}
+
+void add_group_option(Parser& parser, MeshReading& reading) {
+    parser.add("--group-by", reading.group_by, "the property of a .ply file's faces that is the name of their group")
+        .takes_text("NAME");
 }
 
 void add_skip_option(Parser& parser, MeshReading& reading) {
@@ -108,6 +117,10 @@ clsdf::ReadOptions read_options(const MeshReading& reading) {
     clsdf::ReadOptions options;
     options.scale = reading.scale;
     options.skip_bad_facets = reading.skip_bad_facets;
+    options.up = reading.up;
+    options.group_by = reading.group_by;
+    if (!reading.rotate.empty())
+        options.rotate = parse_triple<double>("--rotate", reading.rotate, "three angles, as 90,0,0", false);
     if (!reading.translate.empty())
         options.translate = parse_triple<double>("--translate", reading.translate, "three numbers, as -1,-1,0", false);
     return options;
@@ -145,17 +158,45 @@ clsdf::OutputSet parse_outputs(const std::vector<std::string>& names) {
     clsdf::OutputSet outputs;
     for (const clsdf::OutputInfo& info : extra_outputs())
         if (std::find(names.begin(), names.end(), info.name) != names.end()) outputs.insert(info.output);
+    if (std::find(names.begin(), names.end(), group_word) != names.end()) outputs.insert(clsdf::Output::triangle);
     return outputs;
+}
+
+bool wants_groups(const std::vector<std::string>& names, const clsdf::Mesh& mesh) {
+    if (std::find(names.begin(), names.end(), group_word) == names.end()) return false;
+    if (mesh.groups().empty())
+        throw clsdf::Error(
+            clsdf::ErrorCode::invalid_argument,
+            fmt::format("--with group: {} has no groups; name them in the file (\"solid NAME\" of a .stl "
+                        "in ASCII, \"g\" or \"o\" of an .obj), state the property of a .ply with "
+                        "--group-by, or give a file for each",
+                        mesh.name()));
+    return true;
 }
 
 std::span<const clsdf::OutputInfo> extra_outputs() {
     return clsdf::output_table().subspan(1);
 }
 
-void add_outputs_option(Parser& parser, std::vector<std::string>& names) {
+namespace {
+
+std::vector<std::string> output_words() {
     std::vector<std::string> words;
     for (const clsdf::OutputInfo& info : extra_outputs()) words.emplace_back(info.name);
-    parser.add("--with", names, "further outputs beside the distance").takes_some_of(words);
+    return words;
+}
+
+}  // namespace
+
+void add_outputs_option(Parser& parser, std::vector<std::string>& names) {
+    parser.add("--with", names, "further outputs beside the distance").takes_some_of(output_words());
+}
+
+void add_outputs_and_groups_option(Parser& parser, std::vector<std::string>& names) {
+    std::vector<std::string> words = output_words();
+    words.emplace_back(group_word);
+    parser.add("--with", names, "further outputs beside the distance; group: that of the triangle")
+        .takes_some_of(words);
 }
 
 void add_sign_option(Parser& parser, std::string& rule) {

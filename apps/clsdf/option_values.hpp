@@ -47,16 +47,20 @@ void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string&
 /// The files of the mesh among these two.
 std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more);
 
-/// How the files of a mesh are read: its unit and place, bad facets, vertices that are joined.
+/// How the files of a mesh are read: its unit, axes and place, bad facets, vertices that are joined, groups.
 struct MeshReading {
     double scale = 1;
+    std::string up = "z";
+    std::string rotate;
     std::string translate;
     bool skip_bad_facets = false;
     std::string weld;
+    std::string group_by;
 };
-/// Adds --scale and --translate.
+/// Adds --scale, --up, --rotate and --translate.
 void add_placement_options(Parser& parser, MeshReading& reading);
 void add_skip_option(Parser& parser, MeshReading& reading);
+void add_group_option(Parser& parser, MeshReading& reading);
 
 /// "a.stl + b.stl", with or without folders.
 std::string paths_of(const std::vector<std::string>& files);
@@ -111,12 +115,17 @@ inline clsdf::Mesh read_body(const std::vector<std::string>& files, const MeshRe
     return read_body(files, reading, [&](const std::string& message) { report.warn(message); });
 }
 
-/// The outputs of --with.
+/// The outputs of --with. Groups follow from the triangle.
 clsdf::OutputSet parse_outputs(const std::vector<std::string>& names);
+/// Whether --with asks for groups. Throws Error(invalid_argument) if it does and the mesh has none.
+bool wants_groups(const std::vector<std::string>& names, const clsdf::Mesh& mesh);
+inline constexpr const char* group_word = "group";
 /// All outputs but the distance.
 std::span<const clsdf::OutputInfo> extra_outputs();
 /// Adds --with and --sign.
 void add_outputs_option(Parser& parser, std::vector<std::string>& names);
+/// The same with the word "group".
+void add_outputs_and_groups_option(Parser& parser, std::vector<std::string>& names);
 void add_sign_option(Parser& parser, std::string& rule);
 void add_positive_inside_option(Parser& parser, bool& positive_inside);
 /// Adds --positive-inside for a field that is read.

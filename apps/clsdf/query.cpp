@@ -116,6 +116,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
         clsdf::read_points(options.points(), [&](const std::string& message) { report.warn(message); });
     const double read_seconds = read.seconds();
     const double half_width = limit_of(options, mesh);
+    const clsdf::FaceGroups* const groups = wants_groups(options.with, mesh) ? &mesh.groups() : nullptr;
 
     Found found = find_unless_interrupted(options, device, mesh, points, half_width, report);
     if (options.positive_inside && found.sign == clsdf::SignRule::none)
@@ -127,13 +128,15 @@ ExitStatus run(const QueryOptions& options, Report& report) {
         std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));
     if (options.positive_inside) found.values.negate();
     const Stopwatch write;
-    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with), found.winding);
+    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with), found.winding,
+                        groups);
     output_is_written();
     const double write_seconds = write.seconds();
 
     if (!report.quiet) {
         report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(meshes), mesh.vertices().size(),
                      mesh.triangles().size());
+        if (groups != nullptr) report.print("groups  {}\n", human(*groups));
         report.print("device  {} ({})\n", found.device_name, found.device_platform);
         report.print("done    {} points in {:.3f} s, {}\n", points.size(), found.seconds,
                      found.sign == clsdf::SignRule::none ? "without a sign: the mesh has no inside"
@@ -160,6 +163,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
                        {"write", write_seconds}}},
                      {"first_use", found.statistics.first_use},
                      {"output", options.output}};
+    if (groups != nullptr) report.result["groups"] = groups->names;
     return ExitStatus::done;
 }
 
@@ -171,13 +175,14 @@ Command add_query(Parser& program) {
     add_mesh_and_argument(parser, options->mesh, "POINTS", options->more, "the points, last: .npy, .csv or .ply");
     parser.add("-o,--output", options->output, "a row for each point: .npy, .csv or .ply").takes("RESULT").required();
     parser.add("--half-width", options->half_width, "how far the surface is looked for").takes_text("LENGTH");
-    add_outputs_option(parser, options->with);
+    add_outputs_and_groups_option(parser, options->with);
     add_sign_option(parser, options->sign);
     parser.add("--winding", options->winding, "a column of generalised winding numbers, too");
     parser.add("--refuse-unusable-points", options->refuse_unusable_points,
                "fail if a point is not finite or too far from the mesh");
     add_positive_inside_option(parser, options->positive_inside);
     add_placement_options(parser, options->reading);
+    add_group_option(parser, options->reading);
     add_weld_option(parser, options->reading);
     add_skip_option(parser, options->reading);
     add_device_option(parser, options->device, "what computes");
@@ -190,6 +195,7 @@ Command add_query(Parser& program) {
         "Examples:\n"
         "  clsdf query bunny.off particles.npy -o distances.npy\n"
         "  clsdf query part.stl scan.ply -o deviation.csv --with closest,triangle\n"
+        "  clsdf query inlet.stl wall.stl cells.csv -o patches.csv --with group\n"
         "  clsdf query bunny.off particles.csv -o contacts.csv --half-width 0.01 --with gradient");
     return {parser, [options](Report& report) { return run(*options, report); }};
 }

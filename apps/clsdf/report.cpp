@@ -1,5 +1,6 @@
 #include "report.hpp"
 
+#include "tools/text.hpp"
 #include "two_lines.hpp"
 
 #include <fmt/format.h>
@@ -131,6 +132,14 @@ std::string human(const Band& band, double voxel) {
                                         : human_half_width(band.outside, voxel) + " on both sides";
     return fmt::format("{} inside, {} outside", human_half_width(band.inside, voxel),
                        human_half_width(band.outside, voxel));
+}
+
+std::string human(const clsdf::FaceGroups& groups) {
+    constexpr std::size_t most = 12;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(groups.names.size(), most); ++i)
+        text += fmt::format("{}{} {}", i == 0 ? "" : ", ", i, clsdf::quoted(groups.names[i]));
+    return groups.names.size() > most ? fmt::format("{}, ... ({})", text, groups.names.size()) : text;
 }
 
 using clsdf::ErrorCode;

@@ -74,6 +74,8 @@ std::string human_count(double count);
 std::string human(const clsdf::Grid& grid);
 /// One line: half widths in the mesh's units and in voxels.
 std::string human(const clsdf::Band& band, double voxel);
+/// One line: the first names, each after its number.
+std::string human(const clsdf::FaceGroups& groups);
 
 /// The output of a subcommand. Human text goes to standard error, the result with --json to standard output.
 struct Report {

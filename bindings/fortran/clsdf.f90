@@ -431,6 +431,8 @@ module clsdf
     procedure :: vertices => mesh_vertices
     procedure :: triangles => mesh_triangles
     procedure :: name => mesh_name
+    procedure :: groups => mesh_groups
+    procedure :: set_groups => mesh_set_groups
     procedure :: box => mesh_box
     procedure :: hash => mesh_hash
     procedure :: topology => mesh_topology
@@ -573,6 +575,7 @@ module clsdf
     procedure, private :: field_r4_3, field_r4_4, field_r8_3, field_r8_4, field_i4, field_i1
     !> call field%array(CLSDF_DISTANCE, phi): a pointer to the field's own memory, with the lower bounds grid%first.
     generic :: array => field_r4_3, field_r4_4, field_r8_3, field_r8_4, field_i4, field_i1
+    procedure :: set_groups => field_set_groups
     procedure :: is_set => field_is_set
     procedure :: release => field_release
     procedure, private :: field_assign
@@ -668,6 +671,9 @@ module clsdf
     type(c_funptr) :: log = c_null_funptr
     real(c_double) :: scale = 1, translate(3) = 0
     integer(c_int32_t) :: skip_bad_facets = 0, reserved = 0
+    type(c_ptr) :: up = c_null_ptr
+    real(c_double) :: rotate(3) = 0
+    type(c_ptr) :: group_by = c_null_ptr
   end type
   type, bind(C) :: c_transform_options
     integer(c_size_t) :: struct_size = 0
@@ -1242,6 +1248,36 @@ module clsdf
       type(c_ptr), value :: mesh
       type(c_ptr), intent(out) :: name
     end function
+    function c_mesh_group_count(mesh, count) bind(C, name="clsdf_mesh_group_count") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_mesh_group_name(mesh, index, name) bind(C, name="clsdf_mesh_group_name") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      integer(c_int64_t), value :: index
+      type(c_ptr), intent(out) :: name
+    end function
+    function c_mesh_group_numbers(mesh, numbers, count) bind(C, name="clsdf_mesh_group_numbers") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(c_ptr), intent(out) :: numbers
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_mesh_set_groups(mesh, names, name_count, numbers, count) bind(C, name="clsdf_mesh_set_groups") &
+        result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(c_ptr), intent(in) :: names(*)
+      integer(c_int64_t), value :: name_count
+      integer(c_int32_t), intent(in) :: numbers(*)
+      integer(c_int64_t), value :: count
+    end function
     function c_mesh_box(mesh, box) bind(C, name="clsdf_mesh_box") result(value)
       import
       integer(c_int32_t) :: value
@@ -1761,6 +1797,11 @@ module clsdf
       integer(c_int32_t) :: value
       type(c_ptr), value :: field
       integer(c_int32_t), value :: index_base
+    end function
+    function c_field_set_groups(field, mesh) bind(C, name="clsdf_field_set_groups") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: field, mesh
     end function
     function c_points_read(path, points) bind(C, name="clsdf_points_read") result(value)
       import
@@ -3213,44 +3254,54 @@ contains
   end subroutine
 
   !> Reads .off, .obj, .stl or .ply; polygons become fans. The log of the options gets what was skipped or changed.
-  subroutine mesh_read(self, path, scale, translate, stat, errmsg, options, skip_bad_facets)
+  subroutine mesh_read(self, path, scale, translate, stat, errmsg, options, up, rotate, group_by, skip_bad_facets)
     class(clsdf_mesh), intent(inout) :: self
     character(*), intent(in) :: path
-    real(c_double), intent(in), optional :: scale, translate(3)  !< a coordinate x becomes x * scale + translate
+    real(c_double), intent(in), optional :: scale, translate(3)  !< a position x becomes R (x * scale) + translate
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     class(clsdf_call_options), intent(inout), target, optional :: options
+    character(*), intent(in), optional :: up        !< the axis of the file that points up, 'y': the mesh gets z up
+    real(c_double), intent(in), optional :: rotate(3)  !< degrees about x, then y, then z, after `up`
+    character(*), intent(in), optional :: group_by  !< a property of the faces of .ply files
     logical, intent(in), optional :: skip_bad_facets  !< leave out faces of a vertex that is not finite or does not exist
-    call self%read([path], scale, translate, stat, errmsg, options, skip_bad_facets)
+    call self%read([path], scale, translate, stat, errmsg, options, up, rotate, group_by, skip_bad_facets)
   end subroutine
 
-  !> Reads files as one mesh: the vertices and the triangles of each follow those of the one before it.
-  subroutine mesh_read_files(self, paths, scale, translate, stat, errmsg, options, skip_bad_facets)
+  !> Reads files as one mesh: the vertices and the triangles of each follow those of the one before it. Each file is a
+  !> group with the name of the file; a file with several groups has 'file/group'.
+  subroutine mesh_read_files(self, paths, scale, translate, stat, errmsg, options, up, rotate, group_by, skip_bad_facets)
     class(clsdf_mesh), intent(inout) :: self
     character(*), intent(in) :: paths(:)
-    real(c_double), intent(in), optional :: scale, translate(3)  !< a coordinate x becomes x * scale + translate
+    real(c_double), intent(in), optional :: scale, translate(3)  !< a position x becomes R (x * scale) + translate
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     class(clsdf_call_options), intent(inout), target, optional :: options
+    character(*), intent(in), optional :: up        !< the axis of the file that points up, 'y': the mesh gets z up
+    real(c_double), intent(in), optional :: rotate(3)  !< degrees about x, then y, then z, after `up`
+    character(*), intent(in), optional :: group_by  !< a property of the faces of .ply files
     logical, intent(in), optional :: skip_bad_facets  !< leave out faces of a vertex that is not finite or does not exist
     character(kind=c_char), target :: texts(len(paths) + 1, size(paths))
     type(c_ptr) :: pointers(size(paths))
     type(caller), target :: given
+    character(:), allocatable, target :: up_text, group_text
     type(c_read_options) :: read
     integer(c_int32_t) :: status
-    integer :: i, k
     call self%release()
-    do i = 1, size(paths)
-      do k = 1, len_trim(paths(i))
-        texts(k, i) = paths(i)(k:k)
-      end do
-      texts(len_trim(paths(i)) + 1, i) = c_null_char
-      pointers(i) = c_loc(texts(1, i))
-    end do
+    call texts_for_c(paths, texts, pointers)
     read%struct_size = c_sizeof(read)
     if (present(scale)) read%scale = scale
     if (present(translate)) read%translate = translate
     if (present(skip_bad_facets)) read%skip_bad_facets = merge(1, 0, skip_bad_facets)
+    if (present(rotate)) read%rotate = rotate
+    if (present(up)) then
+      up_text = trim(up)//c_null_char
+      read%up = c_loc(up_text)
+    end if
+    if (present(group_by)) then
+      group_text = trim(group_by)//c_null_char
+      read%group_by = c_loc(group_text)
+    end if
     if (present(options)) then
       given%options => options
       read%user = c_loc(given)
@@ -3259,6 +3310,20 @@ contains
     status = c_mesh_read_files(pointers, size(paths, kind=c_int64_t), read, self%handle)
     if (status == CLSDF_OK) status = c_mesh_set_index_base(self%handle, 1_c_int32_t)
     call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine texts_for_c(from, texts, pointers)
+    character(*), intent(in) :: from(:)
+    character(kind=c_char), intent(out), target :: texts(:, :)  !< (the longest text and one more, texts)
+    type(c_ptr), intent(out) :: pointers(:)
+    integer :: i, k
+    do i = 1, size(from)
+      do k = 1, len_trim(from(i))
+        texts(k, i) = from(i)(k:k)
+      end do
+      texts(len_trim(from(i)) + 1, i) = c_null_char
+      pointers(i) = c_loc(texts(1, i))
+    end do
   end subroutine
 
   !> The mesh in which vertices of equal coordinates are one, with the same index base. tolerance: those that differ by
@@ -3398,6 +3463,56 @@ contains
     if (status == CLSDF_OK) name = clsdf_text(text)
     call clsdf_finish(status, stat, errmsg)
   end function
+
+  !> The names of the groups, all different, and for each triangle the number of its name, from 1: the nearest triangle t
+  !> of a point is in the group names(numbers(t)). Both are empty if the mesh has no groups.
+  subroutine mesh_groups(self, names, numbers, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    character(:), allocatable, intent(out) :: names(:)
+    integer(c_int32_t), allocatable, intent(out) :: numbers(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t), pointer :: from_0(:)
+    type(c_ptr) :: text
+    integer(c_int64_t) :: count, triangles, i
+    integer(c_int32_t) :: status
+    integer :: length
+    length = 0
+    status = c_mesh_group_count(self%handle, count)
+    if (status /= CLSDF_OK) count = 0
+    do i = 1, count
+      if (status == CLSDF_OK) status = c_mesh_group_name(self%handle, i - 1, text)
+      if (status == CLSDF_OK) length = max(length, len(clsdf_text(text)))
+    end do
+    allocate (character(length) :: names(count))
+    do i = 1, count
+      if (status == CLSDF_OK) status = c_mesh_group_name(self%handle, i - 1, text)
+      if (status == CLSDF_OK) names(i) = clsdf_text(text)
+    end do
+    if (status == CLSDF_OK) status = c_mesh_group_numbers(self%handle, text, triangles)
+    if (status == CLSDF_OK .and. count > 0) then
+      call c_f_pointer(text, from_0, [triangles])
+      numbers = from_0 + 1
+    else
+      allocate (numbers(0))
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Sets the groups of the triangles: names, whose blanks at the end do not count, and a number from 1 for each
+  !> triangle. None of both removes the groups.
+  subroutine mesh_set_groups(self, names, numbers, stat, errmsg)
+    class(clsdf_mesh), intent(inout) :: self
+    character(*), intent(in) :: names(:)
+    integer(c_int32_t), intent(in) :: numbers(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    character(kind=c_char), target :: texts(len(names) + 1, size(names))
+    type(c_ptr) :: pointers(size(names))
+    call texts_for_c(names, texts, pointers)
+    call clsdf_finish(c_mesh_set_groups(self%handle, pointers, size(names, kind=c_int64_t), numbers - 1, &
+      size(numbers, kind=c_int64_t)), stat, errmsg)
+  end subroutine
 
   !> Of the vertices in use.
   function mesh_box(self, stat, errmsg) result(box)
@@ -4909,6 +5024,15 @@ contains
     status = c_field_create(c, clsdf_outputs_mask(outputs), self%handle)
     if (status == CLSDF_OK) status = c_field_set_index_base(self%handle, 1_c_int32_t)
     call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Gives the field the mesh's groups: a .vti gets the group of each sample, from 0, beside its triangle.
+  subroutine field_set_groups(self, mesh, stat, errmsg)
+    class(clsdf_field), intent(inout) :: self
+    type(clsdf_mesh), intent(in) :: mesh
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_field_set_groups(self%handle, mesh%handle), stat, errmsg)
   end subroutine
 
   !> positive_inside: distances and gradients are negated, also zeros and what lies beyond the band.

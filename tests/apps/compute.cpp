@@ -529,6 +529,45 @@ BOOST_AUTO_TEST_CASE(put_the_mesh_into_another_unit_and_place) {
     check_refused(run_command({"compute", mesh, "-o", field, "--translate", "1,2"}), 2, {"--translate", "three"});
 }
 
+BOOST_AUTO_TEST_CASE(put_the_mesh_upright) {
+    const TemporaryFolder folder;
+    const std::string mesh =
+        folder.file("mesh.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 2 0\n0 0 3\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+    const std::string field = folder.file("field.nrrd");
+    const auto origin = [&](std::vector<std::string> options) {
+        std::vector<std::string> arguments{"compute", mesh, "-o", field, "--resolution", "16", "--margin", "0"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        run_well(arguments);
+        return clsdf::read_field(field).grid.origin;
+    };
+    // (x, -z, y); about z by a quarter turn: (z, x, y); and by half a turn about x: (x, -y, -z).
+    BOOST_TEST((origin({"--up", "y"}) == clsdf::Vec3{0, -3, 0}));
+    BOOST_TEST((origin({"--up", "-y"}) == clsdf::Vec3{0, 0, -2}));
+    BOOST_TEST((origin({"--up", "y", "--rotate", "0,0,90", "--translate", "0.5,0,0"}) == clsdf::Vec3{0.5, 0, 0}));
+    BOOST_TEST((origin({"--rotate", "180,0,0"}) == clsdf::Vec3{0, -2, -3}));
+    run_well({"check", mesh, field, "--rotate", "180,0,0"});
+    BOOST_TEST(run_command({"check", mesh, field}).status == 1);
+    check_refused(run_command({"compute", mesh, "-o", field, "--up", "w"}), 2, {"--up: ", "-z"});
+    check_refused(run_command({"compute", mesh, "-o", field, "--rotate", "90"}), 2, {"--rotate", "three angles"});
+}
+
+BOOST_AUTO_TEST_CASE(write_the_group_of_each_sample) {
+    const TemporaryFolder folder;
+    const std::string first = folder.file("first.off", tetrahedron), second = folder.file("second.off", tetrahedron);
+    const std::string field = folder.file("field.vti");
+    const Outcome outcome = run_command(
+        {"compute", first, second, "-o", field, "--resolution", "16", "--with", "group", "--json", "--sign", "none"});
+    BOOST_TEST_CONTEXT(outcome.error) BOOST_REQUIRE(outcome.status == 0);
+    BOOST_TEST(nlohmann::json::parse(outcome.out)["groups"] == nlohmann::json({"first", "second"}));
+    BOOST_TEST(content_of(field).find("Name=\"group\"") != std::string::npos);
+    BOOST_TEST(clsdf::read_field(field).outputs().contains(clsdf::Output::triangle));
+    run_well({"compute", first, second, "-o", field, "--resolution", "16", "--with", "triangle", "--sign", "none"});
+    BOOST_TEST(content_of(field).find("Name=\"group\"") == std::string::npos);
+    check_refused(run_command({"compute", first, second, "-o", folder.file("a.npy"), "--with", "group"}), 2,
+                  {"a.npy", "group", ".vti"});
+    check_refused(run_command({"compute", first, "-o", field, "--with", "group"}), 2, {"no groups"});
+}
+
 BOOST_AUTO_TEST_CASE(state_a_grid_by_its_box) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);

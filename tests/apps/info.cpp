@@ -44,6 +44,37 @@ BOOST_AUTO_TEST_CASE(tells_defects_in_words) {
     BOOST_TEST(intersections.error.find("2 pairs of triangles intersect") != std::string::npos);
 }
 
+BOOST_AUTO_TEST_CASE(lists_the_groups_with_their_faces_areas_and_boxes) {
+    const TemporaryFolder folder;
+    const std::string vertices = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 5\n";
+    const std::string mesh = folder.file("a.obj", vertices + "g floor\nf 1 2 3\ng wall\nf 1 2 4\nf 1 4 3\n");
+    const Outcome outcome = run_command({"info", mesh, "--json"}, no_devices);
+    BOOST_TEST(outcome.status == 0);
+    const nlohmann::json groups = nlohmann::json::parse(outcome.out)["groups"];
+    BOOST_REQUIRE(groups.size() == 2U);
+    BOOST_TEST(
+        groups[0] ==
+        nlohmann::json(
+            {{"name", "floor"}, {"faces", 1}, {"area", 2.0}, {"lower", {0.0, 0.0, 0.0}}, {"upper", {2.0, 2.0, 0.0}}}));
+    BOOST_TEST(groups[1]["faces"] == 2);
+    BOOST_TEST(groups[1]["area"] == 10.0);
+    BOOST_TEST(groups[1]["upper"] == nlohmann::json({2.0, 2.0, 5.0}));
+    BOOST_TEST(outcome.error.find("groups    1") == std::string::npos);
+    for (const char* line : {"groups    0   'floor': 1 face, area 2, from (0, 0, 0) to (2, 2, 0)\n",
+                             "          1   'wall': 2 faces, area 10, from (0, 0, 0) to (2, 2, 5)\n"})
+        BOOST_TEST(outcome.error.find(line) != std::string::npos, outcome.error);
+    const std::string none = folder.file("b.obj", vertices + "f 1 2 3\n");
+    BOOST_TEST(nlohmann::json::parse(run_command({"info", none, "--json"}, no_devices).out)["groups"].empty());
+    const std::string ply =
+        folder.file("a.ply",
+                    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                    "element face 1\nproperty int id\nproperty list uchar int vertex_indices\nend_header\n"
+                    "0 0 0\n1 0 0\n0 1 0\n17 3 0 1 2\n");
+    BOOST_TEST(nlohmann::json::parse(
+                   run_command({"info", ply, "--group-by", "id", "--json"}, no_devices).out)["groups"][0]["name"] ==
+               "17");
+}
+
 BOOST_AUTO_TEST_CASE(says_what_decides_the_sign) {
     const TemporaryFolder folder;
     const auto info = [&](const std::vector<std::string>& triangles) {

@@ -293,6 +293,30 @@ BOOST_AUTO_TEST_CASE(takes_several_files_as_one_body) {
     check_refused(run_command({"compute", inputs.mesh, second, "-o", second}), 2, {"second.stl"});
 }
 
+BOOST_AUTO_TEST_CASE(writes_the_group_of_the_nearest_triangle) {
+    const Inputs inputs;
+    const std::string second = inputs.folder.file("second.stl"), result = inputs.folder.file("found.csv"),
+                      array = inputs.folder.file("found.npy");
+    write_mesh(box({2, -1, -1}, {4, 1, 1}), second);
+    const Outcome outcome =
+        run_command({"query", inputs.mesh, second, inputs.csv, "-o", result, "--with", "group", "--json"});
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(nlohmann::json::parse(outcome.out)["groups"] == nlohmann::json({"cube", "second"}));
+    BOOST_TEST(outcome.error.find("groups  0 'cube', 1 'second'") != std::string::npos, outcome.error);
+    const auto table = table_of(result);
+    BOOST_TEST((table[0] == std::vector<std::string>{"x", "y", "z", "distance", "triangle", "group"}));
+    for (std::size_t row = 1; row < table.size(); ++row)
+        BOOST_TEST((table[row][5] == "1") == (std::stoi(table[row][4]) >= 12));
+    BOOST_TEST(table[1][5] == "0");
+    BOOST_TEST(table[2][5] == "1");  // (3, 0.25, -0.5)
+    BOOST_TEST(run_command({"query", inputs.mesh, second, inputs.csv, "-o", array, "--with", "group"}).status == 0);
+    BOOST_TEST(content_of(array).find("('triangle', '<u4'), ('group', '<u4')]") != std::string::npos);
+    check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--with", "group"}), 2,
+                  {"--with group", "cube.off has no groups", "--group-by"});
+    check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--group-by", "label"}), 2,
+                  {"cube.off", "'label'", ".ply"});
+}
+
 BOOST_AUTO_TEST_CASE(says_what_was_skipped_in_the_mesh) {
     const Inputs inputs;
     const std::string mesh =

@@ -1,5 +1,5 @@
 # Files of meshes.
-clsdf_test(mesh_file_formats mesh_file_formats.cpp other_writers.cpp mistaken_files.cpp polygons.cpp stl_files.cpp LABELS io)
+clsdf_test(mesh_file_formats mesh_file_formats.cpp face_groups.cpp other_writers.cpp mistaken_files.cpp polygons.cpp stl_files.cpp LABELS io)
 clsdf_test(mesh_file_damage LABELS io)
 
 # Files of fields.

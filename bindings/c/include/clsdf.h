@@ -605,15 +605,21 @@ typedef struct clsdf_read_options {
     /* Warnings, each with the file: what was skipped (faces of one or two corners, bytes after the last row of a binary
      * .ply, unknown lines) or changed (vertices of an .obj with a fourth number are divided by it). May be null. */
     clsdf_log_function log;
-    double scale;        /* a coordinate x becomes x * scale + translate; product and sum are each rounded once; > 0 */
-    double translate[3]; /* in the units after the scale */
+    double scale;         /* a position x becomes R (x * scale) + translate; without a rotation R, product and sum are
+                             each rounded once; > 0 */
+    double translate[3];  /* in the units after the scale */
     /* 1: faces with a coordinate that is not finite, or that name a vertex that does not exist, are left out; log gets
      * their number and the first of them. 0: they are errors. */
     int32_t skip_bad_facets;
     int32_t reserved;
+    const char* up;       /* the axis of the file that points up: "x", "y", "z", "-x", "-y" or "-z"; null: "z". The mesh
+                             gets z up: of a file with y up, (x, y, z) becomes (x, -z, y) */
+    double rotate[3];     /* degrees about the fixed axes x, y and z, one after the other, after `up`; exact for
+                             multiples of 90 */
+    const char* group_by; /* a property of the faces of .ply files, whose values name the groups; null: none */
 } clsdf_read_options;
 #define CLSDF_READ_OPTIONS_INIT \
-    { sizeof(clsdf_read_options), NULL, NULL, 1, {0, 0, 0}, 0, 0 }
+    { sizeof(clsdf_read_options), NULL, NULL, 1, {0, 0, 0}, 0, 0, NULL, {0, 0, 0}, NULL }
 
 /* How a mesh differs from the one that it was welded from, face by face. */
 typedef struct clsdf_weld_report {
@@ -634,8 +640,8 @@ CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_
 CLSDF_API clsdf_status clsdf_mesh_shape(const char* name, clsdf_mesh** mesh);
 /* Reads .off, .obj, .stl or .ply; polygons become triangles. CLSDF_UNREADABLE_INPUT names the line and the value. */
 CLSDF_API clsdf_status clsdf_mesh_read(const char* path, clsdf_mesh** mesh);
-/* Reads files as one mesh: the vertices and the triangles of each follow those of the one before it. `options` may be
- * null. */
+/* Reads files as one mesh: the vertices and the triangles of each follow those of the one before it. Each file is a
+ * group with the name of the file; a file with several groups has "file/group". `options` may be null. */
 CLSDF_API clsdf_status clsdf_mesh_read_files(const char* const* paths, int64_t count, const clsdf_read_options* options,
                                              clsdf_mesh** mesh);
 /* The mesh in which vertices of equal coordinates are one, with the same index base. */
@@ -667,6 +673,17 @@ CLSDF_API clsdf_status clsdf_mesh_vertices(const clsdf_mesh* mesh, const double*
 CLSDF_API clsdf_status clsdf_mesh_triangles(const clsdf_mesh* mesh, const uint32_t** triangles, int64_t* count);
 CLSDF_API clsdf_status clsdf_mesh_index_base(const clsdf_mesh* mesh, int32_t* index_base);
 CLSDF_API clsdf_status clsdf_mesh_name(const clsdf_mesh* mesh, const char** name);
+/* Groups of triangles: the solids of an ASCII STL file, the groups and objects of an OBJ file, several files, or those
+ * that are set. A mesh without groups has 0 names and 0 numbers. Welded meshes have the same groups. All is the mesh's
+ * own memory, as long as it lives and until clsdf_mesh_set_groups(). */
+CLSDF_API clsdf_status clsdf_mesh_group_count(const clsdf_mesh* mesh, int64_t* count);
+/* 0 <= index < count; all names are different. */
+CLSDF_API clsdf_status clsdf_mesh_group_name(const clsdf_mesh* mesh, int64_t index, const char** name);
+/* The index of its name for each triangle, from 0 whatever the index base. */
+CLSDF_API clsdf_status clsdf_mesh_group_numbers(const clsdf_mesh* mesh, const uint32_t** numbers, int64_t* count);
+/* Sets copies of names and numbers, a number for each triangle; none of both removes the groups. Threads: one. */
+CLSDF_API clsdf_status clsdf_mesh_set_groups(clsdf_mesh* mesh, const char* const* names, int64_t name_count,
+                                             const uint32_t* numbers, int64_t count);
 /* The box of the vertices in use. */
 CLSDF_API clsdf_status clsdf_mesh_box(const clsdf_mesh* mesh, clsdf_box* box);
 /* A hash of all vertices and triangles in their order, the same on every machine. It tells whether ranks have the same
@@ -1136,6 +1153,9 @@ CLSDF_API clsdf_status clsdf_field_outputs(const clsdf_field* field, uint32_t* o
 CLSDF_API clsdf_status clsdf_field_array(const clsdf_field* field, int32_t output, clsdf_array* array);
 /* Makes the field's triangles count from 0 or 1. Threads: one. */
 CLSDF_API clsdf_status clsdf_field_set_index_base(clsdf_field* field, int32_t index_base);
+/* Gives the field a copy of the mesh's groups, which may be none: a .vti gets the group of each sample beside its
+ * triangle. Threads: one. */
+CLSDF_API clsdf_status clsdf_field_set_groups(clsdf_field* field, const clsdf_mesh* mesh);
 
 /* ---- Sparse fields in the library's memory ---- */
 

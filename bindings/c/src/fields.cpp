@@ -48,6 +48,13 @@ clsdf_status clsdf_field_set_index_base(clsdf_field* field, std::int32_t index_b
     });
 }
 
+clsdf_status clsdf_field_set_groups(clsdf_field* field, const clsdf_mesh* mesh) {
+    return guarded([&] {
+        const FaceGroups& groups = of(mesh).mesh.groups();
+        of(field).field.groups = groups.empty() ? nullptr : std::make_shared<const FaceGroups>(groups);
+    });
+}
+
 clsdf_status clsdf_points_read(const char* path, clsdf_points** points) {
     return made(points, "points", [&] {
         auto result = std::make_unique<clsdf_points>();

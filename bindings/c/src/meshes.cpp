@@ -5,7 +5,10 @@
 
 #include <clsdf/mesh_files.hpp>
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 using namespace clsdf;
@@ -127,6 +130,40 @@ clsdf_status clsdf_mesh_index_base(const clsdf_mesh* mesh, std::int32_t* index_b
 
 clsdf_status clsdf_mesh_name(const clsdf_mesh* mesh, const char** name) {
     return guarded([&] { given(name, "name") = of(mesh).mesh.name().c_str(); });
+}
+
+clsdf_status clsdf_mesh_group_count(const clsdf_mesh* mesh, std::int64_t* count) {
+    return guarded([&] { given(count, "count") = static_cast<std::int64_t>(of(mesh).mesh.groups().names.size()); });
+}
+
+clsdf_status clsdf_mesh_group_name(const clsdf_mesh* mesh, std::int64_t index, const char** name) {
+    return guarded([&] {
+        const std::vector<std::string>& names = of(mesh).mesh.groups().names;
+        if (index < 0 || static_cast<std::size_t>(index) >= names.size())
+            throw c::misuse("index is " + std::to_string(index) + ", and the mesh has " + std::to_string(names.size()) +
+                            " groups, counted from 0");
+        given(name, "name") = names[static_cast<std::size_t>(index)].c_str();
+    });
+}
+
+clsdf_status clsdf_mesh_group_numbers(const clsdf_mesh* mesh, const std::uint32_t** numbers, std::int64_t* count) {
+    return guarded([&] {
+        const std::vector<std::uint32_t>& from = of(mesh).mesh.groups().numbers;
+        if (numbers != nullptr) *numbers = from.data();
+        if (count != nullptr) *count = static_cast<std::int64_t>(from.size());
+    });
+}
+
+clsdf_status clsdf_mesh_set_groups(clsdf_mesh* mesh, const char* const* names, std::int64_t name_count,
+                                   const std::uint32_t* numbers, std::int64_t count) {
+    return guarded([&] {
+        c::elements(names, name_count, "names");
+        c::elements(numbers, count, "numbers");
+        FaceGroups groups;
+        for (std::int64_t i = 0; i < name_count; ++i) groups.names.push_back(c::text_of(names[i], "names"));
+        groups.numbers.assign(numbers, numbers + count);
+        of(mesh).mesh.set_groups(std::move(groups));
+    });
 }
 
 clsdf_status clsdf_mesh_box(const clsdf_mesh* mesh, clsdf_box* box) {

@@ -406,9 +406,12 @@ ReadOptions read_options_of(const clsdf_read_options* options) {
     if (from.log != nullptr)
         read.log = [from](const std::string& message) { call_back("log", from.log, from.user, message.c_str()); };
     read.scale = from.scale;
-    read.translate = {from.translate[0], from.translate[1], from.translate[2]};
+    read.translate = triple(from.translate);
     read.skip_bad_facets = flag(from.skip_bad_facets, "clsdf_read_options.skip_bad_facets");
     check_reserved(from.reserved, "clsdf_read_options");
+    read.up = text_or(from.up, "z");
+    read.rotate = triple(from.rotate);
+    read.group_by = text_or(from.group_by, "");
     return read;
 }
 

@@ -179,6 +179,64 @@ static void check_files(void) {
     FAILS(CLSDF_INVALID_ARGUMENT, "paths is null", clsdf_mesh_read_files(NULL, 1, NULL, &mesh));
 }
 
+/* Axes and groups of files, and groups of a mesh of four triangles. */
+static void check_groups(clsdf_mesh* mesh) {
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 2 3\ng inlet\nf 1 2 3\no wing\nf 1 3 2\n";
+    const char* paths[] = {"tetrahedron.ply", "groups.obj"};
+    const char* given[] = {"wall", "inlet"};
+    const uint32_t given_numbers[4] = {0, 1, 0, 0}, beyond[4] = {0, 2, 0, 0};
+    clsdf_read_options options = CLSDF_READ_OPTIONS_INIT;
+    clsdf_mesh* other = NULL;
+    const uint32_t* numbers;
+    const double* positions;
+    const char* name;
+    int64_t count;
+    FILE* file = fopen("groups.obj", "w");
+    CHECK(file != NULL && fputs(text, file) >= 0 && fclose(file) == 0);
+    options.up = "y";
+    options.rotate[2] = 90;
+    OK(clsdf_mesh_read_files(paths + 1, 1, &options, &other));
+    OK(clsdf_mesh_vertices(other, &positions, &count)); /* (0, 2, 3) -> (0, -3, 2) -> (3, 0, 2) */
+    CHECK(count == 3 && positions[6] == 3 && positions[7] == 0 && positions[8] == 2);
+    OK(clsdf_mesh_group_count(other, &count));
+    CHECK(count == 2);
+    OK(clsdf_mesh_group_name(other, 1, &name));
+    CHECK(strcmp(name, "wing/inlet") == 0);
+    OK(clsdf_mesh_group_numbers(other, &numbers, &count));
+    CHECK(count == 2 && numbers[0] == 0 && numbers[1] == 1);
+    clsdf_mesh_release(other);
+    options.up = "up";
+    FAILS(CLSDF_INVALID_ARGUMENT, "'up' is no axis", clsdf_mesh_read_files(paths, 1, &options, &other));
+    options.up = NULL;
+    options.group_by = "label";
+    FAILS(CLSDF_INVALID_ARGUMENT, "no property 'label'", clsdf_mesh_read_files(paths, 1, &options, &other));
+    options.group_by = "red";
+    OK(clsdf_mesh_read_files(paths, 1, &options, &other));
+    OK(clsdf_mesh_group_name(other, 0, &name));
+    CHECK(strcmp(name, "255") == 0);
+    clsdf_mesh_release(other);
+    OK(clsdf_mesh_read_files(paths, 2, NULL, &other));
+    OK(clsdf_mesh_group_name(other, 2, &name));
+    CHECK(strcmp(name, "groups/wing/inlet") == 0);
+    clsdf_mesh_release(other);
+
+    OK(clsdf_mesh_group_count(mesh, &count));
+    CHECK(count == 0);
+    OK(clsdf_mesh_set_groups(mesh, given, 2, given_numbers, 4));
+    FAILS(CLSDF_INVALID_ARGUMENT, "triangle 1 has the group 2", clsdf_mesh_set_groups(mesh, given, 2, beyond, 4));
+    FAILS(CLSDF_INVALID_ARGUMENT, "names is null", clsdf_mesh_set_groups(mesh, NULL, 2, given_numbers, 4));
+    OK(clsdf_mesh_weld(mesh, &other));
+    OK(clsdf_mesh_group_numbers(other, &numbers, &count));
+    CHECK(count == 4 && memcmp(numbers, given_numbers, sizeof given_numbers) == 0);
+    OK(clsdf_mesh_group_name(other, 1, &name));
+    CHECK(strcmp(name, "inlet") == 0);
+    FAILS(CLSDF_INVALID_ARGUMENT, "index is 2", clsdf_mesh_group_name(other, 2, &name));
+    clsdf_mesh_release(other);
+    OK(clsdf_mesh_set_groups(mesh, NULL, 0, NULL, 0));
+    OK(clsdf_mesh_group_numbers(mesh, NULL, &count));
+    CHECK(count == 0);
+}
+
 static void check_meshes(void) {
     const float vertices[4][4] = {{0, 0, 0, 9}, {1, 0, 0, 9}, {0, 1, 0, 9}, {0, 0, 1, 9}};
     const int64_t faces[3][4] = {{1, 1, 1, 2}, {3, 2, 4, 3}, {2, 4, 3, 4}}; /* from 1, by component */
@@ -248,6 +306,7 @@ static void check_meshes(void) {
     clsdf_mesh_release(other);
     FAILS(CLSDF_INVALID_ARGUMENT, "colour", clsdf_mesh_write(own, "tetrahedron.ply", colours, 3));
     check_files();
+    check_groups(own);
     OK(clsdf_mesh_weld(own, &other));
     OK(clsdf_mesh_index_base(other, &base));
     CHECK(base == 1);

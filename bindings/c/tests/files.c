@@ -216,6 +216,25 @@ int main(void) {
     OK(clsdf_field_missing_files(names[0], text, sizeof text, &length));
     CHECK(strstr(text, "field_triangle.nrrd\n") != NULL);
 
+    /* With groups a .vti has the group of each sample. */
+    {
+        static const char* const group_names[] = {"inlet", "wall"};
+        static const uint32_t numbers[12] = {0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+        char* content = allocate(8192);
+        FILE* file;
+        OK(clsdf_mesh_set_groups(mesh, group_names, 2, numbers, 12));
+        OK(clsdf_field_set_groups(field, mesh));
+        OK(clsdf_field_write(field, "groups.vti"));
+        file = fopen("groups.vti", "rb");
+        CHECK(file != NULL);
+        content[fread(content, 1, 8191, file)] = 0;
+        CHECK(fclose(file) == 0 && strstr(content, "Name=\"group\"") != NULL);
+        CHECK(strstr(content, "105 110 108 101 116 0 119 97 108 108 0") != NULL);
+        free(content);
+        OK(clsdf_mesh_set_groups(mesh, NULL, 0, NULL, 0));
+        OK(clsdf_field_set_groups(field, mesh));
+    }
+
     FAILS(CLSDF_UNSUPPORTED, "field.xyz", clsdf_field_write(field, "field.xyz"));
     FAILS(CLSDF_UNREADABLE_INPUT, "nowhere.nrrd", clsdf_field_read("nowhere.nrrd", &other));
     FAILS(CLSDF_INVALID_ARGUMENT, "null", clsdf_field_write(NULL, "x.nrrd"));

@@ -145,6 +145,9 @@ int main(void) {
     MEMBER(clsdf_read_options, translate);
     MEMBER(clsdf_read_options, skip_bad_facets);
     MEMBER(clsdf_read_options, reserved);
+    MEMBER(clsdf_read_options, up);
+    MEMBER(clsdf_read_options, rotate);
+    MEMBER(clsdf_read_options, group_by);
     SIZE(clsdf_weld_report);
     MEMBER(clsdf_weld_report, struct_size);
     MEMBER(clsdf_weld_report, lost_faces);

@@ -243,6 +243,17 @@ contains
       call welded%vertices(vertices)
       call check(size(vertices, 2) == 3 .and. vertices(1, 2) == 1, 'a face is left out')
     end block
+    call welded%read('fortran_mesh.ply', up='y')
+    call welded%vertices(vertices)
+    call check(all(vertices(1, :) == x(1, :) .and. vertices(2, :) == -x(3, :) .and. vertices(3, :) == x(2, :)), &
+      'with y up')
+    call welded%read('fortran_mesh.ply', rotate=[0d0, 0d0, -90d0])
+    call welded%vertices(vertices)
+    call check(all(vertices(1, :) == x(2, :) .and. vertices(2, :) == -x(1, :) .and. vertices(3, :) == x(3, :)), &
+      'turned about z')
+    call welded%read('fortran_mesh.ply', up='w', stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, "up: 'w'")
+    call groups(own)
     call welded%read('fortran_mesh.ply')
     call own%write('fortran_mesh.ply', colours(:2, :), stat, errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'colours')
@@ -253,6 +264,32 @@ contains
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'vertices has the shape (2, 4); give it (3, n) or (n, 3)')
     call check(clsdf_shape_count() > 3 .and. clsdf_shape_name(1) /= '' .and. clsdf_shape_description(1) /= '', 'shapes')
     call check(clsdf_shape_name(int(clsdf_shape_count()) + 1) == '', 'and no more')
+  end subroutine
+
+  !> Of a tetrahedron, which is in the file, with the colour 100.
+  subroutine groups(own)
+    type(clsdf_mesh), intent(inout) :: own
+    type(clsdf_mesh) :: other
+    character(:), allocatable :: names(:)
+    integer, allocatable :: numbers(:)
+    integer :: stat
+    character(200) :: errmsg
+    call other%read('fortran_mesh.ply', group_by='red')
+    call other%groups(names, numbers)
+    call check(size(names) == 1 .and. names(1) == '100' .and. all(numbers == 1), 'groups by a property')
+    call other%read([character(20) :: 'fortran_mesh.ply', 'fortran_mesh.ply'])
+    call other%groups(names, numbers)
+    call check(all(names == [character(14) :: 'fortran_mesh', 'fortran_mesh_2']), 'two files are two groups')
+    call check(all(numbers(:4) == 1) .and. all(numbers(5:) == 2) .and. size(numbers) == 8, 'of their triangles')
+    call own%set_groups([character(6) :: 'wall', 'inlet'], [1, 2, 1, 1])
+    call own%weld(other)
+    call other%groups(names, numbers)
+    call check(all(names == [character(5) :: 'wall', 'inlet']) .and. all(numbers == [1, 2, 1, 1]), 'groups of a mesh')
+    call own%set_groups(['wall'], [1, 2, 1, 1], stat, errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'names')
+    call own%set_groups(names(:0), numbers(:0))
+    call own%groups(names, numbers)
+    call check(size(names) == 0 .and. size(numbers) == 0, 'a mesh without groups')
   end subroutine
 
   subroutine grids()

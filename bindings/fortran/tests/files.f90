@@ -100,6 +100,20 @@ program files
   inquire (file='fortran_never.nrrd', exist=is_there)
   call check(.not. is_there, 'no file without finish()')
 
+  ! With groups a .vti has the group of each sample, four bytes.
+  block
+    integer(8) :: before, after
+    integer, allocatable :: t(:, :)
+    call mesh%triangles(t)
+    call clsdf_field_write(field, 'fortran_groups.vti')
+    inquire (file='fortran_groups.vti', size=before)
+    call mesh%set_groups([character(5) :: 'inlet', 'wall'], [2, spread(1, 1, size(t, 2) - 1)])
+    call field%set_groups(mesh)
+    call clsdf_field_write(field, 'fortran_groups.vti')
+    inquire (file='fortran_groups.vti', size=after)
+    call check(after > before + 4*grid%sample_count() .and. after < before + 4*grid%sample_count() + 500, 'groups of samples')
+  end block
+
   call clsdf_field_check_path('fortran_field.xyz', stat=stat, errmsg=errmsg)
   call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'fortran_field.xyz')
   call clsdf_field_read('no such field.nrrd', other, stat, errmsg)

@@ -29,7 +29,7 @@ from ._transform import BoxPlace, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
 
-from ._meshes import find_defects, mesh_hash, read_mesh, weld  # noqa: E402
+from ._meshes import Groups, Mesh, find_defects, mesh_hash, read_mesh, weld  # noqa: E402
 from . import trimesh  # noqa: E402
 
 if _typing.TYPE_CHECKING:
@@ -51,8 +51,10 @@ __all__ = [
     "Field",
     "FieldWriter",
     "Grid",
+    "Groups",
     "InvalidArgument",
     "InvalidMesh",
+    "Mesh",
     "MeshWarning",
     "OutOfMemory",
     "OutputFailure",

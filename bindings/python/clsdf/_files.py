@@ -14,6 +14,7 @@ from . import _core
 from ._core import Band, Grid
 from ._error import Error, MeshWarning
 from ._lengths import BandLike, band_without_mesh
+from ._meshes import Groups
 from ._values import Outputs, type_of, wanted
 from ._field import Field
 
@@ -25,14 +26,15 @@ def read_field(path: str | os.PathLike[str]) -> Field:
     return Field(*_core.read_field(os.fspath(path)))
 
 
-def write_field(field: Field, path: str | os.PathLike[str]) -> None:
-    """Writes a field by the file's ending; complete or not at all. A MeshWarning says what .sdf does not record: the
+def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | None = None) -> None:
+    """Writes a field by the file's ending; complete or not at all. groups: of the mesh; a .vti gets the group of each
+    sample beside its triangle. A MeshWarning says what .sdf does not record: the
     band, and that the inside is positive. Raises clsdf.Error: output_failure; unsupported for an unknown ending, or
     outputs that the format cannot store."""
     if not isinstance(field, Field):
         raise Error(f"field: {_short(field)} is no clsdf.Field; body.field() and read_field() make them")
     writer = FieldWriter.__new__(FieldWriter)
-    writer._open(path, field.grid, field.band, field.sign, field.mesh_name, field.outputs, field.positive_inside)
+    writer._open(path, field.grid, field.band, field.sign, field.mesh_name, field.outputs, field.positive_inside, groups)
     with writer:
         writer.append(field)
 
@@ -55,12 +57,13 @@ class FieldWriter:
         mesh_name: str = "mesh",
         outputs: Outputs = "distance",
         positive_inside: bool = False,
+        groups: Groups | None = None,
     ) -> None:
         if not isinstance(grid, Grid):
             raise Error(f"grid: {_short(grid)} is no clsdf.Grid")
         if not isinstance(band, Band):
             band = band_without_mesh(band, grid)
-        self._open(path, grid, band, sign, mesh_name, wanted(outputs), positive_inside)
+        self._open(path, grid, band, sign, mesh_name, wanted(outputs), positive_inside, groups)
 
     def _open(
         self,
@@ -71,10 +74,14 @@ class FieldWriter:
         mesh_name: str,
         outputs: tuple[str, ...],
         positive_inside: bool,
+        groups: Groups | None = None,
     ) -> None:
+        names, numbers = ([], None) if groups is None else (groups[0], np.ascontiguousarray(groups[1], np.int32))
         name = os.fspath(path)
         self._path = name
-        self._writer: _core.Writer | None = _core.writer(name, grid, band, sign, mesh_name, outputs, positive_inside)
+        self._writer: _core.Writer | None = _core.writer(
+            name, grid, band, sign, mesh_name, outputs, positive_inside, names, numbers
+        )
         if name.lower().endswith(".sdf") and (positive_inside or not math.isinf(max(band.inside, band.outside))):
             warnings.warn(
                 f"{name} does not state that it is positive inside: tell it to those who read it, or use another format"

@@ -4,13 +4,86 @@ arrays."""
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core, _cuda
 from ._core import Device
 from ._error import Error
+
+
+class Groups(NamedTuple):
+    """Groups of a mesh's faces: the name of the group of face f is names[numbers[f]]. Both are empty if there are none."""
+
+    names: list[str]  #: all different; '' may be that of faces to which a file gives none
+    numbers: npt.NDArray[np.int32]  #: (m,)
+
+    def of(self, triangles: Any) -> npt.NDArray[np.int32]:
+        """The numbers of triangles, as the output `triangle` has them; -1 beyond the band."""
+        triangles = np.asarray(triangles)
+        if not self.numbers.size:
+            return np.full(triangles.shape, -1, np.int32)
+        is_one = (triangles >= 0) & (triangles < len(self.numbers))
+        return np.where(is_one, self.numbers[np.where(is_one, triangles, 0)], np.int32(-1)).astype(np.int32)
+
+
+class Mesh(tuple[Any, Any]):
+    """Vertices and faces, to which it unpacks, with a name and groups of faces:
+
+        vertices, faces = mesh = clsdf.read_mesh("case.stl")
+        names, numbers = mesh.groups
+
+    vertices: (n, 3) of float32 or float64. faces: (m, 3) of integers. groups: Groups, or a pair of names and numbers, one
+    for each face. Raises clsdf.Error unless each face has a number, each number a name, and all names are different.
+    """
+
+    name: str
+    groups: Groups
+
+    def __new__(cls, vertices: Any, faces: Any, groups: Any = None, name: str = "mesh") -> Mesh:
+        faces = as_array(faces, np.int64)
+        mesh = super().__new__(cls, (as_array(vertices, np.float64), faces))
+        mesh.name = name
+        mesh.groups = Groups([], np.empty(0, np.int32)) if groups is None else _groups_of(groups, len(faces))
+        return mesh
+
+    @property
+    def vertices(self) -> Any:
+        """(n, 3)"""
+        return self[0]
+
+    @property
+    def faces(self) -> Any:
+        """(m, 3)"""
+        return self[1]
+
+    def __getnewargs__(self) -> tuple[Any, Any, Any, str]:
+        return self[0], self[1], self.groups, self.name
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Mesh: {self.name}, {len(self[0])} vertices, {len(self[1])} faces, groups {self.groups.names}>"
+
+
+def _groups_of(groups: Any, faces: int) -> Groups:
+    try:
+        names, given = groups
+        numbers = np.asarray(given)
+        if numbers.size and numbers.dtype.kind not in "iu":
+            raise TypeError
+    except (TypeError, ValueError):
+        raise Error(f"groups: {repr(groups)[:100]} is no pair of names and whole numbers") from None
+    names = [str(name) for name in names]
+    if not names and not numbers.size:
+        return Groups([], np.empty(0, np.int32))
+    if numbers.shape != (faces,):
+        raise Error(f"groups: the numbers have the shape {numbers.shape}; give one for each of {faces} faces")
+    if numbers.size and not (0 <= numbers.min() and numbers.max() < len(names)):
+        raise Error(f"groups: numbers are {numbers.min()} to {numbers.max()}, and there are {len(names)} names, from 0")
+    if len(set(names)) < len(names):
+        raise Error(f"groups: two of the names {names} are the same")
+    return Groups(names, numbers.astype(np.int32))
 
 
 def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
@@ -18,8 +91,10 @@ def arrays_of(mesh: Any) -> tuple[Any, Any, str]:
     open3d."""
     if isinstance(mesh, (str, os.PathLike)):
         path = os.fsdecode(mesh)
-        vertices, faces = _core.read_mesh([path])
+        vertices, faces, _ = _core.read_mesh([path])
         return vertices, faces, os.path.basename(path)
+    if isinstance(mesh, Mesh):
+        return mesh.vertices, mesh.faces, mesh.name
     if isinstance(mesh, (tuple, list)):
         if len(mesh) != 2:
             raise Error(f"a mesh as a tuple is (vertices, faces); this one has {len(mesh)} items")
@@ -106,17 +181,34 @@ def read_mesh(
     scale: float = 1.0,
     translate: Any = (0.0, 0.0, 0.0),
     weld: float = 0.0,
+    up: str = "z",
+    rotate: Any = (0.0, 0.0, 0.0),
+    group_by: str = "",
     skip_bad_facets: bool = False,
-) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+) -> Mesh:
     """Vertices (n, 3), float64, and faces (m, 3), uint32, of a file .off, .obj, .stl or .ply; of several files as one
-    mesh: the vertices and faces of each follow those of the one before it. A coordinate x becomes x * scale + translate,
-    in double: scale=0.001 makes metres of millimetres. weld: the tolerance of weld(), if it is not 0. skip_bad_facets: faces
-    with a coordinate that is not finite, or that name a vertex that does not exist, are left out; without it they are
-    errors. A MeshWarning says what was skipped or changed. Raises
-    clsdf.Error: unreadable_input or invalid_mesh that names the line or the element; unsupported for an unknown ending;
-    invalid_argument unless scale > 0."""
-    vertices, faces = _core.read_mesh([os.fspath(name) for name in (path, *more)], scale, translate, skip_bad_facets)
-    return (vertices, faces) if weld == 0 else _core.weld(vertices, faces, weld)
+    mesh: the vertices and faces of each follow those of the one before it.
+
+    A position x becomes R (x * scale) + translate, in double: scale=0.001 makes metres of millimetres. The rotation R
+    makes z of the axis that points up in the file ('x', 'y', 'z', '-x', '-y' or '-z'), and then rotates by the degrees
+    of `rotate` about x, y and z, one after the other; right angles round nothing. weld: the tolerance of weld(), if it is
+    not 0. skip_bad_facets: faces with a coordinate that is not finite, or that name a vertex that does not exist, are left
+    out; without it they are errors.
+
+    The mesh's `groups` are the solids of an ASCII STL file, the groups and objects of an OBJ file ('object/group'), the
+    values of the property `group_by` of a PLY file's faces, or several files, by their names without folder and ending
+    ('file/group' if a file has several groups).
+
+    A MeshWarning says what was skipped or changed. Raises clsdf.Error: unreadable_input or invalid_mesh that names the
+    line or the element; unsupported for an unknown ending; invalid_argument unless scale > 0, or for a property that
+    there is not."""
+    paths = [os.fspath(name) for name in (path, *more)]
+    vertices, faces, groups = _core.read_mesh(paths, scale, translate, up, rotate, group_by, skip_bad_facets)
+    if weld != 0:
+        vertices, faces = _core.weld(vertices, faces, weld)
+    mesh = Mesh(vertices, faces, name=" + ".join(os.path.basename(os.fsdecode(name)) for name in paths))
+    mesh.groups = Groups(*groups)
+    return mesh
 
 
 def mesh_hash(mesh: Any) -> int:
@@ -128,13 +220,17 @@ def mesh_hash(mesh: Any) -> int:
     return _core.mesh_hash(vertices, faces)
 
 
-def weld(mesh: Any, tolerance: float = 0.0) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+def weld(mesh: Any, tolerance: float = 0.0) -> Mesh:
     """The mesh in which vertices of equal coordinates are one vertex, as vertices (n, 3), float64, and faces (m, 3),
     uint32, which keep their order. So are vertices that differ by at most `tolerance` on every axis, in the mesh's
     units, or are connected by others that do; clusters longer than four tolerances are left apart. A MeshWarning says
-    how many faces lose their area, as those of a wall that is thinner than the tolerance. mesh: as for mesh_hash()."""
-    vertices, faces, _ = arrays_of(mesh)
-    return _core.weld(vertices, faces, tolerance)
+    how many faces lose their area, as those of a wall that is thinner than the tolerance. The groups of a Mesh stay.
+    mesh: as for mesh_hash()."""
+    vertices, faces, name = arrays_of(mesh)
+    welded = Mesh(*_core.weld(vertices, faces, tolerance), name=name)
+    if isinstance(mesh, Mesh):
+        welded.groups = mesh.groups
+    return welded
 
 
 def find_defects(mesh: Any) -> _core.Defects:

@@ -2,7 +2,10 @@
 
 #include <clsdf/io.hpp>
 
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -73,11 +76,18 @@ nb::tuple read(const std::string& path) {
     return nb::make_tuple(own.grid, own.band, name_of(own.sign), own.mesh_name, arrays, own.positive_inside);
 }
 
+using GroupNumbers = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
 FieldWriter writer(const std::string& path, const Grid& grid, const Band& band, const std::string& sign,
-                   const std::string& mesh_name, const std::vector<std::string>& outputs, bool positive_inside) {
+                   const std::string& mesh_name, const std::vector<std::string>& outputs, bool positive_inside,
+                   const std::vector<std::string>& group_names, const std::optional<GroupNumbers>& group_numbers) {
     OutputSet wanted;
     for (const std::string& name : outputs) wanted.insert(output_named(name).output);
-    const FieldDescription field = described(grid, band, sign, mesh_name, positive_inside);
+    FieldDescription field = described(grid, band, sign, mesh_name, positive_inside);
+    if (group_numbers && !group_names.empty()) {
+        const std::span numbers(group_numbers->data(), group_numbers->size());
+        field.groups = std::make_shared<const FaceGroups>(FaceGroups{group_names, {numbers.begin(), numbers.end()}});
+    }
     const nb::gil_scoped_release no_gil;
     return FieldWriter(path, field, wanted);
 }
@@ -103,7 +113,8 @@ void add_files(nb::module_& module) {
         .def("append", &append, nb::arg("arrays"))
         .def("finish", &finish);
     module.def("writer", &writer, nb::arg("path"), nb::arg("grid"), nb::arg("band"), nb::arg("sign"),
-               nb::arg("mesh_name"), nb::arg("outputs"), nb::arg("positive_inside") = false);
+               nb::arg("mesh_name"), nb::arg("outputs"), nb::arg("positive_inside") = false,
+               nb::arg("group_names") = std::vector<std::string>(), nb::arg("group_numbers") = nb::none());
     module.def(
         "check_field_path", [](const std::string& path) { check_field_path(path); }, nb::arg("path"),
         "Raises the error that writing to the path would raise for its ending or its folder.");

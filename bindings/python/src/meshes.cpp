@@ -35,10 +35,22 @@ auto arrays_of(const Mesh& mesh) {
     return std::pair(array_of<double>(mesh.vertices()), array_of<std::uint32_t>(mesh.triangles()));
 }
 
-Mesh read(const std::vector<std::string>& paths, double scale, const Vec3& translate, bool skip_bad_facets) {
+// Names, in which bytes that are not UTF-8 are replaced, and numbers (n,), int32.
+nb::tuple groups_of(const Mesh& mesh) {
+    nb::list names;
+    for (const std::string& name : mesh.groups().names)
+        names.append(nb::steal(PyUnicode_DecodeUTF8(name.data(), static_cast<Py_ssize_t>(name.size()), "replace")));
+    const std::vector<std::uint32_t>& from = mesh.groups().numbers;
+    auto memory = std::make_unique<std::vector<std::int32_t>>(from.begin(), from.end());
+    auto* const data = memory->data();
+    const nb::capsule owner(memory.release(),
+                            [](void* array) noexcept { delete static_cast<std::vector<std::int32_t>*>(array); });
+    return nb::make_tuple(names, nb::ndarray<nb::numpy, std::int32_t, nb::shape<-1>>(data, {from.size()}, owner));
+}
+
+Mesh read(const std::vector<std::string>& paths, const ReadOptions& options) {
     const nb::gil_scoped_release no_gil;
-    return read_meshes(paths,
-                       {.log = warn, .scale = scale, .translate = translate, .skip_bad_facets = skip_bad_facets});
+    return read_meshes(paths, options);
 }
 
 // Calls the function with a mesh of the arrays, without the GIL.
@@ -208,11 +220,23 @@ void add_meshes(nb::module_& module) {
         });
     module.def(
         "read_mesh",
-        [](const std::vector<std::string>& paths, double scale, const Vec3& translate, bool skip_bad_facets) {
-            return arrays_of(read(paths, scale, translate, skip_bad_facets));
+        [](const std::vector<std::string>& paths, double scale, const Vec3& translate, const std::string& up,
+           const Vec3& rotate, const std::string& group_by, bool skip_bad_facets) {
+            ReadOptions options{.log = warn, .scale = scale, .translate = translate, .up = up, .rotate = rotate};
+            options.group_by = group_by;
+            options.skip_bad_facets = skip_bad_facets;
+            const Mesh mesh = read(paths, options);
+            const auto arrays = arrays_of(mesh);
+            return nb::make_tuple(arrays.first, arrays.second, groups_of(mesh));
         },
-        nb::arg("paths"), nb::arg("scale") = 1.0, nb::arg("translate") = Vec3{}, nb::arg("skip_bad_facets") = false,
-        "Vertices (n, 3), float64, and faces (m, 3), uint32, of files .off, .obj, .stl or .ply, one after the other.\n"
+        nb::arg("paths"), nb::arg("scale") = 1.0, nb::arg("translate") = Vec3{}, nb::arg("up") = "z",
+        nb::arg("rotate") = Vec3{}, nb::arg("group_by") = "", nb::arg("skip_bad_facets") = false,
+        nb::sig(
+            "def read_mesh(paths: typing.Sequence[str], scale: float = 1.0, translate: tuple[float, float, float] = "
+            "(0.0, 0.0, 0.0), up: str = 'z', rotate: tuple[float, float, float] = (0.0, 0.0, 0.0), group_by: str = "
+            "'', skip_bad_facets: bool = False) -> tuple[typing.Any, typing.Any, tuple[list[str], typing.Any]]"),
+        "Vertices (n, 3), float64, faces (m, 3), uint32, and the names and numbers of groups of files .off, .obj,\n"
+        ".stl or .ply, one after the other.\n"
         "Raises clsdf.Error (unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));
     module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"), nb::arg("tolerance") = 0.0);

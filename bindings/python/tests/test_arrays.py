@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import tracemalloc
 import types
 
@@ -256,6 +257,53 @@ def test_bad_facets_of_a_file_are_left_out_if_asked_for(tmp_path):
     assert faces.tolist() == [[0, 1, 2]] and vertices[1].tolist() == [1, 0, 0]
 
 
+def test_a_mesh_has_groups_of_faces(tmp_path, solid):
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\ng floor\nf 1 3 2\ng walls\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    path = tmp_path / "room.obj"
+    path.write_text(text)
+    mesh = clsdf.read_mesh(path)
+    vertices, faces = mesh
+    names, numbers = mesh.groups
+    assert names == ["floor", "walls"] and numbers.dtype == np.int32 and numbers.tolist() == [0, 1, 1, 1]
+    assert vertices is mesh.vertices and faces is mesh.faces and mesh.name == "room.obj"
+    body = clsdf.Transform(mesh)
+    assert body.mesh_name == "room.obj"
+    points = np.array([[0.1, 0.1, -1], [2, 2, 2], [-9, 0, 0]])
+    r = body.query(points, "triangle", within=5)
+    assert mesh.groups.of(r.triangle).tolist() == [0, 1, -1]
+    assert [names[n] for n in numbers[r.triangle[:2]]] == ["floor", "walls"]
+
+    two = clsdf.read_mesh(path, path, weld=1e-6)
+    assert two.groups.names == ["room/floor", "room/walls", "room_2/floor", "room_2/walls"]
+    assert two.groups.numbers.tolist() == [0, 1, 1, 1, 2, 3, 3, 3]
+    assert clsdf.weld(mesh).groups.names == names
+    assert pickle.loads(pickle.dumps(mesh)).groups.names == names
+
+    mine = clsdf.Mesh(*solid)
+    assert mine.groups.names == [] and mine.groups.numbers.size == 0
+    assert mine.groups.of([0, 1]).tolist() == [-1, -1]
+    mine = clsdf.Mesh(vertices, faces, groups=(["a", "b"], [1, 0, 0, 0]))
+    assert mine.groups.of([[0, 1]]).tolist() == [[1, 0]]
+    for groups, message in [((["a"], [0, 0]), "one for each of 4 faces"), ((["a"], [0, 0, 0, 1]), "0 to 1"),
+                            ((["a", "a"], [0] * 4), "the same"), ((["a"], [0.5] * 4), "no pair"), (3, "no pair")]:
+        with pytest.raises(clsdf.Error, match=message):
+            clsdf.Mesh(vertices, faces, groups=groups)
+
+    field = body.field(resolution=8, outputs="distance triangle")
+    clsdf.write_field(field, tmp_path / "plain.vti")
+    clsdf.write_field(field, tmp_path / "groups.vti", groups=mesh.groups)
+    content = (tmp_path / "groups.vti").read_bytes()
+    assert b'Name="group"' in content and b'Name="group"' not in (tmp_path / "plain.vti").read_bytes()
+    assert mesh.groups.of(field.triangle).astype("<u4").tobytes() in content
+
+    (tmp_path / "a.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty int id\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n17 3 0 1 2\n"
+    )
+    assert clsdf.read_mesh(tmp_path / "a.ply", group_by="id").groups.names == ["17"]
+
+
 def test_rows_of_a_mesh_are_named(solid):
     vertices, faces = solid
     bad = vertices.copy()
@@ -340,6 +388,11 @@ def test_a_mesh_from_a_file(tmp_path, solid, points):
     read = clsdf.read_mesh(path)
     assert np.array_equal(read[0], vertices) and np.array_equal(read[1], faces)
     scaled, _ = clsdf.read_mesh(path, scale=0.5, translate=(1, 2, 3))
+    upright, _ = clsdf.read_mesh(path, up="y", rotate=(0, 0, 90))
+    x, y, z = read[0].T
+    assert np.array_equal(upright, np.stack([z, x, y], 1))
+    with pytest.raises(clsdf.Error, match="'up' is no axis"):
+        clsdf.read_mesh(path, up="up")
     assert np.array_equal(scaled, vertices * 0.5 + (1.0, 2.0, 3.0))
     with pytest.raises(clsdf.Error, match="scale: -1"):
         clsdf.read_mesh(path, scale=-1)

@@ -16,6 +16,8 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <string_view>
+#include <unordered_set>
 #include <utility>
 
 namespace clsdf {
@@ -132,6 +134,34 @@ void Mesh::set_positions(const InputArray& positions) {
     set_positions(read_positions(positions));
 }
 
+const FaceGroups& Mesh::groups() const {
+    static const FaceGroups none;
+    return groups_ ? *groups_ : none;
+}
+
+void Mesh::set_groups(FaceGroups groups) {
+    if (groups.names.empty() && groups.numbers.empty()) {
+        groups_.reset();
+        return;
+    }
+    if (groups.numbers.size() != triangles().size())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{} has {} triangles, and the groups have numbers for {}; give one for each", name_,
+                                triangles().size(), groups.numbers.size()));
+    const auto bad = std::ranges::find_if(groups.numbers, [&](std::uint32_t n) { return n >= groups.names.size(); });
+    if (bad != groups.numbers.end())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: triangle {} has the group {}, but there are only {} names; both count from 0",
+                                name_, bad - groups.numbers.begin(), *bad, groups.names.size()));
+    std::unordered_set<std::string_view> names;
+    for (const std::string& name : groups.names)
+        if (!names.insert(name).second)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("{}: two groups have the name '{}'; make them one, or give them different names",
+                                    name_, name));
+    groups_ = std::make_shared<const FaceGroups>(std::move(groups));
+}
+
 std::uint64_t Mesh::hash() const {
     // Each step maps different states to different states, and different words, too. So one word that differs is never
     // lost.
@@ -148,8 +178,19 @@ std::uint64_t Mesh::hash() const {
     return hash;
 }
 
+namespace {
+
+/// Triangles keep their groups.
+Mesh merged_with_groups(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
+    Mesh result = merged(mesh, first);
+    result.set_groups(mesh.groups());
+    return result;
+}
+
+}  // namespace
+
 Mesh weld(const Mesh& mesh) {
-    return merged(mesh, first_equal_vertices(mesh.vertices()));
+    return merged_with_groups(mesh, first_equal_vertices(mesh.vertices()));
 }
 
 Mesh weld(const Mesh& mesh, double tolerance) {
@@ -180,7 +221,7 @@ Mesh weld(const Mesh& mesh, double tolerance) {
                     fmt::format("vertices are to be joined within {}, but then no face of the mesh, whose longest side "
                                 "is {}, keeps three vertices; give a length below that of the edges",
                                 tolerance, mesh.box().longest_side()));
-    return merged(mesh, first);
+    return merged_with_groups(mesh, first);
 }
 
 }  // namespace clsdf

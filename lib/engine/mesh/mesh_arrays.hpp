@@ -8,15 +8,23 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace clsdf {
 
+/// Triangles of one group, from this one up to the next run.
+struct GroupRun {
+    std::size_t first_triangle;
+    std::string name;
+};
+
 /// The arrays of a mesh in the making.
 struct MeshArrays {
     std::vector<Vec3> vertices;
     std::vector<Triangle> triangles;
+    std::vector<GroupRun> runs{};  ///< in the order of the triangles; empty without groups
 
     /// Adds a polygon as a fan around its first corner.
     void add_polygon(std::span<const std::uint32_t> corners) {

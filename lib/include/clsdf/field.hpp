@@ -2,6 +2,7 @@
 
 #include <clsdf/export.hpp>
 #include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
@@ -9,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <ranges>
 #include <span>
 #include <string>
@@ -91,6 +93,8 @@ struct FieldDescription {
     /// Distances and gradients are negated, also zeros and what lies beyond the band: -0 on the surface. So negating
     /// them again gives the same bits. Fields that are computed are negative inside; see Field::negate().
     bool positive_inside = false;
+    /// The groups of the mesh, or null. Files that have the output triangle get a group for each sample, too; .vti does.
+    std::shared_ptr<const FaceGroups> groups{};
 };
 
 namespace detail {

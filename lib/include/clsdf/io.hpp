@@ -80,6 +80,9 @@ CLSDF_EXPORT bool stores_sparse_fields(const std::string& path);
 /// Whether it stores dense fields as sparse ones, too: .nvdb and .vdb.
 CLSDF_EXPORT bool stores_sparse_fields_only(const std::string& path);
 
+/// Whether it stores the group of each sample, if the field has triangles and groups: .vti.
+CLSDF_EXPORT bool stores_groups(const std::string& path);
+
 /// Reads the sparse field of a file, with the outputs that are wanted and in the file. Nothing if the file has a dense
 /// field, which read_field() reads; that function also makes a sparse field dense. The bricks of .nvdb and .vdb are
 /// their leaves; samples beyond the grid have the background. Throws as read_field().

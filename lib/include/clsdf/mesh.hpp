@@ -33,6 +33,23 @@ struct CLSDF_EXPORT Box {
 /// Three vertex indices, counter-clockwise seen from outside.
 using Triangle = std::array<std::uint32_t, 3>;
 
+/// Groups of a mesh's triangles, each with a name: the solids of an STL file, the patches of a case, the links of a robot.
+struct FaceGroups {
+    std::vector<std::string> names;      ///< all different; "" may be that of triangles to which a file gives none
+    std::vector<std::uint32_t> numbers;  ///< of each triangle: the index of its name
+
+    bool empty() const { return names.empty(); }
+    /// The number of a triangle, for instance of the nearest one of a point; no_group for no_triangle.
+    inline std::uint32_t of(std::uint32_t triangle) const;
+};
+
+/// The group of a sample or point beyond the band.
+inline constexpr std::uint32_t no_group = 0xFFFFFFFFU;
+
+inline std::uint32_t FaceGroups::of(std::uint32_t triangle) const {
+    return triangle < numbers.size() ? numbers[triangle] : no_group;
+}
+
 /// A triangle mesh in the caller's arrays; nothing is copied, and the arrays must outlive the view. mesh_view() of
 /// clsdf/eigen.hpp makes one of Eigen's matrices.
 class CLSDF_EXPORT MeshView {
@@ -91,10 +108,16 @@ public:
     const std::vector<Triangle>& triangles() const { return triangles_.get(); }
     const std::string& name() const { return name_; }
 
+    /// The groups of the triangles; empty if the mesh has none. Copies and welded meshes have the same.
+    const FaceGroups& groups() const;
+    /// Sets them; empty ones remove them. Throws Error(invalid_argument) unless each triangle has a number, each number
+    /// has a name, and all names are different; the mesh is as before then.
+    void set_groups(FaceGroups groups);
+
     /// The box of the vertices in use.
     const Box& box() const { return box_; }
 
-    /// A hash of all vertices and triangles, in their order, not of the name: the same on every machine. Meshes that
+    /// A hash of all vertices and triangles, in their order, not of names: the same on every machine. Meshes that
     /// differ in one coordinate or one index never share it, other meshes with a chance of about 2^-64. The ranks of a
     /// parallel program compare it, so as to find out that one was given another mesh. -0.0 and 0.0 differ. No defence
     /// against meshes that are made to share it. Takes time in proportion to the mesh.
@@ -109,6 +132,7 @@ private:
     detail::SharedTriangles triangles_;
     std::string name_;
     Box box_;
+    std::shared_ptr<const FaceGroups> groups_;  // which copies share; null if there are none
 };
 
 /// The mesh in which vertices of equal coordinates are one vertex; triangles keep their order and number.

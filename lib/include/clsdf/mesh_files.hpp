@@ -24,10 +24,19 @@ struct ReadOptions {
     /// with unknown keywords, and vertices of an .obj with a fourth number w other than 1, by which x, y and z are
     /// divided.
     std::function<void(const std::string& message)> log{};
-    /// Every coordinate x of the file becomes x * scale + translate, in double; the product and the sum are each
-    /// rounded once. 0.001 makes metres of millimetres. Finite, and the scale > 0: a mirrored mesh would be inside out.
+    /// Every position x of the file becomes R (x * scale) + translate, in double; without a rotation R, the product and
+    /// the sum are each rounded once. 0.001 makes metres of millimetres. Finite, and the scale > 0: a mirrored mesh
+    /// would be inside out.
     double scale = 1;
     Vec3 translate{};
+    /// The axis of the file that points up: "x", "y", "z", "-x", "-y" or "-z". The mesh gets z up, by a rotation about
+    /// x, or about y for "x" and "-x": of a file with y up, (x, y, z) becomes (x, -z, y).
+    std::string up = "z";
+    /// Degrees about the fixed axes x, y and z, one after the other (roll, pitch and yaw), after `up`. Multiples of 90
+    /// exchange and negate coordinates, and round nothing.
+    Vec3 rotate{};
+    /// A property of the faces of .ply files, of an integer type: its values are the names of the groups.
+    std::string group_by{};
     /// Faces with a coordinate that is not finite, or that name a vertex that does not exist, are left out; `log` gets
     /// their number and the first of them. Without this they are errors.
     bool skip_bad_facets = false;
@@ -38,11 +47,16 @@ struct ReadOptions {
 /// around its first corner; if the fan would leave a concave polygon, the polygon is cut into ears. A polygon that
 /// crosses itself stays a fan. Vertices of equal coordinates in an STL file become one. Throws Error(unreadable_input
 /// or invalid_mesh) that names the file, the line or element and the value, also for a file that is not what its ending
-/// says, as a pointer of Git LFS; Error(unsupported) for an unknown ending; Error(invalid_argument) for a scale or a
-/// translation that makes no sense or that makes a vertex in use infinite.
+/// says, as a pointer of Git LFS; Error(unsupported) for an unknown ending; Error(invalid_argument) for a scale, a
+/// rotation or a translation that makes no sense or that makes a vertex in use infinite, or for a property of groups
+/// that the file does not have.
+///
+/// Mesh::groups() are the solids of an ASCII STL file, the groups and objects of an OBJ file ("object/group" if a face
+/// has both), or the values of `group_by` of a PLY file; docs/formats.md has the rules.
 CLSDF_EXPORT Mesh read_mesh(const std::string& path, const ReadOptions& options = {});
 
 /// Reads several files as one mesh: the vertices and the triangles of each file follow those of the one before it.
+/// Each file is a group with the file's name without folder and ending; a file with several groups has "name/group".
 /// Throws as read_mesh(), and Error(invalid_argument) for no path.
 CLSDF_EXPORT Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options = {});
 
@@ -91,11 +105,13 @@ CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path,
 /// Writes what DistanceTransform::query() found, a row for each point, by the file's ending: .npy (a structured array
 /// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. The columns are
 /// the distance, the outputs in `wanted`, and every other output whose array is not empty; docs/formats.md describes
-/// them. `wanted` is needed only without points. winding: of the points, for a last column, or empty. Throws
+/// them. `wanted` is needed only without points. winding: of the points, for a last column, or empty. groups: of the
+/// mesh, for a column of the numbers of the nearest triangles' groups; needs the output triangle; or null. Throws
 /// Error(invalid_argument) if an array does not fit the points, Error(unsupported) for an unknown ending,
 /// Error(output_failure).
 CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path,
-                               OutputSet wanted = {}, std::span<const float> winding = {});
+                               OutputSet wanted = {}, std::span<const float> winding = {},
+                               const FaceGroups* groups = nullptr);
 
 /// Throws the error that write_points() would throw for the ending or the folder. Leaves no file.
 CLSDF_EXPORT void check_points_path(const std::string& path);

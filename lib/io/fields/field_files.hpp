@@ -66,6 +66,7 @@ struct Format {
     std::optional<SparseField> (*read_sparse)(const std::string& path, OutputSet wanted) = nullptr;
     /// Dense fields are stored as sparse ones.
     bool is_always_sparse = false;
+    bool has_groups = false;
 };
 
 /// By the file's ending, in upper or lower case. Throws Error(code) that lists the endings.

@@ -5,8 +5,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace clsdf {
 namespace {
@@ -48,6 +54,7 @@ class VtiWriter : public FormatWriter {
 public:
     VtiWriter(const std::string& path, const FieldDescription& field, OutputSet outputs)
         : infos_(infos_of(outputs)),
+          groups_(outputs.contains(Output::triangle) ? field.groups : nullptr),
           slice_(static_cast<std::uint64_t>(field.grid.size[0]) * static_cast<std::uint64_t>(field.grid.size[1])),
           samples_(field.grid.sample_count()),
           file_(path) {
@@ -58,15 +65,22 @@ public:
 
     void append(const FieldSlab& slab, std::int64_t first_slice) override {
         std::uint64_t array = begin_;
-        for (const OutputInfo& info : infos_) {
+        const auto write = [&](const OutputInfo& info, std::span<const std::byte> values) {
             const std::uint64_t bytes = samples_ * info.sample_bytes();
             if (first_slice == 0) {
                 file_.seek(array);
                 write_number(bytes);
             }
             file_.seek(array + header_width + static_cast<std::uint64_t>(first_slice) * slice_ * info.sample_bytes());
-            write_little_endian(file_, slab.bytes(info.output), bytes_of(info.type));
+            write_little_endian(file_, values, bytes_of(info.type));
             array += header_width + bytes;
+        };
+        for (const OutputInfo& info : infos_) write(info, slab.bytes(info.output));
+        if (groups_) {
+            const std::span<const std::uint32_t> triangles = slab.triangle();
+            numbers_.resize(triangles.size());
+            std::ranges::transform(triangles, numbers_.begin(), [&](std::uint32_t t) { return groups_->of(t); });
+            write(group_info, std::as_bytes(std::span(numbers_)));
         }
         end_ = array;
     }
@@ -83,13 +97,15 @@ private:
         const std::string extent = fmt::format("0 {} 0 {} 0 {}", grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
         std::string arrays;
         std::uint64_t offset = 0;
-        for (const OutputInfo& info : infos_) {
+        const auto add = [&](const OutputInfo& info) {
             arrays += fmt::format(
                 "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
                 "offset=\"{}\"/>\n",
                 vti_name_of(info.type), info.name, info.components, offset);
             offset += header_width + samples_ * info.sample_bytes();
-        }
+        };
+        for (const OutputInfo& info : infos_) add(info);
+        if (groups_) add(group_info);
         return fmt::format(
             "<?xml version=\"1.0\"?>\n"
             "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
@@ -98,6 +114,7 @@ private:
             "      <DataArray type=\"String\" Name=\"clsdf\" NumberOfTuples=\"1\" format=\"ascii\">\n"
             "        {}\n"
             "      </DataArray>\n"
+            "{}"
             "    </FieldData>\n"
             "    <Piece Extent=\"{}\">\n"
             "      <PointData Scalars=\"{}\">\n"
@@ -109,14 +126,30 @@ private:
             "  <AppendedData encoding=\"raw\">\n"
             "   _",
             extent, fmt::join(grid.position(0, 0, 0), " "), fmt::join(grid.spacing, " "),
-            numbers_of_letters(description_text(field)), extent, info_of(Output::distance).name, arrays);
+            numbers_of_letters(description_text(field)), names_of_groups(), extent, info_of(Output::distance).name,
+            arrays);
+    }
+
+    std::string names_of_groups() const {
+        if (!groups_) return {};
+        std::string names;
+        for (const std::string& name : groups_->names) names += numbers_of_letters(name) + " ";
+        return fmt::format(
+            "      <DataArray type=\"String\" Name=\"groups\" NumberOfTuples=\"{}\" format=\"ascii\">\n"
+            "        {}\n"
+            "      </DataArray>\n",
+            groups_->names.size(), names);
     }
 
     void write_number(std::uint64_t number) {
         write_little_endian(file_, std::as_bytes(std::span(&number, 1)), sizeof(number));
     }
 
+    static constexpr OutputInfo group_info{.name = "group", .type = ElementType::uint32};
+
     std::vector<OutputInfo> infos_;
+    std::shared_ptr<const FaceGroups> groups_;  // null unless they are written
+    std::vector<std::uint32_t> numbers_;
     std::uint64_t slice_;
     std::uint64_t samples_;
     std::uint64_t begin_ = 0;  // of the values

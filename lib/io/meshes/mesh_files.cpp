@@ -1,6 +1,9 @@
 #include "io/meshes/mesh_files.hpp"
 
 #include "core/files.hpp"
+#include "io/meshes/face_groups.hpp"
+#include "io/meshes/placement.hpp"
+#include "tools/text.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/mesh_files.hpp>
@@ -13,7 +16,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <new>
@@ -96,6 +98,10 @@ namespace {
 
 MeshArrays read_arrays(const FileContent& file, MeshFormat format, ReadingNotes& notes) {
     refuse_other_content(file, format);
+    if (!notes.group_by.empty() && format != MeshFormat::ply)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: groups by the property {} are of .ply files alone; leave it out", file.path(),
+                                clsdf::quoted(notes.group_by)));
     switch (format) {
         case MeshFormat::off:
             return read_off(file, notes);
@@ -123,6 +129,7 @@ Mesh read_file(const std::string& path, const ReadOptions& options) {
     const MeshFormat format = format_of_ending(path);
     ReadingNotes notes;
     notes.skip_bad_facets = options.skip_bad_facets;
+    notes.group_by = options.group_by;
     MeshArrays arrays = read_arrays(FileContent(path), format, notes);
     const std::vector<std::string> texts = notes.texts();
     if (arrays.triangles.empty()) {
@@ -131,8 +138,10 @@ Mesh read_file(const std::string& path, const ReadOptions& options) {
         throw Error(ErrorCode::invalid_mesh,
                     fmt::format("{}: there is no triangle{}{}", path, reason.empty() ? "" : "; ", reason));
     }
+    const std::vector<GroupRun> runs = std::move(arrays.runs);
     Mesh mesh = mesh_of(std::move(arrays), path);
     if (format == MeshFormat::stl) mesh = weld(mesh);
+    mesh.set_groups(groups_of(runs, mesh.triangles().size()));
     if (options.log)
         for (const std::string& text : texts) options.log(fmt::format("{}: {}", path, text));
     return mesh;
@@ -194,41 +203,9 @@ std::vector<std::string> ReadingNotes::texts() const {
     return texts;
 }
 
-namespace {
-
-void check_placement(const ReadOptions& options) {
-    if (!(options.scale > 0) || !std::isfinite(options.scale))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("scale: {} is no factor for lengths; give a finite number above 0", options.scale));
-    for (const double step : options.translate)
-        if (!std::isfinite(step))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("translate: {} is no length; give three finite numbers", step));
-}
-
-/// The mesh of a file in the unit and at the place of the options.
-Mesh read_and_place(const std::string& path, const ReadOptions& options) {
-    Mesh mesh = read_file(path, options);
-    if (options.scale == 1 && options.translate == Vec3{}) return mesh;
-    std::vector<Vec3> positions = mesh.vertices();
-    for (Vec3& position : positions)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            position[axis] = position[axis] * options.scale + options.translate[axis];
-    try {
-        mesh.set_positions(std::move(positions));
-    } catch (const Error& error) {
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}, after the scale {} and the translation ({}); choose smaller ones", error.what(),
-                                options.scale, fmt::join(options.translate, ", ")));
-    }
-    return mesh;
-}
-
-}  // namespace
-
 Mesh read_mesh(const std::string& path, const ReadOptions& options) {
     check_placement(options);
-    return with_memory_for(fmt::format("'{}'", path), [&] { return read_and_place(path, options); });
+    return with_memory_for(fmt::format("'{}'", path), [&] { return placed(read_file(path, options), options); });
 }
 
 Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options) {
@@ -237,8 +214,9 @@ Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options)
     check_placement(options);
     return with_memory_for(fmt::format("the meshes '{}'", fmt::join(paths, "', '")), [&] {
         MeshArrays all;
+        NamedGroups groups;
         for (const std::string& path : paths) {
-            const Mesh mesh = read_and_place(path, options);
+            const Mesh mesh = placed(read_file(path, options), options);
             const std::size_t first = all.vertices.size();
             if (mesh.vertices().size() >= std::numeric_limits<std::uint32_t>::max() - first)
                 throw Error(ErrorCode::unsupported,
@@ -250,8 +228,11 @@ Mesh read_meshes(std::span<const std::string> paths, const ReadOptions& options)
                 const auto shift = static_cast<std::uint32_t>(first);
                 all.triangles.push_back({shift + triangle[0], shift + triangle[1], shift + triangle[2]});
             }
+            groups.add_file(path, mesh.groups(), mesh.triangles().size());
         }
-        return Mesh(std::move(all.vertices), std::move(all.triangles), fmt::format("{}", fmt::join(paths, " + ")));
+        Mesh mesh(std::move(all.vertices), std::move(all.triangles), fmt::format("{}", fmt::join(paths, " + ")));
+        mesh.set_groups(groups.take());
+        return mesh;
     });
 }
 

@@ -99,6 +99,7 @@ struct ReadingNotes {
             }
         return false;
     }
+    std::string group_by;  ///< what the reader is asked for: as in ReadOptions
 
     /// A sentence for each kind that occurred, without the file's name.
     std::vector<std::string> texts() const;

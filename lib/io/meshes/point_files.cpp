@@ -201,8 +201,10 @@ std::vector<Vec3> read_csv_points(const FileContent& file) {
 struct Columns {
     std::vector<OutputInfo> infos;
     std::vector<std::span<const std::byte>> values;
+    std::vector<std::uint32_t> group_numbers;
 
-    Columns(std::size_t points, const FieldSlab& results, OutputSet wanted, std::span<const float> winding) {
+    Columns(std::size_t points, const FieldSlab& results, OutputSet wanted, std::span<const float> winding,
+            const FaceGroups* groups) {
         infos.push_back(info_of(Output::distance));
         for (const OutputInfo& info : extra_outputs())
             if (wanted.contains(info.output) || !results.bytes(info.output).empty()) infos.push_back(info);
@@ -214,6 +216,7 @@ struct Columns {
                     fmt::format("there are {} points, and the array of the output {} holds {} values of {}", points,
                                 info.name, values.back().size() / bytes_of(info.type), points * info.components));
         }
+        if (groups != nullptr) add_groups(points, results.triangle(), *groups);
         if (winding.empty()) return;
         if (winding.size() != points)
             throw Error(ErrorCode::invalid_argument,
@@ -222,6 +225,17 @@ struct Columns {
                                     points, winding.size()));
         infos.push_back({.name = "winding", .description = "winding number"});
         values.push_back(std::as_bytes(winding));
+    }
+
+    void add_groups(std::size_t points, std::span<const std::uint32_t> triangles, const FaceGroups& groups) {
+        if (triangles.size() != points)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the groups of {} points follow from the output triangle, which has {} values; ask "
+                                    "for it, too",
+                                    points, triangles.size()));
+        for (const std::uint32_t triangle : triangles) group_numbers.push_back(groups.of(triangle));
+        infos.push_back({.name = "group", .description = "group of the nearest triangle", .type = ElementType::uint32});
+        values.push_back(std::as_bytes(std::span(group_numbers)));
     }
 
     /// "closest_x" for a component, "distance" for a single value.
@@ -382,9 +396,9 @@ std::vector<Vec3> read_points(const std::string& path, const std::function<void(
 }
 
 void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path, OutputSet wanted,
-                  std::span<const float> winding) {
+                  std::span<const float> winding, const FaceGroups* groups) {
     const PointFormat format = format_of_points(path);
-    const Columns columns(points.size(), results, wanted, winding);
+    const Columns columns(points.size(), results, wanted, winding, groups);
     AtomicFile file(path);
     switch (format) {
         case PointFormat::npy:

@@ -1,3 +1,4 @@
+#include "io/meshes/face_groups.hpp"
 #include "io/meshes/mesh_files.hpp"
 #include "io/meshes/polygons.hpp"
 #include "tools/text.hpp"
@@ -399,6 +400,7 @@ MeshArrays read_obj(const FileContent& file, ReadingNotes& notes) {
     ObjFaces faces;
     Polygons polygons;
     std::vector<std::uint32_t> corners;
+    std::string object, group;
     while (scanner.next_line()) {
         const std::string_view keyword = scanner.word();
         if (keyword == "v") {
@@ -414,6 +416,11 @@ MeshArrays read_obj(const FileContent& file, ReadingNotes& notes) {
                 notes.small_faces.add([&] { return fmt::format("line {}", scanner.line()); });
             else
                 polygons.add(mesh, corners);
+        } else if (keyword == "o" || keyword == "g") {
+            (keyword == "o" ? object : group) = name_in(scanner);
+            const bool has_one = object.empty() || group.empty() || object == group;
+            mesh.runs.push_back({mesh.triangles.size(),
+                                 has_one ? (object.empty() ? group : object) : fmt::format("{}/{}", object, group)});
         } else if (!is_obj_keyword(keyword)) {
             notes.unknown_lines.add([&] { return fmt::format("line {}, {}", scanner.line(), quoted(keyword)); });
         }

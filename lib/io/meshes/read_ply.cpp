@@ -141,6 +141,7 @@ struct Layout {
     std::array<std::size_t, 3> coordinates{};
     std::optional<std::size_t> corners;  ///< of the element 'face'
     std::optional<std::size_t> strips;   ///< of the element 'tristrips'
+    std::optional<std::size_t> group;    ///< of the element 'face', if groups are asked for
 };
 
 Layout find_vertices(const FileContent& file, const PlyHeader& header) {
@@ -169,7 +170,26 @@ std::size_t find_list(const FileContent& file, const PlyElement& element) {
     return *found;
 }
 
-Layout find_layout(const FileContent& file, const PlyHeader& header) {
+std::size_t find_group(const FileContent& file, const PlyElement& face, const std::string& group_by) {
+    const std::optional<std::size_t> group = face.find(group_by);
+    if (!group) {
+        std::string names;
+        for (const PlyProperty& property : face.properties) names += (names.empty() ? "" : ", ") + property.name;
+        fail_header(file,
+                    fmt::format("the element 'face' has no property {} for groups; its properties are {}",
+                                quoted(group_by), names),
+                    ErrorCode::invalid_argument);
+    }
+    const PlyProperty& property = face.properties[*group];
+    if (property.count_type || property.type == PlyType::float32 || property.type == PlyType::float64)
+        fail_header(file,
+                    fmt::format("the property {} of faces is {}; groups need one integer a face", quoted(group_by),
+                                property.count_type ? "a list" : "no integer"),
+                    ErrorCode::invalid_argument);
+    return *group;
+}
+
+Layout find_layout(const FileContent& file, const PlyHeader& header, const std::string& group_by) {
     Layout layout = find_vertices(file, header);
     const PlyElement* const face = header.find("face");
     const PlyElement* const strips = header.find("tristrips");
@@ -180,6 +200,11 @@ Layout find_layout(const FileContent& file, const PlyHeader& header) {
                     ErrorCode::invalid_mesh);
     if (face != nullptr) layout.corners = find_list(file, *face);
     if (strips != nullptr) layout.strips = find_list(file, *strips);
+    if (group_by.empty()) return layout;
+    if (face == nullptr)
+        fail_header(file, "triangle strips have no groups; convert the file to one with single faces, or leave the groups out",
+                    ErrorCode::unsupported);
+    layout.group = find_group(file, *face, group_by);
     return layout;
 }
 
@@ -319,17 +344,28 @@ void read_strips(Rows& rows, const PlyProperty& list, Faces& faces) {
     }
 }
 
-/// read(property): reads the property with the index `list`. The others are skipped.
+/// read(property): reads the property with the index `list`. group: the index of one whose values name the groups. The
+/// others are skipped.
 template <typename Rows, typename Read>
-void read_faces(Rows& rows, const PlyElement& element, std::size_t list, const Read& read) {
+void read_faces(Rows& rows, const PlyElement& element, std::size_t list, std::optional<std::size_t> group,
+                MeshArrays& mesh, const Read& read) {
+    std::optional<std::int64_t> group_of_run;
     for (std::size_t row = 0; row < element.count; ++row) {
         rows.begin_row(element, row);
+        const std::size_t first_triangle = mesh.triangles.size();
+        std::int64_t group_of_row = 0;
         for (std::size_t p = 0; p < element.properties.size(); ++p)
             if (p == list)
                 read(element.properties[p]);
+            else if (p == group)
+                group_of_row = rows.integer(element.properties[p].type);
             else
                 skip_property(rows, element.properties[p]);
         rows.end_row();
+        if (group && group_of_run != group_of_row && mesh.triangles.size() > first_triangle) {
+            mesh.runs.push_back({first_triangle, fmt::format("{}", group_of_row)});
+            group_of_run = group_of_row;
+        }
     }
 }
 
@@ -350,10 +386,12 @@ MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout, R
             read_vertices(rows, element, layout, mesh.vertices);
         } else if (element.name == "face") {
             mesh.triangles.reserve(element.count);
-            read_faces(rows, element, *layout.corners,
+            read_faces(rows, element, *layout.corners, layout.group, mesh,
                        [&](const PlyProperty& list) { read_corners(rows, list, faces, corners); });
         } else if (element.name == "tristrips") {
-            read_faces(rows, element, *layout.strips, [&](const PlyProperty& list) { read_strips(rows, list, faces); });
+            if (layout.group) mesh.runs.push_back({mesh.triangles.size(), ""});
+            read_faces(rows, element, *layout.strips, std::nullopt, mesh,
+                       [&](const PlyProperty& list) { read_strips(rows, list, faces); });
         } else {
             skip_rows(rows, element);
         }
@@ -391,7 +429,7 @@ auto read_from_begin(const PlyHeader& header, ReadingNotes& notes, const Read& r
 
 MeshArrays read_ply(const FileContent& file, ReadingNotes& notes) {
     const PlyHeader header = read_ply_header(file, notes);
-    const Layout layout = find_layout(file, header);
+    const Layout layout = find_layout(file, header, notes.group_by);
     if (header.format == PlyFormat::ascii) return read_body(TextRows(file, header), header, layout, notes);
     return read_from_begin(header, notes, [&](std::size_t begin, ReadingNotes& found) {
         return read_body(BinaryRows(file, header, begin), header, layout, found);

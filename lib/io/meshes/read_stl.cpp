@@ -1,5 +1,6 @@
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "io/meshes/face_groups.hpp"
 #include "io/meshes/mesh_files.hpp"
 #include "io/meshes/polygons.hpp"
 
@@ -128,6 +129,7 @@ bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t>
     while (in_solid || scanner.next_line()) {
         if (!in_solid) {
             expect(scanner, "solid");
+            mesh.runs.push_back({mesh.triangles.size(), name_in(scanner)});
             scanner.next_line();
             in_solid = true;
         }
@@ -184,6 +186,10 @@ MeshArrays joined(std::span<const MeshArrays> parts) {
                                    });
         },
         1);
+    // A part that begins in a solid goes on with the run before it.
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        for (const GroupRun& run : parts[i].runs)
+            mesh.runs.push_back({first_triangle[i] + run.first_triangle, run.name});
     return mesh;
 }
 

@@ -5,9 +5,11 @@ add_library(clsdf::meshes ALIAS clsdf_meshes)
 set_target_properties(clsdf_meshes PROPERTIES EXPORT_NAME meshes)
 target_sources(
   clsdf_meshes
-  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/face_groups.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mistaken_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy_header.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/placement.cpp
           ${CMAKE_CURRENT_LIST_DIR}/ply_header.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/polygons.cpp
