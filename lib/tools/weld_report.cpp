@@ -1,6 +1,6 @@
 #include <clsdf/mesh_files.hpp>
 
-#include "mesh/topology.hpp"
+#include "mesh/equal_vertices.hpp"
 
 #include <clsdf/error.hpp>
 
