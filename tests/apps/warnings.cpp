@@ -137,12 +137,17 @@ BOOST_AUTO_TEST_CASE(of_turned_faces_do_not_contradict_that_the_mesh_is_inside_o
 
 BOOST_AUTO_TEST_CASE(of_a_weld_that_flattens_a_wall_name_the_length) {
     const MeshFile file(plate(0.001));
-    const std::string text = check_two_lines({"compute", file.path, "--dry-run", "--weld", "0.002"},
-                                             {"--weld 0.002: ", "lose their area", "0.004 to 0; ", "give a smaller one"});
+    const std::string text =
+        check_two_lines({"compute", file.path, "--dry-run", "--weld", "0.002"},
+                        {"--weld 0.002: ", "lose their area", "0.004 to 0; ", "give a smaller one"});
     BOOST_TEST(text.find("volume changes from ") != std::string::npos, text);
     check_two_lines({"info", file.path, "--weld", "0.002"}, {"--weld 0.002: ", "give a smaller one"});
     const Outcome thick = run_command({"info", file.path, "--weld", "0.0005", "--quiet"}, no_devices);
     BOOST_TEST(thick.error.empty(), thick.error);
+}
+
+BOOST_AUTO_TEST_CASE(of_a_narrow_band_name_a_wider_one) {
+    check_mesh(cube(1), {"0.1 voxels wide", "choose --band 2v or more"}, {"--band", "0.1v"});
 }
 
 BOOST_AUTO_TEST_CASE(of_bad_facets_count_them_and_errors_name_the_option) {
