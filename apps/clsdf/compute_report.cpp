@@ -203,7 +203,7 @@ std::string warning_of_narrow_band(const ComputeLayout& layout) {
         if (width > 0) narrow = std::min(narrow, width);  // 0: that side is not wanted
     if (!(narrow < voxel)) return {};
     return fmt::format(
-        "the band is {:.3g} voxels wide on a side; choose --band 2v or more: a surface that is made from the field may "
+        "the band is {:.3g} voxels wide on a side; choose --band 2v or more; a surface that is made from the field may "
         "be "
         "off by a good part of a voxel, because samples beside it have the band's limit",
         narrow / voxel);

@@ -62,7 +62,8 @@ clsdf::Device open_device(const std::string& choice, Report& report) {
     if (!choice.empty() || !device_variable().empty() || is_told.exchange(true)) return device;
     for (const DeviceInfo& info : clsdf::Device::unused_gpus())
         report.warn(fmt::format(
-            "{} is not used, taken is \"{}\"; --device or CLSDF_DEVICE names a device without this warning; {}: {}",
+            "{} is not used, taken is \"{}\"; \"clsdf devices\" says why; --device or CLSDF_DEVICE names a device "
+            "without this warning; {}: {}",
             info.name, device.name(), info.driver_file, info.why_not));
     return device;
 }

@@ -255,7 +255,7 @@ BOOST_AUTO_TEST_CASE(takes_an_empty_field_and_marks_of_missing_values_for_nan) {
     BOOST_TEST(rows[1][3] == "-0.5");
     BOOST_TEST(rows[2][3] == "nan");
     BOOST_TEST(rows.back()[3] == "-0.75");
-    for (const char* other : {"missing", "N A", "#", "--", "nul"})
+    for (const char* other : {"missing", "N-A", "#", "--", "nul"})
         check_refused(
             run_command({"query", inputs.mesh,
                          inputs.folder.file("h.csv", std::string("x,y,z\n1,2,3\n1,") + other + ",3\n"), "-o", result}),

@@ -94,7 +94,8 @@ std::pair<Outcome, std::string> compute(const std::vector<std::string>& environm
     const TemporaryFolder folder;
     const std::string output = folder.file("field.npy");
     std::vector<std::string> arguments{
-        "compute", folder.file("mesh.off", tetrahedron), "-o", output, "--resolution", "16", "--json", "--quiet"};
+        "compute",  folder.file("mesh.off", tetrahedron), "-o", output, "--resolution", "16", "--json", "--quiet",
+        "--verbose"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     Outcome outcome = run_command(arguments, environment);
     BOOST_TEST(outcome.status == 0, outcome.error);

@@ -24,7 +24,7 @@ std::string content_of(const fs::path& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::size_t take_mesh(const std::string& path, const ReadOptions& options) {
+std::size_t take_mesh_with(const std::string& path, const ReadOptions& options) {
     const Mesh mesh = read_mesh(path, options);
     if (mesh.triangles().empty()) fail("a mesh without a triangle was given");
     for (const Triangle& triangle : mesh.triangles())
@@ -37,8 +37,8 @@ std::size_t take_mesh(const std::string& path, const ReadOptions& options) {
 }
 
 std::size_t take_mesh(const std::string& path) {
-    take_mesh(path, {.skip_bad_facets = true});
-    return take_mesh(path, {});
+    take_mesh_with(path, {.skip_bad_facets = true});
+    return take_mesh_with(path, {});
 }
 
 std::size_t take_field(const std::string& path) {

@@ -453,8 +453,8 @@ BOOST_AUTO_TEST_CASE(a_bad_facet_of_a_text_stl_of_many_megabytes_has_its_line) {
 }
 
 BOOST_AUTO_TEST_CASE(a_cloud_of_points_is_named) {
-    const std::vector<std::string> fragments{"no triangle", "; its 3 vertices are a cloud of points", "reconstruct a surface",
-                                             "POINTS of clsdf query"};
+    const std::vector<std::string> fragments{"no triangle", "; its 3 vertices are a cloud of points",
+                                             "reconstruct a surface", "POINTS of clsdf query"};
     check_is_refused("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", invalid, fragments);
     check_is_refused("a.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", invalid, fragments);
     check_is_refused("a.ply",

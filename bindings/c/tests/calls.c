@@ -102,6 +102,7 @@ static void check_grids(void) {
     division.cells[2] = 1;
     OK(clsdf_grid_between(&box, &division, &other));
     CHECK(other.size[2] == 1 && other.origin[2] == 0 && other.spacing[2] == 0.125 && other.origin[1] == 0.125);
+    box.upper[2] = 4;
     division.samples[0] = 2;
     FAILS(CLSDF_INVALID_ARGUMENT, "give one of them", clsdf_grid_between(&box, &division, &other));
     options.spacing[0] = options.spacing[1] = options.spacing[2] = 0.5;

@@ -212,7 +212,7 @@ contains
       call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'no face')
       call own%set_positions(x*spread([1d0, 1d0, 1d-4], 2, size(x, 2)))
       call own%weld(welded, 1d-3, report=report, warning=warning)
-      call check(report%lost_faces == 2 .and. report%coinciding_faces == 2 .and. report%volume_after == 0, 'flat')
+      call check(report%lost_faces == 2 .and. report%coinciding_faces == 0, 'two of the three faces are flat')
       call check(index(warning, 'give a smaller') > 0, 'the remedy')
       call own%set_positions(x)
     end block
