@@ -95,7 +95,13 @@ Json facts_of(const clsdf::Topology& topology) {
             {"nested_parts", topology.nested_parts},
             {"tested_points", topology.tested_points},
             {"doubtful_points", topology.doubtful_points},
-            {"inside_points", topology.inside_points}};
+            {"inside_points", topology.inside_points},
+            {"unclear_parts", topology.unclear_parts},
+            {"double_sided_faces", topology.double_sided_faces},
+            {"doubled_cavity_faces", topology.doubled_cavity_faces},
+            {"sheet_faces", topology.sheet_faces},
+            {"enclosing_faces", topology.enclosing_faces},
+            {"overlapping_parts", topology.overlapping_parts}};
 }
 
 const char* meaning_of(clsdf::SignRule rule) {

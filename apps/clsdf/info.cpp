@@ -108,7 +108,13 @@ Json describe(const Info& info) {
                  {"nested_parts", info.topology.nested_parts},
                  {"tested_points", info.topology.tested_points},
                  {"doubtful_points", info.topology.doubtful_points},
-                 {"inside_points", info.topology.inside_points}};
+                 {"inside_points", info.topology.inside_points},
+                 {"unclear_parts", info.topology.unclear_parts},
+                 {"double_sided_faces", info.topology.double_sided_faces},
+                 {"doubled_cavity_faces", info.topology.doubled_cavity_faces},
+                 {"sheet_faces", info.topology.sheet_faces},
+                 {"enclosing_faces", info.topology.enclosing_faces},
+                 {"overlapping_parts", info.topology.overlapping_parts}};
     if (info.self_intersections) defects["self_intersections"] = *info.self_intersections;
     Json groups = Json::array();
     for (const Group& group : info.groups)
@@ -188,14 +194,16 @@ void print_human(const Info& info) {
                info.defects.zero_area_faces, info.topology.repeated_vertex_faces, info.defects.duplicate_faces,
                info.topology.coincident_vertices);
     const clsdf::Topology& topology = info.topology;
-    if (topology.joined_vertices + topology.uncounted_faces + topology.reoriented_faces > 0)
-        print_text("sign      {} joined, {} not counted, {} turned around\n",
+    if (topology.joined_vertices + topology.uncounted_faces + topology.reoriented_faces + topology.sheet_faces > 0)
+        print_text("sign      {} joined, {} not counted, {} turned around, {} left out\n",
                    topology.joined_vertices == 1 ? "1 vertex" : fmt::format("{} vertices", topology.joined_vertices),
-                   counted(topology.uncounted_faces, "doubled face"), counted(topology.reoriented_faces, "face"));
+                   counted(topology.uncounted_faces, "doubled face"), counted(topology.reoriented_faces, "face"),
+                   counted(topology.sheet_faces, "face"));
     if (topology.tested_points > 0)
-        print_text("sign      {} of {} points of the box have a winding number in doubt, {} are inside: {}\n",
-                   topology.doubtful_points, topology.tested_points, topology.inside_points,
-                   name_of(resolve_sign_rule(clsdf::SignRule::automatic, topology).rule));
+        print_text(
+            "sign      {} of {} points beside faces and in boxes have a winding number in doubt, {} are inside: {}\n",
+            topology.doubtful_points, topology.tested_points, topology.inside_points,
+            name_of(resolve_sign_rule(clsdf::SignRule::automatic, topology).rule));
     print_groups(info.groups);
     if (info.self_intersections)
         print_text("          {}\n", *info.self_intersections == 1

@@ -397,7 +397,10 @@ module clsdf
     integer(c_int64_t) :: boundary_edges = 0, joined_vertices = 0, duplicate_faces = 0, uncounted_faces = 0, &
         reoriented_faces = 0, inner_wall_faces = 0, first_inner_wall_face = 0, parts = 0, &
         inward_parts = 0, first_inward_face = 0, nested_parts = 0, first_nested_face = 0, &
-        tested_points = 0, doubtful_points = 0, inside_points = 0
+        tested_points = 0, doubtful_points = 0, inside_points = 0, unclear_parts = 0, first_unclear_face = 0, &
+        double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
+        first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
+        first_overlapping_face = 0
   end type
 
   type, bind(C) :: clsdf_defects
@@ -431,7 +434,9 @@ module clsdf
     procedure :: vertices => mesh_vertices
     procedure :: triangles => mesh_triangles
     procedure :: name => mesh_name
-    procedure :: groups => mesh_groups
+    procedure :: group_count => mesh_group_count
+    procedure :: group_name => mesh_group_name
+    procedure :: group_numbers => mesh_group_numbers
     procedure :: set_groups => mesh_set_groups
     procedure :: box => mesh_box
     procedure :: hash => mesh_hash
@@ -655,7 +660,10 @@ module clsdf
     integer(c_int64_t) :: boundary_edges = 0, joined_vertices = 0, duplicate_faces = 0, uncounted_faces = 0, &
         reoriented_faces = 0, inner_wall_faces = 0, first_inner_wall_face = 0, parts = 0, &
         inward_parts = 0, first_inward_face = 0, nested_parts = 0, first_nested_face = 0, &
-        tested_points = 0, doubtful_points = 0, inside_points = 0
+        tested_points = 0, doubtful_points = 0, inside_points = 0, unclear_parts = 0, first_unclear_face = 0, &
+        double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
+        first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
+        first_overlapping_face = 0
   end type
   type, bind(C) :: c_call_options
     integer(c_size_t) :: struct_size = 0
@@ -3464,34 +3472,48 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end function
 
-  !> The names of the groups, all different, and for each triangle the number of its name, from 1: the nearest triangle t
-  !> of a point is in the group names(numbers(t)). Both are empty if the mesh has no groups.
-  subroutine mesh_groups(self, names, numbers, stat, errmsg)
+  !> The number of groups of triangles; 0 if the mesh has none.
+  function mesh_group_count(self, stat, errmsg) result(count)
     class(clsdf_mesh), intent(in) :: self
-    character(:), allocatable, intent(out) :: names(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    count = 0
+    status = c_mesh_group_count(self%handle, count)
+    call clsdf_finish(status, stat, errmsg)
+  end function
+
+  !> The name of a group, from 1; all are different.
+  function mesh_group_name(self, group, stat, errmsg) result(name)
+    class(clsdf_mesh), intent(in) :: self
+    integer, intent(in) :: group
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    character(:), allocatable :: name
+    type(c_ptr) :: text
+    integer(c_int32_t) :: status
+    text = c_null_ptr
+    status = c_mesh_group_name(self%handle, int(group, c_int64_t) - 1, text)
+    name = ''
+    if (status == CLSDF_OK) name = clsdf_text(text)
+    call clsdf_finish(status, stat, errmsg)
+  end function
+
+  !> A copy: the group of each triangle, from 1; empty if the mesh has no groups. That of the nearest triangle t of a point
+  !> is mesh%group_name(numbers(t)).
+  subroutine mesh_group_numbers(self, numbers, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
     integer(c_int32_t), allocatable, intent(out) :: numbers(:)
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     integer(c_int32_t), pointer :: from_0(:)
-    type(c_ptr) :: text
-    integer(c_int64_t) :: count, triangles, i
+    type(c_ptr) :: first
+    integer(c_int64_t) :: count
     integer(c_int32_t) :: status
-    integer :: length
-    length = 0
-    status = c_mesh_group_count(self%handle, count)
-    if (status /= CLSDF_OK) count = 0
-    do i = 1, count
-      if (status == CLSDF_OK) status = c_mesh_group_name(self%handle, i - 1, text)
-      if (status == CLSDF_OK) length = max(length, len(clsdf_text(text)))
-    end do
-    allocate (character(length) :: names(count))
-    do i = 1, count
-      if (status == CLSDF_OK) status = c_mesh_group_name(self%handle, i - 1, text)
-      if (status == CLSDF_OK) names(i) = clsdf_text(text)
-    end do
-    if (status == CLSDF_OK) status = c_mesh_group_numbers(self%handle, text, triangles)
+    status = c_mesh_group_numbers(self%handle, first, count)
     if (status == CLSDF_OK .and. count > 0) then
-      call c_f_pointer(text, from_0, [triangles])
+      call c_f_pointer(first, from_0, [count])
       numbers = from_0 + 1
     else
       allocate (numbers(0))
@@ -3574,6 +3596,17 @@ contains
     topology%tested_points = c%tested_points
     topology%doubtful_points = c%doubtful_points
     topology%inside_points = c%inside_points
+    topology%unclear_parts = c%unclear_parts
+    topology%first_unclear_face = c%first_unclear_face
+    topology%double_sided_faces = c%double_sided_faces
+    topology%doubled_cavity_faces = c%doubled_cavity_faces
+    topology%first_doubled_cavity_face = c%first_doubled_cavity_face
+    topology%sheet_faces = c%sheet_faces
+    topology%first_sheet_face = c%first_sheet_face
+    topology%enclosing_faces = c%enclosing_faces
+    topology%first_enclosing_face = c%first_enclosing_face
+    topology%overlapping_parts = c%overlapping_parts
+    topology%first_overlapping_face = c%first_overlapping_face
   end subroutine
 
   !> Defects beside those of edges.

@@ -26,14 +26,23 @@ std::unique_ptr<const Mesh> mesh_of(const SignSurface& surface, const Mesh& mesh
     return std::make_unique<const Mesh>(mesh.vertices(), std::move(triangles), mesh.name());
 }
 
+/// A field has the rule in use, and the rule `automatic` may have left sheets out for it.
+DescribedMesh described_for(const Mesh& mesh, SignRule sign) {
+    DescribedMesh described = describe_mesh(mesh);
+    const bool has_sheets = described.topology.sheet_faces > 0;
+    if (has_sheets && resolve_sign_rule(SignRule::automatic, described.topology).rule == sign) return described;
+    return describe_mesh(mesh, sign);
+}
+
 }  // namespace
 
 TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, double reach)
-    : TrueSamples(mesh, grid, sign, describe_mesh(mesh, sign), reach) {}
+    : TrueSamples(mesh, grid, sign, described_for(mesh, sign), reach) {}
 
 TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, DescribedMesh described, double reach)
     : grid_(grid),
-      sign_(resolve_sign_rule(sign, described.topology).rule),
+      sign_(
+          resolve_sign_rule(described.topology.sheet_faces > 0 ? SignRule::automatic : sign, described.topology).rule),
       surface_(is_signed() ? std::move(described.surface) : SignSurface()),
       reach_(reach),
       tree_(mesh),

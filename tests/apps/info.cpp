@@ -102,7 +102,9 @@ BOOST_AUTO_TEST_CASE(says_what_decides_the_sign) {
     const auto [walled, of_walled] = info({closed[0], closed[1], closed[2], closed[3], "1 2 4", "2 3 4", "3 1 4"});
     BOOST_TEST(walled["defects"]["boundary_edges"] == 0);
     BOOST_TEST(walled["defects"]["inner_wall_faces"] == 1);
-    has(of_walled, "not closed: 3 edges with three faces or another odd number\n");
+    BOOST_TEST(walled["defects"]["sheet_faces"] == 1);
+    has(of_walled, "1 face left out");
+    has(of_walled, "warning: for the sign, 1 face of inner walls is left out");
 }
 
 BOOST_AUTO_TEST_SUITE_END()

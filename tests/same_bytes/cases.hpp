@@ -101,7 +101,18 @@ private:
                                                   t.first_nested_face,
                                                   t.tested_points,
                                                   t.doubtful_points,
-                                                  t.inside_points};
+                                                  t.inside_points,
+                                                  t.unclear_parts,
+                                                  t.first_unclear_face,
+                                                  t.double_sided_faces,
+                                                  t.doubled_cavity_faces,
+                                                  t.first_doubled_cavity_face,
+                                                  t.sheet_faces,
+                                                  t.first_sheet_face,
+                                                  t.enclosing_faces,
+                                                  t.first_enclosing_face,
+                                                  t.overlapping_parts,
+                                                  t.first_overlapping_face};
             for (const std::size_t count : counts) line.add("count", count);
             line.add("open", t.first_open_edges);
             line.add("unbalanced", t.first_unbalanced_edges);

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-/// Meshes whose sign nobody doubts, though they are not balanced: noise around zero, doubled faces, faces that look the
-/// wrong way.
+/// Meshes whose sign nobody doubts, though they are not balanced or nothing would be inside: noise around zero, doubled
+/// faces, faces that look the wrong way, sheets.
 namespace clsdf::test {
 
 /// A surface over parameters from 0 to 2 pi, ends included, as linspace() gives them: at the seams coordinates differ
@@ -104,6 +104,11 @@ inline std::vector<DoubtfulMesh> doubtful_meshes() {
         {with_turned(sphere, {3, 200, 201}, "a sphere with three turned faces"), sphere},
         {with_turned(pair, {2, 30, 31, 400}, "overlapping solids with turned faces"), pair},
         {with_turned(hollow, {1, 20, 21}, "a cavity with turned faces"), hollow}};
+    // On both sides, and beside sheets.
+    meshes.push_back({together({solid, reversed(solid)}, "a cube, every face both ways"), solid});
+    meshes.push_back({boxes_with_membrane(), weld(box({0, 0, 0}, {2, 1, 1}))});
+    const Mesh sheet({{-2, -2, -0.3}, {2, -2, 0.2}, {2, 2, 0.5}, {-2, 2, 0}}, {{0, 1, 2}, {0, 2, 3}}, "sheet");
+    meshes.push_back({together({sphere, sheet}, "a sheet through a sphere"), sphere});
     // All three at once.
     Mesh all = seamed_torus();
     all = with_turned(all, {5, 100}, "all at once");

@@ -6,6 +6,7 @@
 
 #include "mesh/join_vertices.hpp"
 #include "support/doubtful_meshes.hpp"
+#include "support/open_meshes.hpp"
 #include "support/throws.hpp"
 #include "surface/topology.hpp"
 
@@ -252,18 +253,17 @@ BOOST_AUTO_TEST_CASE(doubled_faces_never_open_what_is_closed) {
     BOOST_TEST(topology.reoriented_faces == 1U);
 }
 
-BOOST_AUTO_TEST_CASE(an_inner_wall_is_named) {
+BOOST_AUTO_TEST_CASE(an_inner_wall_is_left_out) {
     const Mesh mesh = boxes_with_membrane();
     const Topology topology = describe_topology(mesh);
-    BOOST_TEST(topology.open_edges == 4U);
-    BOOST_TEST(topology.boundary_edges == 0U);
+    BOOST_TEST(topology.balanced);
+    BOOST_TEST(topology.open_edges == 0U);
     BOOST_TEST(topology.inner_wall_faces == 2U);
+    BOOST_TEST(topology.sheet_faces == 2U);
     for (std::size_t k = 0; k < 3; ++k)
         BOOST_TEST(mesh.vertices()[mesh.triangles()[topology.first_inner_wall_face][k]][0] == 1);
-    const std::string warning = warning_of(mesh, SignRule::none);
-    BOOST_TEST(has(warning, "4 edges have an odd number of faces"), warning);
-    BOOST_TEST(has(warning, "2 faces are an inner wall"), warning);
-    BOOST_TEST(!has(warning, "open"), warning);
+    const std::string warning = warning_of(mesh, SignRule::nonzero);
+    BOOST_TEST(has(warning, "2 faces of inner walls are left out"), warning);
     // However the wall and each of the boxes look.
     const auto place_of = [&](const Triangle& triangle) {
         double sum = 0;
@@ -274,12 +274,32 @@ BOOST_AUTO_TEST_CASE(an_inner_wall_is_named) {
         std::vector<std::size_t> faces;
         for (std::size_t face = 0; face < mesh.triangles().size(); ++face)
             if ((orientation >> place_of(mesh.triangles()[face]) & 1U) != 0) faces.push_back(face);
-        const Topology found = describe_topology(with_turned(mesh, faces, ""));
+        const Mesh turned = with_turned(mesh, faces, "");
+        const Topology found = describe_topology(turned);
         BOOST_TEST_CONTEXT("orientation " << orientation) {
+            BOOST_TEST(found.balanced);
             BOOST_TEST(found.inner_wall_faces == 2U);
             BOOST_TEST(place_of(mesh.triangles()[found.first_inner_wall_face]) == 2U);
+            const SignSurface surface = describe_mesh(turned).surface;
+            for (std::size_t face = 0; face < mesh.triangles().size(); ++face)
+                BOOST_TEST((surface.count(face) == 0) == (place_of(mesh.triangles()[face]) == 2U));
         }
     }
+    // The rule auto alone leaves it out.
+    const Topology by_name = describe_mesh(mesh, SignRule::nonzero).topology;
+    BOOST_TEST(by_name.open_edges == 4U);
+    BOOST_TEST(by_name.boundary_edges == 0U);
+    BOOST_TEST(by_name.inner_wall_faces == 2U);
+    BOOST_TEST(by_name.sheet_faces == 0U);
+    check_throws(ErrorCode::invalid_mesh, {"nonzero", "unbalanced"},
+                 [&] { resolve_sign_rule(SignRule::nonzero, by_name); });
+    check_throws(ErrorCode::invalid_mesh,
+                 {"parity", "4 edges have an odd number of faces", "2 faces are an inner wall"},
+                 [&] { resolve_sign_rule(SignRule::parity, by_name); });
+    for (const SignRule rule : {SignRule::nonzero, SignRule::parity})
+        check_throws(ErrorCode::invalid_mesh, {"2 faces of sheets or inner walls", "auto"},
+                     [&] { resolve_sign_rule(rule, topology); });
+    BOOST_TEST(describe_mesh(mesh, SignRule::solid_angle).surface.is_mesh());
 }
 
 BOOST_AUTO_TEST_CASE(faces_that_look_the_wrong_way_are_turned_around) {
@@ -363,6 +383,23 @@ BOOST_AUTO_TEST_CASE(parts_that_look_inwards_beside_others_are_named) {
     BOOST_TEST(all.nested_parts == 0U);
 }
 
+BOOST_AUTO_TEST_CASE(parts_that_overlap_are_named) {
+    const Mesh overlapping = together({cube(1), tilted(shifted(cube(1), {0.5, 0.5, 0.5}))}, "overlapping");
+    BOOST_TEST(describe_topology(overlapping).overlapping_parts == 2U);
+    BOOST_TEST(describe_topology(overlapping).first_overlapping_face == 0U);
+    BOOST_TEST(describe_topology(reversed(overlapping)).overlapping_parts == 2U);
+    BOOST_TEST(has(warning_of(overlapping, SignRule::nonzero), "2 of 2 parts are partly within others"));
+    // A bar that joins two parts is within both; no point of these is in the bar.
+    const Mesh dumbbell = together({cube(1), shifted(cube(1), {8, 0, 0}), box({0.5, -0.1, -0.1}, {7.5, 0.1, 0.1})}, "");
+    BOOST_TEST(describe_topology(dumbbell).overlapping_parts == 1U);
+    BOOST_TEST(describe_topology(dumbbell).first_overlapping_face == 24U);
+    // Neither a shell within a shell, nor a cavity, nor parts that touch.
+    for (const Mesh& mesh : {together({cube(1), tilted(cube(0.4))}, ""), together({cube(1), reversed(cube(0.4))}, ""),
+                             together({cube(1), shifted(cube(0.5), {1.5, 0.2, 0.1})}, ""),
+                             together({cube(1), shifted(cube(1), {2, 0, 0})}, "")})
+        BOOST_TEST(describe_topology(mesh).overlapping_parts == 0U);
+}
+
 BOOST_AUTO_TEST_CASE(shells_within_shells_that_look_the_same_way_are_named) {
     const Mesh alike = together({cube(1), tilted(cube(0.4))}, "alike");
     BOOST_TEST(describe_topology(alike).nested_parts == 1U);
@@ -371,13 +408,214 @@ BOOST_AUTO_TEST_CASE(shells_within_shells_that_look_the_same_way_are_named) {
     BOOST_TEST(warning_of(alike, SignRule::parity, SignRule::parity).empty());
     // Parts that overlap are no such shells, nor are parts that touch, nor is a bar between two parts.
     const Mesh dumbbell = together({cube(1), shifted(cube(1), {8, 0, 0}), box({0.5, -0.1, -0.1}, {7.5, 0.1, 0.1})}, "");
-    BOOST_TEST(warning_of(dumbbell, SignRule::nonzero).empty());
-    BOOST_TEST(
-        warning_of(together({cube(1), tilted(shifted(cube(1), {0.5, 0.5, 0.5}))}, ""), SignRule::nonzero).empty());
+    BOOST_TEST(describe_topology(dumbbell).nested_parts == 0U);
+    BOOST_TEST(describe_topology(together({cube(1), tilted(shifted(cube(1), {0.5, 0.5, 0.5}))}, "")).nested_parts ==
+               0U);
     BOOST_TEST(warning_of(together({cube(1), shifted(cube(0.5), {1.5, 0.2, 0.1})}, ""), SignRule::nonzero).empty());
     BOOST_TEST(
         warning_of(together({make_shape("sphere3"), shifted(make_shape("sphere3"), {5, 0, 0})}, ""), SignRule::nonzero)
             .empty());
+}
+
+BOOST_AUTO_TEST_CASE(a_hole_elsewhere_does_not_keep_faces_from_being_turned) {
+    const Mesh sphere = make_shape("sphere2");
+    for (const bool is_one : {true, false}) {  // one face, or every second one
+        std::vector<std::size_t> faces;
+        for (std::size_t face = 3; face + 9 < sphere.triangles().size(); face += is_one ? 100000 : 3)
+            faces.push_back(face);
+        const Mesh holed = without_triangle(with_turned(sphere, faces, "sphere"), sphere.triangles().size() - 1);
+        const Topology topology = describe_topology(holed);
+        BOOST_TEST(topology.reoriented_faces == faces.size());
+        BOOST_TEST(topology.unbalanced_edges == 3U);
+        const SignSurface surface = describe_mesh(holed).surface;
+        for (std::size_t face = 0; face < holed.triangles().size(); ++face)
+            BOOST_TEST((surface.count(face) == -1) == std::ranges::binary_search(faces, face));
+        BOOST_TEST(
+            has(warning_of(holed, SignRule::solid_angle), is_one ? "1 face looks the wrong way" : "turned around"));
+        BOOST_TEST(describe_mesh(holed, SignRule::solid_angle).topology.reoriented_faces == faces.size());
+        BOOST_TEST(describe_mesh(holed, SignRule::none).surface.is_mesh());
+    }
+    // What has one side stays as given, and the rest is turned.
+    const Mesh both = together({moebius_strip(24), shifted(with_turned(sphere, {5}, ""), {9, 0, 0})}, "both");
+    BOOST_TEST(describe_topology(both).reoriented_faces == 1U);
+    // A tie of areas: said in one breath.
+    std::vector<std::size_t> half{0, 1, 2, 3, 4, 5};
+    BOOST_TEST(has(warning_of(with_turned(cube(1), half, "cube"), SignRule::nonzero), "all faces look inwards then"));
+}
+
+BOOST_AUTO_TEST_CASE(a_body_that_is_there_on_both_sides_counts_once) {
+    const auto both_ways = [](const Mesh& mesh) {
+        return together({mesh, reversed(mesh)}, mesh.name() + " both ways");
+    };
+    const Mesh solid = tilted(cube(1)), ball = shifted(make_shape("sphere2"), {5, 0, 0});
+    for (const Mesh& mesh :
+         {both_ways(solid), weld(both_ways(solid)), unwelded(both_ways(solid)), reversed(both_ways(solid)),
+          together({both_ways(solid), ball}, "beside a ball"), together({ball, both_ways(solid)}, "after a ball"),
+          together({without_triangle(ball, 7), both_ways(solid)}, "beside a ball with a hole")}) {
+        BOOST_TEST_CONTEXT(mesh.name()) {
+            const Topology topology = describe_topology(mesh);
+            BOOST_TEST(topology.double_sided_faces == 12U);
+            BOOST_TEST(topology.uncounted_faces == 12U);
+            BOOST_TEST(!topology.inside_out);
+            BOOST_TEST(topology.inward_parts == 0U);
+            BOOST_TEST(has(warning_of(mesh, topology.balanced ? SignRule::nonzero : SignRule::solid_angle),
+                           "there on both sides"));
+        }
+    }
+    // The lowest faces look this way and that.
+    const Mesh mixed = both_ways(with_turned(solid, {2, 3, 7, 11}, "mixed"));
+    BOOST_TEST(describe_topology(mixed).balanced);
+    BOOST_TEST(describe_topology(mixed).double_sided_faces == 12U);
+    BOOST_TEST(!describe_topology(mixed).inside_out);
+    // With a hole; only for the rules that take one.
+    const Mesh holed = both_ways(without_triangle(make_shape("sphere2"), 40));
+    BOOST_TEST(describe_topology(holed).double_sided_faces == holed.triangles().size() / 2);
+    BOOST_TEST(has(warning_of(holed, SignRule::solid_angle), "there on both sides"));
+    BOOST_TEST(describe_mesh(holed, SignRule::nonzero).surface.is_mesh());
+    // A large hole: no sign, which is told.
+    BOOST_TEST(has(warning_of(both_ways(without_triangle(cube(1), 5)), SignRule::none), "the mesh is not closed"));
+    // A cavity stays one.
+    const Mesh hollow = both_ways(together({cube(1), reversed(cube(0.5))}, "hollow"));
+    for (const Mesh& mesh : {hollow, reversed(hollow)}) {
+        const Topology topology = describe_topology(mesh);
+        BOOST_TEST(topology.double_sided_faces == 24U);
+        BOOST_TEST(topology.nested_parts + topology.inward_parts == 0U);
+        BOOST_TEST(!topology.inside_out);
+    }
+    // A fin that is there on both sides, too, does not count.
+    std::vector<Vec3> positions = solid.vertices();
+    positions.push_back({4, 0, 0});
+    std::vector<Triangle> faces = both_ways(solid).triangles();
+    for (Triangle& face : faces)
+        for (std::uint32_t& v : face) v %= 8;
+    faces.insert(faces.end(), {{0, 1, 8}, {1, 0, 8}});
+    const Topology finned = describe_topology(Mesh(positions, faces));
+    BOOST_TEST(finned.balanced);
+    BOOST_TEST(finned.double_sided_faces == 12U);
+    BOOST_TEST(finned.uncounted_faces == 12U);
+}
+
+BOOST_AUTO_TEST_CASE(faces_that_cancel_each_other_and_bound_no_body_stay) {
+    const Mesh sheet({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, "sheet");
+    const Mesh both = together({sheet, reversed(sheet)}, "sheet on both sides");
+    const Mesh bowl =
+        with_chosen_faces(make_shape("sphere2"), "bowl", [](std::size_t face) { return face % 128 < 60; });
+    const Mesh solid = shifted(cube(3), {0.5, 0.5, 0.25});
+    const Mesh touching = together({box({0, 0, 0}, {1, 1, 1}), box({1, 0, 0}, {2, 1, 1})}, "touching");
+    const Mesh buried = together({cube(3), tilted(cube(1)), reversed(tilted(cube(1)))}, "a core on both sides");
+    for (const Mesh& mesh : {both, weld(both), together({both, solid}, "plate within a body"), touching, weld(touching),
+                             together({bowl, reversed(bowl)}, "bowl on both sides"), buried}) {
+        BOOST_TEST_CONTEXT(mesh.name()) {
+            BOOST_TEST(describe_mesh(mesh).surface.is_mesh());
+            BOOST_TEST(describe_topology(mesh).double_sided_faces == 0U);
+            BOOST_TEST(describe_topology(mesh).balanced);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_cavity_that_is_there_twice_is_named) {
+    const Mesh cavity = reversed(cube(0.5));
+    const Mesh mesh = together({cube(1), cavity, cavity}, "hollow");
+    const Topology topology = describe_topology(mesh);
+    BOOST_TEST(topology.doubled_cavity_faces == 12U);
+    BOOST_TEST(topology.first_doubled_cavity_face == 12U);
+    BOOST_TEST(has(warning_of(mesh, SignRule::nonzero), "12 faces of cavities are there twice"));
+    BOOST_TEST(describe_mesh(mesh).surface.is_mesh());
+    BOOST_TEST(describe_topology(together({cube(1), cube(1)}, "")).doubled_cavity_faces == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(sheets_never_have_an_inside) {
+    const Mesh ball = make_shape("sphere3");
+    const auto half_pipe = [](double radius, double arc) {  // along (1, 1, 1)
+        std::vector<Vec3> vertices;
+        std::vector<Triangle> triangles;
+        const double s3 = 1 / std::sqrt(3.0), s2 = 1 / std::sqrt(2.0), s6 = s2 * s3;
+        for (int i = 0; i <= 40; ++i)
+            for (int j = 0; j <= 12; ++j) {
+                const double turn = arc * (j / 12.0 - 0.5), along = i / 40.0 * s3;
+                const double u = radius * std::sin(turn) * s2, w = radius * std::cos(turn) * s6;
+                vertices.push_back({along + u - w, along - u - w, along + 2 * w});
+            }
+        for (std::uint32_t i = 0; i < 40; ++i)
+            for (std::uint32_t j = 0; j < 12; ++j) {
+                const std::uint32_t a = 13 * i + j, b = a + 13;
+                triangles.push_back({a, b, b + 1});
+                triangles.push_back({a, b + 1, a + 1});
+            }
+        return Mesh(std::move(vertices), std::move(triangles), "half a pipe");
+    };
+    std::vector<Mesh> sheets{round_mesh(8, 1, {0, 0, 0}, true, "bowl")};
+    for (const double radius : {0.01, 0.02, 0.03})
+        for (const double arc : {0.8, 1.0, 1.2}) sheets.push_back(half_pipe(radius, arc * std::numbers::pi));
+    for (const Mesh& sheet : sheets)
+        for (const Mesh& mesh : {sheet, reversed(sheet)}) {
+            BOOST_TEST(has(warning_of(mesh, SignRule::none), "by walls and a floor"));
+            // Beside a body it has none, or is left out.
+            const Mesh both = together({mesh, shifted(scaled(ball, 0.2), {4, 4, 4})}, "");
+            const Topology topology = describe_topology(both);
+            BOOST_TEST((topology.sheet_faces == mesh.triangles().size() || !topology.closed));
+            BOOST_TEST(topology.unclear_parts == (topology.closed ? 0U : 1U));
+        }
+    BOOST_TEST(describe_topology(together({sheets[0], shifted(scaled(ball, 0.2), {4, 4, 4})}, "")).enclosing_faces ==
+               sheets[0].triangles().size());
+}
+
+BOOST_AUTO_TEST_CASE(thin_and_scattered_bodies_with_a_hole_have_their_sign) {
+    std::vector<Mesh> bars;
+    for (const double y : {0.0, 1.0})
+        for (const double z : {0.0, 1.0}) bars.push_back(box({0, y, z}, {1.02, y + 0.02, z + 0.02}));
+    const std::vector<Mesh> balls{make_shape("sphere2"), shifted(make_shape("sphere2"), {75, 0, 0}),
+                                  shifted(make_shape("sphere2"), {0, 75, 75})};
+    for (const Mesh& mesh : {together(bars, "bars"), together(balls, "balls")})
+        for (const std::size_t face : {std::size_t{8}, mesh.triangles().size() - 1}) {  // at the ends of bars
+            const Mesh holed = without_triangle(mesh, face);
+            BOOST_TEST(describe_topology(holed).inside_points > 50U);
+            BOOST_TEST(!has(warning_of(holed, SignRule::solid_angle), "perhaps"));
+        }
+}
+
+BOOST_AUTO_TEST_CASE(sheets_that_enclose_nothing_are_left_out_beside_bodies) {
+    const auto wall = [](double x, double low, double high) {
+        return Mesh({{x, low, low}, {x, high, low}, {x, high, high}, {x, low, high}}, {{0, 1, 2}, {0, 2, 3}}, "sheet");
+    };
+    const Mesh tank = box({0, 0, 0}, {4, 2, 2});
+    const Mesh baffles = together({tank, wall(1, 0.2, 2.5), wall(2, 0.1, 1.5), wall(3, 0, 3)}, "tank with baffles");
+    const Mesh ground({{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}}, {{0, 1, 2}, {0, 2, 3}}, "ground");
+    const Mesh town =
+        together({ground, box({0, 0, 0}, {1, 1, 3}), box({2, 0, 0}, {3, 1, 2}), box({0, 4, 0}, {1, 5, 2})}, "town");
+    std::vector<Triangle> attached = tank.triangles();
+    std::vector<Vec3> positions = tank.vertices();
+    positions.push_back({2, 1, 5});
+    attached.push_back({4, 5, 8});  // shares an edge with the tank
+    for (const auto& [mesh, count] :
+         {std::pair(baffles, 6U), {town, 2U}, {Mesh(positions, attached, "attached"), 1U}}) {
+        BOOST_TEST_CONTEXT(mesh.name()) {
+            const Topology topology = describe_topology(mesh);
+            BOOST_TEST(topology.balanced);
+            BOOST_TEST(topology.sheet_faces == count);
+            BOOST_TEST(topology.uncounted_faces == 0U);
+            BOOST_TEST(has(warning_of(mesh, SignRule::nonzero), "left out"));
+            BOOST_TEST(describe_mesh(mesh, SignRule::solid_angle).surface.is_mesh());
+        }
+    }
+    // With turned faces, and with a hole.
+    BOOST_TEST(describe_topology(with_turned(baffles, {3, 8}, "")).reoriented_faces == 2U);
+    const Mesh holed = without_triangle(together({make_shape("sphere3"), wall(0, -0.7, 0.7)}, ""), 9);
+    BOOST_TEST(describe_topology(holed).sheet_faces == 2U);
+    BOOST_TEST(describe_topology(holed).unclear_parts == 0U);
+    BOOST_TEST(describe_topology(holed).boundary_edges == 3U);
+    // Panels of a car body and its closed wheels; a tank without its lid and a bolt.
+    std::vector<Mesh> panels;
+    for (std::size_t side = 0; side < 5; ++side)
+        panels.push_back(with_chosen_faces(tank, "panel", [&](std::size_t face) { return face / 2 == side; }));
+    panels.push_back(shifted(cube(0.3), {1, 2.5, 0}));
+    const Mesh open_tank = together({open_box({0, 0, 0}, {4, 2, 2}, 5), shifted(cube(0.3), {9, 9, 9})}, "");
+    for (const Mesh& mesh : {together(panels, "panels"), open_tank}) {
+        const Topology topology = describe_topology(mesh);
+        BOOST_TEST(topology.sheet_faces == 0U);
+        BOOST_TEST(topology.enclosing_faces == 10U);
+        BOOST_TEST(has(warning_of(mesh, SignRule::none), "enclose something"));
+    }
 }
 
 }  // namespace clsdf

@@ -568,9 +568,20 @@ typedef struct clsdf_topology {
     int64_t nested_parts;          /* lie within others, look the same way and are filled */
     int64_t first_nested_face;     /* the lowest face of the first of them */
     /* These three are 0 unless the mesh is not balanced and the rule may become solid_angle. */
-    int64_t tested_points;   /* points of the mesh's box at which the winding number was computed */
+    int64_t tested_points;   /* points beside faces and in the parts' boxes at which the winding number was computed */
     int64_t doubtful_points; /* tested points at which it is more than 0.1 from an integer */
     int64_t inside_points;   /* tested points at which it is at least 1/2, or at most -1/2 */
+    int64_t unclear_parts;   /* parts where it is in doubt at more than a tenth of them, or at none inside */
+    int64_t first_unclear_face;        /* the lowest face of the first of them */
+    int64_t double_sided_faces;        /* of bodies that are there on both sides; each counts once */
+    int64_t doubled_cavity_faces;      /* of cavities that are there twice, so the cavities are filled */
+    int64_t first_doubled_cavity_face; /* the lowest of them */
+    int64_t sheet_faces;               /* of sheets and inner walls beside closed bodies, left out for the sign */
+    int64_t first_sheet_face;          /* the lowest of them */
+    int64_t enclosing_faces;           /* of open sheets that are not left out, because they enclose something */
+    int64_t first_enclosing_face;      /* the lowest of them */
+    int64_t overlapping_parts;         /* parts of a balanced mesh that are partly within others */
+    int64_t first_overlapping_face;    /* the lowest face of the first of them */
 } clsdf_topology;
 #define CLSDF_EDGE_INIT \
     {                   \
@@ -580,10 +591,11 @@ typedef struct clsdf_topology {
     }
 #define CLSDF_FIVE_EDGES_INIT \
     { CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT }
-#define CLSDF_TOPOLOGY_INIT                                                                           \
-    {                                                                                                 \
-        CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT, \
-            CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0                        \
+#define CLSDF_TOPOLOGY_INIT                                                                               \
+    {                                                                                                     \
+        CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT,     \
+            CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
+            0, 0 \
     }
 
 /* Defects beside those of edges. The distance is exact in spite of them. */

@@ -319,6 +319,17 @@ clsdf_topology as_c(const Topology& topology) {
     result.tested_points = static_cast<std::int64_t>(topology.tested_points);
     result.doubtful_points = static_cast<std::int64_t>(topology.doubtful_points);
     result.inside_points = static_cast<std::int64_t>(topology.inside_points);
+    result.unclear_parts = static_cast<std::int64_t>(topology.unclear_parts);
+    result.first_unclear_face = static_cast<std::int64_t>(topology.first_unclear_face);
+    result.double_sided_faces = static_cast<std::int64_t>(topology.double_sided_faces);
+    result.doubled_cavity_faces = static_cast<std::int64_t>(topology.doubled_cavity_faces);
+    result.first_doubled_cavity_face = static_cast<std::int64_t>(topology.first_doubled_cavity_face);
+    result.sheet_faces = static_cast<std::int64_t>(topology.sheet_faces);
+    result.first_sheet_face = static_cast<std::int64_t>(topology.first_sheet_face);
+    result.enclosing_faces = static_cast<std::int64_t>(topology.enclosing_faces);
+    result.first_enclosing_face = static_cast<std::int64_t>(topology.first_enclosing_face);
+    result.overlapping_parts = static_cast<std::int64_t>(topology.overlapping_parts);
+    result.first_overlapping_face = static_cast<std::int64_t>(topology.first_overlapping_face);
     return result;
 }
 

@@ -126,6 +126,17 @@ int main(void) {
     MEMBER(clsdf_topology, tested_points);
     MEMBER(clsdf_topology, doubtful_points);
     MEMBER(clsdf_topology, inside_points);
+    MEMBER(clsdf_topology, unclear_parts);
+    MEMBER(clsdf_topology, first_unclear_face);
+    MEMBER(clsdf_topology, double_sided_faces);
+    MEMBER(clsdf_topology, doubled_cavity_faces);
+    MEMBER(clsdf_topology, first_doubled_cavity_face);
+    MEMBER(clsdf_topology, sheet_faces);
+    MEMBER(clsdf_topology, first_sheet_face);
+    MEMBER(clsdf_topology, enclosing_faces);
+    MEMBER(clsdf_topology, first_enclosing_face);
+    MEMBER(clsdf_topology, overlapping_parts);
+    MEMBER(clsdf_topology, first_overlapping_face);
     SIZE(clsdf_defects);
     MEMBER(clsdf_defects, struct_size);
     MEMBER(clsdf_defects, zero_area_faces);

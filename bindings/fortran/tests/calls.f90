@@ -266,30 +266,35 @@ contains
     call check(clsdf_shape_name(int(clsdf_shape_count()) + 1) == '', 'and no more')
   end subroutine
 
-  !> Of a tetrahedron, which is in the file, with the colour 100.
+  !> Of an open tetrahedron, three triangles, which is in the file, with the colour 100.
   subroutine groups(own)
     type(clsdf_mesh), intent(inout) :: own
     type(clsdf_mesh) :: other
-    character(:), allocatable :: names(:)
     integer, allocatable :: numbers(:)
     integer :: stat
     character(200) :: errmsg
     call other%read('fortran_mesh.ply', group_by='red')
-    call other%groups(names, numbers)
-    call check(size(names) == 1 .and. names(1) == '100' .and. all(numbers == 1), 'groups by a property')
+    call other%group_numbers(numbers)
+    call check(other%group_count() == 1 .and. other%group_name(1) == '100', 'groups by a property')
+    call check(size(numbers) == 3 .and. all(numbers == 1), 'of their triangles')
     call other%read([character(20) :: 'fortran_mesh.ply', 'fortran_mesh.ply'])
-    call other%groups(names, numbers)
-    call check(all(names == [character(14) :: 'fortran_mesh', 'fortran_mesh_2']), 'two files are two groups')
-    call check(all(numbers(:4) == 1) .and. all(numbers(5:) == 2) .and. size(numbers) == 8, 'of their triangles')
-    call own%set_groups([character(6) :: 'wall', 'inlet'], [1, 2, 1, 1])
+    call other%group_numbers(numbers)
+    call check(other%group_name(1) == 'fortran_mesh' .and. other%group_name(2) == 'fortran_mesh_2', 'two files')
+    call check(all(numbers(:3) == 1) .and. all(numbers(4:) == 2) .and. size(numbers) == 6, 'and their triangles')
+    call own%set_groups([character(6) :: 'wall', 'inlet'], [1, 2, 1])
     call own%weld(other)
-    call other%groups(names, numbers)
-    call check(all(names == [character(5) :: 'wall', 'inlet']) .and. all(numbers == [1, 2, 1, 1]), 'groups of a mesh')
-    call own%set_groups(['wall'], [1, 2, 1, 1], stat, errmsg)
+    call other%group_numbers(numbers)
+    call check(other%group_name(1) == 'wall' .and. other%group_name(2) == 'inlet', 'groups of a mesh')
+    call check(all(numbers == [1, 2, 1]), 'and of its triangles')
+    call check(other%group_name(3, stat, errmsg) == '', 'no name')
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, '2 groups')
+    call own%set_groups(['wall'], [1, 2, 1], stat, errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'names')
-    call own%set_groups(names(:0), numbers(:0))
-    call own%groups(names, numbers)
-    call check(size(names) == 0 .and. size(numbers) == 0, 'a mesh without groups')
+    call own%set_groups(['wall'], numbers(:0), stat, errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, '3 triangles')
+    call own%set_groups([character(1) ::], numbers(:0))
+    call own%group_numbers(numbers)
+    call check(own%group_count() == 0 .and. size(numbers) == 0, 'a mesh without groups')
   end subroutine
 
   subroutine grids()

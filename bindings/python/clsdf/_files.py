@@ -76,7 +76,8 @@ class FieldWriter:
         positive_inside: bool,
         groups: Groups | None = None,
     ) -> None:
-        names, numbers = ([], None) if groups is None else (groups[0], np.ascontiguousarray(groups[1], np.int32))
+        names: list[str] = [] if groups is None else groups.names
+        numbers = None if groups is None else np.ascontiguousarray(groups.numbers, np.int32)
         name = os.fspath(path)
         self._path = name
         self._writer: _core.Writer | None = _core.writer(

@@ -108,6 +108,17 @@ constexpr std::size_t Topology::*topology_counts[] = {
     &Topology::first_inward_face,
     &Topology::nested_parts,
     &Topology::first_nested_face,
+    &Topology::unclear_parts,
+    &Topology::first_unclear_face,
+    &Topology::double_sided_faces,
+    &Topology::doubled_cavity_faces,
+    &Topology::first_doubled_cavity_face,
+    &Topology::sheet_faces,
+    &Topology::first_sheet_face,
+    &Topology::enclosing_faces,
+    &Topology::first_enclosing_face,
+    &Topology::overlapping_parts,
+    &Topology::first_overlapping_face,
 };
 
 using Edges = std::vector<std::pair<Vec3, Vec3>>;
@@ -180,13 +191,33 @@ void add_meshes(nb::module_& module) {
         .def_ro("inward_parts", &Topology::inward_parts, "Parts that look inwards and are not wholly within others.")
         .def_ro("nested_parts", &Topology::nested_parts,
                 "Parts that lie within others, look the same way and are filled.")
-        .def_ro("tested_points", &Topology::tested_points,
-                "Points of the box of a mesh that is not closed, at which the winding number is looked at; else 0.")
+        .def_ro(
+            "tested_points", &Topology::tested_points,
+            "Points beside the faces of a mesh that is not closed and in the boxes of its parts, at which the winding\n"
+            "number is looked at; else 0.")
         .def_ro("doubtful_points", &Topology::doubtful_points,
                 "Of them those at which it is more than 0.1 from an integer.")
         .def_ro("inside_points", &Topology::inside_points,
                 "Of them those at which it is one half or more, or minus one half or less.")
+        .def_ro("unclear_parts", &Topology::unclear_parts,
+                "Parts in which it is in doubt at more than a tenth of them, or at none inside.")
+        .def_ro("double_sided_faces", &Topology::double_sided_faces,
+                "Faces of bodies that are there on both sides; each counts once.")
+        .def_ro("doubled_cavity_faces", &Topology::doubled_cavity_faces,
+                "Faces of cavities that are there twice, so the cavities are filled.")
+        .def_ro("sheet_faces", &Topology::sheet_faces,
+                "Faces of sheets and inner walls beside closed bodies, left out for the sign.")
+        .def_ro("enclosing_faces", &Topology::enclosing_faces,
+                "Faces of open sheets that are not left out, because they enclose something.")
         .def_ro("first_inner_wall_face", &Topology::first_inner_wall_face)
+        .def_ro("first_unclear_face", &Topology::first_unclear_face)
+        .def_ro("first_doubled_cavity_face", &Topology::first_doubled_cavity_face)
+        .def_ro("first_sheet_face", &Topology::first_sheet_face)
+        .def_ro("first_enclosing_face", &Topology::first_enclosing_face)
+        .def_ro("overlapping_parts", &Topology::overlapping_parts,
+                "Parts of a balanced mesh that are partly within others.")
+        .def_ro("first_overlapping_face", &Topology::first_overlapping_face,
+                "The lowest face of the first of them.")
         .def_ro("first_inward_face", &Topology::first_inward_face)
         .def_ro("first_nested_face", &Topology::first_nested_face)
         .def("__getstate__", &state_of)

@@ -269,7 +269,7 @@ def test_a_mesh_has_groups_of_faces(tmp_path, solid):
     body = clsdf.Transform(mesh)
     assert body.mesh_name == "room.obj"
     points = np.array([[0.1, 0.1, -1], [2, 2, 2], [-9, 0, 0]])
-    r = body.query(points, "triangle", within=5)
+    r = body.query(points, outputs="triangle", within=5)
     assert mesh.groups.of(r.triangle).tolist() == [0, 1, -1]
     assert [names[n] for n in numbers[r.triangle[:2]]] == ["floor", "walls"]
 

@@ -395,9 +395,9 @@ def test_a_box_that_is_refused_is_named_among_all(body):
 
 def test_winding_numbers_of_a_mesh_with_a_hole():
     vertices, faces = clsdf.make_shape("sphere3")
-    with pytest.warns(clsdf.MeshWarning, match=r"3 open edges.*% of 512 points"):
+    with pytest.warns(clsdf.MeshWarning, match=r"3 open edges.*% of 1024 points"):
         body = clsdf.Transform((vertices, faces[1:]))
-    assert body.sign == "solid-angle" and body.topology.tested_points == 512
+    assert body.sign == "solid-angle" and body.topology.tested_points == 1024
     points = np.array([[0, 0, 0], [0, 0, 3], [np.nan, 0, 0]])
     winding = body.winding(points)
     assert winding.dtype == np.float32 and 0.9 < winding[0] < 1 and abs(winding[1]) < 0.1 and np.isnan(winding[2])

@@ -213,6 +213,14 @@ FilmTree::Sum FilmTree::sum(const Vec3& point, double tolerance) const {
     return sum;
 }
 
+FilmTree::View FilmTree::look_by_moments(const Vec3& point) const {
+    const double tolerance = tolerances.back();
+    const Sum seen = sum(point, tolerance);
+    const double turns = turns_of(seen.near) + seen.far;
+    const double to_half = distance_to_half(turns) - seen.error - slack;
+    return to_half > 0 ? View{static_cast<int>(std::floor(turns + 0.5)), to_half} : look(point);
+}
+
 FilmTree::View FilmTree::look(const Vec3& point, double least_to_half) const {
     for (const double tolerance : tolerances) {
         const Sum seen = sum(point, tolerance);

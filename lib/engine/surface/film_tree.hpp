@@ -27,6 +27,8 @@ public:
     /// The open edges as a point sees them. If the moments show no distance greater than `least_to_half`, the sum over
     /// all open edges is taken. So `rounded` is the same by both ways wherever the sum is right.
     View look(const Vec3& point, double least_to_half = 0) const;
+    /// The same from the moments alone, unless they do not tell how it is rounded.
+    View look_by_moments(const Vec3& point) const;
 
     /// How much the winding number changes in a ball around a point, at most. radius: in the unit.
     double change_within(const Vec3& centre, double radius) const;

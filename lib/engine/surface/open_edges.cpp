@@ -1,13 +1,9 @@
 #include "surface/open_edges.hpp"
 
-#include "core/parallel.hpp"
+#include "surface/edge_counts.hpp"
 #include "surface/loop_turns.hpp"
-#include "surface/ray_side.hpp"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
-#include <cmath>
 #include <utility>
 
 namespace clsdf {
@@ -86,6 +82,18 @@ OpenLoops loops_of(std::vector<OpenEdge> edges) {
     return LoopWalk(std::move(edges)).loops();
 }
 
+OpenLoops loops_of(const EdgeCounts& edges) {
+    std::vector<OpenEdge> open;
+    open.reserve(edges.unbalanced.size());
+    for (const UnbalancedEdge& edge : edges.unbalanced) {
+        if (edge.net > 0)
+            open.push_back({edge.lower, edge.higher, static_cast<std::uint32_t>(edge.net)});
+        else
+            open.push_back({edge.higher, edge.lower, static_cast<std::uint32_t>(-edge.net)});
+    }
+    return loops_of(std::move(open));
+}
+
 OpenBoundary::OpenBoundary(const OpenLoops& loops, std::span<const Vec3> positions)
     : corners(loops.vertices.size()), begins(loops.begins) {
     for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = positions[loops.vertices[i]];
@@ -100,132 +108,6 @@ SolidAngle angle_of(const OpenBoundary& boundary, const Vec3& point, double unit
             [&](std::size_t i) -> const Vec3& { return boundary.corners[begin + i]; }, point, unit);
     }
     return {rounded_turns(turns), turns_of(turns)};
-}
-
-namespace {
-
-constexpr std::size_t tested_points = 512;
-// The winding number is in doubt if it is farther from an integer.
-constexpr double least_doubt = 0.1;
-// With more corners of open edges, a sum over them at all points takes seconds.
-constexpr std::size_t many_corners = 100'000;
-
-double halton(std::size_t number, std::size_t base) {
-    double digit = 1, result = 0;
-    for (; number > 0; number /= base) {
-        digit /= static_cast<double>(base);
-        result += digit * static_cast<double>(number % base);
-    }
-    return result;
-}
-
-std::vector<Vec3> points_of(const Box& box) {
-    constexpr std::array<std::size_t, 3> bases{2, 3, 5};
-    std::vector<Vec3> points(tested_points);
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double share = halton(i + 1, bases[axis]);
-            points[i][axis] = box.lower[axis] * (1 - share) + box.upper[axis] * share;
-        }
-    std::ranges::sort(points, {}, [](const Vec3& point) { return point[1]; });
-    return points;
-}
-
-/// The crossings of the points' rays towards -x with the triangles. The points ascend in y.
-class RayCrossings {
-public:
-    RayCrossings(const Mesh& mesh, std::span<const Vec3> points)
-        : mesh_(mesh), points_(points), counts_(points.size()) {
-        const Box& box = mesh.box();
-        const double height = box.upper[1] / 2 - box.lower[1] / 2;
-        lower_ = box.lower[1] / 2;
-        per_height_ = height > 0 ? static_cast<double>(bins) / height : 0;
-        if (!std::isfinite(per_height_)) per_height_ = 0;
-        std::size_t point = 0;
-        for (std::size_t bin = 0; bin < bins; ++bin) {
-            while (point < points.size() && bin_of(points[point][1]) < bin) ++point;
-            first_of_bin_[bin] = point;
-        }
-    }
-
-    void add(std::span<const Triangle> triangles) {
-        for_each_range(
-            triangles.size(),
-            [&](std::size_t begin, std::size_t end) {
-                for (std::size_t t = begin; t != end; ++t) add(triangles[t]);
-            },
-            4096);
-    }
-
-    std::span<const int> counts() const { return counts_; }
-
-private:
-    static constexpr std::size_t bins = 1024;
-
-    /// Ascends with y.
-    std::size_t bin_of(double y) const {
-        const double bin = (y / 2 - lower_) * per_height_;
-        return bin > 0 ? std::min(static_cast<std::size_t>(std::min(bin, 1e9)), bins - 1) : 0;
-    }
-
-    void add(const Triangle& triangle) {
-        const Vec3 &a = mesh_.vertices()[triangle[0]], &b = mesh_.vertices()[triangle[1]],
-                   &c = mesh_.vertices()[triangle[2]];
-        const double low_y = std::min({a[1], b[1], c[1]}), high_y = std::max({a[1], b[1], c[1]});
-        std::size_t i = first_of_bin_[bin_of(low_y)];
-        for (; i < points_.size() && points_[i][1] <= high_y; ++i) {
-            const Vec3& p = points_[i];
-            if (p[1] < low_y || p[2] < std::min({a[2], b[2], c[2]}) || p[2] > std::max({a[2], b[2], c[2]}) ||
-                p[0] < std::min({a[0], b[0], c[0]}))
-                continue;
-            const int side = side_of_edges(a, b, c, p);
-            if (side == 0 || orientation(a, b, c, p) != side) continue;  // the crossing has a greater x
-            std::atomic_ref(counts_[i]).fetch_sub(side, std::memory_order_relaxed);
-        }
-    }
-
-    const Mesh& mesh_;
-    std::span<const Vec3> points_;
-    std::vector<int> counts_;
-    double lower_ = 0, per_height_ = 0;
-    std::array<std::size_t, bins> first_of_bin_{};
-};
-
-}  // namespace
-
-void test_winding_number(const Mesh& mesh, std::span<const Triangle> triangles, const OpenLoops& loops,
-                         Topology& report) {
-    const std::vector<Vec3> points = points_of(mesh.box());
-    RayCrossings crossings(mesh, points);
-    crossings.add(triangles);
-    const OpenBoundary boundary(loops, mesh.vertices());
-    double longest = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        longest = std::max(longest, mesh.box().upper[axis] / 2 - mesh.box().lower[axis] / 2);
-    const double unit = std::ldexp(1.0, std::clamp(longest > 0 ? std::ilogb(longest) : 0, -1000, 1000));
-    report.tested_points = report.doubtful_points = report.inside_points = 0;
-    long long sum = 0;
-    // Of very many open edges only so many points as it takes to see that there is too much doubt. The points of a part
-    // are spread over the box.
-    const std::size_t parts = boundary.corners.size() > many_corners ? 8 : 1;
-    for (std::size_t part = 0; part < parts && 10 * report.doubtful_points <= points.size(); ++part) {
-        std::vector<SolidAngle> angles(points.size() / parts);
-        for_each_index(
-            angles.size(), [&](std::size_t i) { angles[i] = angle_of(boundary, points[i * parts + part], unit); }, 8);
-        for (std::size_t i = 0; i < angles.size(); ++i) {
-            const int rounded = crossings.counts()[i * parts + part] + angles[i].rounded;
-            const double turns = angles[i].turns;
-            if (std::abs(turns - std::nearbyint(turns)) > least_doubt) ++report.doubtful_points;
-            if (rounded != 0) ++report.inside_points;
-            sum += rounded;
-        }
-        report.tested_points += angles.size();
-    }
-    report.inside_out = sum < 0;
-}
-
-bool has_clear_winding_number(const Topology& topology) {
-    return topology.inside_points > 0 && 10 * topology.doubtful_points <= topology.tested_points;
 }
 
 }  // namespace clsdf

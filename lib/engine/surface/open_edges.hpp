@@ -1,7 +1,6 @@
 #pragma once
 
 #include <clsdf/mesh.hpp>
-#include <clsdf/topology.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +8,8 @@
 #include <vector>
 
 namespace clsdf {
+
+struct EdgeCounts;
 
 /// An edge that the faces of a surface do not use equally often in both directions, in the direction that has more of
 /// them.
@@ -30,6 +31,7 @@ struct OpenLoops {
 
 /// The edges: of a surface, all different. At every vertex as many of them end as begin.
 OpenLoops loops_of(std::vector<OpenEdge> edges);
+OpenLoops loops_of(const EdgeCounts& edges);
 
 /// The loops at positions of the mesh.
 struct OpenBoundary {
@@ -52,13 +54,5 @@ struct SolidAngle {
 
 /// For a point as given, with exact sides of edges. unit: a power of two; positions divided by it are of moderate size.
 SolidAngle angle_of(const OpenBoundary& boundary, const Vec3& point, double unit);
-
-/// Looks at the winding number of a surface with open edges, at fixed points of the mesh's box, and sets
-/// Topology::tested_points and what follows from them. triangles: of the surface.
-void test_winding_number(const Mesh& mesh, std::span<const Triangle> triangles, const OpenLoops& loops,
-                         Topology& report);
-
-/// Whether it is near an integer at nine of ten tested points, and some are inside: then `automatic` takes solid_angle.
-bool has_clear_winding_number(const Topology& topology);
 
 }  // namespace clsdf

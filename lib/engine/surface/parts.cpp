@@ -112,7 +112,7 @@ OrientedParts::OrientedParts(std::span<const Triangle> triangles, std::size_t ve
     }
 }
 
-std::vector<std::uint32_t> faces_to_turn(const Mesh& mesh, std::span<const Triangle> triangles) {
+std::vector<std::uint32_t> faces_to_turn(const Mesh& mesh, std::span<const Triangle> triangles, bool are_all_wanted) {
     const OrientedParts parts(triangles, mesh.vertices().size());
     struct Areas {
         double kept = 0, turned = 0;
@@ -121,14 +121,14 @@ std::vector<std::uint32_t> faces_to_turn(const Mesh& mesh, std::span<const Trian
     std::vector<Areas> areas(triangles.size());  // by the lowest face
     for (std::uint32_t face = 0; face < triangles.size(); ++face) {
         if (has_repeated_vertex(triangles[face])) continue;
-        if (!parts.is_orientable[parts.part[face]]) return {};
+        if (are_all_wanted && !parts.is_orientable[parts.part[face]]) return {};
         Areas& own = areas[parts.part[face]];
         (parts.is_turned[face] ? own.turned : own.kept) += area_of(frame, triangles[face]);
     }
     const double rounding = static_cast<double>(triangles.size() + 16) * std::numeric_limits<double>::epsilon();
     std::vector<std::uint32_t> turned;
     for (std::uint32_t face = 0; face < triangles.size(); ++face) {
-        if (has_repeated_vertex(triangles[face])) continue;
+        if (has_repeated_vertex(triangles[face]) || !parts.is_orientable[parts.part[face]]) continue;
         const Areas& own = areas[parts.part[face]];
         const bool is_most_turned = own.turned - own.kept > rounding * (own.turned + own.kept);
         if (parts.is_turned[face] != is_most_turned) turned.push_back(face);
@@ -136,12 +136,12 @@ std::vector<std::uint32_t> faces_to_turn(const Mesh& mesh, std::span<const Trian
     return turned;
 }
 
-void find_inner_walls(const Mesh& mesh, std::span<const Triangle> triangles, Topology& report) {
+std::vector<std::uint32_t> inner_walls(const Mesh& mesh, std::span<const Triangle> triangles) {
     const OrientedParts parts(triangles, mesh.vertices().size());
     /// A part at edges of more than two faces.
     struct Wall {
         double area = 0;
-        std::size_t faces = 0;
+        bool is_left_out = false;
         std::vector<std::uint32_t> edges;  ///< an edge as often as the part has faces there
     };
     const std::size_t edge_count = parts.edges.size() - 1;
@@ -157,30 +157,25 @@ void find_inner_walls(const Mesh& mesh, std::span<const Triangle> triangles, Top
         Wall& wall = walls[parts.part[face]];
         if (wall.edges.empty()) continue;
         wall.area += area_of(frame, triangles[face]);
-        ++wall.faces;
     }
     std::vector<std::uint32_t> order;
     for (std::uint32_t part = 0; part < walls.size(); ++part)
         if (!walls[part].edges.empty()) order.push_back(part);
     std::ranges::stable_sort(order, {}, [&](std::uint32_t part) { return walls[part].area; });
     // Leaves out what makes fewer edges odd, whatever the directions of the faces.
-    std::size_t faces = 0;
-    std::uint32_t first = 0xFFFFFFFFU;
     for (const std::uint32_t part : order) {
-        const Wall& wall = walls[part];
+        Wall& wall = walls[part];
         std::ptrdiff_t change = 0;
         const auto flip = [&](std::uint32_t edge) { change += (is_odd[edge] ^= 1U) != 0 ? 1 : -1; };
         std::ranges::for_each(wall.edges, flip);
-        if (change < 0) {
-            faces += wall.faces;
-            first = std::min(first, part);
-        } else {
-            std::ranges::for_each(wall.edges, flip);
-        }
+        wall.is_left_out = change < 0;
+        if (!wall.is_left_out) std::ranges::for_each(wall.edges, flip);
     }
-    if (faces == 0 || std::ranges::any_of(is_odd, [](std::uint8_t odd) { return odd != 0; })) return;
-    report.inner_wall_faces = faces;
-    report.first_inner_wall_face = first;
+    if (std::ranges::any_of(is_odd, [](std::uint8_t odd) { return odd != 0; })) return {};
+    std::vector<std::uint32_t> faces;
+    for (std::uint32_t face = 0; face < triangles.size(); ++face)
+        if (walls[parts.part[face]].is_left_out) faces.push_back(face);
+    return faces;
 }
 
 bool is_one_part(std::span<const Triangle> triangles, std::size_t vertex_count) {
@@ -387,6 +382,8 @@ void describe_parts(const Mesh& mesh, std::span<const Triangle> triangles, Topol
         const auto [least, most] = windings[n];
         const Part& part = all.parts[n];
         const bool is_judged = least <= most;
+        if (is_judged && least < 1 && most >= 1 && report.overlapping_parts++ == 0)
+            report.first_overlapping_face = part.first;
         if (part.side < 0 && (!is_judged || least < 1)) {
             if (report.inward_parts++ == 0) report.first_inward_face = part.first;
         } else if (part.side > 0 && is_judged && least > 0 && is_in_another(n)) {  // else a bar between two parts

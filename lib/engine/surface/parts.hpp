@@ -28,12 +28,13 @@ struct OrientedParts {
     OrientedParts(std::span<const Triangle> triangles, std::size_t vertex_count);
 };
 
-/// The faces that look otherwise than most of the area of their part, or than its lowest face if there is no most.
-/// Nothing if a part cannot be oriented.
-std::vector<std::uint32_t> faces_to_turn(const Mesh& mesh, std::span<const Triangle> triangles);
+/// The faces that look otherwise than most of the area of their part, or than its lowest face if there is no most. If a
+/// part cannot be oriented: nothing of this part, or nothing at all if all of them are wanted.
+std::vector<std::uint32_t> faces_to_turn(const Mesh& mesh, std::span<const Triangle> triangles, bool are_all_wanted);
 
-/// Finds inner walls: parts that a surface with edges of three faces would be closed without, the smallest first.
-void find_inner_walls(const Mesh& mesh, std::span<const Triangle> triangles, Topology& report);
+/// Inner walls: parts that a surface with edges of three faces would be closed without, the smallest first. Their
+/// faces, ascending; nothing if the surface would not be closed.
+std::vector<std::uint32_t> inner_walls(const Mesh& mesh, std::span<const Triangle> triangles);
 
 /// Whether all faces are joined over vertices. Fast if neighbours follow each other and are numbered alike.
 bool is_one_part(std::span<const Triangle> triangles, std::size_t vertex_count);

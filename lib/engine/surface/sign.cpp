@@ -93,15 +93,24 @@ std::string difference_of(const Topology& topology) {
     add(joined, fmt::format("{} from another one by rounding and {} as it",
                             joined == 1 ? "1 vertex differs" : fmt::format("{} vertices differ", joined),
                             joined == 1 ? "counts" : "count"));
-    add(topology.uncounted_faces,
-        topology.uncounted_faces == 1
-            ? "1 face is there twice and counts once"
-            : fmt::format("{} faces repeat others or cancel them and do not count", topology.uncounted_faces));
+    const std::size_t double_sided = topology.double_sided_faces, uncounted = topology.uncounted_faces;
+    add(double_sided, fmt::format("{} faces of bodies that are there on both sides, so that nothing would be inside, "
+                                  "count once",
+                                  double_sided));
+    add(uncounted > double_sided ? uncounted : 0,
+        uncounted == 1 ? "1 face is there twice and counts once"
+                       : fmt::format("{} faces repeat others or cancel them and do not count", uncounted));
     // If the mesh is inside out, neither these faces nor the others look outwards as they should.
     add(turned,
         fmt::format("{} {} and {} turned around", turned == 1 ? "1 face looks" : fmt::format("{} faces look", turned),
                     topology.inside_out ? "another way than their neighbours" : "the wrong way",
                     turned == 1 ? "is" : "are"));
+    const std::size_t sheets = topology.sheet_faces, walls = topology.inner_wall_faces;
+    add(sheets, fmt::format("{} of {} {} left out ({}triangle {})", counted(sheets, "face"),
+                            walls == 0        ? "sheets that enclose nothing"
+                            : walls == sheets ? "inner walls"
+                                              : "sheets that enclose nothing and of inner walls",
+                            sheets == 1 ? "is" : "are", sheets == 1 ? "" : "the first is ", topology.first_sheet_face));
     return text;
 }
 
@@ -121,6 +130,12 @@ std::string warning_of_parts(const Topology& topology) {
             topology.nested_parts, topology.parts, topology.nested_parts == 1 ? "lies" : "lie",
             topology.nested_parts == 1 ? "looks" : "look", topology.nested_parts == 1 ? "it is" : "they are",
             topology.first_nested_face, topology.nested_parts == 1 ? "" : " is the first"));
+    if (topology.overlapping_parts > 0)
+        sentences.add(fmt::format(
+            "{} of {} parts {} partly within others, and the distance is that to all faces, also to those within: unite "
+            "the parts beforehand if the distance to the outer surface is wanted (the first is that of triangle {})",
+            topology.overlapping_parts, topology.parts, topology.overlapping_parts == 1 ? "is" : "are",
+            topology.first_overlapping_face));
     return sentences.text();
 }
 
@@ -128,7 +143,8 @@ std::string warning_of_parts(const Topology& topology) {
 std::string share_in_doubt(const Topology& topology) {
     const double percent =
         100 * static_cast<double>(topology.doubtful_points) / static_cast<double>(topology.tested_points);
-    return fmt::format("at {:.3g}% of {} points of the mesh's box", percent, topology.tested_points);
+    return fmt::format("at {:.3g}% of {} points beside its faces and in the boxes of its parts", percent,
+                       topology.tested_points);
 }
 
 /// "it has 3 open edges".
@@ -144,8 +160,8 @@ std::string warning_of_holes(const Topology& topology) {
     if (topology.tested_points == 0) return {};
     if (topology.inside_points == 0)
         return fmt::format(
-            "the winding number is below one half at each of {} points of the mesh's box, so perhaps "
-            "nothing is inside; the sign rule none gives the distance alone",
+            "none of {} points beside its faces and in the boxes of its parts is inside, so perhaps nothing is; the "
+            "sign rule none gives the distance alone",
             topology.tested_points);
     return fmt::format(
         "{}, {}, so the sign follows from the winding number; the sign rule none gives the distance alone; inside is "
@@ -154,33 +170,59 @@ std::string warning_of_holes(const Topology& topology) {
         share_in_doubt(topology));
 }
 
+/// Whether it is in doubt at more than a third of the points.
+bool is_much_in_doubt(const Topology& topology) {
+    return 3 * topology.doubtful_points > topology.tested_points;
+}
+
 /// Why `automatic` does not take it.
 std::string refusal_of_winding_number(const Topology& topology) {
     if (topology.tested_points == 0) return {};
-    return topology.inside_points == 0
-               ? fmt::format(
-                     "its winding number is below one half at each of {} points of its box, so the sign rule "
-                     "solid-angle would find nothing inside",
-                     topology.tested_points)
-               : fmt::format(
-                     "the sign rule solid-angle takes it all the same; {} its winding number is in doubt, and 10% is "
-                     "the "
-                     "limit",
-                     share_in_doubt(topology));
+    const std::string tested =
+        topology.inside_points == 0
+            ? fmt::format("none of {} points beside its faces and in the boxes of its parts is inside",
+                          topology.tested_points)
+            : fmt::format("{} its winding number is in doubt", share_in_doubt(topology));
+    Sentences sentences;
+    if (topology.inside_points == 0 || is_much_in_doubt(topology)) {
+        sentences.add(
+            "close the surface, for example by walls and a floor, or give each body as a mesh of its own; the sign rule "
+            "none gives the distance alone");
+        sentences.add(tested);
+    } else {
+        sentences.add("the sign rule solid-angle takes it all the same");
+        sentences.add(fmt::format("{} ({}), and 10% is the limit for each part and for the points inside", tested,
+                                  topology.unclear_parts > 1
+                                      ? fmt::format("{} parts, the first is that of triangle {}",
+                                                    topology.unclear_parts, topology.first_unclear_face)
+                                      : fmt::format("the part of triangle {}", topology.first_unclear_face)));
+    }
+    if (topology.enclosing_faces > 0)
+        sentences.add(
+            fmt::format("the open sheets beside closed bodies enclose something, so they are not left out (the first is "
+                        "that of triangle {})",
+                        topology.first_enclosing_face));
+    return sentences.text();
 }
 
 std::string warning_of_no_sign(const Topology& topology) {
     Sentences sentences;
     sentences.add("the mesh is not closed, so the distance has no sign");
     sentences.add(inner_wall(topology));
-    sentences.add(list_open_edges(topology));
     sentences.add(refusal_of_winding_number(topology));
+    sentences.add(list_open_edges(topology));
     return sentences.text();
 }
 
 /// The warnings about a mesh that has a sign.
 std::string warning_of(const Topology& topology, SignRule rule) {
     Sentences sentences;
+    if (topology.doubled_cavity_faces > 0)
+        sentences.add(fmt::format(
+            "{} of cavities {} there twice, so the cavities are filled: leave one of each out (the first is triangle "
+            "{})",
+            counted(topology.doubled_cavity_faces, "face"), topology.doubled_cavity_faces == 1 ? "is" : "are",
+            topology.first_doubled_cavity_face));
     if (rule == SignRule::nonzero) sentences.add(warning_of_parts(topology));
     if (topology.inside_out)
         sentences.add(fmt::format(
@@ -188,6 +230,17 @@ std::string warning_of(const Topology& topology, SignRule rule) {
             topology.reoriented_faces > 0 ? "turned to look alike, " : ""));
     sentences.add(difference_of(topology));
     return sentences.text();
+}
+
+/// Of a topology that describe_topology() describes for the rule `automatic`, which alone leaves sheets out.
+void refuse_sheets(SignRule asked, const Topology& topology) {
+    if (topology.sheet_faces > 0)
+        throw Error(
+            ErrorCode::invalid_mesh,
+            fmt::format("the sign rule {} needs a closed mesh, but this one has {} of sheets or inner walls (the "
+                        "first is triangle {}), which the rule auto alone leaves out; the rules auto, "
+                        "solid-angle and none would do",
+                        name_of(asked), counted(topology.sheet_faces, "face"), topology.first_sheet_face));
 }
 
 }  // namespace
@@ -211,7 +264,7 @@ ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
                 sentences.add(warning_of(topology, SignRule::parity));
                 return {SignRule::parity, sentences.text()};
             }
-            if (has_clear_winding_number(topology)) {
+            if (topology.tested_points > 0 && topology.unclear_parts == 0) {
                 Sentences sentences;
                 sentences.add(warning_of_holes(topology));
                 sentences.add(warning_of(topology, SignRule::solid_angle));
@@ -219,6 +272,7 @@ ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
             }
             return {SignRule::none, warning_of_no_sign(topology)};
         case SignRule::nonzero:
+            refuse_sheets(asked, topology);
             if (!topology.balanced)
                 throw Error(ErrorCode::invalid_mesh,
                             fmt::format("the sign rule nonzero needs a mesh whose edges are used equally often in both "
@@ -228,6 +282,7 @@ ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
                                                         : "the rules solid-angle and none would do"));
             return {SignRule::nonzero, warning_of(topology, SignRule::nonzero)};
         case SignRule::parity:
+            refuse_sheets(asked, topology);
             if (!topology.closed) {
                 Sentences sentences;
                 sentences.add("the sign rule parity needs a closed mesh");

@@ -1,7 +1,9 @@
 #include "surface/surface_search.hpp"
 
 #include "mesh/join_vertices.hpp"
+#include "surface/double_sided.hpp"
 #include "surface/parts.hpp"
+#include "surface/topology.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -35,7 +37,7 @@ std::vector<Triangle> cancelled_faces(std::span<const Triangle> triangles, std::
 }  // namespace
 
 SurfaceSearch::SurfaceSearch(const Mesh& mesh, std::span<const Triangle> triangles, EdgeCounts edges)
-    : mesh_(mesh), triangles_(triangles.begin(), triangles.end()), edges_(std::move(edges)) {}
+    : mesh_(mesh), given_(triangles), triangles_(triangles.begin(), triangles.end()), edges_(std::move(edges)) {}
 
 void SurfaceSearch::join_noise() {
     std::vector<std::uint32_t> ends;
@@ -98,33 +100,158 @@ void SurfaceSearch::count_doubled_once(const std::vector<DoubledFace>& doubled) 
     surface_.faces = std::move(uses);
 }
 
+void SurfaceSearch::count_bodies_once(const std::vector<DoubledFace>& doubled, bool may_open) {
+    std::vector<int> net(triangles_.size());
+    for (const DoubledFace& one : doubled) net[one.first] += one.is_reversed ? -1 : 1;
+    std::vector<Triangle> as_given(triangles_.size());
+    std::vector<std::uint32_t> cancelled;
+    for (const DoubledFace& one : doubled) {
+        // The sum of a group is that of its later faces, and the first.
+        if (net[one.first] != -1 || (!surface_.faces.empty() && SignSurface::count_of(surface_.faces[one.first]) != 0))
+            continue;
+        net[one.first] = 0;
+        as_given[one.first] = given(one.first);
+        cancelled.push_back(one.first);
+    }
+    if (cancelled.empty()) return;
+    std::ranges::sort(cancelled);
+    double volume = 0;
+    std::vector<CountedFace> counted =
+        double_sided_bodies(mesh_, as_given, cancelled, triangles_, loops_of(edges_), may_open, volume);
+    if (counted.empty()) return;
+    // Both ways are there, so the bodies look as the rest of the mesh does.
+    if (volume != 0 && (volume < 0) != encloses_negative_volume(mesh_, surface_))
+        for (CountedFace& one : counted) one.is_turned = !one.is_turned;
+    if (surface_.faces.empty()) surface_.faces.assign(triangles_.size(), SignSurface::forward);
+    std::vector<bool> is_counted(triangles_.size());
+    for (const auto& [face, is_turned] : counted) {
+        is_counted[face] = true;
+        surface_.faces[face] = is_turned ? SignSurface::backward : SignSurface::forward;
+        triangles_[face] = as_given[face];
+        if (is_turned) turn(face);
+    }
+    for (const DoubledFace& one : doubled) {
+        if (!is_counted[one.first]) continue;
+        surface_.faces[one.face] = (surface_.faces[one.first] > 0) != one.is_reversed ? SignSurface::unused_forward
+                                                                                      : SignSurface::unused_backward;
+        drop(one.face);
+    }
+    double_sided_ = counted.size();
+    count();
+}
+
 void SurfaceSearch::orient_parts(const std::vector<DoubledFace>& doubled) {
-    const std::vector<std::uint32_t> faces = faces_to_turn(mesh_, triangles_);
+    const bool was_closed = is_closed();
+    // Turning faces balances no edge of an odd number of them.
+    if (std::ranges::all_of(edges_.unbalanced, &UnbalancedEdge::is_open)) return;
+    const std::vector<std::uint32_t> faces = faces_to_turn(mesh_, triangles_, was_closed);
     if (faces.empty()) return;
+    const std::vector<Triangle> triangles_before = triangles_;
     for (const std::uint32_t face : faces) turn(face);
     EdgeCounts before = std::move(edges_);
     count();
-    if (!is_balanced()) {
-        for (const std::uint32_t face : faces) turn(face);
+    const auto has_no_more_doubt = [&] {
+        const WindingTest& test = winding_test();
+        WindingTally tally;
+        tally.add(WindingView(mesh_, triangles_before, loops_of(before)).at(test.points));
+        return test.all.doubtful <= tally.doubtful;
+    };
+    const bool is_kept =
+        was_closed ? is_balanced() : edges_.unbalanced.size() < before.unbalanced.size() && has_no_more_doubt();
+    if (!is_kept) {
+        triangles_ = triangles_before;
         edges_ = std::move(before);
+        test_.reset();
         return;
     }
+    take_turned(faces, doubled);
+}
+
+Sheets SurfaceSearch::leave_out_sheets(const std::vector<DoubledFace>& doubled) {
+    Sheets sheets = find_sheets(mesh_, triangles_);
+    if (sheets.left_out.empty()) return sheets;
+    if (are_beside_cancelled_faces(sheets.left_out, doubled)) return {};
+    if (surface_.faces.empty()) surface_.faces.assign(triangles_.size(), SignSurface::forward);
+    for (const std::uint32_t face : sheets.turned) turn(face);
+    take_turned(sheets.turned, doubled);
+    is_left_out_.assign(triangles_.size(), false);
+    for (const std::uint32_t face : sheets.left_out) {
+        is_left_out_[face] = true;
+        drop(face);
+        SignSurface::Use& use = surface_.faces[face];
+        use = use > 0 ? SignSurface::unused_forward : SignSurface::unused_backward;
+    }
+    count();
+    return sheets;
+}
+
+bool SurfaceSearch::are_beside_cancelled_faces(std::span<const std::uint32_t> faces,
+                                               const std::vector<DoubledFace>& doubled) const {
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    const auto edge_of = [](const Triangle& triangle, std::uint32_t k) {
+        const std::uint32_t from = triangle[k], to = triangle[next_of_three(k)];
+        return Edge{std::min(from, to), std::max(from, to)};
+    };
+    std::vector<Edge> edges;
+    for (const DoubledFace& one : doubled)
+        if (!surface_.faces.empty() && SignSurface::count_of(surface_.faces[one.first]) == 0)
+            for (std::uint32_t k = 0; k < 3; ++k) edges.push_back(edge_of(given(one.first), k));
+    std::ranges::sort(edges);
+    return std::ranges::any_of(faces, [&](std::uint32_t face) {
+        const Triangle triangle = given(face);
+        bool is_beside = false;
+        for (std::uint32_t k = 0; k < 3; ++k)
+            is_beside = is_beside || std::ranges::binary_search(edges, edge_of(triangle, k));
+        return is_beside;
+    });
+}
+
+const WindingTest& SurfaceSearch::winding_test() {
+    if (!test_) test_ = test_winding_number(mesh_, triangles_, loops_of(edges_));
+    return *test_;
+}
+
+const WindingTest& SurfaceSearch::winding_test_with_covered_parts() {
+    test_ = test_winding_number(mesh_, triangles_, loops_of(edges_), true);
+    return *test_;
+}
+
+void SurfaceSearch::take_turned(std::span<const std::uint32_t> faces, const std::vector<DoubledFace>& doubled) {
     const bool has_uses = !surface_.faces.empty();
     if (!has_uses) surface_.faces.assign(triangles_.size(), SignSurface::forward);
-    for (const std::uint32_t face : faces)
+    if (is_turned_.empty()) is_turned_.resize(triangles_.size());
+    for (const std::uint32_t face : faces) {
         surface_.faces[face] = surface_.faces[face] > 0 ? SignSurface::backward : SignSurface::forward;
-    if (has_uses)
-        for (const DoubledFace& one : doubled)
-            if (SignSurface::count_of(surface_.faces[one.first]) != 0)
-                surface_.faces[one.face] = (surface_.faces[one.first] > 0) != one.is_reversed
-                                               ? SignSurface::unused_forward
-                                               : SignSurface::unused_backward;
-    reoriented_ = faces.size();
+        is_turned_[face] = !is_turned_[face];
+    }
+    if (!has_uses) return;
+    for (const DoubledFace& one : doubled)
+        if (SignSurface::count_of(surface_.faces[one.first]) != 0 &&
+            SignSurface::count_of(surface_.faces[one.face]) == 0)
+            surface_.faces[one.face] = (surface_.faces[one.first] > 0) != one.is_reversed
+                                           ? SignSurface::unused_forward
+                                           : SignSurface::unused_backward;
+}
+
+Triangle SurfaceSearch::given(std::uint32_t face) const {
+    Triangle triangle = given_[face];
+    for (std::uint32_t& index : triangle) index = surface_.vertex(index);
+    return triangle;
+}
+
+std::size_t SurfaceSearch::reoriented() const {
+    std::size_t count = 0;
+    for (std::size_t face = 0; face < is_turned_.size(); ++face)
+        count += is_turned_[face] && (is_left_out_.empty() || !is_left_out_[face]) ? 1U : 0U;
+    return count;
 }
 
 std::size_t SurfaceSearch::uncounted() const {
-    return static_cast<std::size_t>(
-        std::ranges::count_if(surface_.faces, [](SignSurface::Use use) { return SignSurface::count_of(use) == 0; }));
+    std::size_t count = 0;
+    for (std::size_t face = 0; face < surface_.faces.size(); ++face)
+        count +=
+            SignSurface::count_of(surface_.faces[face]) == 0 && (is_left_out_.empty() || !is_left_out_[face]) ? 1U : 0U;
+    return count;
 }
 
 std::vector<std::uint32_t> SurfaceSearch::close_with(const std::vector<Triangle>& other) {

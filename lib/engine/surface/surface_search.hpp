@@ -1,10 +1,13 @@
 #pragma once
 
 #include "surface/edge_counts.hpp"
+#include "surface/sheets.hpp"
 #include "surface/sign_surface.hpp"
+#include "surface/winding_test.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -24,14 +27,25 @@ public:
     /// each other count once where that closes the surface. The surface stays as it is if more edges would be
     /// unbalanced than before, or if it is closed and that would open it, unless it consists of doubled faces alone.
     void count_doubled_once(const std::vector<DoubledFace>& doubled);
-    /// Turns around the faces that look otherwise than most of their part.
+    /// Counts bodies once whose faces cancel each other, so that nothing is inside. may_open: also those with a hole.
+    void count_bodies_once(const std::vector<DoubledFace>& doubled, bool may_open);
+    /// Turns around the faces that look otherwise than most of their part. A closed surface is balanced then, or stays
+    /// as it is. An open one has fewer unbalanced edges then, and its winding number is not in doubt at more points.
     void orient_parts(const std::vector<DoubledFace>& doubled);
+    /// Leaves sheets and inner walls out that enclose nothing, if the rest has a sign.
+    Sheets leave_out_sheets(const std::vector<DoubledFace>& doubled);
+
+    /// Of an open surface.
+    const WindingTest& winding_test();
+    /// Looks at it again: parts whose holes lie within others may be clear, too.
+    const WindingTest& winding_test_with_covered_parts();
 
     bool is_balanced() const { return edges_.unbalanced.empty(); }
     bool is_closed() const { return edges_.open() == 0; }
     std::size_t joined() const { return joined_; }
-    std::size_t reoriented() const { return reoriented_; }
+    std::size_t reoriented() const;
     std::size_t uncounted() const;
+    std::size_t double_sided() const { return double_sided_; }
     const std::vector<Triangle>& triangles() const { return triangles_; }
     const EdgeCounts& edges() const { return edges_; }
     SignSurface take_surface() { return std::move(surface_); }
@@ -41,15 +55,29 @@ private:
     std::vector<std::uint32_t> close_with(const std::vector<Triangle>& other);
     bool is_open(std::uint32_t a, std::uint32_t b) const;
     void turn(std::uint32_t face) { std::swap(triangles_[face][1], triangles_[face][2]); }
+    /// Notes the faces that were turned, and the directions of those that equal them.
+    void take_turned(std::span<const std::uint32_t> faces, const std::vector<DoubledFace>& doubled);
+    /// Whether a face shares an edge with faces that cancel each other: then it may be of a body on both sides.
+    bool are_beside_cancelled_faces(std::span<const std::uint32_t> faces,
+                                    const std::vector<DoubledFace>& doubled) const;
+    /// A face that is in the surface, as it was given.
+    Triangle given(std::uint32_t face) const;
     void drop(std::uint32_t face) { triangles_[face][1] = triangles_[face][2] = triangles_[face][0]; }
-    void count() { edges_ = count_edges(triangles_, mesh_.vertices().size()); }
+    void count() {
+        edges_ = count_edges(triangles_, mesh_.vertices().size());
+        test_.reset();
+    }
 
     const Mesh& mesh_;
+    std::span<const Triangle> given_;
     std::vector<Triangle> triangles_;  // the surface so far; those that do not count have one vertex
     EdgeCounts edges_;                 // the surface's edges
     SignSurface surface_;
+    std::vector<bool> is_turned_;  // by face; empty: none is
+    std::vector<bool> is_left_out_;
+    std::optional<WindingTest> test_;
     std::size_t joined_ = 0;
-    std::size_t reoriented_ = 0;
+    std::size_t double_sided_ = 0;
 };
 
 }  // namespace clsdf

@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "mesh/equal_vertices.hpp"
+#include "surface/double_sided.hpp"
 #include "surface/edge_counts.hpp"
 #include "surface/open_edges.hpp"
 #include "surface/parts.hpp"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -73,16 +75,33 @@ void report_first_edges(std::vector<UnbalancedEdge> edges, std::span<const Trian
     }
 }
 
-OpenLoops loops_of(const EdgeCounts& edges) {
-    std::vector<OpenEdge> open;
-    open.reserve(edges.unbalanced.size());
-    for (const UnbalancedEdge& edge : edges.unbalanced) {
-        if (edge.net > 0)
-            open.push_back({edge.lower, edge.higher, static_cast<std::uint32_t>(edge.net)});
-        else
-            open.push_back({edge.higher, edge.lower, static_cast<std::uint32_t>(-edge.net)});
-    }
-    return clsdf::loops_of(std::move(open));
+void report_inner_walls(std::span<const std::uint32_t> faces, Topology& report) {
+    if (faces.empty()) return;
+    report.inner_wall_faces = faces.size();
+    report.first_inner_wall_face = faces.front();
+}
+
+void report_sheets(const Sheets& sheets, Topology& report) {
+    report.sheet_faces = sheets.left_out.size();
+    report.first_sheet_face = sheets.left_out.empty() ? 0 : sheets.left_out.front();
+    report.enclosing_faces = sheets.enclosing;
+    report.first_enclosing_face = sheets.first_enclosing;
+    report_inner_walls(sheets.walls, report);
+}
+
+/// Of a balanced surface whose faces all count.
+void report_doubled_cavities(const Mesh& mesh, std::span<const Triangle> triangles,
+                             const std::vector<DoubledFace>& doubled, Topology& report) {
+    std::vector<std::uint32_t> firsts;
+    for (const DoubledFace& one : doubled)
+        if (!one.is_reversed) firsts.push_back(one.first);
+    if (firsts.empty()) return;
+    std::ranges::sort(firsts);
+    const auto repeated = std::ranges::unique(firsts);
+    firsts.erase(repeated.begin(), repeated.end());
+    const std::vector<std::uint32_t> faces = doubled_cavities(mesh, triangles, firsts);
+    report.doubled_cavity_faces = faces.size();
+    report.first_doubled_cavity_face = faces.empty() ? 0 : faces.front();
 }
 
 /// Describes the edges of a mesh's triangles, whose vertices are all different.
@@ -97,35 +116,61 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
         std::plus<>());
     EdgeCounts edges = count_edges(triangles, mesh.vertices().size());
     report.non_manifold_edges = edges.non_manifold;
-    if (edges.unbalanced.empty()) {
-        report.closed = report.balanced = true;
-        if (edges.non_manifold > 0) report.duplicate_faces = doubled_faces(triangles).size();
-        report.inside_out = encloses_negative_volume(mesh);
-        return {};
+    const bool may_open = asked == SignRule::automatic || asked == SignRule::solid_angle;
+    const bool is_balanced = edges.unbalanced.empty();
+    std::vector<DoubledFace> doubled;
+    if (is_balanced) {
+        if (edges.non_manifold > 0) doubled = doubled_faces(triangles);
+        report.duplicate_faces = doubled.size();
+        if (doubled.empty()) {
+            report.closed = report.balanced = true;
+            report.inside_out = encloses_negative_volume(mesh);
+            return {};
+        }
     }
     SurfaceSearch search(mesh, triangles, std::move(edges));
-    search.join_noise();
-    const std::vector<DoubledFace> doubled = doubled_faces(search.triangles());
-    if (!search.is_balanced()) search.count_doubled_once(doubled);
-    if (!search.is_balanced() && search.is_closed()) search.orient_parts(doubled);
+    if (!is_balanced) {
+        search.join_noise();
+        doubled = doubled_faces(search.triangles());
+        if (!search.is_balanced()) search.count_doubled_once(doubled);
+    }
+    search.count_bodies_once(doubled, may_open);
+    if (!search.is_balanced() && (search.is_closed() || may_open)) search.orient_parts(doubled);
+    if (search.is_balanced() && search.uncounted() == 0)
+        report_doubled_cavities(mesh, search.triangles(), doubled, report);
+    const auto is_open = [&] {
+        return !search.is_balanced() && (asked == SignRule::solid_angle || !search.is_closed());
+    };
+    if (asked == SignRule::automatic && !search.is_closed() && !search.winding_test().is_clear()) {
+        const Sheets sheets = search.leave_out_sheets(doubled);
+        if (!sheets.left_out.empty() || !search.winding_test_with_covered_parts().is_clear())
+            report_sheets(sheets, report);
+    }
     report.joined_vertices = search.joined();
     report.duplicate_faces = doubled.size();
     report.uncounted_faces = search.uncounted();
     report.reoriented_faces = search.reoriented();
+    report.double_sided_faces = search.double_sided();
     report.boundary_edges = search.edges().boundary;
     report.unbalanced_edges = search.edges().unbalanced.size();
     report.open_edges = search.edges().open();
     report_first_edges(search.edges().unbalanced, search.triangles(), mesh.vertices(), report);
     report.closed = search.is_closed();
     report.balanced = search.is_balanced();
-    if (report.open_edges > 0 && report.boundary_edges == 0) find_inner_walls(mesh, search.triangles(), report);
+    if (report.open_edges > 0 && report.boundary_edges == 0)
+        report_inner_walls(inner_walls(mesh, search.triangles()), report);
+    std::optional<WindingTest> test;
+    if (may_open && is_open()) test = search.winding_test();
     SignSurface surface = search.take_surface();
-    report.inside_out = report.balanced && encloses_negative_volume(mesh, surface);
-    if (report.balanced) return surface;
-    if (asked == SignRule::solid_angle || (asked == SignRule::automatic && !report.closed)) {
+    if (report.balanced) report.inside_out = encloses_negative_volume(mesh, surface);
+    if (test) {
         surface.open_loops = loops_of(search.edges());
-        test_winding_number(mesh, search.triangles(), surface.open_loops, report);
-        report.inside_out = report.inside_out && (asked == SignRule::solid_angle || has_clear_winding_number(report));
+        report.tested_points = test->all.tested;
+        report.doubtful_points = test->all.doubtful;
+        report.inside_points = test->all.inside;
+        report.unclear_parts = test->unclear_parts;
+        report.first_unclear_face = test->first_unclear_face;
+        report.inside_out = test->all.sum < 0 && (asked == SignRule::solid_angle || test->is_clear());
     }
     return surface;
 }

@@ -93,7 +93,7 @@ struct FieldDescription {
     /// Distances and gradients are negated, also zeros and what lies beyond the band: -0 on the surface. So negating
     /// them again gives the same bits. Fields that are computed are negative inside; see Field::negate().
     bool positive_inside = false;
-    /// The groups of the mesh, or null. Files that have the output triangle get a group for each sample, too; .vti does.
+    /// The groups of the mesh, or null. A .vti with the output triangle gets the group of each sample, too.
     std::shared_ptr<const FaceGroups> groups{};
 };
 

@@ -33,22 +33,19 @@ struct CLSDF_EXPORT Box {
 /// Three vertex indices, counter-clockwise seen from outside.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Groups of a mesh's triangles, each with a name: the solids of an STL file, the patches of a case, the links of a robot.
+/// The group of a sample or point beyond the band.
+inline constexpr std::uint32_t no_group = 0xFFFFFFFFU;
+
+/// Groups of a mesh's triangles, each with a name: the solids of an STL file, the patches of a case, the links of a
+/// robot.
 struct FaceGroups {
     std::vector<std::string> names;      ///< all different; "" may be that of triangles to which a file gives none
     std::vector<std::uint32_t> numbers;  ///< of each triangle: the index of its name
 
     bool empty() const { return names.empty(); }
     /// The number of a triangle, for instance of the nearest one of a point; no_group for no_triangle.
-    inline std::uint32_t of(std::uint32_t triangle) const;
+    std::uint32_t of(std::uint32_t triangle) const { return triangle < numbers.size() ? numbers[triangle] : no_group; }
 };
-
-/// The group of a sample or point beyond the band.
-inline constexpr std::uint32_t no_group = 0xFFFFFFFFU;
-
-inline std::uint32_t FaceGroups::of(std::uint32_t triangle) const {
-    return triangle < numbers.size() ? numbers[triangle] : no_group;
-}
 
 /// A triangle mesh in the caller's arrays; nothing is copied, and the arrays must outlive the view. mesh_view() of
 /// clsdf/eigen.hpp makes one of Eigen's matrices.

@@ -62,10 +62,24 @@ struct Topology {
     std::size_t first_nested_face = 0;      ///< the lowest face of the first of them
 
     /// The winding number is looked at if the mesh is not closed and the rule may become solid_angle: at so many fixed
-    /// points of the mesh's box.
+    /// points beside its faces and in the boxes of its parts.
     std::size_t tested_points = 0;
     std::size_t doubtful_points = 0;  ///< of them those at which it is more than 0.1 from an integer
     std::size_t inside_points = 0;    ///< of them those at which it is one half or more, or minus one half or less
+
+    std::size_t unclear_parts = 0;  ///< parts that share no vertex and where the winding number is in doubt at more
+                                    ///< than a tenth of the tested points or of those inside, or at none inside
+    std::size_t first_unclear_face = 0;         ///< the lowest face of the first of them
+    std::size_t double_sided_faces = 0;         ///< faces of bodies that are there on both sides; each counts once
+    std::size_t doubled_cavity_faces = 0;       ///< faces of cavities that are there twice, so the cavities are filled
+    std::size_t first_doubled_cavity_face = 0;  ///< the lowest of them
+    std::size_t sheet_faces = 0;       ///< faces of sheets and inner walls beside closed bodies, left out for the sign
+    std::size_t first_sheet_face = 0;  ///< the lowest of them
+    std::size_t enclosing_faces = 0;   ///< faces of open sheets that are not left out, because they enclose something
+    std::size_t first_enclosing_face = 0;    ///< the lowest of them
+    std::size_t overlapping_parts = 0;       ///< parts of a balanced mesh that are partly within others, by up to 128
+                                             ///< points of each: the distance is that to all faces, also within others
+    std::size_t first_overlapping_face = 0;  ///< the lowest face of the first of them
 };
 
 /// Throws Error(unsupported) for 2^30 triangles or more.
