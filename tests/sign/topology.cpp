@@ -246,7 +246,7 @@ BOOST_AUTO_TEST_CASE(shells_within_shells_have_the_sign_of_their_rule) {
 BOOST_AUTO_TEST_CASE(solids_that_intersect_are_exact) {
     const Mesh sphere = tilted(make_shape("sphere2"));
     const Mesh pair = together({sphere, shifted(sphere, {0.9, 0.3, -0.2})}, "overlapping spheres");
-    check_rule(pair, SignRule::nonzero, "");
+    check_rule(pair, SignRule::nonzero, "2 of 2 parts are partly within others");
     // Points inside both parts are outside by parity.
     BOOST_TEST(count_inside(compute_right(pair, SignRule::parity).field) < count_inside(compute_right(pair).field));
     // A ring so thick that it touches and intersects itself.

@@ -800,7 +800,7 @@ static void check_callbacks(void) {
     call.log = logged;
     own.calls = 0;
     OK(clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));
-    CHECK(own.calls == 1 && strstr(own.message, "edge") != NULL);
+    CHECK(own.calls == 1 && strstr(own.message, "not closed") != NULL);
     clsdf_transform_release(open);
     own.answer = 5;
     FAILS(5, "callback log", clsdf_transform_from_arrays(device, &arrays, NULL, &call, &open));

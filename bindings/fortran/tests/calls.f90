@@ -180,7 +180,7 @@ contains
     defects = own%defects()
     call check(defects%components == 1 .and. defects%duplicate_faces == 0, 'defects')
     call own%sign(rule, warning=warning)
-    call check(rule == CLSDF_SIGN_NONE .and. index(warning, 'open') > 0, 'a warning')
+    call check(rule == CLSDF_SIGN_NONE .and. index(warning, 'not closed') > 0, 'a warning')
     call own%sign(rule, CLSDF_SIGN_PARITY, stat=stat, errmsg=errmsg)
     call fails(stat, CLSDF_INVALID_MESH, errmsg, 'parity')
     box = own%box()
@@ -360,7 +360,7 @@ contains
     call tetrahedron(x, triangles)
     call open_mesh%create(x, triangles(:, :3))
     call own%create(device, open_mesh, options=w)
-    call check(w%messages == 1 .and. index(w%message, 'open') > 0, 'a warning')
+    call check(w%messages == 1 .and. index(w%message, 'not closed') > 0, 'a warning')
     call check(own%sign() == CLSDF_SIGN_NONE, 'a mesh without a sign')
     call marks(w)
   end subroutine
