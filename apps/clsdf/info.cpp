@@ -291,10 +291,11 @@ ExitStatus run(const InfoOptions& options, Report& report) {
     if (options.mesh.size() == 1 && is_field(options.mesh.front())) {
         if (options.self_intersections || !options.reading.weld.empty() || options.reading.skip_bad_facets ||
             !options.reading.group_by.empty())
-            throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
-                               fmt::format("{}: --weld, --skip-bad-facets, --group-by and --self-intersections are about "
-                                           "meshes, and this is a field; leave them out",
-                                           options.mesh.front()));
+            throw clsdf::Error(
+                clsdf::ErrorCode::invalid_argument,
+                fmt::format("{}: --weld, --skip-bad-facets, --group-by and --self-intersections are about "
+                            "meshes, and this is a field; leave them out",
+                            options.mesh.front()));
         return describe_field(options.mesh.front(), report);
     }
     const Info info(options, read_body(options.mesh, options.reading, report));

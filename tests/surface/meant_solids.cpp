@@ -3,10 +3,10 @@
 
 #include <clsdf/topology.hpp>
 
-#include "surface/topology.hpp"
 #include "support/doubtful_meshes.hpp"
 #include "support/open_meshes.hpp"
 #include "support/winding.hpp"
+#include "surface/topology.hpp"
 
 #include <fmt/format.h>
 #include <boost/test/unit_test.hpp>

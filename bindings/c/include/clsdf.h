@@ -591,11 +591,10 @@ typedef struct clsdf_topology {
     }
 #define CLSDF_FIVE_EDGES_INIT \
     { CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT }
-#define CLSDF_TOPOLOGY_INIT                                                                               \
-    {                                                                                                     \
-        CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT,     \
-            CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
-            0, 0 \
+#define CLSDF_TOPOLOGY_INIT                                                                                     \
+    {                                                                                                           \
+        CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT,           \
+            CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 \
     }
 
 /* Defects beside those of edges. The distance is exact in spite of them. */
@@ -617,9 +616,9 @@ typedef struct clsdf_read_options {
     /* Warnings, each with the file: what was skipped (faces of one or two corners, bytes after the last row of a binary
      * .ply, unknown lines) or changed (vertices of an .obj with a fourth number are divided by it). May be null. */
     clsdf_log_function log;
-    double scale;         /* a position x becomes R (x * scale) + translate; without a rotation R, product and sum are
-                             each rounded once; > 0 */
-    double translate[3];  /* in the units after the scale */
+    double scale;        /* a position x becomes R (x * scale) + translate; without a rotation R, product and sum are
+                            each rounded once; > 0 */
+    double translate[3]; /* in the units after the scale */
     /* 1: faces with a coordinate that is not finite, or that name a vertex that does not exist, are left out; log gets
      * their number and the first of them. 0: they are errors. */
     int32_t skip_bad_facets;
@@ -638,8 +637,8 @@ typedef struct clsdf_weld_report {
     size_t struct_size;
     int64_t lost_faces;       /* had three different vertices, and have fewer now, so no area */
     int64_t coinciding_faces; /* have the three vertices of other faces now, and did not before */
-    /* Of a closed mesh its volume, > 0 if its faces look outwards. Of an open one that of the cones from the faces to
-     * the centre of the box. */
+    /* A closed mesh has its volume, > 0 if its faces look outwards; an open one that of the cones from the faces to the
+     * centre of the box. */
     double volume_before;
     double volume_after;
 } clsdf_weld_report;

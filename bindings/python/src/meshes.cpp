@@ -216,8 +216,7 @@ void add_meshes(nb::module_& module) {
         .def_ro("first_enclosing_face", &Topology::first_enclosing_face)
         .def_ro("overlapping_parts", &Topology::overlapping_parts,
                 "Parts of a balanced mesh that are partly within others.")
-        .def_ro("first_overlapping_face", &Topology::first_overlapping_face,
-                "The lowest face of the first of them.")
+        .def_ro("first_overlapping_face", &Topology::first_overlapping_face, "The lowest face of the first of them.")
         .def_ro("first_inward_face", &Topology::first_inward_face)
         .def_ro("first_nested_face", &Topology::first_nested_face)
         .def("__getstate__", &state_of)

@@ -132,7 +132,8 @@ std::string warning_of_parts(const Topology& topology) {
             topology.first_nested_face, topology.nested_parts == 1 ? "" : " is the first"));
     if (topology.overlapping_parts > 0)
         sentences.add(fmt::format(
-            "{} of {} parts {} partly within others, and the distance is that to all faces, also to those within: unite "
+            "{} of {} parts {} partly within others, and the distance is that to all faces, also to those within: "
+            "unite "
             "the parts beforehand if the distance to the outer surface is wanted (the first is that of triangle {})",
             topology.overlapping_parts, topology.parts, topology.overlapping_parts == 1 ? "is" : "are",
             topology.first_overlapping_face));
@@ -186,7 +187,8 @@ std::string refusal_of_winding_number(const Topology& topology) {
     Sentences sentences;
     if (topology.inside_points == 0 || is_much_in_doubt(topology)) {
         sentences.add(
-            "close the surface, for example by walls and a floor, or give each body as a mesh of its own; the sign rule "
+            "close the surface, for example by walls and a floor, or give each body as a mesh of its own; the sign "
+            "rule "
             "none gives the distance alone");
         sentences.add(tested);
     } else {
@@ -198,10 +200,10 @@ std::string refusal_of_winding_number(const Topology& topology) {
                                       : fmt::format("the part of triangle {}", topology.first_unclear_face)));
     }
     if (topology.enclosing_faces > 0)
-        sentences.add(
-            fmt::format("the open sheets beside closed bodies enclose something, so they are not left out (the first is "
-                        "that of triangle {})",
-                        topology.first_enclosing_face));
+        sentences.add(fmt::format(
+            "the open sheets beside closed bodies enclose something, so they are not left out (the first is "
+            "that of triangle {})",
+            topology.first_enclosing_face));
     return sentences.text();
 }
 

@@ -82,7 +82,7 @@ CLSDF_EXPORT Defects find_defects(const Mesh& mesh);
 struct WeldReport {
     std::size_t lost_faces = 0;        ///< had three different vertices, and have fewer now, so no area
     std::size_t coinciding_faces = 0;  ///< have the three vertices of other faces now, and did not before
-    /// Of a closed mesh its volume, > 0 if its faces look outwards. Of an open one that of the cones from the faces to
+    /// A closed mesh has its volume, > 0 if its faces look outwards; an open one that of the cones from the faces to
     /// the centre of the box.
     double volume_before = 0;
     double volume_after = 0;

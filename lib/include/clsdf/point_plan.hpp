@@ -22,8 +22,8 @@ enum class PointStatus : std::uint8_t {
     found = 0,
     not_finite = 1,  ///< the distance is NaN; there is no triangle
     too_far = 2,     ///< the distance is the half width, or NaN if that is infinite; there is no triangle
-    /// The distance is NaN, and there is no triangle: exact arithmetic did not suffice for the sign. Only a point may be
-    /// left so that has a coordinate below 2^-300 units, but not 0, a unit being about 1/256 of the mesh. It lies in
+    /// The distance is NaN, and there is no triangle: exact arithmetic did not suffice for the sign. Only a point may
+    /// be left so that has a coordinate below 2^-300 units, but not 0, a unit being about 1/256 of the mesh. It lies in
     /// the mesh's box, or anywhere if open edges count. It is left if open edges count, if the mesh has coordinates
     /// beyond 2^-60 and 2^40, if a coordinate of the point, the small one included, is between 2^-424 and 2^-60, or if
     /// two below 2^-424 differ by a factor above 2^90. query() has its sign.

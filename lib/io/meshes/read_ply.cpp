@@ -202,8 +202,9 @@ Layout find_layout(const FileContent& file, const PlyHeader& header, const std::
     if (strips != nullptr) layout.strips = find_list(file, *strips);
     if (group_by.empty()) return layout;
     if (face == nullptr)
-        fail_header(file, "triangle strips have no groups; convert the file to one with single faces, or leave the groups out",
-                    ErrorCode::unsupported);
+        fail_header(
+            file, "triangle strips have no groups; convert the file to one with single faces, or leave the groups out",
+            ErrorCode::unsupported);
     layout.group = find_group(file, *face, group_by);
     return layout;
 }
