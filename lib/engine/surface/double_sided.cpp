@@ -102,6 +102,20 @@ bool is_body(const Mesh& surface, bool may_open, std::vector<std::uint32_t>& tur
     return all.is_nearly_clear() && all.inside > 0;
 }
 
+struct PointsOfSets {
+    std::vector<Vec3> points;       ///< set after set
+    std::vector<std::size_t> ends;  ///< of each set
+};
+PointsOfSets points_beside(const Mesh& all, const std::vector<Joined>& sets) {
+    PointsOfSets result;
+    for (const Joined& set : sets) {
+        const std::vector<Vec3> beside = clsdf::points_beside(all, all.triangles(), set.faces, places_of_body);
+        result.points.insert(result.points.end(), beside.begin(), beside.end());
+        result.ends.push_back(result.points.size());
+    }
+    return result;
+}
+
 /// Whether faces are those of a body, or are when sheets among them are left out.
 bool find_body(const Mesh& all, std::vector<std::uint32_t>& faces, bool may_open, std::vector<std::uint32_t>& turned) {
     const Mesh own = surface_of(all, all.triangles(), faces);
@@ -132,13 +146,7 @@ std::vector<CountedFace> double_sided_bodies(const Mesh& mesh, std::span<const T
         return set.boundary > std::max(std::min(few_edges, set.faces.size() / 3), set.faces.size() / 4);
     });
     if (sets.size() > most_bodies) sets.resize(most_bodies);
-    std::vector<Vec3> points;
-    std::vector<std::size_t> ends;
-    for (const Joined& set : sets) {
-        const std::vector<Vec3> beside = points_beside(all, all.triangles(), set.faces, places_of_body);
-        points.insert(points.end(), beside.begin(), beside.end());
-        ends.push_back(points.size());
-    }
+    const auto [points, ends] = points_beside(all, sets);
     const std::vector<SeenWinding> seen = WindingView(mesh, counting, loops).at(points);
     std::vector<CountedFace> result;
     volume = 0;
@@ -169,13 +177,7 @@ std::vector<std::uint32_t> doubled_cavities(const Mesh& mesh, std::span<const Tr
     const Mesh all = surface_of(mesh, triangles, candidates);
     std::vector<Joined> sets = joined_over_edges(all);
     if (sets.size() > most_bodies) sets.resize(most_bodies);
-    std::vector<Vec3> points;
-    std::vector<std::size_t> ends;
-    for (const Joined& set : sets) {
-        const std::vector<Vec3> beside = points_beside(all, all.triangles(), set.faces, places_of_body);
-        points.insert(points.end(), beside.begin(), beside.end());
-        ends.push_back(points.size());
-    }
+    const auto [points, ends] = points_beside(all, sets);
     const std::vector<SeenWinding> seen = WindingView(mesh, triangles, {}).at(points);
     std::vector<std::uint32_t> result;
     std::size_t i = 0;

@@ -30,6 +30,17 @@ public:
                 (vertex[2] - centre_[2]) * scale_};
     }
 
+    /// The normal of a face, as long as twice its area.
+    Vec3 normal(const Triangle& triangle) const {
+        const Vec3 a = local(triangle[0]), b = local(triangle[1]), c = local(triangle[2]);
+        Vec3 product{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+            product[i] = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
+        }
+        return product;
+    }
+
     /// Adds six times the volume of the tetrahedron of the centre and a face, and the sum of the terms' magnitudes.
     void add_volume(const Triangle& triangle, double& sum, double& magnitude) const {
         const Vec3 a = local(triangle[0]);

@@ -23,13 +23,8 @@ namespace {
 
 /// Twice the area of a face, in the frame's lengths.
 double area_of(const LocalFrame& frame, const Triangle& triangle) {
-    const Vec3 a = frame.local(triangle[0]), b = frame.local(triangle[1]), c = frame.local(triangle[2]);
-    Vec3 product{};
-    for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-        product[i] = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
-    }
-    return std::hypot(product[0], product[1], product[2]);
+    const Vec3 normal = frame.normal(triangle);
+    return std::hypot(normal[0], normal[1], normal[2]);
 }
 
 /// Sets of faces, each with an orientation relative to a root of its set.

@@ -116,6 +116,10 @@ private:
     std::vector<std::uint32_t> order_;  // points, cell after cell
 };
 
+double length_of(const Vec3& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
 bool is_float(double x) {
     return static_cast<double>(static_cast<float>(x)) == x;
 }
@@ -201,21 +205,11 @@ std::vector<Vec3> points_in(const Box& box, std::size_t count) {
 std::vector<Vec3> points_beside(const Mesh& mesh, std::span<const Triangle> triangles,
                                 std::span<const std::uint32_t> faces, std::size_t places) {
     const LocalFrame frame(mesh);
-    const auto normal_of = [&](const Triangle& triangle) {
-        const Vec3 a = frame.local(triangle[0]), b = frame.local(triangle[1]), c = frame.local(triangle[2]);
-        Vec3 normal{};
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-            normal[i] = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
-        }
-        return normal;
-    };
-    const auto length_of = [](const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); };
     std::vector<double> areas(faces.size());
     for_each_range(
         faces.size(),
         [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i != end; ++i) areas[i] = length_of(normal_of(triangles[faces[i]]));
+            for (std::size_t i = begin; i != end; ++i) areas[i] = length_of(frame.normal(triangles[faces[i]]));
         },
         4096);
     const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
@@ -251,7 +245,7 @@ std::vector<Vec3> points_beside(const Mesh& mesh, std::span<const Triangle> tria
             u = 1 - u;
             v = 1 - v;
         }
-        const Vec3 normal = normal_of(triangle);
+        const Vec3 normal = frame.normal(triangle);
         const double scale = away / length_of(normal);
         if (!std::isfinite(scale)) continue;
         Vec3 above{}, below{};
@@ -295,14 +289,7 @@ Box box_of(const Mesh& mesh, std::span<const Triangle> triangles, std::span<cons
 }
 
 double area_of(const LocalFrame& frame, const Triangle& triangle) {
-    const Vec3 a = frame.local(triangle[0]), b = frame.local(triangle[1]), c = frame.local(triangle[2]);
-    double squares = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-        const double x = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
-        squares += x * x;
-    }
-    return std::sqrt(squares);
+    return length_of(frame.normal(triangle));
 }
 
 /// A number of points or parts; a quarter of it if there are very many open edges.
@@ -378,12 +365,7 @@ bool is_flat(const Mesh& mesh, std::span<const Triangle> triangles, std::span<co
             largest = face;
         }
     const Triangle& triangle = own.triangles()[largest];
-    const Vec3 a = frame.local(triangle[0]), b = frame.local(triangle[1]), c = frame.local(triangle[2]);
-    Vec3 normal{};
-    for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-        normal[i] = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
-    }
+    const Vec3 a = frame.local(triangle[0]), normal = frame.normal(triangle);
     for (std::uint32_t vertex = 0; vertex < own.vertices().size(); ++vertex) {
         const Vec3 at = frame.local(vertex);
         double height = 0;
