@@ -154,13 +154,11 @@ static inline ExactVector rotated(ExactVector v) {
     return v;
 }
 
-RARELY_CALLED int exact_orientation_in_space(double3 a, double3 b, double3 c, double3 d) {
-    ExactVector u = exact_difference(b, a), v = exact_difference(c, a), w = exact_difference(d, a);
-    Expansion sum;
-    sum.count = 0;
+// Adds the determinant.
+static inline void add_determinant(__private Expansion* sum, ExactVector u, ExactVector v, ExactVector w) {
 #pragma unroll 1
     for (uint term = 0; term < 6; ++term) {
-        add_product(&sum, u.x, v.y, w.z);
+        add_product(sum, u.x, v.y, w.z);
         const ExactVector other = u;
         u = v;
         v = other;
@@ -170,7 +168,17 @@ RARELY_CALLED int exact_orientation_in_space(double3 a, double3 b, double3 c, do
         v = rotated(v);
         w = rotated(w);
     }
+}
+
+RARELY_CALLED int exact_sign_of_determinant(ExactVector u, ExactVector v, ExactVector w) {
+    Expansion sum;
+    sum.count = 0;
+    add_determinant(&sum, u, v, w);
     return sign_of(&sum);
+}
+
+RARELY_CALLED int exact_orientation_in_space(double3 a, double3 b, double3 c, double3 d) {
+    return exact_sign_of_determinant(exact_difference(b, a), exact_difference(c, a), exact_difference(d, a));
 }
 
 // 1: d is on the side of a, b, c from which they run counterclockwise; -1: on the other side; 0: the four lie in a

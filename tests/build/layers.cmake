@@ -39,7 +39,7 @@ set(folders foundations/core foundations/device)
 foreach(stage launch homes mesh surface topology lattice frusta tree lists sign finish bricks plan)
   list(APPEND folders engine/${stage})
 endforeach()
-list(APPEND folders targets points checks plans calls)
+list(APPEND folders targets points segments checks plans calls)
 
 # What is in lib, and the folders beside the core.
 file(GLOB all RELATIVE ${SOURCE}/lib LIST_DIRECTORIES true ${SOURCE}/lib/* ${SOURCE}/lib/foundations/* ${SOURCE}/lib/engine/*)
@@ -56,7 +56,7 @@ string(REGEX REPLACE "^set\\(CLSDF_KERNEL_FOLDERS (.*)\\)$" "\\1" kernel_folders
 separate_arguments(kernel_folders)
 set(stages ${folders})
 list(TRANSFORM stages REPLACE ".*/" "")
-list(FILTER stages INCLUDE REGEX "^(topology|frusta|tree|lists|sign|finish|bricks|targets|points)$")
+list(FILTER stages INCLUDE REGEX "^(topology|frusta|tree|lists|sign|finish|bricks|targets|points|segments)$")
 if(NOT "common;${stages}" STREQUAL "${kernel_folders}")
   message(SEND_ERROR "the folders of kernels are ${kernel_folders}; by the order of lib they would be common;${stages}")
 endif()
@@ -111,7 +111,7 @@ endforeach()
 
 # The engine's face: plans and calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid,
 # and GridPlan, which plans and runs.
-set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh surface targets points checks plans)
+set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh surface targets points segments checks plans)
 allow_kernels(targets)
 check_folder(${SOURCE}/lib/plans)
 list(APPEND allowed ${face} calls)

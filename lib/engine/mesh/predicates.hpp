@@ -15,4 +15,9 @@ int orientation(const std::array<double, 2>& a, const std::array<double, 2>& b, 
 
 bool are_collinear(const Vec3& a, const Vec3& b, const Vec3& c);
 
+/// Which of two faces' planes a line from `from` along `to` - `origin`, both exact, meets first: -1 the first one's, 1
+/// the second one's, 0: at the same place. It is parallel to neither.
+int compare_places(const std::array<Vec3, 3>& first, const std::array<Vec3, 3>& second, const Vec3& from,
+                   const Vec3& to, const Vec3& origin);
+
 }  // namespace clsdf

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <clsdf/arrays.hpp>
+#include <clsdf/export.hpp>
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+/// Where segments meet the surface: links of a lattice, crossings of grid edges, rays (docs/segments.md).
+namespace clsdf {
+
+/// What counts where a segment meets the surface. The values of the enumerators never change.
+enum class Hits : std::int32_t {
+    walls = 0,  ///< where inside and outside meet, by the sign rule: never a face within a body
+    faces = 1,  ///< every face as given, also of sheets and of meshes without a sign
+};
+
+/// What is said of a link or a crossing, as bits. The values of the enumerators never change.
+enum class SegmentFlag : std::uint8_t {
+    none = 0,
+    film = 1,     ///< the sign changes where an open mesh has no face: there is no triangle, and q is known to 2^-30
+    between = 2,  ///< both ends are outside, with a body between them
+    gap = 4,      ///< both ends are inside, with space between them
+    sheet = 8,    ///< of Hits::faces: the sides of the ends are equal
+};
+
+/// No triangle: of a film, and where nothing is met.
+inline constexpr std::uint32_t no_triangle = 0xffffffff;
+
+/// A step on the lattice, in samples.
+using LinkDirection = std::array<std::int32_t, 3>;
+
+/// The directions of a lattice-Boltzmann stencil, in the order of a code: "D3Q15", "D3Q19" or "D3Q27"; "OpenLB",
+/// "waLBerla" (also lbmpy's), "Palabos" or "XLB". The first is the zero vector, which has no links. Throws
+/// Error(invalid_argument) that names what there is.
+CLSDF_EXPORT std::vector<LinkDirection> stencil(std::string_view name, std::string_view code = "waLBerla");
+
+struct LinkOptions {
+    Hits hits = Hits::walls;
+    /// Also links with both ends outside and a body between them: two rows each, one from each end.
+    bool with_between = false;
+};
+
+/// A bit for each sample of a grid: whether it is inside, for SegmentFlag and links. x fastest, the lowest bit of a
+/// byte first, rows one after another. A sample has the side that a query has at Grid::position(); on a wall it is
+/// outside, on a face within a body inside.
+struct SampleSides {
+    Index3 size{};
+    std::vector<std::uint8_t> bits;
+
+    /// offset: from the grid's first sample.
+    bool is_inside(const Index3& offset) const {
+        const auto n = static_cast<std::size_t>((offset[2] * size[1] + offset[1]) * size[0] + offset[0]);
+        return (bits[n / 8] >> n % 8 & 1) != 0;
+    }
+};
+
+/// The links of a grid that meet the surface, a row each, by sample (z, then y, then x), then by direction. A link
+/// begins at its row's sample, which is in the grid and outside (with Hits::faces on any side), and ends a direction
+/// farther, in the grid or beyond it.
+struct Links {
+    std::vector<std::array<std::int32_t, 3>> samples;  ///< on the lattice: Grid::first counts
+    std::vector<std::uint8_t> directions;              ///< the number of the direction among those asked for
+    std::vector<double> q;                  ///< the part of the link up to the first wall: 0 (the sample is on the wall) to 1
+    std::vector<std::uint32_t> triangles;   ///< of the first wall; of several the lowest; or no_triangle
+    std::vector<std::uint32_t> counts;      ///< walls on the link
+    std::vector<SegmentFlag> flags;
+    SampleSides inside;
+
+    std::size_t size() const { return q.size(); }
+};
+
+/// The caller's arrays for links, on the host, of `room` items each; each may be missing. q may be float or double: as
+/// a float, a q that is greater than 0 does not become 0.
+struct LinkTargets {
+    std::size_t room = 0;
+    OutputArray samples{};     ///< int32, three components
+    OutputArray directions{};  ///< uint8
+    OutputArray q{};
+    OutputArray triangles{};   ///< uint32 or int32 (then -1 for none)
+    OutputArray counts{};      ///< uint32
+    OutputArray flags{};       ///< uint8
+};
+
+/// Where the edges of a grid along one axis cross the surface. Edge (i, j, k) joins sample (i, j, k) of the grid with
+/// the next one along the axis, so there is one edge less than samples on that axis. x fastest.
+struct EdgeCrossings {
+    Index3 size{};
+    std::vector<double> coordinates;       ///< of the first wall from the end outside, along the axis; NaN if the sides agree
+    std::vector<std::uint32_t> triangles;  ///< or no_triangle
+    std::vector<std::uint32_t> counts;     ///< walls on the edge, also where the sides agree
+};
+
+struct Crossings {
+    std::array<EdgeCrossings, 3> axes;
+    SampleSides inside;
+};
+
+struct RayOptions {
+    Hits hits = Hits::walls;
+    /// Hits beyond are left out: in lengths of the direction, 0 to infinity.
+    double limit = std::numeric_limits<double>::infinity();
+};
+
+/// The caller's arrays for rays, on the host, an item for each ray. What is given decides what is looked for: the first
+/// hits alone, whether there is any, or all.
+struct RayTargets {
+    /// Items of `t` and `triangles` for each ray: its first hits, ascending; those that are missing have infinity and
+    /// no_triangle.
+    std::size_t most = 1;
+    OutputArray t{};          ///< float or double: in lengths of the direction
+    OutputArray triangles{};  ///< uint32 or int32 (then -1 for none); of several at equal t the lowest
+    OutputArray counts{};     ///< uint32: all hits up to the limit
+    OutputArray any{};        ///< uint8: 1 if there is a hit up to the limit
+};
+
+}  // namespace clsdf

@@ -1,0 +1,76 @@
+#pragma once
+
+#include "segments/crossing.hpp"
+
+#include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+/// From the faces that a segment crosses to the walls on it.
+namespace clsdf::segments {
+
+/// The winding number of a point in each of the eight looks (kernels/segments/segment_crossings.h), for the rule
+/// parity its number of crossings. Off the surface all are equal.
+struct Windings {
+    std::array<std::int32_t, 8> of_looks{};
+
+    Windings() = default;
+    explicit Windings(std::int32_t all) { of_looks.fill(all); }
+
+    void add(std::uint32_t looks, std::int32_t change) {
+        for (std::size_t look = 0; look < 8; ++look)
+            if ((looks >> look & 1U) != 0) of_looks[look] += change;
+    }
+    /// In every look; so a point on a wall is outside.
+    bool are_inside(SignRule rule) const {
+        return std::ranges::all_of(of_looks, [rule](std::int32_t winding) {
+            return rule == SignRule::parity ? winding % 2 != 0 : winding != 0;
+        });
+    }
+};
+
+/// A face that a segment crosses.
+struct Crossed {
+    crossing::Corners corners;  ///< those by which it is crossed
+    double place;               ///< place_of()
+    std::uint32_t triangle;     ///< the caller's number
+    std::uint8_t looks;         ///< in which it is crossed; not 0
+    std::int8_t change;         ///< of the winding number along the segment
+};
+
+/// Where the side changes.
+struct Wall {
+    double place;
+    std::uint32_t triangle;  ///< the lowest of those that are crossed there
+    bool enters;             ///< from outside to inside
+};
+
+/// Sorts by place, exactly: faces at one place, as real numbers, follow each other by triangle. Calls
+/// at_place(faces of one place) for each place in order until it returns true.
+void sort_by_place(const crossing::Segment& segment, std::span<Crossed> crossed);
+/// The number of faces at the place of the first one. crossed: sorted, not empty.
+std::size_t count_at_first_place(const crossing::Segment& segment, std::span<const Crossed> crossed);
+
+/// Calls visit(wall) for the walls in order until it returns true. `at`: the windings at the segment's begin; then those
+/// behind the last place that was looked at. crossed: sorted. Faces at one place change the side together.
+template <typename Visit>
+void walk(const crossing::Segment& segment, std::span<const Crossed> crossed, SignRule rule, Windings& at,
+          const Visit& visit) {
+    bool is_inside = at.are_inside(rule);
+    while (!crossed.empty()) {
+        const std::size_t count = count_at_first_place(segment, crossed);
+        for (const Crossed& face : crossed.first(count)) at.add(face.looks, face.change);
+        const Wall wall{crossed[0].place, crossed[0].triangle, !is_inside};
+        crossed = crossed.subspan(count);
+        if (at.are_inside(rule) == is_inside) continue;
+        is_inside = !is_inside;
+        if (visit(wall)) return;
+    }
+}
+
+}  // namespace clsdf::segments

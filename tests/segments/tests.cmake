@@ -1,0 +1,1 @@
+clsdf_test(segment_crossings LABELS segments)
