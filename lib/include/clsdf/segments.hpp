@@ -68,9 +68,9 @@ struct SampleSides {
 struct Links {
     std::vector<std::array<std::int32_t, 3>> samples;  ///< on the lattice: Grid::first counts
     std::vector<std::uint8_t> directions;              ///< the number of the direction among those asked for
-    std::vector<double> q;                  ///< the part of the link up to the first wall: 0 (the sample is on the wall) to 1
-    std::vector<std::uint32_t> triangles;   ///< of the first wall; of several the lowest; or no_triangle
-    std::vector<std::uint32_t> counts;      ///< walls on the link
+    std::vector<double> q;  ///< the part of the link up to the first wall: 0 (the sample is on the wall) to 1
+    std::vector<std::uint32_t> triangles;  ///< of the first wall; of several the lowest; or no_triangle
+    std::vector<std::uint32_t> counts;     ///< walls on the link
     std::vector<SegmentFlag> flags;
     SampleSides inside;
 
@@ -84,16 +84,17 @@ struct LinkTargets {
     OutputArray samples{};     ///< int32, three components
     OutputArray directions{};  ///< uint8
     OutputArray q{};
-    OutputArray triangles{};   ///< uint32 or int32 (then -1 for none)
-    OutputArray counts{};      ///< uint32
-    OutputArray flags{};       ///< uint8
+    OutputArray triangles{};  ///< uint32 or int32 (then -1 for none)
+    OutputArray counts{};     ///< uint32
+    OutputArray flags{};      ///< uint8
 };
 
 /// Where the edges of a grid along one axis cross the surface. Edge (i, j, k) joins sample (i, j, k) of the grid with
 /// the next one along the axis, so there is one edge less than samples on that axis. x fastest.
 struct EdgeCrossings {
     Index3 size{};
-    std::vector<double> coordinates;       ///< of the first wall from the end outside, along the axis; NaN if the sides agree
+    std::vector<double>
+        coordinates;  ///< of the first wall from the end outside, along the axis; NaN if the sides agree
     std::vector<std::uint32_t> triangles;  ///< or no_triangle
     std::vector<std::uint32_t> counts;     ///< walls on the edge, also where the sides agree
 };
