@@ -1,8 +1,8 @@
 // How a segment, or a ray, crosses a face, exact for coordinates in the range of expansions.h.
 //
-// A segment is looked at eight times, moved as a whole by (+-e, +-e^2, +-e^3), e positive and arbitrarily small: then no
-// predicate is 0, and what is crossed follows from signs of determinants. Look k moves by -e along x if bit 0 of k is
-// set, along y for bit 1, along z for bit 2. Sets of looks are the bits of a mask. docs/method.md says why a segment
+// A segment is looked at eight times, moved as a whole by (+-e, +-e^2, +-e^3), e positive and arbitrarily small: then
+// no predicate is 0, and what is crossed follows from signs of determinants. Look k moves by -e along x if bit 0 of k
+// is set, along y for bit 1, along z for bit 2. Sets of looks are the bits of a mask. docs/method.md says why a segment
 // between points of different sides then crosses the surface in every look.
 #ifndef CLSDF_SEGMENT_CROSSINGS_H
 #define CLSDF_SEGMENT_CROSSINGS_H
@@ -50,9 +50,9 @@ typedef struct FaceCrossing {
     int side;
 } FaceCrossing;
 
-// Whether all components are exact in one double each, and whole multiples of one power of two below 2^16 times it: then
-// plain determinants of them are exact. Meshes whose vertices lie on a lattice have such differences where predicates
-// are 0.
+// Whether all components are exact in one double each, and whole multiples of one power of two below 2^16 times it:
+// then plain determinants of them are exact. Meshes whose vertices lie on a lattice have such differences where
+// predicates are 0.
 static inline bool are_coarse(ExactVector u, ExactVector v, ExactVector w) {
     const TwoDoubles all[9] = {u.x, u.y, u.z, v.x, v.y, v.z, w.x, w.y, w.z};
     double most = 0.0;

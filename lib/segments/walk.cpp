@@ -21,10 +21,10 @@ int compare(const crossing::Segment& segment, const Crossed& a, const Crossed& b
     if (std::abs(difference) > least) return difference < 0 ? -1 : 1;
     if (a.corners == b.corners) return 0;
     const crossing::ExactVector& along = segment.along;
-    return segment.is_ray ? compare_places(a.corners, b.corners, plain(segment.from),
-                                           {along.x.high, along.y.high, along.z.high}, Vec3{})
-                          : compare_places(a.corners, b.corners, plain(segment.from), plain(segment.to),
-                                           plain(segment.from));
+    return segment.is_ray
+               ? compare_places(a.corners, b.corners, plain(segment.from), {along.x.high, along.y.high, along.z.high},
+                                Vec3{})
+               : compare_places(a.corners, b.corners, plain(segment.from), plain(segment.to), plain(segment.from));
 }
 
 }  // namespace

@@ -56,8 +56,8 @@ void sort_by_place(const crossing::Segment& segment, std::span<Crossed> crossed)
 /// The number of faces at the place of the first one. crossed: sorted, not empty.
 std::size_t count_at_first_place(const crossing::Segment& segment, std::span<const Crossed> crossed);
 
-/// Calls visit(wall) for the walls in order until it returns true. `at`: the windings at the segment's begin; then those
-/// behind the last place that was looked at. crossed: sorted. Faces at one place change the side together.
+/// Calls visit(wall) for the walls in order until it returns true. `at`: the windings at the segment's begin; then
+/// those behind the last place that was looked at. crossed: sorted. Faces at one place change the side together.
 template <typename Visit>
 void walk(const crossing::Segment& segment, std::span<const Crossed> crossed, SignRule rule, Windings& at,
           const Visit& visit) {

@@ -76,19 +76,16 @@ double error_in_ulp(double computed, const Rational& exact) {
 struct Kind {
     const char* name;
     double step;
-    int most;         // coordinates are whole multiples of the step up to that
+    int most;      // coordinates are whole multiples of the step up to that
     double shift;  // of all
 };
 
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(crossings_are_those_of_small_moves) {
-    constexpr Kind kinds[]{{"few whole numbers", 1, 1, 0},
-                           {"whole numbers", 1, 4, 0},
-                           {"many", 0x1p-20, 1 << 22, 0},
-                           {"far away", 0x1p-20, 1 << 10, 1e6},
-                           {"fine", 0x1p-40, 5, 3},
-                           {"small", 0x1p-120, 2, 0}};
+    constexpr Kind kinds[]{{"few whole numbers", 1, 1, 0}, {"whole numbers", 1, 4, 0},
+                           {"many", 0x1p-20, 1 << 22, 0},  {"far away", 0x1p-20, 1 << 10, 1e6},
+                           {"fine", 0x1p-40, 5, 3},        {"small", 0x1p-120, 2, 0}};
     const std::uint64_t seed = std::random_device()();
     BOOST_TEST_MESSAGE(fmt::format("seed {}", seed));
     std::mt19937_64 generator(seed);
@@ -108,16 +105,15 @@ BOOST_AUTO_TEST_CASE(crossings_are_those_of_small_moves) {
             Vec3 to = point();
             if (is_ray)
                 for (double& x : to) x -= std::trunc(kind.shift);
-            const Segment segment =
-                is_ray ? segments::crossing::ray(from, to) : segments::crossing::segment(from, to);
+            const Segment segment = is_ray ? segments::crossing::ray(from, to) : segments::crossing::segment(from, to);
             const FaceCrossing expected = moved_crossings(face, from, to, kind.step, is_ray);
             const FaceCrossing found = segments::crossing::crossing_of(face, segment);
             if (expected.looks != found.looks || (found.looks != 0 && expected.side != found.side)) ++wrong;
             if (found.looks == 0) continue;
             ++crossed;
             ties += found.looks != CLSDF_ALL_LOOKS;
-            worst = std::max(worst, error_in_ulp(segments::crossing::place_of(face, segment),
-                                                 exact_place(face, from, to, is_ray)));
+            worst = std::max(
+                worst, error_in_ulp(segments::crossing::place_of(face, segment), exact_place(face, from, to, is_ray)));
         }
         BOOST_TEST_MESSAGE(fmt::format("{}: {} crossed, {} of them with ties, place within {:.3f} ulp", kind.name,
                                        crossed, ties, worst));
@@ -149,8 +145,7 @@ BOOST_AUTO_TEST_CASE(faces_are_sorted_by_exact_places) {
             const FaceCrossing of_face = segments::crossing::crossing_of(face, segment);
             if (of_face.looks != 0)
                 crossed.push_back({face, segments::crossing::place_of(face, segment), triangle,
-                                   static_cast<std::uint8_t>(of_face.looks),
-                                   static_cast<std::int8_t>(of_face.side)});
+                                   static_cast<std::uint8_t>(of_face.looks), static_cast<std::int8_t>(of_face.side)});
         }
         segments::sort_by_place(segment, crossed);
         std::span<const segments::Crossed> left(crossed);

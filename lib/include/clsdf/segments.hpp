@@ -4,6 +4,7 @@
 #include <clsdf/export.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/outputs.hpp>
 
 #include <array>
 #include <cstddef>
@@ -31,9 +32,6 @@ enum class SegmentFlag : std::uint8_t {
     sheet = 8,    ///< of Hits::faces: the sides of the ends are equal
 };
 
-/// No triangle: of a film, and where nothing is met.
-inline constexpr std::uint32_t no_triangle = 0xffffffff;
-
 /// A step on the lattice, in samples.
 using LinkDirection = std::array<std::int32_t, 3>;
 
@@ -46,6 +44,11 @@ struct LinkOptions {
     Hits hits = Hits::walls;
     /// Also links with both ends outside and a body between them: two rows each, one from each end.
     bool with_between = false;
+};
+
+struct CrossingOptions {
+    /// EdgeCrossings::counts, too, for which the edges with equal sides are looked at.
+    bool with_counts = false;
 };
 
 /// A bit for each sample of a grid: whether it is inside, for SegmentFlag and links. x fastest, the lowest bit of a
@@ -68,9 +71,9 @@ struct SampleSides {
 struct Links {
     std::vector<std::array<std::int32_t, 3>> samples;  ///< on the lattice: Grid::first counts
     std::vector<std::uint8_t> directions;              ///< the number of the direction among those asked for
-    std::vector<double> q;                  ///< the part of the link up to the first wall: 0 (the sample is on the wall) to 1
-    std::vector<std::uint32_t> triangles;   ///< of the first wall; of several the lowest; or no_triangle
-    std::vector<std::uint32_t> counts;      ///< walls on the link
+    std::vector<double> q;  ///< the part of the link up to the first wall: 0 (the sample is on the wall) to 1
+    std::vector<std::uint32_t> triangles;  ///< of the first wall; of several the lowest; or no_triangle
+    std::vector<std::uint32_t> counts;     ///< walls on the link
     std::vector<SegmentFlag> flags;
     SampleSides inside;
 
@@ -84,18 +87,19 @@ struct LinkTargets {
     OutputArray samples{};     ///< int32, three components
     OutputArray directions{};  ///< uint8
     OutputArray q{};
-    OutputArray triangles{};   ///< uint32 or int32 (then -1 for none)
-    OutputArray counts{};      ///< uint32
-    OutputArray flags{};       ///< uint8
+    OutputArray triangles{};  ///< uint32 or int32 (then -1 for none)
+    OutputArray counts{};     ///< uint32
+    OutputArray flags{};      ///< uint8
 };
 
 /// Where the edges of a grid along one axis cross the surface. Edge (i, j, k) joins sample (i, j, k) of the grid with
 /// the next one along the axis, so there is one edge less than samples on that axis. x fastest.
 struct EdgeCrossings {
     Index3 size{};
-    std::vector<double> coordinates;       ///< of the first wall from the end outside, along the axis; NaN if the sides agree
+    std::vector<double>
+        coordinates;  ///< of the first wall from the end outside, along the axis; NaN if the sides agree
     std::vector<std::uint32_t> triangles;  ///< or no_triangle
-    std::vector<std::uint32_t> counts;     ///< walls on the edge, also where the sides agree
+    std::vector<std::uint32_t> counts;     ///< walls on the edge, also where the sides agree; empty if not asked for
 };
 
 struct Crossings {
