@@ -56,6 +56,14 @@ private:
         Lanes<double> begin_u, end_u, begin_v, end_v;  ///< of lines that may cross it, both included
     };
 
+    static double least_of(const std::array<double, 3>& x) {
+        const double of_two = x[0] < x[1] ? x[0] : x[1];
+        return x[2] < of_two ? x[2] : of_two;
+    }
+    static double most_of(const std::array<double, 3>& x) {
+        const double of_two = x[0] < x[1] ? x[1] : x[0];
+        return x[2] < of_two ? of_two : x[2];
+    }
     void see(const Batch& batch, const std::array<Vec3, 3>& at, double margin, Seen& seen) const;
     template <typename Visit>
     void visit_lines(const Batch& batch, std::size_t lane, const Seen& seen, double margin, const Visit& visit) const;
@@ -103,9 +111,8 @@ void LinkRaster::visit_lines(const Batch& batch, std::size_t lane, const Seen& s
         v[i] = seen.v[i][lane];
         k[i] = seen.k[i][lane];
     }
-    const auto [low_u, high_u] = std::minmax({u[0], u[1], u[2]});
-    const auto [low_v, high_v] = std::minmax({v[0], v[1], v[2]});
-    const auto [low_k, high_k] = std::minmax({k[0], k[1], k[2]});
+    const double low_u = least_of(u), high_u = most_of(u), low_v = least_of(v), high_v = most_of(v), low_k = least_of(k),
+                 high_k = most_of(k);
     if (high_k < -margin - 1 || low_k > batch.most_k[lane] + 1 + margin) return;
     // Of an edge function: corners and lines may be off by the margin.
     const double tolerance = 4 * margin * (high_u - low_u + high_v - low_v + margin);
@@ -148,20 +155,20 @@ void LinkRaster::visit_line(const Batch& batch, std::size_t lane, const std::arr
         const std::size_t a = (i + 1) % 3, b = (i + 2) % 3;
         w[i] = (u[b] - u[a]) * (y - v[a]) - (v[b] - v[a]) * (x - u[a]);
     }
-    const auto [least, most] = std::minmax({w[0], w[1], w[2]});
+    const double least = least_of(w), most = most_of(w);
     if (least < -tolerance && most > tolerance) return;
     const bool is_within = least > tolerance || most < -tolerance;
     const double area = w[0] + w[1] + w[2];
     double begin = 0, end = 0;
     if (std::abs(area) > 8 * tolerance) {
-        const double place = (w[0] * k[0] + w[1] * k[1] + w[2] * k[2]) / area;
-        const double error = 4 * tolerance * length / std::abs(area) + 2 * margin;
+        const double per_area = 1 / area;
+        const double place = (w[0] * k[0] + w[1] * k[1] + w[2] * k[2]) * per_area;
+        const double error = 4 * tolerance * length * std::abs(per_area) + 2 * margin;
         begin = std::floor(place - error);
         end = std::floor(place + error);
     } else {
-        const auto [low, high] = std::minmax({k[0], k[1], k[2]});
-        begin = std::floor(low - 2 * margin);
-        end = std::floor(high + 2 * margin);
+        begin = std::floor(least_of(k) - 2 * margin);
+        end = std::floor(most_of(k) + 2 * margin);
     }
     const bool is_sure = is_within && begin == end;
     begin = std::max(begin, 0.0);

@@ -30,11 +30,14 @@ LinkTable::LinkTable(const SampleBox& box, const BoxSides& sides, std::span<cons
       sides_(sides),
       words_of_row_(sides.words()),
       rows_of_slice_(static_cast<std::size_t>(box.size[1] - 2 * box.margin[1])) {
+    std::vector<std::pair<Place, std::size_t>> leading;  // from their sample
+    for (std::size_t direction = 0; direction < steps.size(); ++direction)
+        if (steps[direction] != Place{}) leading.emplace_back(steps[direction], direction);
     const std::size_t rows = rows_of_slice_ * static_cast<std::size_t>(box.size[2] - 2 * box.margin[2]);
     words_.resize(rows * words_of_row_);
     chunks_.resize(chunk_count(rows, rows_together));
     for_each_chunk(rows, rows_together, [&](std::size_t number, std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) fill(chunks_[number], row, steps);
+        for (std::size_t row = begin; row < end; ++row) fill(chunks_[number], row, leading);
     });
     for (Chunk& chunk : chunks_) {
         chunk.first = size_;
@@ -42,7 +45,7 @@ LinkTable::LinkTable(const SampleBox& box, const BoxSides& sides, std::span<cons
     }
 }
 
-void LinkTable::fill(Chunk& chunk, std::size_t row, std::span<const Place> steps) {
+void LinkTable::fill(Chunk& chunk, std::size_t row, std::span<const std::pair<Place, std::size_t>> steps) {
     const Place first{0, static_cast<std::int32_t>(row % rows_of_slice_) + box_.margin[1],
                       static_cast<std::int32_t>(row / rows_of_slice_) + box_.margin[2]};
     const std::uint64_t* const own = sides_.row(box_.row(first));
@@ -55,9 +58,7 @@ void LinkTable::fill(Chunk& chunk, std::size_t row, std::span<const Place> steps
     };
     std::array<Led, 32> led{};
     std::size_t count = 0;
-    for (std::size_t direction = 0; direction < steps.size(); ++direction) {
-        const Place& step = steps[direction];
-        if (step == Place{}) continue;
+    for (const auto& [step, direction] : steps) {
         const std::uint64_t* const other = sides_.row(box_.row({0, first[1] + step[1], first[2] + step[2]}));
         if (std::any_of(other, other + words_of_row_, [](std::uint64_t bits) { return bits != 0; }))
             led[count++] = {other, step[0], direction};

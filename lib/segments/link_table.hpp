@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace clsdf::segments {
@@ -52,7 +53,8 @@ private:
         std::uint32_t base;  ///< the first one's, in the chunk
     };
 
-    void fill(Chunk& chunk, std::size_t row, std::span<const Place> steps);
+    /// steps: with their numbers.
+    void fill(Chunk& chunk, std::size_t row, std::span<const std::pair<Place, std::size_t>> steps);
     std::size_t grid_row(const Place& sample) const {
         return static_cast<std::size_t>(sample[1] - box_.margin[1]) +
                rows_of_slice_ * static_cast<std::size_t>(sample[2] - box_.margin[2]);

@@ -1,6 +1,7 @@
 #include "segments/links.hpp"
 
 #include "core/parallel.hpp"
+#include "segments/link_places.hpp"
 #include "segments/link_raster.hpp"
 #include "segments/link_table.hpp"
 #include "segments/link_walls.hpp"
@@ -293,6 +294,14 @@ void Finder::solve_table(Links& links, std::size_t count) {
         [&](std::size_t begin, std::size_t end) {
             LinkWalls walls(inputs_, faces_, box_, sides_);
             std::vector<std::uint32_t> faces;
+            LinkPlaces places;
+            std::array<std::size_t, LinkPlaces::most> numbers{};
+            std::size_t waiting = 0;
+            const auto compute = [&] {
+                places.compute();
+                for (std::size_t i = 0; i < waiting; ++i) links.q[numbers[i]] = places.places[i];
+                waiting = 0;
+            };
             auto next = std::lower_bound(further_.begin(), further_.end(), Record{begin, 0});
             for (std::size_t n = begin; n < end; ++n) {
                 const Place sample = in_box(links.samples[n]);
@@ -301,9 +310,10 @@ void Finder::solve_table(Links& links, std::size_t count) {
                 const bool has_more = next != further_.end() && next->link == n;
                 if (!has_film && !has_more && face != no_face) {
                     // One face is crossed, so it is the wall.
-                    const crossing::Segment segment = crossing::segment(
-                        box_.position(sample), box_.position(sum(sample, steps_[direction])));
-                    links.q[n] = crossing::place_of(faces_.sign_corners(face), segment);
+                    places.set(waiting, faces_.sign_corners(face), box_.position(sample),
+                               box_.position(sum(sample, steps_[direction])));
+                    numbers[waiting] = n;
+                    if (++waiting == LinkPlaces::most) compute();
                     links.triangles[n] = faces_.triangle(face);
                     links.counts[n] = 1;
                     links.flags[n] = SegmentFlag::none;
@@ -319,6 +329,7 @@ void Finder::solve_table(Links& links, std::size_t count) {
                 links.counts[n] = met.count;
                 links.flags[n] = met.is_film ? SegmentFlag::film : SegmentFlag::none;
             }
+            if (waiting > 0) compute();
         },
         512);
 }
