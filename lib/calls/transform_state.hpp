@@ -190,6 +190,13 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// Throws as DistanceTransform::winding() does.
     WindingInputs winding_inputs();
 
+    // link_calls.cpp
+    /// Calls find(inputs) with what links of the grid need. margin: samples that they reach beyond it. Throws as
+    /// DistanceTransform::links() does.
+    template <typename Find>
+    CallStatistics find_links(const Grid& grid, const std::array<std::int32_t, 3>& margin, Hits hits,
+                              const CallOptions& call, const Find& find);
+
     /// Throws Error(device_failure) if a kernel has failed since this was made: what is kept may be wrong.
     void require_sound() const { context().require_none_failed(failures); }
 

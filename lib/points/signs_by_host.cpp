@@ -224,6 +224,10 @@ std::optional<int> rounded_winding_number(const engine::SearchedMesh& searched, 
     return winding_of_ray(searched, centre) + view.rounded;
 }
 
+int rounded_winding_number(const engine::SearchedMesh& searched, const Vec3& point) {
+    return winding_of_ray(searched, point) + searched.mesh.film->look(point).rounded;
+}
+
 double winding_number(const engine::SearchedMesh& searched, const OpenBoundary& boundary, const Vec3& point) {
     return winding_of_ray(searched, point) + angle_of(boundary, point, searched.mesh.lattice.unit).turns;
 }

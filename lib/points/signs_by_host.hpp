@@ -29,6 +29,8 @@ double winding_number(const engine::SearchedMesh& searched, const OpenBoundary& 
 /// That of all points of a ball without surface, rounded to an integer, a half up; nothing if it may not be the same.
 /// The open edges count: PointMesh::film is not null. radius: in units.
 std::optional<int> rounded_winding_number(const engine::SearchedMesh& searched, const Vec3& centre, double radius);
+/// The same of a point.
+int rounded_winding_number(const engine::SearchedMesh& searched, const Vec3& point);
 
 /// Points whose nearest faces are known, in an order in which neighbours are near each other.
 struct LocatedPoints {

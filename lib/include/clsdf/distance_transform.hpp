@@ -8,6 +8,7 @@
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
 #include <clsdf/point_plan.hpp>
+#include <clsdf/segments.hpp>
 #include <clsdf/sparse.hpp>
 #include <clsdf/sparse_plan.hpp>
 #include <clsdf/topology.hpp>
@@ -239,6 +240,41 @@ public:
     /// the host, on all cores, and takes for each point as long as crossings and a sum over the open edges. Also throws
     /// Error(unsupported) for a restricted transform without the sign rule solid_angle whose mesh has open edges.
     void winding(const InputArray& points, const OutputArray& results, const CallOptions& call = {}) const;
+
+    // Links and crossings (docs/segments.md).
+
+    /// The links of a grid in these directions, at most 32 with components up to 16, that meet the surface. With
+    /// Hits::walls a link has a row if and only if its ends are on different sides; see LinkOptions for others. q is
+    /// within 0.51 ulp of the exact place for the doubles of Grid::position(), and from both ends of a link with one
+    /// wall adds up to 1 within an ulp. With the rule solid_angle a link may meet the film of an open mesh
+    /// (SegmentFlag::film). Hits::faces counts the places of the faces as given.
+    ///
+    /// A row depends on the lattice, the direction and the mesh's positions: not on the block of the lattice, other
+    /// directions or threads. Works on the host, on all cores; blocks. Keeps what query() keeps. Of a restricted
+    /// transform the grid, with as many samples more on each side as the directions reach, must lie in a region.
+    ///
+    /// Throws Error(invalid_argument) for directions out of range or given twice; for a grid out of range, also if the
+    /// last bit of a coordinate is above 2^-22 of the spacing; for a mesh or a grid with a coordinate that is not 0 and
+    /// less than 2^-300 or more than 2^300 units (see plan_points()), and for walls of a mesh without a sign;
+    /// Error(out_of_memory or cancelled).
+    Links links(const Grid& grid, std::span<const LinkDirection> directions, const LinkOptions& options = {},
+                const CallOptions& call = {}, TransformStatistics* statistics = nullptr) const;
+
+    /// Into the caller's arrays, of host memory. `count` gets how many links there are. If the arrays have less room,
+    /// throws Error(invalid_argument) that names both numbers, `count` has it, and nothing is written. After other
+    /// errors `count` is 0. Also throws Error(invalid_argument) for arrays that are too small or overlap,
+    /// Error(unsupported) for memory of the device and other types.
+    TransformStatistics links(const Grid& grid, std::span<const LinkDirection> directions, const LinkTargets& targets,
+                              std::size_t& count, const LinkOptions& options = {}, const CallOptions& call = {}) const;
+
+    /// How many links there are. With Hits::walls, and without with_between, from the sides of the samples alone.
+    std::size_t count_links(const Grid& grid, std::span<const LinkDirection> directions,
+                            const LinkOptions& options = {}, const CallOptions& call = {}) const;
+
+    /// Where the edges of a grid between neighbouring samples meet walls: the links of (1, 0, 0), (0, 1, 0), (0, 0, 1)
+    /// within the grid, from the end that is outside. Throws as links().
+    Crossings crossings(const Grid& grid, const CrossingOptions& options = {}, const CallOptions& call = {},
+                        TransformStatistics* statistics = nullptr) const;
 
     // Plan.
 

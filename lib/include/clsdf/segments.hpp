@@ -4,6 +4,7 @@
 #include <clsdf/export.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/outputs.hpp>
 
 #include <array>
 #include <cstddef>
@@ -31,9 +32,6 @@ enum class SegmentFlag : std::uint8_t {
     sheet = 8,    ///< of Hits::faces: the sides of the ends are equal
 };
 
-/// No triangle: of a film, and where nothing is met.
-inline constexpr std::uint32_t no_triangle = 0xffffffff;
-
 /// A step on the lattice, in samples.
 using LinkDirection = std::array<std::int32_t, 3>;
 
@@ -46,6 +44,11 @@ struct LinkOptions {
     Hits hits = Hits::walls;
     /// Also links with both ends outside and a body between them: two rows each, one from each end.
     bool with_between = false;
+};
+
+struct CrossingOptions {
+    /// EdgeCrossings::counts, too, for which the edges with equal sides are looked at.
+    bool with_counts = false;
 };
 
 /// A bit for each sample of a grid: whether it is inside, for SegmentFlag and links. x fastest, the lowest bit of a
@@ -96,7 +99,7 @@ struct EdgeCrossings {
     std::vector<double>
         coordinates;  ///< of the first wall from the end outside, along the axis; NaN if the sides agree
     std::vector<std::uint32_t> triangles;  ///< or no_triangle
-    std::vector<std::uint32_t> counts;     ///< walls on the edge, also where the sides agree
+    std::vector<std::uint32_t> counts;     ///< walls on the edge, also where the sides agree; empty if not asked for
 };
 
 struct Crossings {

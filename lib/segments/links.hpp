@@ -1,0 +1,49 @@
+#pragma once
+
+#include "segments/sample_box.hpp"
+#include "tree/wide_tree.hpp"
+
+#include <clsdf/segments.hpp>
+#include <clsdf/topology.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace clsdf::segments {
+
+/// What links are made of.
+struct LinkInputs {
+    const engine::PointMesh& mesh;
+    const engine::WideTree* tree;            ///< of a mesh whose open edges count; else null
+    std::span<const std::uint32_t> numbers;  ///< of a part's triangles, in the whole mesh; empty for the whole
+    const std::string& name;                 ///< of the mesh
+    SignRule rule;
+    /// Called between stages with the fraction done; may be empty, and may throw.
+    std::function<void(double)> between;
+};
+
+/// Which links get rows beside those whose ends have different sides.
+struct LinkChoice {
+    Hits hits = Hits::walls;
+    bool with_between = false;  ///< of both ends outside, with walls
+    bool with_gaps = false;     ///< of both ends inside, with walls
+};
+
+/// Checks directions: at most 32, components up to 16, none twice. Throws Error(invalid_argument).
+void check_directions(std::span<const LinkDirection> directions);
+/// The most that components of the directions are, on each axis.
+Place margin_of(std::span<const LinkDirection> directions);
+
+/// The links of a grid. Sample numbers count on the lattice. Throws Error(invalid_argument) for coordinates that are out
+/// of range.
+Links find_links(const LinkInputs& inputs, const Grid& grid, std::span<const LinkDirection> directions,
+                 const LinkChoice& choice);
+/// Their number.
+std::size_t count_links(const LinkInputs& inputs, const Grid& grid, std::span<const LinkDirection> directions,
+                        const LinkChoice& choice);
+
+}  // namespace clsdf::segments

@@ -1,0 +1,91 @@
+#include "segments/sample_box.hpp"
+
+#include "segments/crossing.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clsdf::segments {
+
+ScaledFaces::ScaledFaces(const engine::PointMesh& mesh_in, std::span<const std::uint32_t> numbers_in,
+                         const std::string& name)
+    : mesh(mesh_in), scale(1 / mesh_in.lattice.unit), numbers(numbers_in) {
+    for (const auto& positions :
+         {std::span<const Vec3>(mesh.positions), std::span<const Vec3>(mesh.sign_positions)})
+        for (const Vec3& p : positions)
+            for (const double x : p)
+                if (!crossing::is_in_exact_range(x * scale))
+                    throw Error(ErrorCode::invalid_argument,
+                                fmt::format("{} has the coordinate {}, which in units of {} is smaller than 2^-300 or "
+                                            "greater than 2^300: where segments meet the surface cannot be decided "
+                                            "then; set such coordinates to 0",
+                                            name, x, mesh.lattice.unit));
+}
+
+SampleBox::SampleBox(const Grid& grid_in, const Place& margin_in, double scale_in)
+    : grid(grid_in), margin(margin_in), scale(scale_in) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        grid.first[axis] -= margin[axis];
+        grid.size[axis] += 2 * margin[axis];
+        const auto count = static_cast<std::size_t>(grid.size[axis]);
+        size[axis] = static_cast<std::int32_t>(count);
+        at[axis].resize(count);
+        double greatest = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double x = std::fma(static_cast<double>(grid.first[axis] + static_cast<std::int64_t>(i)),
+                                      grid.spacing[axis], grid.origin[axis]);
+            greatest = std::max(greatest, std::abs(x));
+            at[axis][i] = x * scale;
+            if (!crossing::is_in_exact_range(at[axis][i]))
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("a sample of the grid has the coordinate {} on axis {}, which in units of {} "
+                                        "is smaller than 2^-300 or greater than 2^300; set the grid's origin so that "
+                                        "it is 0, or use a larger spacing",
+                                        x, "xyz"[axis], 1 / scale));
+        }
+        const double last_bit = std::nextafter(greatest, std::numeric_limits<double>::infinity()) - greatest;
+        if (!(last_bit <= 0x1p-22 * grid.spacing[axis]))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the grid reaches to {} on axis {} with the spacing {}: links and crossings need "
+                                    "samples whose coordinates' last bit, here {}, is at most 2^-22 of the spacing; "
+                                    "move mesh and grid towards 0, or use a larger spacing",
+                                    greatest, "xyz"[axis], grid.spacing[axis], last_bit));
+        rounding = std::max(rounding, 0.5 * last_bit / grid.spacing[axis]);
+    }
+}
+
+namespace {
+
+/// The first index for which is_past(index) holds, which is near `guess`.
+template <typename IsPast>
+std::int32_t first_past(double guess, std::int32_t count, const IsPast& is_past) {
+    auto i = static_cast<std::int32_t>(std::clamp(guess, 0.0, static_cast<double>(count)));
+    while (i > 0 && is_past(i - 1)) --i;
+    while (i < count && !is_past(i)) ++i;
+    return i;
+}
+
+double guess_of(const UninitializedVector<double>& at, double x, double spacing) {
+    return std::ceil((x - at[0]) / spacing);
+}
+
+}  // namespace
+
+std::int32_t SampleBox::first_not_below(std::size_t axis, double x) const {
+    const UninitializedVector<double>& all = at[axis];
+    return first_past(guess_of(all, x, grid.spacing[axis] * scale), size[axis],
+                      [&](std::int32_t i) { return all[static_cast<std::size_t>(i)] >= x; });
+}
+
+std::int32_t SampleBox::first_above(std::size_t axis, double x) const {
+    const UninitializedVector<double>& all = at[axis];
+    return first_past(guess_of(all, x, grid.spacing[axis] * scale), size[axis],
+                      [&](std::int32_t i) { return all[static_cast<std::size_t>(i)] > x; });
+}
+
+}  // namespace clsdf::segments

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "core/large_memory.hpp"
+#include "segments/crossing.hpp"
+#include "tree/point_mesh.hpp"
+
+#include <clsdf/grid.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace clsdf::segments {
+
+/// A place in a box of samples, counted from its first one.
+using Place = std::array<std::int32_t, 3>;
+
+/// The faces of a mesh as segments see them: coordinates times a power of two, by which those of most meshes are in the
+/// range of expansions.h.
+struct ScaledFaces {
+    const engine::PointMesh& mesh;
+    double scale;
+    std::span<const std::uint32_t> numbers{};  ///< of a part's triangles, in the whole mesh; empty for the whole
+
+    /// numbers_in: as above. name: the mesh's. Throws Error(invalid_argument) if a coordinate is out of range.
+    ScaledFaces(const engine::PointMesh& mesh_in, std::span<const std::uint32_t> numbers_in, const std::string& name);
+
+    std::size_t count() const { return mesh.face_count(); }
+    crossing::Corners sign_corners(std::size_t face) const { return scaled(mesh.sign_corners(face)); }
+    crossing::Corners corners(std::size_t face) const { return scaled(mesh.corners(face)); }
+    /// The caller's number.
+    std::uint32_t triangle(std::size_t face) const {
+        const std::uint32_t number = mesh.topology->order[face];
+        return numbers.empty() ? number : numbers[number];
+    }
+
+private:
+    crossing::Corners scaled(crossing::Corners corners) const {
+        for (Vec3& corner : corners)
+            for (double& x : corner) x *= scale;
+        return corners;
+    }
+};
+
+/// The samples of a grid and of a margin around it: the doubles of Grid::position(), scaled as the faces are.
+struct SampleBox {
+    /// margin: samples on both sides of each axis. Throws Error(invalid_argument) if they are too far from 0 for the
+    /// spacing, or out of the range of expansions.h.
+    SampleBox(const Grid& grid_in, const Place& margin_in, double scale_in);
+
+    Grid grid;     ///< with the margin
+    Place margin;
+    Place size{};  ///< with the margin
+    double scale;
+    std::array<UninitializedVector<double>, 3> at;  ///< by axis: scaled
+    double rounding = 0;                            ///< samples are at most that far from the lattice's, in voxels
+
+    Vec3 position(const Place& p) const {
+        return {at[0][static_cast<std::size_t>(p[0])], at[1][static_cast<std::size_t>(p[1])],
+                at[2][static_cast<std::size_t>(p[2])]};
+    }
+    std::size_t row(const Place& p) const {
+        return static_cast<std::size_t>(p[1]) +
+               static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(p[2]);
+    }
+    std::size_t row_count() const {
+        return static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
+    }
+    /// Whether the sample is one of the grid, without its margin.
+    bool is_in_grid(const Place& p) const {
+        bool is_in = true;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            is_in = is_in && p[axis] >= margin[axis] && p[axis] < size[axis] - margin[axis];
+        return is_in;
+    }
+    bool is_in_box(const Place& p) const {
+        bool is_in = true;
+        for (std::size_t axis = 0; axis < 3; ++axis) is_in = is_in && p[axis] >= 0 && p[axis] < size[axis];
+        return is_in;
+    }
+    /// The first sample on an axis whose coordinate is not below x, or above x; `size` if there is none.
+    std::int32_t first_not_below(std::size_t axis, double x) const;
+    std::int32_t first_above(std::size_t axis, double x) const;
+};
+
+}  // namespace clsdf::segments

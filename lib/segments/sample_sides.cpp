@@ -1,0 +1,318 @@
+#include "segments/sample_sides.hpp"
+
+#include "core/bucket_sort.hpp"
+#include "core/parallel.hpp"
+#include "mesh/box_index.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace clsdf::segments {
+
+namespace {
+
+using crossing::double3;
+using crossing::ExactVector;
+
+/// Faces that one task looks at: few if there are few, which may be large.
+constexpr std::size_t usual_faces = 512;
+
+/// The looks that move by +e along x.
+constexpr std::uint8_t forward_looks = 0x55;
+constexpr std::uint8_t all_looks = CLSDF_ALL_LOOKS;
+
+/// The plane of a face: on which side of it points are, mostly by a plain determinant as in orientation_in_space().
+class Plane {
+public:
+    explicit Plane(const crossing::Corners& face)
+        : a_(face[0]),
+          ab_(crossing::exact_difference(crossing::vector(face[1]), crossing::vector(a_))),
+          ac_(crossing::exact_difference(crossing::vector(face[2]), crossing::vector(a_))) {
+        const std::array<double, 3> u{ab_.x.high, ab_.y.high, ab_.z.high}, v{ac_.x.high, ac_.y.high, ac_.z.high};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
+            normal_[axis] = u[i] * v[j] - u[j] * v[i];
+            size_[axis] = std::abs(u[i] * v[j]) + std::abs(u[j] * v[i]);
+        }
+    }
+
+    int side(const Vec3& p) const {
+        double value = 0, size = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double w = p[axis] - a_[axis];
+            value += normal_[axis] * w;
+            size += size_[axis] * std::abs(w);
+        }
+        if (std::abs(value) > 0x1p-50 * size) return value > 0 ? 1 : -1;
+        if (size == 0) return 0;
+        return crossing::sign_of_determinant(ab_, ac_,
+                                             crossing::exact_difference(crossing::vector(p), crossing::vector(a_)));
+    }
+    /// About where the line along x through (y, z) meets the plane.
+    double place(double y, double z) const {
+        return a_[0] - (normal_[1] * (y - a_[1]) + normal_[2] * (z - a_[2])) / normal_[0];
+    }
+
+private:
+    Vec3 a_;
+    ExactVector ab_, ac_;
+    Vec3 normal_{}, size_{};
+};
+
+/// The edges of a face seen along x.
+struct Edges {
+    explicit Edges(const crossing::Corners& face) : corners(face) {
+        along.x.high = 1;
+    }
+
+    /// The looks in which the line along x through (y, z) crosses the face.
+    std::uint8_t looks(double y, double z) const {
+        std::array<int, 3> turns{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3 &a = corners[i], &b = corners[(i + 1) % 3];
+            turns[i] = crossing::orientation_in_plane(a[1], a[2], b[1], b[2], y, z);
+        }
+        const auto [least, most] = std::minmax({turns[0], turns[1], turns[2]});
+        if (least < 0 && most > 0) return 0;
+        if (least == most && least != 0) return all_looks;
+        std::uint32_t all = all_looks, any = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const ExactVector edge = crossing::exact_difference(crossing::vector(corners[(i + 1) % 3]),
+                                                                crossing::vector(corners[i]));
+            const std::uint32_t positive = crossing::positive_looks(turns[i], along, edge);
+            all &= positive;
+            any |= positive;
+        }
+        return static_cast<std::uint8_t>(all | (all_looks & ~any));
+    }
+
+    crossing::Corners corners;
+    ExactVector along{};
+};
+
+/// Sets bits [begin, end).
+void set_bits(std::uint64_t* words, std::int32_t begin, std::int32_t end) {
+    const auto first = static_cast<std::size_t>(begin) / 64, last = static_cast<std::size_t>(end - 1) / 64;
+    const std::uint64_t from = ~std::uint64_t{0} << (begin % 64), to = ~std::uint64_t{0} >> (63 - (end - 1) % 64);
+    if (first == last) {
+        words[first] |= from & to;
+        return;
+    }
+    words[first] |= from;
+    for (std::size_t word = first + 1; word < last; ++word) words[word] = ~std::uint64_t{0};
+    words[last] |= to;
+}
+
+}  // namespace
+
+BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box)
+    : box_(box),
+      has_film_(faces.mesh.film != nullptr),
+      words_((static_cast<std::size_t>(box.size[0]) + 63) / 64),
+      bits_(1 + box.row_count() * (words_ + 1)) {
+    for_each_range(bits_.size(), [&](std::size_t begin, std::size_t end) {
+        std::fill(bits_.begin() + static_cast<std::ptrdiff_t>(begin), bits_.begin() + static_cast<std::ptrdiff_t>(end),
+                  0);
+    }, std::size_t{1} << 16);
+    row_begins_.assign(box.row_count() + 1, 0);
+    if (rule == SignRule::none) return;
+    find_changes(faces);
+    constexpr std::size_t rows_together = 256;
+    const FilmTree* const film = faces.mesh.film.get();
+    for_each_index(
+        box.row_count(), [&](std::size_t row) { sweep(row, rule, film); }, film != nullptr ? 1 : rows_together);
+}
+
+void BoxSides::find_changes(const ScaledFaces& faces) {
+    const std::size_t together = std::clamp<std::size_t>(faces.count() / 64, 1, usual_faces);
+    std::vector<std::vector<Change>> found(chunk_count(faces.count(), together));
+    for_each_chunk(faces.count(), together, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t face = begin; face < end; ++face) add_changes(faces, face, found[chunk]);
+    });
+    sort_changes(found);
+}
+
+void BoxSides::add_changes(const ScaledFaces& faces, std::size_t face, std::vector<Change>& changes) const {
+    const int count = faces.mesh.sign_count(face);
+    if (count == 0) return;
+    const crossing::Corners corners = faces.sign_corners(face);
+    Box box = {corners[0], corners[0]};
+    for (const Vec3& corner : corners) add(box, {corner, corner});
+    const std::int32_t samples = box_.size[0];
+    if (box.lower[0] > box_.at[0].back() || box.upper[1] < box_.at[1].front() || box.lower[1] > box_.at[1].back() ||
+        box.upper[2] < box_.at[2].front() || box.lower[2] > box_.at[2].back())
+        return;
+    // The side of points far ahead. A face that is parallel to x is not crossed in any look.
+    const auto& [a, b, c] = corners;
+    const int ahead = crossing::orientation_in_plane(a[1], a[2], b[1], b[2], c[1], c[2]);
+    if (ahead == 0) return;
+    const std::int32_t begin_y = box_.first_not_below(1, box.lower[1]), end_y = box_.first_above(1, box.upper[1]),
+                       begin_z = box_.first_not_below(2, box.lower[2]), end_z = box_.first_above(2, box.upper[2]);
+    if (begin_y >= end_y || begin_z >= end_z) return;
+    const Plane plane(corners);
+    const Edges edges(corners);
+    const double spacing = box_.grid.spacing[0] * box_.scale;
+    for (std::int32_t z = begin_z; z < end_z; ++z)
+        for (std::int32_t y = begin_y; y < end_y; ++y) {
+            const Vec3 first = box_.position({0, y, z});
+            const std::uint8_t looks = edges.looks(first[1], first[2]);
+            if (looks == 0) continue;
+            const auto is_behind = [&](std::int32_t sample) {
+                return plane.side({box_.at[0][static_cast<std::size_t>(sample)], first[1], first[2]}) == ahead;
+            };
+            const double place = std::clamp(plane.place(first[1], first[2]), box.lower[0], box.upper[0]);
+            const double guess = std::ceil((place - box_.at[0][0]) / spacing);
+            auto sample = static_cast<std::int32_t>(std::clamp(guess, 0.0, static_cast<double>(samples)));
+            while (sample > 0 && is_behind(sample - 1)) --sample;
+            while (sample < samples && !is_behind(sample)) ++sample;
+            const bool is_tie =
+                sample > 0 &&
+                plane.side({box_.at[0][static_cast<std::size_t>(sample - 1)], first[1], first[2]}) == 0;
+            const auto change = static_cast<std::int8_t>(-count * ahead);
+            const auto push = [&](std::int32_t at, unsigned of_looks, int by, bool is_local = false) {
+                if (of_looks != 0 && at < samples)
+                    changes.push_back({static_cast<std::uint32_t>(box_.row({0, y, z})), at,
+                                       static_cast<std::uint8_t>(of_looks), static_cast<std::int8_t>(by), is_local});
+            };
+            if (!has_film_) {
+                push(is_tie ? sample - 1 : sample, is_tie ? looks & forward_looks : looks, change);
+                if (is_tie) push(sample, looks & ~unsigned{forward_looks} & all_looks, change);
+                continue;
+            }
+            // The part of the open edges is that of look 0. Others differ from it by faces at the sample alone.
+            const bool is_crossed = (looks & 1U) != 0;
+            if (is_crossed) push(is_tie ? sample - 1 : sample, all_looks, change);
+            if (!is_tie) continue;
+            const unsigned crossed = looks & forward_looks;
+            push(sample - 1, is_crossed ? all_looks & ~crossed : crossed, is_crossed ? -change : change, true);
+        }
+}
+
+void BoxSides::sort_changes(std::vector<std::vector<Change>>& found) {
+    std::size_t count = 0;
+    for (const auto& changes : found) count += changes.size();
+    std::vector<Change> all;
+    all.reserve(count);
+    for (auto& changes : found) {
+        all.insert(all.end(), changes.begin(), changes.end());
+        changes = {};
+    }
+    changes_.resize(count);
+    row_begins_ = bucket_sort(
+        count, box_.row_count(), [&](std::size_t i) { return all[i].row; },
+        [&](std::size_t i, std::size_t place) { changes_[place] = all[i]; });
+    for_each_index(box_.row_count(), [&](std::size_t row) {
+        std::sort(changes_.begin() + row_begins_[row], changes_.begin() + row_begins_[row + 1],
+                  [](const Change& a, const Change& b) { return a.sample < b.sample; });
+    });
+}
+
+void BoxSides::sweep(std::size_t row, SignRule rule, const FilmTree* film) {
+    if (film != nullptr) return sweep_with_film(row, rule, *film, 1 / box_.scale);
+    std::uint64_t* const words = bits_.data() + (this->row(row) - bits_.data());
+    Windings at;
+    for (std::uint32_t i = row_begins_[row]; i < row_begins_[row + 1];) {
+        const std::int32_t begin = changes_[i].sample;
+        for (; i < row_begins_[row + 1] && changes_[i].sample == begin; ++i)
+            at.add(changes_[i].looks, changes_[i].change);
+        const std::int32_t end = i < row_begins_[row + 1] ? changes_[i].sample : box_.size[0];
+        if (at.are_inside(rule)) set_bits(words, begin, end);
+    }
+}
+
+void BoxSides::sweep_with_film(std::size_t row, SignRule rule, const FilmTree& film, double unit) {
+    std::uint64_t* const words = bits_.data() + (this->row(row) - bits_.data());
+    const auto y = static_cast<std::int32_t>(row % static_cast<std::size_t>(box_.size[1])),
+               z = static_cast<std::int32_t>(row / static_cast<std::size_t>(box_.size[1]));
+    const auto callers = [&](double x) {
+        const Vec3 p = box_.position({0, y, z});
+        return Vec3{x * unit, p[1] * unit, p[2] * unit};
+    };
+    const auto x_of = [&](std::int32_t sample) { return box_.at[0][static_cast<std::size_t>(sample)]; };
+    Windings at;
+    // Samples between faces; the part of the open edges is the same within a ball that it hardly changes in.
+    const auto set_range = [&](const auto& self, std::int32_t begin, std::int32_t end) -> void {
+        if (begin >= end) return;
+        int rounded = 0;
+        if (end - begin > 1) {
+            const double middle = 0.5 * (x_of(begin) + x_of(end - 1));
+            const double radius = 0.5 * (x_of(end - 1) - x_of(begin)) * (1 + 1e-9);
+            const double change = film.change_within(callers(middle), radius);
+            const bool may_be_one = change < 0.5;
+            const FilmTree::View view = may_be_one ? film.look(callers(middle), change) : FilmTree::View{};
+            if (!may_be_one || !(change < view.to_half)) {
+                const std::int32_t half = begin + (end - begin) / 2;
+                self(self, begin, half);
+                self(self, half, end);
+                return;
+            }
+            rounded = view.rounded;
+        } else {
+            rounded = film.look(callers(x_of(begin))).rounded;
+        }
+        Windings all = at;
+        all.add(all_looks, rounded);
+        if (all.are_inside(rule)) set_bits(words, begin, end);
+    };
+    std::int32_t begin = 0;
+    for (std::uint32_t i = row_begins_[row]; i < row_begins_[row + 1];) {
+        const std::int32_t sample = changes_[i].sample;
+        set_range(set_range, begin, sample);
+        Windings local;
+        bool has_local = false;
+        for (; i < row_begins_[row + 1] && changes_[i].sample == sample; ++i) {
+            (changes_[i].is_local ? local : at).add(changes_[i].looks, changes_[i].change);
+            has_local = has_local || changes_[i].is_local;
+        }
+        begin = sample;
+        if (!has_local) continue;
+        const Windings before = at;
+        for (std::size_t look = 0; look < 8; ++look) at.of_looks[look] += local.of_looks[look];
+        set_range(set_range, sample, sample + 1);
+        at = before;
+        begin = sample + 1;
+    }
+    set_range(set_range, begin, box_.size[0]);
+}
+
+Windings BoxSides::windings(const Place& p) const {
+    Windings at;
+    const std::size_t row = box_.row(p);
+    for (std::uint32_t i = row_begins_[row]; i < row_begins_[row + 1] && changes_[i].sample <= p[0]; ++i)
+        if (!changes_[i].is_local || changes_[i].sample == p[0]) at.add(changes_[i].looks, changes_[i].change);
+    return at;
+}
+
+SampleSides BoxSides::of_grid() const {
+    SampleSides sides;
+    for (std::size_t axis = 0; axis < 3; ++axis) sides.size[axis] = box_.size[axis] - 2 * box_.margin[axis];
+    const auto [count_x, count_y, count_z] = sides.size;
+    const auto samples = static_cast<std::size_t>(count_x * count_y * count_z);
+    sides.bits.assign((samples + 7) / 8, 0);
+    // Tasks of whole words: eight rows begin at a byte.
+    constexpr std::size_t rows = 64;
+    for_each_chunk(static_cast<std::size_t>(count_y * count_z), rows, [&](std::size_t, std::size_t begin,
+                                                                          std::size_t end) {
+        std::size_t to = begin * static_cast<std::size_t>(count_x);
+        for (std::size_t number = begin; number < end; ++number) {
+            const Place first{box_.margin[0],
+                              static_cast<std::int32_t>(number % static_cast<std::size_t>(count_y)) + box_.margin[1],
+                              static_cast<std::int32_t>(number / static_cast<std::size_t>(count_y)) + box_.margin[2]};
+            const std::uint64_t* const words = row(box_.row(first));
+            for (std::int64_t x = 0; x < count_x;) {
+                const std::int64_t from = x + first[0];
+                const auto taken = static_cast<unsigned>(
+                    std::min<std::int64_t>({8 - static_cast<std::int64_t>(to % 8), 64 - from % 64, count_x - x}));
+                const std::uint64_t bits = words[from / 64] >> (from % 64) & ((std::uint64_t{1} << taken) - 1);
+                sides.bits[to / 8] = static_cast<std::uint8_t>(sides.bits[to / 8] | bits << (to % 8));
+                to += taken;
+                x += taken;
+            }
+        }
+    });
+    return sides;
+}
+
+}  // namespace clsdf::segments
