@@ -1,1 +1,2 @@
 clsdf_test(segment_crossings LABELS segments)
+clsdf_field_test(rays LABELS segments)

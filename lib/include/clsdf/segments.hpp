@@ -4,6 +4,7 @@
 #include <clsdf/export.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/outputs.hpp>
 
 #include <array>
 #include <cstddef>
@@ -30,9 +31,6 @@ enum class SegmentFlag : std::uint8_t {
     gap = 4,      ///< both ends are inside, with space between them
     sheet = 8,    ///< of Hits::faces: the sides of the ends are equal
 };
-
-/// No triangle: of a film, and where nothing is met.
-inline constexpr std::uint32_t no_triangle = 0xffffffff;
 
 /// A step on the lattice, in samples.
 using LinkDirection = std::array<std::int32_t, 3>;
@@ -68,9 +66,9 @@ struct SampleSides {
 struct Links {
     std::vector<std::array<std::int32_t, 3>> samples;  ///< on the lattice: Grid::first counts
     std::vector<std::uint8_t> directions;              ///< the number of the direction among those asked for
-    std::vector<double> q;                  ///< the part of the link up to the first wall: 0 (the sample is on the wall) to 1
-    std::vector<std::uint32_t> triangles;   ///< of the first wall; of several the lowest; or no_triangle
-    std::vector<std::uint32_t> counts;      ///< walls on the link
+    std::vector<double> q;  ///< the part of the link up to the first wall: 0 (the sample is on the wall) to 1
+    std::vector<std::uint32_t> triangles;  ///< of the first wall; of several the lowest; or no_triangle
+    std::vector<std::uint32_t> counts;     ///< walls on the link
     std::vector<SegmentFlag> flags;
     SampleSides inside;
 
@@ -84,16 +82,17 @@ struct LinkTargets {
     OutputArray samples{};     ///< int32, three components
     OutputArray directions{};  ///< uint8
     OutputArray q{};
-    OutputArray triangles{};   ///< uint32 or int32 (then -1 for none)
-    OutputArray counts{};      ///< uint32
-    OutputArray flags{};       ///< uint8
+    OutputArray triangles{};  ///< uint32 or int32 (then -1 for none)
+    OutputArray counts{};     ///< uint32
+    OutputArray flags{};      ///< uint8
 };
 
 /// Where the edges of a grid along one axis cross the surface. Edge (i, j, k) joins sample (i, j, k) of the grid with
 /// the next one along the axis, so there is one edge less than samples on that axis. x fastest.
 struct EdgeCrossings {
     Index3 size{};
-    std::vector<double> coordinates;       ///< of the first wall from the end outside, along the axis; NaN if the sides agree
+    std::vector<double>
+        coordinates;  ///< of the first wall from the end outside, along the axis; NaN if the sides agree
     std::vector<std::uint32_t> triangles;  ///< or no_triangle
     std::vector<std::uint32_t> counts;     ///< walls on the edge, also where the sides agree
 };
@@ -103,22 +102,23 @@ struct Crossings {
     SampleSides inside;
 };
 
+/// What is asked about rays.
 struct RayOptions {
     Hits hits = Hits::walls;
-    /// Hits beyond are left out: in lengths of the direction, 0 to infinity.
+    /// Hits beyond are left out: in lengths of the direction, 0 to infinity. t, rounded to a double, is compared.
     double limit = std::numeric_limits<double>::infinity();
 };
 
 /// The caller's arrays for rays, on the host, an item for each ray. What is given decides what is looked for: the first
 /// hits alone, whether there is any, or all.
 struct RayTargets {
-    /// Items of `t` and `triangles` for each ray: its first hits, ascending; those that are missing have infinity and
-    /// no_triangle.
+    /// Numbers of `t` and `triangles` for each ray, as the components of an item: its first hits, ascending. Those that
+    /// are missing are infinity and no_triangle.
     std::size_t most = 1;
-    OutputArray t{};          ///< float or double: in lengths of the direction
+    OutputArray t{};          ///< float or double: in lengths of the direction; NaN of a ray that is not usable
     OutputArray triangles{};  ///< uint32 or int32 (then -1 for none); of several at equal t the lowest
-    OutputArray counts{};     ///< uint32: all hits up to the limit
-    OutputArray any{};        ///< uint8: 1 if there is a hit up to the limit
+    OutputArray counts{};     ///< uint32 or int32: all hits up to the limit
+    OutputArray any{};        ///< uint8: 1 if there is a hit up to the limit, else 0
 };
 
 }  // namespace clsdf
