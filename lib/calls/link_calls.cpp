@@ -123,18 +123,17 @@ Links DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> 
     return with_host_memory("for the links; ask for those of a part of the grid", [&] {
         segments::check_directions(directions);
         Links links;
-        const CallStatistics made =
-            state().find_links(grid, segments::margin_of(directions), options.hits, call, [&](const auto& inputs) {
-                links = segments::find_links(inputs, grid, directions, choice_of(options));
-            });
+        const CallStatistics made = state().find_links(
+            grid, segments::margin_of(directions), options.hits, call,
+            [&](const auto& inputs) { links = segments::find_links(inputs, grid, directions, choice_of(options)); });
         if (statistics != nullptr) *statistics = made.published();
         return links;
     });
 }
 
 TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> directions,
-                                             const LinkTargets& targets, std::size_t& count,
-                                             const LinkOptions& options, const CallOptions& call) const {
+                                             const LinkTargets& targets, std::size_t& count, const LinkOptions& options,
+                                             const CallOptions& call) const {
     count = 0;
     const LinkArrays arrays(targets);
     TransformStatistics statistics;
@@ -160,10 +159,9 @@ Crossings DistanceTransform::crossings(const Grid& grid, const CrossingOptions& 
                                        TransformStatistics* statistics) const {
     return with_host_memory("for the crossings; ask for those of a part of the grid", [&] {
         Crossings crossings;
-        const CallStatistics made =
-            state().find_links(grid, {1, 1, 1}, Hits::walls, call, [&](const auto& inputs) {
-                crossings = segments::find_crossings(inputs, grid, options.with_counts);
-            });
+        const CallStatistics made = state().find_links(grid, {1, 1, 1}, Hits::walls, call, [&](const auto& inputs) {
+            crossings = segments::find_crossings(inputs, grid, options.with_counts);
+        });
         if (statistics != nullptr) *statistics = made.published();
         return crossings;
     });

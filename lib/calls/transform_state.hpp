@@ -197,6 +197,20 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     CallStatistics find_links(const Grid& grid, const std::array<std::int32_t, 3>& margin, Hits hits,
                               const CallOptions& call, const Find& find);
 
+    // segment_calls.cpp
+    struct SegmentInputs {
+        std::shared_ptr<const engine::PointMesh> mesh;
+        std::shared_ptr<const engine::WideTree> tree;
+        std::shared_ptr<const engine::CrossedFaces> faces;
+    };
+    /// Throws as DistanceTransform::rays() does.
+    SegmentInputs segment_inputs(Hits hits);
+    /// Looks up rays or pairs of points: warn(mesh, unusable) sets how many are not usable and returns what to say of
+    /// them, find(searched, begin, end) looks up some.
+    template <typename Warn, typename Find>
+    CallStatistics look_up_pairs(std::size_t count, const CallOptions& call, Hits hits, const Warn& warn,
+                                 const Find& find);
+
     /// Throws Error(device_failure) if a kernel has failed since this was made: what is kept may be wrong.
     void require_sound() const { context().require_none_failed(failures); }
 

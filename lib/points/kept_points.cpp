@@ -24,6 +24,11 @@ std::shared_ptr<const engine::WideTree> KeptPoints::wide_tree() {
     return kept_mesh_.prepare([&] { return wide_tree_.get_or([&] { return engine::make_wide_tree(*mesh()); }); });
 }
 
+std::shared_ptr<const engine::CrossedFaces> KeptPoints::crossed_faces() {
+    return kept_mesh_.prepare(
+        [&] { return crossed_faces_.get_or([&] { return engine::make_crossed_faces(*mesh()); }); });
+}
+
 std::shared_ptr<const engine::WideLeaves> KeptPoints::wide_leaves() {
     return kept_mesh_.prepare([&] {
         return wide_leaves_.get_or([&] { return engine::make_wide_leaves(kept_mesh_.tools(), *mesh(), wide_tree()); });

@@ -6,6 +6,7 @@
 #include "points/point_scan.hpp"
 #include "points/sign_faces.hpp"
 #include "tree/binary_tree.hpp"
+#include "tree/crossed_faces.hpp"
 #include "tree/point_mesh.hpp"
 #include "tree/wide_tree.hpp"
 
@@ -28,6 +29,7 @@ namespace clsdf::points {
 ///     GPUs' tree     + positions                         the same
 ///     face sides     + sign rule                         once about as many points are asked for
 ///     sign faces     + sign rule                         once points in memory of the device are asked for
+///     crossed faces  + positions                         once rays are asked for
 ///     scanned mesh   + frusta                            once many points are asked for
 ///
 /// For one thread at a time.
@@ -43,7 +45,10 @@ public:
     /// The tree in which the host looks for faces. Throws as mesh().
     std::shared_ptr<const engine::WideTree> wide_tree();
 
-    /// The same with what the body by_vector and the host search for the nearest face. Throws as mesh().
+    /// The faces as exact predicates of the host read them. Throws as mesh().
+    std::shared_ptr<const engine::CrossedFaces> crossed_faces();
+
+    /// The tree of wide_tree() with what the body by_vector and the host search for the nearest face. Throws as mesh().
     std::shared_ptr<const engine::WideLeaves> wide_leaves();
 
     /// The triangles on the device, by the numbers of faces and vertices of mesh(). Throws as mesh().
@@ -78,6 +83,7 @@ private:
     Kept<engine::PointMesh> mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::WideTree> wide_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::WideLeaves> wide_leaves_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<engine::CrossedFaces> crossed_faces_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<device::BufferPool::Lease> triangles_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};
     Kept<engine::DividedFaces> divided_faces_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};
     Kept<engine::FittedTree> fitted_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};

@@ -5,8 +5,7 @@
 namespace clsdf::segments {
 
 // All is inlined: only then is the loop one of vectors.
-CLSDF_SEVERAL_TARGETS __attribute__((flatten))
-void LinkPlaces::compute_quickly() {
+CLSDF_SEVERAL_TARGETS __attribute__((flatten)) void LinkPlaces::compute_quickly() {
 #pragma omp simd
     for (std::size_t n = 0; n < most; ++n) {
         const crossing::double3 a{corners[0][0][n], corners[0][1][n], corners[0][2][n]},

@@ -91,10 +91,10 @@ Totals check_family(const Family& family, std::span<const LinkDirection> directi
                         judge.walls(position(places, p), position(places, q), windings[number(p)]);
                     const bool differ = judge.is_inside(windings[number(q)]);
                     BOOST_REQUIRE((walls.size() % 2 == 1) == differ);
-                    const auto row = rows.find({static_cast<std::int32_t>(z + family.grid.first[2]),
-                                                static_cast<std::int32_t>(y + family.grid.first[1]),
-                                                static_cast<std::int32_t>(x + family.grid.first[0]),
-                                                static_cast<std::uint8_t>(d)});
+                    const auto row =
+                        rows.find({static_cast<std::int32_t>(z + family.grid.first[2]),
+                                   static_cast<std::int32_t>(y + family.grid.first[1]),
+                                   static_cast<std::int32_t>(x + family.grid.first[0]), static_cast<std::uint8_t>(d)});
                     if (walls.empty()) continue;  // a row would be left over
                     if (row == rows.end()) {
                         ++missed;
@@ -144,8 +144,8 @@ BOOST_AUTO_TEST_CASE(links_are_those_of_exact_arithmetic) {
 }
 
 BOOST_AUTO_TEST_CASE(long_directions_are_those_of_exact_arithmetic) {
-    const std::vector<LinkDirection> directions{{2, 0, 0}, {-2, 0, 0}, {2, 3, 0}, {-3, 2, 5}, {3, -2, -5}, {0, -4, 2},
-                                                {6, 6, 6}, {1, 7, -3}};
+    const std::vector<LinkDirection> directions{{2, 0, 0},   {-2, 0, 0}, {2, 3, 0}, {-3, 2, 5},
+                                                {3, -2, -5}, {0, -4, 2}, {6, 6, 6}, {1, 7, -3}};
     for (const Family& family : families())
         if (family.name.find("soup") != std::string::npos || family.name == "cube on planes" ||
             family.name == "slivers") {

@@ -9,7 +9,7 @@
 #pragma GCC system_header
 #endif
 
-/// kernels/tree/box_query.h, compiled by the host with one lane.
+/// kernels/tree/box_query.h and ray_boxes.h, compiled by the host with one lane.
 namespace clsdf::engine::one_lane {
 
 using namespace kernel_language;
@@ -18,6 +18,7 @@ using namespace kernel_language;
 #define __global
 #define __private
 #include "box_query.h"
+#include "ray_boxes.h"
 #undef LANES
 #undef __global
 #undef __private

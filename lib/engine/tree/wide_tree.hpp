@@ -92,6 +92,7 @@ struct Query {
     bool visit_leaf(uint leaf) const {
         for (uint bits = choose(tree.nodes[leaf], 1U); bits != 0;) {
             const uint child = next(bits, 1U);
+            if (child == CLSDF_NO_CHILD) break;
             bits &= ~(1U << child);
             if (visit(std::size_t{leaf} * CLSDF_TREE_WIDTH + child)) return true;
         }
@@ -115,8 +116,8 @@ DEFINE_WIDE_WALK(walk, Query, CLSDF_CHOSEN, CLSDF_NEXT, CLSDF_VISITED)
 }  // namespace wide_walk
 
 /// Goes down the tree from the root. choose(node, level) returns bits of the children that may be visited; those of the
-/// first level are faces. next(bits, level) returns the child to visit next of those that are left. Calls visit(face)
-/// for these faces until it returns true. Returns whether it did.
+/// first level are faces. next(bits, level) returns the child to visit next of those that are left, or CLSDF_NO_CHILD.
+/// Calls visit(face) for these faces until it returns true. Returns whether it did.
 template <typename Choose, typename Next, typename Visit>
 bool traverse(const WideTree& tree, const Choose& choose, const Next& next, const Visit& visit) {
     wide_walk::Query<Choose, Next, Visit> query{tree, choose, next, visit};

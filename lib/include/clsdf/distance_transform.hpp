@@ -241,7 +241,7 @@ public:
     /// Error(unsupported) for a restricted transform without the sign rule solid_angle whose mesh has open edges.
     void winding(const InputArray& points, const OutputArray& results, const CallOptions& call = {}) const;
 
-    // Links and crossings (docs/segments.md).
+    // Meet the surface: links, crossings, rays (docs/segments.md).
 
     /// The links of a grid in these directions, at most 32 with components up to 16, that meet the surface. With
     /// Hits::walls a link has a row if and only if its ends are on different sides; see LinkOptions for others. q is
@@ -275,6 +275,37 @@ public:
     /// within the grid, from the end that is outside. Throws as links().
     Crossings crossings(const Grid& grid, const CrossingOptions& options = {}, const CallOptions& call = {},
                         TransformStatistics* statistics = nullptr) const;
+
+    /// Where rays from origins along directions of any length meet the surface (docs/segments.md). Exact for the
+    /// doubles as given: no ray slips through an edge or a vertex, and t is within 0.51 ulp.
+    ///
+    /// Hits::walls: where inside and outside meet, by the sign rule; a point on the surface is outside if it is on a
+    /// wall. What a ray only touches is no wall, nor is a face within the body. The number of walls up to infinity is
+    /// odd if and only if the origin is inside. Hits::faces: the places where a ray has a point of a closed triangle
+    /// that it is not parallel to, also at the origin. Faces at exactly equal t are one hit.
+    ///
+    /// A ray whose origin is not finite, or whose direction is 0 or not finite, is not usable, nor is one that exact
+    /// arithmetic cannot take: with a coordinate or a component that is not 0 but less than 2^-300 (coordinates: or
+    /// more than 2^300) of 1/256 of the mesh or of the greatest component. It has t = NaN and no hits.
+    /// CallOptions::log gets one warning with their number, which is TransformStatistics::unusable_points. With
+    /// CallOptions::refuse_unusable_points they are refused.
+    ///
+    /// A result depends on the ray and the mesh's positions alone. Works on the host, on all cores; any number of
+    /// threads may ask at once. Keeps what query() keeps, and 72 bytes a triangle. Throws Error(invalid_argument) for
+    /// arrays of different lengths, too small or that overlap, for a negative limit or NaN, and without any array;
+    /// Error(unsupported) for memory of the device, for a restricted transform, for a mesh with a coordinate out of the
+    /// range of plan_points(), and for walls of a mesh without a sign or whose open edges count; Error(out_of_memory or
+    /// cancelled).
+    TransformStatistics rays(const InputArray& origins, const InputArray& directions, const RayOptions& options,
+                             const RayTargets& targets, const CallOptions& call = {}) const;
+
+    /// Whether the segments between pairs of points meet nothing: 1, else 0, as uint8. Hits::walls: there is no wall
+    /// between the two; so the segment from a point on the surface does not meet the surface there, unless it leads
+    /// into the body, and a segment in a wall does not meet it. Hits::faces: the segment, with its ends, has no point
+    /// of a triangle that it is not parallel to. A pair and its reverse agree. Equal points see each other. A pair with
+    /// a point that is not usable has 0. Otherwise as rays().
+    TransformStatistics visible(const InputArray& from, const InputArray& to, const OutputArray& visible,
+                                Hits hits = Hits::walls, const CallOptions& call = {}) const;
 
     // Plan.
 

@@ -107,22 +107,23 @@ struct Crossings {
     SampleSides inside;
 };
 
+/// What is asked about rays.
 struct RayOptions {
     Hits hits = Hits::walls;
-    /// Hits beyond are left out: in lengths of the direction, 0 to infinity.
+    /// Hits beyond are left out: in lengths of the direction, 0 to infinity. t, rounded to a double, is compared.
     double limit = std::numeric_limits<double>::infinity();
 };
 
 /// The caller's arrays for rays, on the host, an item for each ray. What is given decides what is looked for: the first
 /// hits alone, whether there is any, or all.
 struct RayTargets {
-    /// Items of `t` and `triangles` for each ray: its first hits, ascending; those that are missing have infinity and
-    /// no_triangle.
+    /// Numbers of `t` and `triangles` for each ray, as the components of an item: its first hits, ascending. Those that
+    /// are missing are infinity and no_triangle.
     std::size_t most = 1;
-    OutputArray t{};          ///< float or double: in lengths of the direction
+    OutputArray t{};          ///< float or double: in lengths of the direction; NaN of a ray that is not usable
     OutputArray triangles{};  ///< uint32 or int32 (then -1 for none); of several at equal t the lowest
-    OutputArray counts{};     ///< uint32: all hits up to the limit
-    OutputArray any{};        ///< uint8: 1 if there is a hit up to the limit
+    OutputArray counts{};     ///< uint32 or int32: all hits up to the limit
+    OutputArray any{};        ///< uint8: 1 if there is a hit up to the limit, else 0
 };
 
 }  // namespace clsdf

@@ -1,0 +1,224 @@
+#include "calls/transform_state.hpp"
+#include "core/large_memory.hpp"
+#include "core/stopwatch.hpp"
+#include "mesh/input_arrays.hpp"
+#include "segments/rays.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace clsdf {
+
+namespace {
+
+// Between them a call can be cancelled.
+constexpr std::size_t rays_at_once = std::size_t{1} << 16;
+
+/// The two arrays of a call, an item of each for each ray or pair.
+struct Pairs {
+    const char* what;  ///< "ray" or "pair"
+    const char* first_name;
+    const char* second_name;
+    const InputArray& first;
+    const InputArray& second;
+
+    void check() const {
+        check_array(first, ArrayKind::positions, first_name, ErrorCode::invalid_argument);
+        check_array(second, ArrayKind::positions, second_name, ErrorCode::invalid_argument);
+        if (first.device != nullptr || second.device != nullptr)
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("the {} are memory of the device, and {}s are looked up by the host; copy them to "
+                                    "memory of the host",
+                                    first.device != nullptr ? first_name : second_name, what));
+        if (first.count != second.count)
+            throw Error(ErrorCode::invalid_argument, fmt::format("there are {} {} and {} {}; give as many", first.count,
+                                                                 first_name, second.count, second_name));
+    }
+
+    /// Throws Error(invalid_argument) if one of the results lies on another one or on what is read.
+    void refuse_overlap(std::span<const segments::ResultArray> results) const {
+        std::vector<targets::WrittenArray> written;
+        for (const segments::ResultArray& result : results)
+            if (result.is_given()) written.push_back(result.written());
+        for (const auto& [name, array] : {std::pair(first_name, &first), std::pair(second_name, &second)}) {
+            const Steps steps = steps_of(*array);
+            written.push_back({.first = reinterpret_cast<std::uintptr_t>(first_of(*array)),
+                               .width = bytes_of(array->type),
+                               .size = {static_cast<std::int64_t>(array->count), 1, 1},
+                               .strides = {steps.triple, 0, 0},
+                               .components = 3,
+                               .component_stride = steps.number,
+                               .name = name});
+            targets::refuse_overlap(written);
+            written.pop_back();
+        }
+    }
+};
+
+std::string text_of(const Vec3& p) {
+    return fmt::format("({}, {}, {})", p[0], p[1], p[2]);
+}
+
+/// Finds the rays or pairs that are not usable, and what to say of them.
+std::string warning_of(const Pairs& pairs, std::span<const Vec3> first, std::span<const Vec3> second, const auto& why,
+                       bool are_refused, std::size_t& count) {
+    std::size_t lowest = 0;
+    count = 0;
+    for (std::size_t i = 0; i < first.size(); ++i)
+        if (why(first[i], second[i]) && count++ == 0) lowest = i;
+    if (count == 0) return {};
+    const std::string described =
+        fmt::format("{} {}, counted from 0, {} {}: {}", pairs.what, lowest, text_of(first[lowest]),
+                    text_of(second[lowest]), *why(first[lowest], second[lowest]));
+    if (are_refused) throw Error(ErrorCode::invalid_argument, described + "; leave it out");
+    return fmt::format("{} of {} {}s {}; the first, {}", count, first.size(), pairs.what,
+                       pairs.what == std::string("ray") ? "have no hits and t = NaN" : "count as not visible",
+                       described);
+}
+
+}  // namespace
+
+DistanceTransform::State::SegmentInputs DistanceTransform::State::segment_inputs(Hits hits) {
+    if (kept_mesh->restriction() != nullptr)
+        throw Error(
+            ErrorCode::unsupported,
+            "the transform is restricted and has not all triangles that rays may meet; ask the whole transform");
+    if (hits == Hits::walls && sign == SignRule::none)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("{} has no sign, and walls are where inside and outside meet; ask for faces",
+                                kept_mesh->name()));
+    const KeepsBudget keeps_budget(*this);
+    const std::scoped_lock lock(mutex);
+    context().begin_call();
+    SegmentInputs inputs;
+    calls::with_remedies(nullptr, {forgetting()}, [&] {
+        inputs.mesh = kept_points->mesh();
+        inputs.tree = kept_points->wide_tree();
+        inputs.faces = kept_points->crossed_faces();
+    });
+    if (!inputs.faces->are_exact)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("{} has a coordinate that is not 0 and less than 2^-300 or more than 2^300 units of "
+                                "{}, which exact arithmetic cannot take; move or scale the mesh",
+                                kept_mesh->name(), inputs.mesh->lattice.unit));
+    if (hits == Hits::walls && inputs.mesh->film)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("{} has open edges that count for its sign, and its walls have no faces there; ask for "
+                                "faces",
+                                kept_mesh->name()));
+    return inputs;
+}
+
+template <typename Warn, typename Find>
+CallStatistics DistanceTransform::State::look_up_pairs(std::size_t count, const CallOptions& call, Hits hits,
+                                                       const Warn& warn, const Find& find) {
+    calls::RunningCall running{call};
+    CallStatistics& statistics = running.statistics;
+    statistics.triangles = kept_mesh->face_count();
+    running.throw_if_stopped();
+    const Stopwatch watch;
+    const SegmentInputs inputs = segment_inputs(hits);
+    statistics.polyhedra_seconds = watch.seconds();
+    const std::string warning = warn(*inputs.mesh, statistics.unusable_points);
+    const Stopwatch search_watch;
+    const segments::SearchedFaces searched{*inputs.mesh, *inputs.tree, *inputs.faces, sign};
+    const auto between = running.between(0, 1);
+    for (std::size_t begin = 0; begin < count; begin += rays_at_once) {
+        if (between) between(static_cast<double>(begin) / static_cast<double>(count));
+        find(searched, begin, std::min(begin + rays_at_once, count));
+    }
+    statistics.field_seconds = search_watch.seconds();
+    if (call.log && !warning.empty()) call.log(warning);
+    return running.finish();
+}
+
+TransformStatistics DistanceTransform::rays(const InputArray& origins, const InputArray& directions,
+                                            const RayOptions& options, const RayTargets& targets,
+                                            const CallOptions& call) const {
+    return with_host_memory("for the rays; give fewer at once", [&] {
+        State& state = this->state();
+        const Pairs pairs{"ray", "origins", "directions", origins, directions};
+        pairs.check();
+        if (!(options.limit >= 0))
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("rays have the limit {}, which must be 0 or more; infinity is no limit", options.limit));
+        const std::size_t count = origins.count;
+        segments::RayArrays arrays;
+        arrays.most = targets.most;
+        const bool has_rows = targets.t.is_given() || targets.triangles.is_given();
+        if (targets.most == 0 && has_rows)
+            throw Error(ErrorCode::invalid_argument, "0 hits of each ray are asked for; ask for one or more");
+        if (!has_rows && !targets.counts.is_given() && !targets.any.is_given())
+            throw Error(ErrorCode::invalid_argument, "rays have no array for results; give one");
+        if (!has_rows) arrays.most = 0;
+        using enum ElementType;
+        arrays.t = {targets.t, "the array t", count, targets.most, {float64, float32}};
+        arrays.triangles = {targets.triangles, "the array triangles", count, targets.most, {uint32, int32}};
+        arrays.counts = {targets.counts, "the array counts", count, 1, {uint32, int32}};
+        arrays.any = {targets.any, "the array any", count, 1, {uint8}};
+        if (count == 0) {
+            calls::RunningCall{call}.report({.fraction = 1});
+            return CallStatistics().published();
+        }
+        pairs.refuse_overlap(std::array{arrays.t, arrays.triangles, arrays.counts, arrays.any});
+        targets::wait_for(state.context(), call.wait_list);
+        const PositionArray from(origins), along(directions);
+        return state
+            .look_up_pairs(
+                count, call, options.hits,
+                [&](const engine::PointMesh& mesh, std::size_t& unusable) {
+                    return warning_of(
+                        pairs, from.get(), along.get(),
+                        [&](const Vec3& a, const Vec3& b) { return segments::why_unusable(mesh, a, b); },
+                        call.refuse_unusable_points, unusable);
+                },
+                [&](const segments::SearchedFaces& searched, std::size_t begin, std::size_t end) {
+                    segments::find_hits(searched, from.get(), along.get(), options, arrays, begin, end);
+                })
+            .published();
+    });
+}
+
+TransformStatistics DistanceTransform::visible(const InputArray& from, const InputArray& to, const OutputArray& visible,
+                                               Hits hits, const CallOptions& call) const {
+    return with_host_memory("for the pairs; give fewer at once", [&] {
+        State& state = this->state();
+        const Pairs pairs{"pair", "first points", "second points", from, to};
+        pairs.check();
+        const segments::ResultArray result(visible, "the array of what is visible", from.count, 1,
+                                           {ElementType::uint8});
+        if (!result.is_given() && from.count > 0)
+            throw Error(ErrorCode::invalid_argument, "pairs have no array for results; give one");
+        if (from.count == 0) {
+            calls::RunningCall{call}.report({.fraction = 1});
+            return CallStatistics().published();
+        }
+        pairs.refuse_overlap(std::span(&result, 1));
+        targets::wait_for(state.context(), call.wait_list);
+        const PositionArray first(from), second(to);
+        return state
+            .look_up_pairs(
+                from.count, call, hits,
+                [&](const engine::PointMesh& mesh, std::size_t& unusable) {
+                    return warning_of(
+                        pairs, first.get(), second.get(),
+                        [&](const Vec3& a, const Vec3& b) { return segments::why_unusable_pair(mesh, a, b); },
+                        call.refuse_unusable_points, unusable);
+                },
+                [&](const segments::SearchedFaces& searched, std::size_t begin, std::size_t end) {
+                    segments::find_visible(searched, first.get(), second.get(), hits, result, begin, end);
+                })
+            .published();
+    });
+}
+
+}  // namespace clsdf

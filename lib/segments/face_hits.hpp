@@ -1,0 +1,38 @@
+#pragma once
+
+#include "segments/crossing.hpp"
+#include "tree/crossed_faces.hpp"
+
+#include <clsdf/segments.hpp>
+
+#include <cstdint>
+
+/// Where one segment, or ray, meets one face.
+namespace clsdf::segments {
+
+/// A segment or a ray in units, as faces are compared with it.
+struct Line {
+    crossing::Segment exact;
+    Vec3 from, along;     ///< along: of a segment rounded
+    double greatest = 0;  ///< of the components of `along`
+
+    static Line ray(const Vec3& from, const Vec3& direction) { return {crossing::ray(from, direction), direction}; }
+    static Line segment(const Vec3& from, const Vec3& to);
+
+private:
+    Line(const crossing::Segment& exact_in, const Vec3& along_in);
+};
+
+/// A face that the line meets: if walls are asked for, one that it crosses in some of the looks, else one that it
+/// touches and is not parallel to.
+struct FaceHit {
+    std::uint32_t face;
+    std::int8_t side;     ///< 1: the line comes from the face's front, -1: from its back
+    std::uint8_t looks;   ///< in which it is crossed
+    double place, error;  ///< within `error`, which may be infinite
+};
+
+/// Whether the line meets the face; sets all of `hit` but the face.
+bool meets(const Line& line, const engine::CrossedFaces::Corners& corners, Hits hits, FaceHit& hit);
+
+}  // namespace clsdf::segments
