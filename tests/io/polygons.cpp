@@ -8,6 +8,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -44,6 +47,21 @@ double signed_area(const Outline& outline) {
     return twice / 2;
 }
 
+/// Rows of a lattice, all from left to right: an outline that crosses itself, with an ear at nearly every corner.
+Outline rows(int corners) {
+    Outline outline;
+    for (int i = 0; i < corners; ++i) outline.push_back({1.0 * (i % 447), 1.0 * (i / 447)});
+    return outline;
+}
+
+/// One facet, and a triangle before it.
+std::string stl_of(const Outline& outline) {
+    std::string text = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 9\nvertex 1 0 9\nvertex 0 1 9\nendloop\n";
+    text += "endfacet\nfacet normal 0 0 1\nouter loop\n";
+    for (const Corner& corner : outline) text += fmt::format("vertex {} {} 0\n", corner[0], corner[1]);
+    return text + "endloop\nendfacet\nendsolid\n";
+}
+
 /// The areas of triangles, along one normal: negative for those that face the other way.
 std::vector<double> areas_of(const Mesh& mesh, const Vec3& normal) {
     std::vector<double> areas;
@@ -59,7 +77,7 @@ std::vector<double> areas_of(const Mesh& mesh, const Vec3& normal) {
     return areas;
 }
 
-void check_areas(const Mesh& mesh, const Outline& outline, const Vec3& normal) {
+void check_areas(const Mesh& mesh, const Outline& outline, const Vec3& normal, double tolerance = 1e-12) {
     const double area = signed_area(outline);
     double sum = 0;
     for (const double part : areas_of(mesh, normal)) {
@@ -67,7 +85,7 @@ void check_areas(const Mesh& mesh, const Outline& outline, const Vec3& normal) {
         sum += part;
     }
     BOOST_TEST(mesh.triangles().size() == outline.size() - 2);
-    BOOST_TEST(sum == area, boost::test_tools::tolerance(1e-12));
+    BOOST_TEST(sum == area, boost::test_tools::tolerance(tolerance));
 }
 
 /// From every first corner, in both windings, in both planes: triangles of the outline's winding with its area. As
@@ -110,12 +128,14 @@ Outline comb(int teeth) {
     return outline;
 }
 
-Outline spiral(int corners) {
+/// step: the angle between corners.
+Outline spiral(int corners, double step = 0.7) {
     Outline outline;
-    for (int i = 0; i < corners; ++i)
-        outline.push_back({(1 + 0.2 * i) * std::cos(0.7 * i), (1 + 0.2 * i) * std::sin(0.7 * i)});
-    for (int i = corners; i-- > 0;)
-        outline.push_back({(0.6 + 0.2 * i) * std::cos(0.7 * i), (0.6 + 0.2 * i) * std::sin(0.7 * i)});
+    const auto add = [&](double radius, double angle) {
+        outline.push_back({(radius + angle * 2 / 7) * std::cos(angle), (radius + angle * 2 / 7) * std::sin(angle)});
+    };
+    for (int i = 0; i < corners; ++i) add(1, step * i);
+    for (int i = corners; i-- > 0;) add(0.6, step * i);
     return outline;
 }
 
@@ -188,5 +208,31 @@ BOOST_AUTO_TEST_CASE(polygons_of_all_formats_are_triangulated_alike_from_the_sma
             BOOST_CHECK(triangles_of("a.ply", ply) == expected);
             BOOST_CHECK(triangles_of("a.stl", stl + "endloop\nendfacet\nendsolid a\n") == expected);
         }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(outlines_of_thousands_of_corners_are_covered_once) {
+    const TemporaryFolder folder;
+    for (const Outline& outline : {star(10000), comb(2500), spiral(10000, 0.01)})
+        for (const auto& [place, normal] : {std::pair(&flat, Vec3{0, 0, 1}), {&tilted, {2.0 / 3, -2.0 / 3, -1.0 / 3}}})
+            check_areas(read_mesh(folder.file("a.obj", obj_of(outline, place))), outline, normal, 1e-11);
+}
+
+BOOST_AUTO_TEST_CASE(an_outline_whose_ears_take_too_many_steps_becomes_a_fan_with_a_warning) {
+    const TemporaryFolder folder;
+    const Outline outline = rows(20000);
+    const std::string triangle = "v 0 0 9\nv 1 0 9\nv 0 1 9\nf -3 -2 -1\n";
+    for (const std::string& path : {folder.file("a.obj", obj_of(outline, flat) + triangle + "f -3 -1 -2\n"),
+                                    folder.file("a.stl", stl_of(outline))}) {
+        std::vector<std::string> messages;
+        const Mesh mesh = read_mesh(path, {.log = [&](const std::string& message) { messages.push_back(message); }});
+        const std::size_t first = path.ends_with(".stl") ? 1 : 0;
+        BOOST_TEST_REQUIRE(messages.size() == 1U);
+        BOOST_TEST(messages[0] ==
+                   fmt::format("{}: 1 polygon becomes a fan, whose triangles may overlap, because ears were not found "
+                               "within a limit of steps; divide it into triangles beforehand (it is that of triangle "
+                               "{}, with 20000 corners)",
+                               path, first));
+        BOOST_TEST((mesh.triangles()[first + 10][0] == mesh.triangles()[first][0]));
     }
 }

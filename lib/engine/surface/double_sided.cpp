@@ -3,7 +3,6 @@
 #include "mesh/disjoint_sets.hpp"
 #include "surface/edge_counts.hpp"
 #include "surface/local_frame.hpp"
-#include "surface/parts.hpp"
 #include "surface/sheets.hpp"
 #include "surface/winding_test.hpp"
 
@@ -12,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace clsdf {
 
@@ -30,33 +30,21 @@ struct Joined {
 };
 
 /// The sets with most faces first.
-std::vector<Joined> joined_over_edges(const Mesh& mesh) {
-    struct Edge {
-        std::uint64_t ends;
-        std::uint32_t face;
-    };
-    const std::vector<Triangle>& triangles = mesh.triangles();
-    std::vector<Edge> edges;
-    edges.reserve(3 * triangles.size());
-    for (std::uint32_t face = 0; face < triangles.size(); ++face)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint64_t a = triangles[face][k], b = triangles[face][(k + 1) % 3];
-            edges.push_back({std::min(a, b) << 32 | std::max(a, b), face});
-        }
-    std::ranges::sort(edges, {}, &Edge::ends);
-    DisjointSets sets(triangles.size());
+std::vector<Joined> joined_over_edges(const OrientedParts& parts) {
+    const std::size_t face_count = parts.part.size();
+    DisjointSets sets(face_count);
+    for (std::uint32_t face = 0; face < face_count; ++face) sets.join(parts.part[face], face);
     std::vector<std::uint32_t> boundary;  // faces
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-        const bool is_first = i == 0 || edges[i - 1].ends != edges[i].ends;
-        if (!is_first)
-            sets.join(edges[i - 1].face, edges[i].face);
-        else if (i + 1 == edges.size() || edges[i + 1].ends != edges[i].ends)
-            boundary.push_back(edges[i].face);
+    for (std::size_t edge = 0; edge + 1 < parts.edges.size(); ++edge) {
+        const std::size_t begin = parts.edges[edge], end = parts.edges[edge + 1];
+        const std::uint32_t first = parts.entries[begin].edge().face;
+        if (end == begin + 1) boundary.push_back(first);
+        for (std::size_t i = begin + 1; i < end; ++i) sets.join(first, parts.entries[i].edge().face);
     }
     constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-    std::vector<std::uint32_t> numbers(triangles.size(), none);
+    std::vector<std::uint32_t> numbers(face_count, none);
     std::vector<Joined> result;
-    for (std::uint32_t face = 0; face < triangles.size(); ++face) {
+    for (std::uint32_t face = 0; face < face_count; ++face) {
         std::uint32_t& number = numbers[sets.root(face)];
         if (number == none) {
             number = static_cast<std::uint32_t>(result.size());
@@ -116,55 +104,83 @@ PointsOfSets points_beside(const Mesh& all, const std::vector<Joined>& sets) {
     return result;
 }
 
-/// Whether faces are those of a body, or are when sheets among them are left out.
-bool find_body(const Mesh& all, std::vector<std::uint32_t>& faces, bool may_open, std::vector<std::uint32_t>& turned) {
+/// Whether faces are those of a body, or are when sheets among them are left out. is_free: free_sheets() of all.
+bool find_body(const Mesh& all, const std::vector<bool>& is_free, std::vector<std::uint32_t>& faces, bool may_open,
+               std::vector<std::uint32_t>& turned) {
     const Mesh own = surface_of(all, all.triangles(), faces);
     const EdgeCounts edges = count_edges(own.triangles(), own.vertices().size());
     if (edges.open() == 0) return is_body(own, false, turned);
     const bool is_oriented = std::ranges::all_of(edges.unbalanced, &UnbalancedEdge::is_open);
     if (is_oriented && is_much_in_doubt(own, own.triangles(), loops_of(edges))) return false;
-    const std::vector<bool> is_free = free_sheets(OrientedParts(own.triangles(), own.vertices().size()), faces.size());
     std::vector<std::uint32_t> rest;
-    for (std::size_t i = 0; i < faces.size(); ++i)
-        if (!is_free[i]) rest.push_back(faces[i]);
+    for (const std::uint32_t face : faces)
+        if (!is_free[face]) rest.push_back(face);
     if (rest.empty() || !is_body(surface_of(all, all.triangles(), rest), false, turned))
         return may_open && is_body(own, may_open, turned);
     faces = std::move(rest);
     return true;
 }
 
+/// The triangles of some faces.
+std::vector<Triangle> triangles_of(std::span<const Triangle> triangles, std::span<const std::uint32_t> faces) {
+    std::vector<Triangle> result;
+    result.reserve(faces.size());
+    for (const std::uint32_t face : faces) result.push_back(triangles[face]);
+    return result;
+}
+
+Mesh surface_of_all(const Mesh& mesh, std::span<const Triangle> triangles) {
+    std::vector<std::uint32_t> all(triangles.size());
+    std::iota(all.begin(), all.end(), 0U);
+    return surface_of(mesh, triangles, all);
+}
+
 }  // namespace
 
-std::vector<CountedFace> double_sided_bodies(const Mesh& mesh, std::span<const Triangle> given,
-                                             std::span<const std::uint32_t> candidates,
+SubSurface::SubSurface(const Mesh& mesh, std::span<const Triangle> triangles, std::vector<std::uint32_t> own_faces)
+    : faces(std::move(own_faces)),
+      surface(surface_of_all(mesh, triangles)),
+      parts(surface.triangles(), surface.vertices().size()) {}
+
+std::vector<CountedFace> double_sided_bodies(const Mesh& mesh, const SubSurface& candidates,
                                              std::span<const Triangle> counting, const OpenLoops& loops, bool may_open,
                                              double& volume) {
-    const Mesh all = surface_of(mesh, given, candidates);
-    // Without those that are open for the most part, and those with something inside beside them.
-    std::vector<Joined> sets = joined_over_edges(all);
+    struct Body {
+        std::vector<std::uint32_t> faces, turned;
+    };
+    const Mesh& all = candidates.surface;
+    const std::vector<bool> is_free = free_sheets(candidates.parts, all.triangles().size());
+    std::vector<Joined> sets = joined_over_edges(candidates.parts);
+    // Without those that are open for the most part.
     std::erase_if(sets, [](const Joined& set) {
         return set.boundary > std::max(std::min(few_edges, set.faces.size() / 3), set.faces.size() / 4);
     });
     if (sets.size() > most_bodies) sets.resize(most_bodies);
+    std::vector<Body> bodies;
+    std::erase_if(sets, [&](const Joined& set) {
+        Body body{set.faces, {}};
+        const bool is_found = find_body(all, is_free, body.faces, may_open, body.turned);
+        if (is_found) bodies.push_back(std::move(body));
+        return !is_found;
+    });
+    volume = 0;
+    if (bodies.empty()) return {};
+    // Without those with something inside beside them.
     const auto [points, ends] = points_beside(all, sets);
     const std::vector<SeenWinding> seen = WindingView(mesh, counting, loops).at(points);
     std::vector<CountedFace> result;
-    volume = 0;
     std::size_t i = 0;
-    for (std::size_t n = 0; n < sets.size(); ++n) {
+    for (std::size_t n = 0; n < bodies.size(); ++n) {
         std::size_t empty = 0, pairs = 0;
         for (; i < ends[n]; i += 2, ++pairs) empty += !seen[i].is_inside() && !seen[i + 1].is_inside() ? 1U : 0U;
         if (2 * empty <= pairs) continue;
-        std::vector<std::uint32_t>& faces = sets[n].faces;
-        std::vector<std::uint32_t> turned;
-        if (!find_body(all, faces, may_open, turned)) continue;
+        const auto& [faces, turned] = bodies[n];
         std::vector<bool> is_turned(faces.size());
         for (const std::uint32_t face : turned) is_turned[face] = true;
-        std::vector<Triangle> triangles;
+        std::vector<Triangle> triangles = triangles_of(all.triangles(), faces);
         for (std::size_t k = 0; k < faces.size(); ++k) {
-            result.push_back({candidates[faces[k]], is_turned[k]});
-            triangles.push_back(all.triangles()[faces[k]]);
-            if (is_turned[k]) std::swap(triangles.back()[1], triangles.back()[2]);
+            result.push_back({candidates.faces[faces[k]], is_turned[k]});
+            if (is_turned[k]) std::swap(triangles[k][1], triangles[k][2]);
         }
         volume += volume_of(all, triangles);
     }
@@ -173,11 +189,12 @@ std::vector<CountedFace> double_sided_bodies(const Mesh& mesh, std::span<const T
 }
 
 std::vector<std::uint32_t> doubled_cavities(const Mesh& mesh, std::span<const Triangle> triangles,
-                                            std::span<const std::uint32_t> candidates) {
-    const Mesh all = surface_of(mesh, triangles, candidates);
-    std::vector<Joined> sets = joined_over_edges(all);
+                                            std::vector<std::uint32_t> candidates) {
+    const std::vector<Triangle> own = triangles_of(triangles, candidates);
+    const SubSurface all(mesh, own, std::move(candidates));
+    std::vector<Joined> sets = joined_over_edges(all.parts);
     if (sets.size() > most_bodies) sets.resize(most_bodies);
-    const auto [points, ends] = points_beside(all, sets);
+    const auto [points, ends] = points_beside(all.surface, sets);
     const std::vector<SeenWinding> seen = WindingView(mesh, triangles, {}).at(points);
     std::vector<std::uint32_t> result;
     std::size_t i = 0;
@@ -185,7 +202,7 @@ std::vector<std::uint32_t> doubled_cavities(const Mesh& mesh, std::span<const Tr
         std::size_t filled = 0, pairs = 0;
         for (; i < ends[n]; i += 2, ++pairs) filled += seen[i].rounded * seen[i + 1].rounded < 0 ? 1U : 0U;
         if (2 * filled <= pairs) continue;
-        for (const std::uint32_t face : sets[n].faces) result.push_back(candidates[face]);
+        for (const std::uint32_t face : sets[n].faces) result.push_back(all.faces[face]);
     }
     std::ranges::sort(result);
     return result;

@@ -9,6 +9,10 @@
 
 namespace clsdf {
 
+inline double length_of(const Vec3& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
 /// Positions relative to the centre of a mesh, in half its longest side: volumes and areas are not lost in rounding far
 /// from the origin, and the largest and the smallest numbers have them, too.
 class LocalFrame {

@@ -2,6 +2,9 @@
 
 #include <clsdf/error.hpp>
 
+#include "core/bucket_sort.hpp"
+#include "core/large_memory.hpp"
+#include "core/parallel.hpp"
 #include "mesh/box_index.hpp"
 
 #include <fmt/format.h>
@@ -10,34 +13,45 @@
 
 namespace clsdf {
 
-std::vector<DoubledFace> doubled_faces(std::span<const Triangle> triangles) {
-    /// The vertices in ascending order.
-    struct Named {
-        Triangle vertices;
+std::vector<DoubledFace> doubled_faces(std::span<const Triangle> triangles, std::size_t vertex_count) {
+    /// A face at its lowest vertex.
+    struct Filed {
+        std::uint64_t others;  ///< the other two vertices, ascending; 0 if a vertex is repeated
         std::uint32_t face;
-        bool is_forward;  ///< the face runs through them in that order
+        bool is_forward;  ///< the face runs through its vertices in ascending order
 
-        bool operator<(const Named& other) const {
-            return vertices != other.vertices ? vertices < other.vertices : face < other.face;
+        bool operator<(const Filed& other) const {
+            return others != other.others ? others < other.others : face < other.face;
         }
     };
-    std::vector<Named> named;
-    named.reserve(triangles.size());
-    for (std::uint32_t face = 0; face < triangles.size(); ++face) {
-        const auto& [a, b, c] = triangles[face];
-        if (a == b || b == c || c == a) continue;
-        const bool is_forward = (a > b) != ((b > c) != (c > a));
-        named.push_back({triangles[face], face, is_forward});
-        std::ranges::sort(named.back().vertices);
-    }
-    std::sort(named.begin(), named.end());
+    UninitializedVector<Filed> filed(triangles.size());
+    const std::vector<std::uint32_t> first_at = bucket_sort(
+        triangles.size(), vertex_count, [&](std::size_t face) { return std::ranges::min(triangles[face]); },
+        [&](std::size_t face, std::size_t place) {
+            const auto& [a, b, c] = triangles[face];
+            const std::uint64_t lowest = std::min({a, b, c}), highest = std::max({a, b, c});
+            const std::uint64_t middle = std::uint64_t{a} + b + c - lowest - highest;
+            const bool is_repeated = lowest == middle || middle == highest;
+            filed[place] = {is_repeated ? 0 : middle << 32 | highest, static_cast<std::uint32_t>(face),
+                            (a > b) != ((b > c) != (c > a))};
+        });
+    constexpr std::size_t chunk = 4096;
+    std::vector<std::vector<DoubledFace>> of_chunks(chunk_count(vertex_count, chunk));
+    for_each_chunk(vertex_count, chunk, [&](std::size_t number, std::size_t begin, std::size_t end) {
+        for (std::size_t vertex = begin; vertex != end; ++vertex) {
+            const std::span<Filed> at_vertex(filed.data() + first_at[vertex], filed.data() + first_at[vertex + 1]);
+            std::sort(at_vertex.begin(), at_vertex.end());
+            for (std::size_t first = 0, i = 1; i < at_vertex.size(); ++i) {
+                const Filed &one = at_vertex[i], &lowest = at_vertex[first];
+                if (one.others != lowest.others)
+                    first = i;
+                else if (one.others != 0)
+                    of_chunks[number].push_back({one.face, lowest.face, one.is_forward != lowest.is_forward});
+            }
+        }
+    });
     std::vector<DoubledFace> doubled;
-    for (std::size_t first = 0, i = 1; i < named.size(); ++i) {
-        if (named[i].vertices != named[first].vertices)
-            first = i;
-        else
-            doubled.push_back({named[i].face, named[first].face, named[i].is_forward != named[first].is_forward});
-    }
+    for (const std::vector<DoubledFace>& part : of_chunks) doubled.insert(doubled.end(), part.begin(), part.end());
     return doubled;
 }
 

@@ -59,7 +59,7 @@ struct DoubledFace {
 };
 
 /// The faces with the three different vertices of an earlier one, in the order of the groups.
-std::vector<DoubledFace> doubled_faces(std::span<const Triangle> triangles);
+std::vector<DoubledFace> doubled_faces(std::span<const Triangle> triangles, std::size_t vertex_count);
 
 /// Throws Error(invalid_argument) that names the caller's vertices if some that are joined for the sign move farther
 /// apart than joined_extent of the longest side. `moved`: as Vertices::moved() returns them.

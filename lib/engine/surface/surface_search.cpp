@@ -25,15 +25,6 @@ bool has_odd_face(std::span<const Triangle> triangles, std::span<const DoubledFa
     return false;
 }
 
-/// The lowest faces of those that cancel each other; in place of all others, points.
-std::vector<Triangle> cancelled_faces(std::span<const Triangle> triangles, std::span<const DoubledFace> doubled,
-                                      std::span<const int> net) {
-    std::vector<Triangle> result(triangles.size());
-    for (const DoubledFace& one : doubled)
-        if (net[one.first] == 0) result[one.first] = triangles[one.first];
-    return result;
-}
-
 }  // namespace
 
 SurfaceSearch::SurfaceSearch(const Mesh& mesh, std::span<const Triangle> triangles, EdgeCounts edges)
@@ -89,8 +80,8 @@ void SurfaceSearch::count_doubled_once(const std::vector<DoubledFace>& doubled) 
         if (uses[face] == SignSurface::backward) turn(face);
     count();
     if (!is_closed())
-        for (const std::uint32_t face : close_with(cancelled_faces(before, doubled, net)))
-            uses[face] = SignSurface::forward;
+        if (const SubSurface* const cancelled = cancelled_faces(doubled))
+            for (const std::uint32_t face : close_with(*cancelled)) uses[face] = SignSurface::forward;
     const bool is_opened = edges_before.open() == 0 && !is_closed() && has_odd_face(before, doubled);
     if (is_opened || edges_.unbalanced.size() > edges_before.unbalanced.size()) {
         triangles_ = before;
@@ -101,23 +92,11 @@ void SurfaceSearch::count_doubled_once(const std::vector<DoubledFace>& doubled) 
 }
 
 void SurfaceSearch::count_bodies_once(const std::vector<DoubledFace>& doubled, bool may_open) {
-    std::vector<int> net(triangles_.size());
-    for (const DoubledFace& one : doubled) net[one.first] += one.is_reversed ? -1 : 1;
-    std::vector<Triangle> as_given(triangles_.size());
-    std::vector<std::uint32_t> cancelled;
-    for (const DoubledFace& one : doubled) {
-        // The sum of a group is that of its later faces, and the first.
-        if (net[one.first] != -1 || (!surface_.faces.empty() && SignSurface::count_of(surface_.faces[one.first]) != 0))
-            continue;
-        net[one.first] = 0;
-        as_given[one.first] = given(one.first);
-        cancelled.push_back(one.first);
-    }
-    if (cancelled.empty()) return;
-    std::ranges::sort(cancelled);
+    const SubSurface* const cancelled = cancelled_faces(doubled);
+    if (cancelled == nullptr) return;
     double volume = 0;
     std::vector<CountedFace> counted =
-        double_sided_bodies(mesh_, as_given, cancelled, triangles_, loops_of(edges_), may_open, volume);
+        double_sided_bodies(mesh_, *cancelled, triangles_, loops_of(edges_), may_open, volume);
     if (counted.empty()) return;
     // Both ways are there, so the bodies look as the rest of the mesh does.
     if (volume != 0 && (volume < 0) != encloses_negative_volume(mesh_, surface_))
@@ -127,7 +106,7 @@ void SurfaceSearch::count_bodies_once(const std::vector<DoubledFace>& doubled, b
     for (const auto& [face, is_turned] : counted) {
         is_counted[face] = true;
         surface_.faces[face] = is_turned ? SignSurface::backward : SignSurface::forward;
-        triangles_[face] = as_given[face];
+        triangles_[face] = given(face);
         if (is_turned) turn(face);
     }
     for (const DoubledFace& one : doubled) {
@@ -254,25 +233,47 @@ std::size_t SurfaceSearch::uncounted() const {
     return count;
 }
 
-std::vector<std::uint32_t> SurfaceSearch::close_with(const std::vector<Triangle>& other) {
-    const OrientedParts parts(other, mesh_.vertices().size());
-    std::vector<std::uint8_t> has_rim(other.size()), fits(other.size(), 1);  // by the lowest face of a part
+const SubSurface* SurfaceSearch::cancelled_faces(const std::vector<DoubledFace>& doubled) {
+    std::vector<int> net(triangles_.size());
+    for (const DoubledFace& one : doubled) net[one.first] += one.is_reversed ? -1 : 1;
+    std::vector<std::uint32_t> faces;
+    for (const DoubledFace& one : doubled) {
+        // The sum of a group is that of its later faces, and the first.
+        if (net[one.first] != -1 || (!surface_.faces.empty() && SignSurface::count_of(surface_.faces[one.first]) != 0))
+            continue;
+        net[one.first] = 0;
+        faces.push_back(one.first);
+    }
+    if (faces.empty()) return nullptr;
+    std::ranges::sort(faces);
+    if (!cancelled_ || cancelled_->faces != faces) {
+        std::vector<Triangle> triangles;
+        triangles.reserve(faces.size());
+        for (const std::uint32_t face : faces) triangles.push_back(given(face));
+        cancelled_.emplace(mesh_, triangles, std::move(faces));
+    }
+    return &*cancelled_;
+}
+
+std::vector<std::uint32_t> SurfaceSearch::close_with(const SubSurface& other) {
+    const OrientedParts& parts = other.parts;
+    std::vector<std::uint8_t> has_rim(other.faces.size()), fits(other.faces.size(), 1);  // by the lowest face of a part
     for (std::size_t i = 0; i + 1 < parts.edges.size(); ++i) {
         if ((parts.edges[i + 1] - parts.edges[i]) % 2 == 0) continue;
         for (std::size_t n = parts.edges[i]; n < parts.edges[i + 1]; ++n) {
             const Corner corner = parts.entries[n].edge();
             const std::uint32_t part = parts.part[corner.face];
-            const Triangle& face = other[corner.face];
+            const Triangle face = given(other.faces[corner.face]);
             has_rim[part] = 1;
             if (!is_open(face[corner.vertex], face[next_of_three(corner.vertex)])) fits[part] = 0;
         }
     }
     std::vector<std::uint32_t> added;
-    for (std::uint32_t face = 0; face < other.size(); ++face)
-        if (has_rim[parts.part[face]] != 0 && fits[parts.part[face]] != 0) added.push_back(face);
+    for (std::size_t i = 0; i < other.faces.size(); ++i)
+        if (has_rim[parts.part[i]] != 0 && fits[parts.part[i]] != 0) added.push_back(other.faces[i]);
     if (added.empty()) return {};
     EdgeCounts before = edges_;
-    for (const std::uint32_t face : added) triangles_[face] = other[face];
+    for (const std::uint32_t face : added) triangles_[face] = given(face);
     count();
     if (is_closed()) return added;
     for (const std::uint32_t face : added) drop(face);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "surface/double_sided.hpp"
 #include "surface/edge_counts.hpp"
 #include "surface/sheets.hpp"
 #include "surface/sign_surface.hpp"
@@ -51,8 +52,10 @@ public:
     SignSurface take_surface() { return std::move(surface_); }
 
 private:
+    /// The lowest faces of those that cancel each other and do not count; null if there are none.
+    const SubSurface* cancelled_faces(const std::vector<DoubledFace>& doubled);
     /// Adds the parts of another surface whose rims are open edges, if the surface is closed then. Returns their faces.
-    std::vector<std::uint32_t> close_with(const std::vector<Triangle>& other);
+    std::vector<std::uint32_t> close_with(const SubSurface& other);
     bool is_open(std::uint32_t a, std::uint32_t b) const;
     void turn(std::uint32_t face) { std::swap(triangles_[face][1], triangles_[face][2]); }
     /// Notes the faces that were turned, and the directions of those that equal them.
@@ -75,6 +78,7 @@ private:
     SignSurface surface_;
     std::vector<bool> is_turned_;  // by face; empty: none is
     std::vector<bool> is_left_out_;
+    std::optional<SubSurface> cancelled_;  // by cancelled_faces()
     std::optional<WindingTest> test_;
     std::size_t joined_ = 0;
     std::size_t double_sided_ = 0;

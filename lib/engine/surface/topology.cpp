@@ -99,7 +99,7 @@ void report_doubled_cavities(const Mesh& mesh, std::span<const Triangle> triangl
     std::ranges::sort(firsts);
     const auto repeated = std::ranges::unique(firsts);
     firsts.erase(repeated.begin(), repeated.end());
-    const std::vector<std::uint32_t> faces = doubled_cavities(mesh, triangles, firsts);
+    const std::vector<std::uint32_t> faces = doubled_cavities(mesh, triangles, std::move(firsts));
     report.doubled_cavity_faces = faces.size();
     report.first_doubled_cavity_face = faces.empty() ? 0 : faces.front();
 }
@@ -120,7 +120,7 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
     const bool is_balanced = edges.unbalanced.empty();
     std::vector<DoubledFace> doubled;
     if (is_balanced) {
-        if (edges.non_manifold > 0) doubled = doubled_faces(triangles);
+        if (edges.non_manifold > 0) doubled = doubled_faces(triangles, mesh.vertices().size());
         report.duplicate_faces = doubled.size();
         if (doubled.empty()) {
             report.closed = report.balanced = true;
@@ -131,7 +131,7 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
     SurfaceSearch search(mesh, triangles, std::move(edges));
     if (!is_balanced) {
         search.join_noise();
-        doubled = doubled_faces(search.triangles());
+        doubled = doubled_faces(search.triangles(), mesh.vertices().size());
         if (!search.is_balanced()) search.count_doubled_once(doubled);
     }
     search.count_bodies_once(doubled, may_open);

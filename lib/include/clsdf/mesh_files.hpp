@@ -21,8 +21,8 @@ namespace clsdf {
 struct ReadOptions {
     /// Called with a warning that names the file for each kind of thing that was skipped or changed: faces of one or
     /// two corners, bytes after the last row of a binary .ply, lines without a keyword in its header, lines of an .obj
-    /// with unknown keywords, and vertices of an .obj with a fourth number w other than 1, by which x, y and z are
-    /// divided.
+    /// with unknown keywords, vertices of an .obj with a fourth number w other than 1, by which x, y and z are divided,
+    /// and polygons that become fans because their ears take too many steps.
     std::function<void(const std::string& message)> log{};
     /// Every position x of the file becomes R (x * scale) + translate, in double; without a rotation R, the product and
     /// the sum are each rounded once. 0.001 makes metres of millimetres. Finite, and the scale > 0: a mirrored mesh

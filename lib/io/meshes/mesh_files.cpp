@@ -197,6 +197,13 @@ std::vector<std::string> ReadingNotes::texts() const {
                                     header_lines.count, plural(header_lines.count),
                                     header_lines.count == 1 ? "has" : "have", header_lines.count == 1 ? "is" : "are",
                                     header_lines.first));
+    if (uncut.count > 0)
+        texts.push_back(fmt::format(
+            "{}, whose triangles may overlap, because ears were not found within a limit of steps; divide {} into "
+            "triangles beforehand ({} that of triangle {}, with {} corners)",
+            uncut.count == 1 ? "1 polygon becomes a fan" : fmt::format("{} polygons become fans", uncut.count),
+            uncut.count == 1 ? "it" : "them", uncut.count == 1 ? "it is" : "the first is", uncut.first_triangle,
+            uncut.corners));
     if (bytes_after > 0)
         texts.push_back(fmt::format("{} byte{} after the last row {} skipped", bytes_after, plural(bytes_after),
                                     bytes_after == 1 ? "is" : "are"));

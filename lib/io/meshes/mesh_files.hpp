@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/large_memory.hpp"
+#include "io/meshes/polygons.hpp"
 #include "io/meshes/text_scanner.hpp"
 #include "mesh/mesh_arrays.hpp"
 
@@ -82,6 +83,7 @@ struct ReadingNotes {
     Count weights;                ///< vertices of .obj with a fourth number other than 1: divided by it
     Count unknown_lines;          ///< lines of .obj whose keyword OBJ does not have: skipped
     Count header_lines;           ///< lines of a .ply header without a keyword: skipped
+    UncutPolygons uncut;          ///< divided as fans
     std::size_t bytes_after = 0;  ///< the last row of a binary .ply file: skipped
 
     /// Counts a bad face that names a vertex that does not exist, by its number in the file.

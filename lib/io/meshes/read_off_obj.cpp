@@ -178,7 +178,7 @@ MeshArrays read_off_lines(TextScanner scanner, const Header& header, ReadingNote
     if (scanner.next_line())
         scanner.fail(fmt::format("this line follows the {} vertices and {} faces that the header counts",
                                  header.vertices, header.faces));
-    polygons.triangulate(mesh);
+    notes.uncut = polygons.triangulate(mesh);
     return mesh;
 }
 
@@ -232,7 +232,7 @@ MeshArrays read_free_off(TextScanner scanner, std::size_t colour_values, Reading
     if (next_word(scanner))
         scanner.fail(fmt::format("more follows the {} vertices and {} faces that the header counts", header.vertices,
                                  header.faces));
-    polygons.triangulate(mesh);
+    notes.uncut = polygons.triangulate(mesh);
     return mesh;
 }
 
@@ -426,7 +426,7 @@ MeshArrays read_obj(const FileContent& file, ReadingNotes& notes) {
         }
     }
     faces.check(mesh.vertices.size());
-    polygons.triangulate(mesh);
+    notes.uncut = polygons.triangulate(mesh);
     return mesh;
 }
 

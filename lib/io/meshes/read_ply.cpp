@@ -398,7 +398,7 @@ MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout, R
         }
     }
     notes.bytes_after = rows.end(header.elements.back());
-    polygons.triangulate(mesh);
+    notes.uncut = polygons.triangulate(mesh);
     return mesh;
 }
 

@@ -78,7 +78,7 @@ std::string_view joined_end(TextScanner& scanner, std::string_view word) {
 }
 
 /// Reads the text between "facet" and "endfacet". notes: to skip bad facets, if that is asked for; else null.
-void read_facet(TextScanner& scanner, MeshArrays& mesh, ReadingNotes* notes) {
+void read_facet(TextScanner& scanner, MeshArrays& mesh, UncutPolygons& uncut, ReadingNotes* notes) {
     const std::size_t facet_line = scanner.line();
     expect(scanner, "normal");
     // The normal follows from the vertices, and is written as NaN for faces without area.
@@ -115,7 +115,7 @@ void read_facet(TextScanner& scanner, MeshArrays& mesh, ReadingNotes* notes) {
         std::iota(polygon.begin(), polygon.end(), begin);
         Polygons polygons;
         polygons.add(mesh, polygon);
-        polygons.triangulate(mesh);
+        uncut.add(polygons.triangulate(mesh));
     }
     const std::string_view end = joined_end(scanner, scanner.word_of_text());
     if (!equals_ignoring_case(end, "endfacet")) scanner.fail_word("'endfacet'", end);
@@ -124,7 +124,7 @@ void read_facet(TextScanner& scanner, MeshArrays& mesh, ReadingNotes* notes) {
 /// Facets until no more than `rest` bytes of the text are left, or else until all solids have ended. Whether the
 /// scanner stands in a solid, between facets, is given and returned. notes: as of read_facet().
 bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t> rest, MeshArrays& mesh,
-                 ReadingNotes* notes = nullptr) {
+                 UncutPolygons& uncut, ReadingNotes* notes = nullptr) {
     // A file may hold several solids; the rest of the lines "solid" and "endsolid" is a name.
     while (in_solid || scanner.next_line()) {
         if (!in_solid) {
@@ -138,7 +138,7 @@ bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t>
         if (equals_ignoring_case(word, "endsolid"))
             in_solid = false;
         else if (equals_ignoring_case(word, "facet"))
-            read_facet(scanner, mesh, notes);
+            read_facet(scanner, mesh, uncut, notes);
         else
             scanner.fail_word("'facet' or 'endsolid'", word);
     }
@@ -195,10 +195,11 @@ MeshArrays joined(std::span<const MeshArrays> parts) {
 
 /// Reads the parts of a text on all cores. Nothing if one of them has an error, or does not end where the next one
 /// begins, in a solid and between facets: if all do, this is what reading them one after the other gives.
-std::optional<MeshArrays> read_parts(const FileContent& file) {
+std::optional<MeshArrays> read_parts(const FileContent& file, UncutPolygons& uncut) {
     const std::vector<std::size_t> begins = begins_of_parts(file.text());
     if (begins.size() == 1) return {};
     std::vector<MeshArrays> parts(begins.size());
+    std::vector<UncutPolygons> uncut_of_parts(begins.size());
     std::atomic<bool> all_fit = true;
     for_each_index(
         parts.size(),
@@ -208,8 +209,8 @@ std::optional<MeshArrays> read_parts(const FileContent& file) {
             const bool is_last = i + 1 == parts.size();
             const std::size_t rest = is_last ? 0 : file.size() - begins[i + 1];
             try {
-                const bool in_solid =
-                    read_solids(scanner, i > 0, is_last ? std::nullopt : std::optional(rest), parts[i]);
+                const bool in_solid = read_solids(scanner, i > 0, is_last ? std::nullopt : std::optional(rest),
+                                                  parts[i], uncut_of_parts[i]);
                 if (!is_last && (!in_solid || scanner.remaining() != rest)) all_fit = false;
             } catch (const Error&) {
                 all_fit = false;
@@ -217,15 +218,21 @@ std::optional<MeshArrays> read_parts(const FileContent& file) {
         },
         1);
     if (!all_fit) return {};
+    std::size_t triangles = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        uncut_of_parts[i].first_triangle += triangles;
+        uncut.add(uncut_of_parts[i]);
+        triangles += parts[i].triangles.size();
+    }
     return joined(parts);
 }
 
 MeshArrays read_ascii(const FileContent& file, ReadingNotes& notes) {
-    if (std::optional<MeshArrays> mesh = read_parts(file)) return std::move(*mesh);
+    if (std::optional<MeshArrays> mesh = read_parts(file, notes.uncut)) return std::move(*mesh);
     // As a whole: errors and bad facets have their line here.
     TextScanner scanner(file.text(), file.path(), {});
     MeshArrays mesh;
-    read_solids(scanner, false, {}, mesh, notes.skip_bad_facets ? &notes : nullptr);
+    read_solids(scanner, false, {}, mesh, notes.uncut, notes.skip_bad_facets ? &notes : nullptr);
     return mesh;
 }
 
