@@ -461,8 +461,8 @@ def truth_of(path, sha, defects, options):
                                       lambda points, corners: crossings(points, corners, direction),
                                       lambda sum, values, _: sum + values.sum(1), 0) % 2
     truth = dict(points=points, distance=numpy.sqrt(squares), given=winding[0], winding=winding[1], odd=odd,
-                 rule=numpy.array(rule), step=numpy.array(step), side=numpy.array(side), done=numpy.array(list(done.values())),
-                 triangles=numpy.array(len(triangles)))
+                 rule=numpy.array(rule), step=numpy.array(step), side=numpy.array(side),
+                 done=numpy.array(list(done.values())), triangles=numpy.array(len(triangles)))
     kept.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile(dir=kept.parent, suffix=".npz", delete=False) as file:
         numpy.savez(file, **truth)
