@@ -12,8 +12,12 @@ The distance is compared with that to all triangles by brute force in double, th
 - none: no distance may be negative.
 
 Points in doubt are counted apart: within 1e-6 of the longest side from the surface, or a winding number within 0.1 of
-1/2 (1e-8 for solid-angle), or rays that do not agree. Readers and the rules of docs/sign.md are written once more here, so the command's rule
-is compared, too.
+1/2 (1e-8 for solid-angle), or rays that do not agree.
+
+Readers and the rules of docs/sign.md are written once more here, so the command's rule and the surface that decides the
+sign are compared, too. Only the tests of winding numbers are not: whether an open mesh has a sign, whether its parts are
+turned, and whether its sheets are left out. The command's answers are taken. The faces that are turned or left out then
+are found here.
 """
 import argparse
 import collections
@@ -35,7 +39,7 @@ import mesh_readers
 
 ENDINGS = {".stl", ".obj", ".off", ".ply"}
 CHUNK = 16384  # pairs of a point and a triangle whose values stay in the cache
-FORMAT = 3  # of what is kept; another number judges all files again
+FORMAT = 4  # of what is kept; another number judges all files again
 
 
 # Truth ----------------------------------------------------------------------------------------------------------------
@@ -226,7 +230,7 @@ def has_odd_face(faces):
 
 
 def oriented(edges, faces, counts, areas):
-    """Each part with the orientation of most of its area; None if a part has none."""
+    """Each part with the orientation of most of its area. A part that has none stays; are_all: there is none."""
     pairs = collections.defaultdict(list)
     for index, (edge, direction) in enumerate(zip(edges.edge.tolist(), edges.direction.tolist())):
         if edges.uses[edge] == 2:
@@ -237,27 +241,114 @@ def oriented(edges, faces, counts, areas):
         beside[other].append((one, first == second))
     turned = {}
     counts = counts.copy()
+    are_all = True
     for seed in edges.faces.tolist():
         if seed in turned:
             continue
-        turned[seed], part = False, [seed]
+        turned[seed], part, has_one = False, [seed], True
         for face in part:
             for other, differs in beside[face]:
                 if other not in turned:
                     turned[other] = turned[face] ^ differs
                     part.append(other)
                 elif turned[other] != turned[face] ^ differs:
-                    return None
+                    has_one = False
+        if not has_one:
+            are_all = False
+            continue
         against = sum(areas[face] for face in part if turned[face])
         along = sum(areas[face] for face in part if not turned[face])
         for face in part:
             if turned[face] != (against > along):
                 counts[face] = -counts[face]
-    return counts
+    return counts, are_all
 
 
-def sign_surface(triangles, side):
-    """The rule, how often each face counts, what was done last to get there, and whether the mesh itself is closed."""
+def parts_over(groups):
+    """Numbers that are the same for members of a group, and of groups that share a member: of a dictionary's keys."""
+    parent = {}
+
+    def root(one):
+        while parent.setdefault(one, one) != one:
+            parent[one] = parent[parent[one]]
+            one = parent[one]
+        return one
+
+    for group in groups:
+        for one in group:
+            parent[root(one)] = root(group[0])
+    return {one: root(one) for one in list(parent)}
+
+
+def parts_over_edges(edges):
+    """The faces at each edge, and parts of faces that are joined over edges of two."""
+    at_edge = collections.defaultdict(list)
+    for index, edge in enumerate(edges.edge.tolist()):
+        at_edge[edge].append(int(edges.faces[index // 3]))
+    return at_edge, parts_over([[face] for face in edges.faces.tolist()] +
+                               [at for at in at_edge.values() if len(at) == 2])
+
+
+def without_sheets(triangles, faces, counts):
+    """Without free sheets that are no bodies with holes, and without inner walls of what is left."""
+    edges = Edges(faces, counts)
+    at_edge, part_of = parts_over_edges(edges)
+    left = {edge: len(at) for edge, at in at_edge.items()}
+    edges_of = collections.defaultdict(list)
+    for edge, at in at_edge.items():
+        if len(at) != 2:
+            for face in at:
+                edges_of[part_of[face]].append(edge)
+    free = set()
+    found = [part_of[at[0]] for at in at_edge.values() if len(at) == 1]
+    while found:
+        part = found.pop()
+        if part in free:
+            continue
+        free.add(part)
+        for edge in edges_of[part]:
+            left[edge] -= 1
+        found += [part_of[face] for edge in edges_of[part] if left[edge] == 1 for face in at_edge[edge]
+                  if part_of[face] not in free]
+    taken = [face for face in edges.faces.tolist() if part_of[face] in free]
+    vertex_of = parts_over([faces[face].tolist() for face in taken])
+    sets = collections.defaultdict(list)
+    for face in taken:
+        sets[vertex_of[int(faces[face][0])]].append(face)
+    rest = counts.copy()
+    for one in sets.values():
+        if len(one) < 3 or not has_clear_winding_number(triangles[one], counts[one]):
+            rest[one] = 0
+    edges = Edges(faces, rest)
+    if edges.closed or (edges.uses == 1).any():
+        return rest
+    at_edge, part_of = parts_over_edges(edges)
+    edges_of = collections.defaultdict(list)
+    is_odd = {edge: len(at) % 2 == 1 for edge, at in at_edge.items() if len(at) != 2}
+    for edge in is_odd:
+        for face in at_edge[edge]:
+            edges_of[part_of[face]].append(edge)
+    area = collections.Counter()
+    normal = numpy.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    for face, own in zip(edges.faces.tolist(), numpy.linalg.norm(normal[edges.faces], axis=1).tolist()):
+        area[part_of[face]] += own
+    walls = set()
+    for part in sorted(edges_of, key=lambda part: area[part]):
+        often = collections.Counter(edges_of[part])
+        changed = [edge for edge, times in often.items() if times % 2 == 1]
+        if sum(-1 if is_odd[edge] else 1 for edge in changed) < 0:
+            walls.add(part)
+            for edge in changed:
+                is_odd[edge] = not is_odd[edge]
+    if not any(is_odd.values()):
+        rest[[face for face in edges.faces.tolist() if part_of[face] in walls]] = 0
+    return rest
+
+
+def sign_surface(triangles, side, are_turned, are_sheets_out):
+    """The rule, how often each face counts, what was done last to get there, how many faces do not count, are turned
+    and are left out, and whether the mesh itself is closed. An open mesh has the rule "open". are_turned,
+    are_sheets_out: what is done if it is open."""
     positions, faces = numpy.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     faces = faces.reshape(-1, 3)
 
@@ -267,6 +358,7 @@ def sign_surface(triangles, side):
 
     counts = proper(faces)
     edges, step = Edges(faces, counts), "as given"
+    done = {"uncounted": 0, "turned": 0, "sheets": 0}
     is_closed = edges.closed
     if not edges.balanced:
         unbalanced = numpy.unique(edges.ends[edges.net != 0])
@@ -280,13 +372,20 @@ def sign_surface(triangles, side):
         after = Edges(faces, fewer)
         opens = edges.closed and not after.closed and has_odd_face(faces[counts != 0])
         if (fewer != counts).any() and not opens and numpy.count_nonzero(after.net) <= numpy.count_nonzero(edges.net):
+            done["uncounted"] = int(((fewer == 0) & (counts != 0)).sum())
             counts, edges, step = fewer, after, "doubled"
-    if edges.closed and not edges.balanced:
-        normal = numpy.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-        turned = oriented(edges, faces, counts, numpy.linalg.norm(normal, axis=1))
-        if turned is not None and Edges(faces, turned).balanced:
-            counts, edges, step = turned, Edges(faces, turned), "turned"
-    return "nonzero" if edges.balanced else "parity" if edges.closed else "none", counts, step, is_closed
+    normal = numpy.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    if not edges.balanced and (edges.closed or are_turned):
+        turned, are_all = oriented(edges, faces, counts, numpy.linalg.norm(normal, axis=1))
+        after = Edges(faces, turned)
+        if after.balanced and are_all or not edges.closed:
+            done["turned"] = int((turned != counts).sum())
+            counts, edges, step = turned, after, "turned"
+    if not edges.closed and are_sheets_out:
+        without = without_sheets(triangles, faces, counts)
+        done["sheets"] = int(((without == 0) & (counts != 0)).sum())
+        counts, edges, step = without, Edges(faces, without), "sheets"
+    return "nonzero" if edges.balanced else "parity" if edges.closed else "open", counts, step, done, is_closed
 
 
 def halton(number, base):
@@ -299,7 +398,7 @@ def halton(number, base):
 
 
 def has_clear_winding_number(triangles, counts):
-    """Whether `auto` takes the rule solid-angle for an open mesh."""
+    """Whether a set of sheets is a body with a hole, nearly as the command decides it."""
     lower, upper = triangles.min((0, 1)), triangles.max((0, 1))
     share = numpy.array([[halton(i, base) for base in (2, 3, 5)] for i in range(1, 513)])
     points = lower * (1 - share) + upper * share
@@ -329,9 +428,12 @@ def reason_of(message, path):
     return re.sub(r"[0-9][0-9.e+]*", "N", text)
 
 
-def truth_of(path, sha, options):
-    """Points, distances, winding numbers and the surface of a file: kept, since no command changes them."""
-    kept = options.folder / "truth" / f"{FORMAT}-{options.seed}-{options.points}" / f"{sha}.npz"
+def truth_of(path, sha, defects, options):
+    """Points, distances, winding numbers and the surface of a file: kept, since no command changes more of them than
+    whether faces are turned or left out."""
+    are_turned, are_sheets_out = defects["reoriented_faces"] > 0, defects["sheet_faces"] > 0
+    name = sha + "-turned" * are_turned + "-sheets" * are_sheets_out
+    kept = options.folder / "truth" / f"{FORMAT}-{options.seed}-{options.points}" / f"{name}.npz"
     if kept.exists():
         with numpy.load(kept) as file:
             return {key: file[key] for key in file.files}
@@ -340,9 +442,7 @@ def truth_of(path, sha, options):
     count = int(max(min(options.points, 10), min(options.points, 15_000_000 // len(triangles))))
     random = numpy.random.default_rng([options.seed, int(sha[:12], 16)])
     points = points_of(triangles, count, side if side > 0 else 1, random)
-    rule, counts, step, is_closed = sign_surface(triangles, side)
-    if rule == "none" and has_clear_winding_number(triangles, counts):
-        rule = "solid-angle"
+    rule, counts, step, done, is_closed = sign_surface(triangles, side, are_turned, are_sheets_out)
     squares = over_triangles(points, triangles, squared_distances,
                              lambda best, values, _: numpy.minimum(best, values.min(1)), numpy.inf)
     winding = numpy.zeros((2, count))
@@ -362,7 +462,7 @@ def truth_of(path, sha, options):
                                       lambda sum, values, _: sum + values.sum(1), 0) % 2
     truth = dict(points=points, distance=numpy.sqrt(squares), given=winding[0], winding=winding[1], odd=odd,
                  rule=numpy.array(rule), step=numpy.array(step), side=numpy.array(side),
-                 triangles=numpy.array(len(triangles)))
+                 done=numpy.array(list(done.values())), triangles=numpy.array(len(triangles)))
     kept.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile(dir=kept.parent, suffix=".npz", delete=False) as file:
         numpy.savez(file, **truth)
@@ -378,7 +478,7 @@ def judge(path, sha, options):
                          "failed": info["error"]["exit_status"] not in (2, 3)}
     result |= {"triangles": info["triangles"], "defects": info["defects"]}
     try:
-        truth = truth_of(path, sha, options)
+        truth = truth_of(path, sha, info["defects"], options)
         if truth["triangles"] != info["triangles"]:
             raise ValueError(f"{truth['triangles']} triangles here, {info['triangles']} in the command")
     except Exception as error:
@@ -413,9 +513,13 @@ def judge(path, sha, options):
         doubt[:] = False
         inside = numpy.zeros(len(found), dtype=bool)
     far = numpy.abs(truth["given"] - numpy.round(truth["given"])) > 0.1
+    here = str(truth["rule"])
+    reported = [info["defects"][key] for key in ("uncounted_faces", "reoriented_faces", "sheet_faces")]
     return result | {
         "points": len(found),
-        "rule_here": str(truth["rule"]),
+        "rule_here": rule if here == "open" and rule in ("solid-angle", "none") else here,
+        "done": reported,
+        "done_here": truth["done"].tolist(),
         "step": str(truth["step"]),
         "wrong_values": int((~(error <= limit)).sum()),
         "error_voxels": float(error.max() / voxel),
@@ -485,7 +589,7 @@ def record_of(results, left, files, options):
         rows.append([package or "all", options.packages.get(package, ""),
                      sum(files.values()) if package is None else files[package], len(mine_read),
                      len(mine) - len(mine_read), signs["nonzero"], signs["parity"], signs["solid-angle"], signs["none"],
-                     steps["joined"], steps["doubled"], steps["turned"],
+                     *(steps[step] for step in ("joined", "doubled", "turned", "sheets")),
                      sum(result["wrong_signs"] for result in mine_tested),
                      sum(result["wrong_values"] for result in mine_tested),
                      f"{max((result['error_voxels'] for result in mine_tested), default=0):.1e}"])
@@ -494,7 +598,8 @@ def record_of(results, left, files, options):
     for result in read:
         if result.get("sign") == "none":
             unsigned[kind_without_sign(result)].append(result)
-    other_rule = [result for result in tested if result["rule_here"] != result["sign"]]
+    other_rule = [result for result in tested
+                  if result["rule_here"] != result["sign"] or result["done_here"] != result["done"]]
     not_judged = [result for result in read if "not_judged" in result]
     failed = [result for result in results if result.get("failed")]
 
@@ -508,7 +613,8 @@ def record_of(results, left, files, options):
         f"CAD, test models). **{len(signed):,} of {len(read):,} ({len(signed) / max(1, len(read)):.0%}) have a sign; "
         f"{wrong_signs:,} signs and {wrong_values:,} distances are wrong.**\n"
         "`scripts/real-meshes` fetches them and writes this page; its `--help` and `benchmarks/real_meshes.py` say how\n"
-        "files are judged.",
+        "files are judged. [SIGN-CHANGES.md](SIGN-CHANGES.md) has the files whose sign changed with the rules of\n"
+        "November 2026.",
         "",
         *([f"**This run is not complete: {left:,} of {len(results) + left:,} files are left.** Run it again to judge them.",
            ""] if left else []),
@@ -530,12 +636,12 @@ def record_of(results, left, files, options):
         "",
         "## By package",
         "",
-        "Files of equal content count once, for the first package that has them. `joined`, `doubled` and `turned` are files\n"
-        "with a sign that had none without [these rules](../docs/sign.md): noise around zero, doubled faces, faces that look\n"
-        "the wrong way. The last rule that was needed counts.",
+        "Files of equal content count once, for the first package that has them. `joined`, `doubled`, `turned` and `sheets`\n"
+        "are files with a sign for which [these rules](../docs/sign.md) changed the surface that decides: noise around zero,\n"
+        "doubled faces, faces that look the wrong way, sheets beside bodies. The last rule counts.",
         "",
         table(["package", "version", "files", "read", "unreadable", "nonzero", "parity", "solid angle", "no sign", "joined", "doubled",
-               "turned", "wrong signs", "wrong distances", "largest error, voxel"], rows),
+               "turned", "sheets", "wrong signs", "wrong distances", "largest error, voxel"], rows),
         "",
         "## Files that cannot be read",
         "",
@@ -563,9 +669,11 @@ def record_of(results, left, files, options):
         parts.append("None.")
     if other_rule:
         parts += ["", "## Another rule than expected", "",
-                  "The rules of docs/sign.md, written once more in the script, give another rule for these files.", "",
-                  table(["file", "package", "rule", "expected", "after"],
-                        [[f"`{result['file']}`", result["package"], result["sign"], result["rule_here"], result["step"]]
+                  "The rules of docs/sign.md, written once more in the script, give another rule or another surface for\n"
+                  "these files: faces that do not count, that are turned, that are left out.", "",
+                  table(["file", "package", "rule", "expected", "faces", "expected"],
+                        [[f"`{result['file']}`", result["package"], result["sign"], result["rule_here"],
+                          ", ".join(map(str, result["done"])), ", ".join(map(str, result["done_here"]))]
                          for result in other_rule[:20]])]
         if len(other_rule) > 20:
             parts.append(f"\nand {len(other_rule) - 20} more.")

@@ -434,6 +434,16 @@ BOOST_AUTO_TEST_CASE(a_hole_elsewhere_does_not_keep_faces_from_being_turned) {
         BOOST_TEST(describe_mesh(holed, SignRule::solid_angle).topology.reoriented_faces == faces.size());
         BOOST_TEST(describe_mesh(holed, SignRule::none).surface.is_mesh());
     }
+    // A small body far from the points that are tested, which are those of a hole and of a large body.
+    const Mesh holed = with_chosen_faces(sphere, "ball", [&](std::size_t face) {
+        return std::ranges::none_of(sphere.triangles()[face], [&](auto v) { return sphere.vertices()[v][0] == 1; });
+    });
+    for (std::size_t face = 0; face < 12; ++face) {
+        const Mesh small = shifted(with_turned(cube(1), {face}, ""), {4, 0, 0});
+        const Mesh three = together({holed, small, shifted(cube(40), {0, 0, 60})}, "three");
+        BOOST_TEST(describe_topology(three).reoriented_faces == 1U);
+        BOOST_TEST(has(warning_of(three, SignRule::solid_angle), "1 face looks the wrong way"));
+    }
     // What has one side stays as given, and the rest is turned.
     const Mesh both = together({moebius_strip(24), shifted(with_turned(sphere, {5}, ""), {9, 0, 0})}, "both");
     BOOST_TEST(describe_topology(both).reoriented_faces == 1U);

@@ -129,14 +129,17 @@ void SurfaceSearch::orient_parts(const std::vector<DoubledFace>& doubled) {
     for (const std::uint32_t face : faces) turn(face);
     EdgeCounts before = std::move(edges_);
     count();
-    const auto has_no_more_doubt = [&] {
+    // A body that turning closes has few of the points, so their doubt alone would leave it as it is.
+    const auto is_clear_or_no_more_in_doubt = [&] {
         const WindingTest& test = winding_test();
+        if (test.is_clear()) return true;
         WindingTally tally;
         tally.add(WindingView(mesh_, triangles_before, loops_of(before)).at(test.points));
         return test.all.doubtful <= tally.doubtful;
     };
-    const bool is_kept =
-        was_closed ? is_balanced() : edges_.unbalanced.size() < before.unbalanced.size() && has_no_more_doubt();
+    const bool is_kept = was_closed
+                             ? is_balanced()
+                             : edges_.unbalanced.size() < before.unbalanced.size() && is_clear_or_no_more_in_doubt();
     if (!is_kept) {
         triangles_ = triangles_before;
         edges_ = std::move(before);
