@@ -1,6 +1,6 @@
 #pragma once
 
-#include "segments/crossing.hpp"
+#include "mesh/segment_crossings.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "segments/sample_box.hpp"
 
-#include "segments/crossing.hpp"
+#include "mesh/segment_crossings.hpp"
 
 #include <clsdf/error.hpp>
 

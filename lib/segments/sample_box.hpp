@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/large_memory.hpp"
-#include "segments/crossing.hpp"
+#include "mesh/segment_crossings.hpp"
 #include "tree/point_mesh.hpp"
 
 #include <clsdf/grid.hpp>

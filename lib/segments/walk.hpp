@@ -1,6 +1,6 @@
 #pragma once
 
-#include "segments/crossing.hpp"
+#include "mesh/segment_crossings.hpp"
 
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
@@ -14,7 +14,7 @@
 /// From the faces that a segment crosses to the walls on it.
 namespace clsdf::segments {
 
-/// The winding number of a point in each of the eight looks (kernels/segments/segment_crossings.h), for the rule
+/// The winding number of a point in each of the eight looks (kernels/common/segment_crossings.h), for the rule
 /// parity its number of crossings. Off the surface all are equal.
 struct Windings {
     std::array<std::int32_t, 8> of_looks{};

@@ -56,7 +56,7 @@ string(REGEX REPLACE "^set\\(CLSDF_KERNEL_FOLDERS (.*)\\)$" "\\1" kernel_folders
 separate_arguments(kernel_folders)
 set(stages ${folders})
 list(TRANSFORM stages REPLACE ".*/" "")
-list(FILTER stages INCLUDE REGEX "^(topology|frusta|tree|lists|sign|finish|bricks|targets|points|segments)$")
+list(FILTER stages INCLUDE REGEX "^(topology|frusta|tree|lists|sign|finish|bricks|targets|points)$")
 if(NOT "common;${stages}" STREQUAL "${kernel_folders}")
   message(SEND_ERROR "the folders of kernels are ${kernel_folders}; by the order of lib they would be common;${stages}")
 endif()
@@ -76,7 +76,7 @@ list(APPEND known ${public_headers})
 # The public headers: those of the core that every layer may include, the faces of the top layers, and those beside the core,
 # which the core does not include. Each is in one of the lists.
 set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hpp grid.hpp mesh.hpp output_table.h outputs.hpp
-                   sparse.hpp topology.hpp tuning.hpp version.hpp)
+                   segments.hpp sparse.hpp topology.hpp tuning.hpp version.hpp)
 set(face_of_plans plan.hpp point_plan.hpp sparse_plan.hpp)
 set(face clsdf.hpp distance_transform.hpp)
 set(beside eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp picture.hpp reference.hpp)

@@ -11,9 +11,9 @@
 
 using namespace clsdf;
 using namespace clsdf::test;
-using segments::crossing::Corners;
-using segments::crossing::FaceCrossing;
-using segments::crossing::Segment;
+using crossing::Corners;
+using crossing::FaceCrossing;
+using crossing::Segment;
 
 namespace {
 
@@ -105,15 +105,15 @@ BOOST_AUTO_TEST_CASE(crossings_are_those_of_small_moves) {
             Vec3 to = point();
             if (is_ray)
                 for (double& x : to) x -= std::trunc(kind.shift);
-            const Segment segment = is_ray ? segments::crossing::ray(from, to) : segments::crossing::segment(from, to);
+            const Segment segment = is_ray ? crossing::ray(from, to) : crossing::segment(from, to);
             const FaceCrossing expected = moved_crossings(face, from, to, kind.step, is_ray);
-            const FaceCrossing found = segments::crossing::crossing_of(face, segment);
+            const FaceCrossing found = crossing::crossing_of(face, segment);
             if (expected.looks != found.looks || (found.looks != 0 && expected.side != found.side)) ++wrong;
             if (found.looks == 0) continue;
             ++crossed;
             ties += found.looks != CLSDF_ALL_LOOKS;
-            worst = std::max(
-                worst, error_in_ulp(segments::crossing::place_of(face, segment), exact_place(face, from, to, is_ray)));
+            worst =
+                std::max(worst, error_in_ulp(crossing::place_of(face, segment), exact_place(face, from, to, is_ray)));
         }
         BOOST_TEST_MESSAGE(fmt::format("{}: {} crossed, {} of them with ties, place within {:.3f} ulp", kind.name,
                                        crossed, ties, worst));
@@ -137,14 +137,14 @@ BOOST_AUTO_TEST_CASE(faces_are_sorted_by_exact_places) {
     for (int i = 0; i < 300; ++i) {
         const Vec3 from = point(), to = point();
         const bool is_ray = i % 2 != 0;
-        const Segment segment = is_ray ? segments::crossing::ray(from, to) : segments::crossing::segment(from, to);
+        const Segment segment = is_ray ? crossing::ray(from, to) : crossing::segment(from, to);
         std::vector<segments::Crossed> crossed;
         for (std::uint32_t triangle = 0; triangle < 40; ++triangle) {
             Corners face{point(), point(), point()};
             if (triangle % 3 == 1) face[0][0] = std::nextafter(face[0][0], 9);
-            const FaceCrossing of_face = segments::crossing::crossing_of(face, segment);
+            const FaceCrossing of_face = crossing::crossing_of(face, segment);
             if (of_face.looks != 0)
-                crossed.push_back({face, segments::crossing::place_of(face, segment), triangle,
+                crossed.push_back({face, crossing::place_of(face, segment), triangle,
                                    static_cast<std::uint8_t>(of_face.looks), static_cast<std::int8_t>(of_face.side)});
         }
         segments::sort_by_place(segment, crossed);

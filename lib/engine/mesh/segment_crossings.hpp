@@ -11,9 +11,9 @@
 #pragma GCC system_header
 #endif
 
-/// kernels/segments/segment_crossings.h, compiled by the host: how a segment crosses a face, exact for coordinates in
+/// kernels/common/segment_crossings.h, compiled by the host: how a segment crosses a face, exact for coordinates in
 /// the range of expansions.h.
-namespace clsdf::segments::crossing {
+namespace clsdf::crossing {
 
 using namespace kernel_language;
 
@@ -39,4 +39,4 @@ inline double place_of(const Corners& face, const Segment& segment) {
     return place_of(vector(face[0]), vector(face[1]), vector(face[2]), segment);
 }
 
-}  // namespace clsdf::segments::crossing
+}  // namespace clsdf::crossing
