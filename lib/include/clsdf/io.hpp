@@ -126,9 +126,9 @@ private:
     std::unique_ptr<SparseFormatWriter> format_;  // null after the end or a failure
 };
 
-/// Writes links, whose grid and directions these are: .npz or .h5, with arrays as Links has them, `stencil`, `inside` (a
-/// byte for each sample, z first), `origin`, `spacing`, `size` and `first`; or .npy, a structure for each link. Complete
-/// or not at all. Throws Error(output_failure), Error(unsupported) for another ending.
+/// Writes links, whose grid and directions these are: .npz or .h5, with arrays as Links has them, `stencil`, `inside`
+/// (a byte for each sample, z first), `origin`, `spacing`, `size` and `first`; or .npy, a structure for each link.
+/// Complete or not at all. Throws Error(output_failure), Error(unsupported) for another ending.
 CLSDF_EXPORT void write_links(const Links& links, const Grid& grid, std::span<const LinkDirection> directions,
                               const std::string& path);
 /// Writes crossings of the grid's edges: .npz or .h5, with `x`, `x_triangles` and, if they are there, `x_counts`, the

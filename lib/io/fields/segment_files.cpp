@@ -91,8 +91,8 @@ void write_npz(const std::string& path, std::span<const FileArray> arrays) {
         place += text.size();
     };
     for (const FileArray& array : arrays) {
-        Entry entry{array.name + ".npy", npy_header(fmt::format("'{}'", npy_name_of(array.type)), array.shape), 0, place,
-                    0};
+        Entry entry{array.name + ".npy", npy_header(fmt::format("'{}'", npy_name_of(array.type)), array.shape), 0,
+                    place, 0};
         entry.size = entry.header.size() + array.bytes.size();
         entry.crc = with_crc(with_crc(0, std::as_bytes(std::span(entry.header))), array.bytes);
         write(entry.description(false).text());
@@ -145,7 +145,8 @@ std::string ending_of(const std::string& path) {
 class Arrays {
 public:
     template <typename Value>
-    void add(const std::string& name, ElementType type, std::vector<std::int64_t> shape, const std::vector<Value>& values) {
+    void add(const std::string& name, ElementType type, std::vector<std::int64_t> shape,
+             const std::vector<Value>& values) {
         all_.push_back({name, type, std::move(shape), std::as_bytes(std::span(values))});
     }
     template <typename Value, std::size_t N>
@@ -198,9 +199,10 @@ void write_npy(const Links& links, const std::string& path) {
         put(links.flags[n]);
     }
     AtomicFile file(path);
-    file.write(npy_header("[('sample', '<i4', (3,)), ('direction', '|u1'), ('q', '<f8'), ('triangle', '<u4'), ('count', "
-                          "'<u4'), ('flags', '|u1')]",
-                          {static_cast<std::int64_t>(links.size())}));
+    file.write(
+        npy_header("[('sample', '<i4', (3,)), ('direction', '|u1'), ('q', '<f8'), ('triangle', '<u4'), ('count', "
+                   "'<u4'), ('flags', '|u1')]",
+                   {static_cast<std::int64_t>(links.size())}));
     file.write(rows);
     file.commit();
 }
