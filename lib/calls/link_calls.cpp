@@ -72,17 +72,20 @@ segments::LinkChoice choice_of(const LinkOptions& options) {
 /// The caller's arrays, checked.
 class LinkArrays {
 public:
-    explicit LinkArrays(const LinkTargets& given)
+    LinkArrays(const LinkTargets& given, const Grid& grid)
         : room_(given.room),
           samples_(given.samples, "the array of samples", room_, 3, {ElementType::int32}),
           directions_(given.directions, "the array of directions", room_, 1, {ElementType::uint8}),
           q_(given.q, "the array of q", room_, 1, {ElementType::float64, ElementType::float32}),
           triangles_(given.triangles, "the array of triangles", room_, 1, {ElementType::uint32, ElementType::int32}),
           counts_(given.counts, "the array of counts", room_, 1, {ElementType::uint32, ElementType::int32}),
-          flags_(given.flags, "the array of flags", room_, 1, {ElementType::uint8}) {
+          flags_(given.flags, "the array of flags", room_, 1, {ElementType::uint8}),
+          inside_(given.inside, "the array of inside", given.inside.is_given() ? grid.sample_count() : 0, 1,
+                  {ElementType::uint8}) {
         std::vector<targets::WrittenArray> written;
         for (const segments::ResultArray* array : {&samples_, &directions_, &q_, &triangles_, &counts_, &flags_})
             if (array->is_given() && room_ > 0) written.push_back(array->written());
+        if (inside_.is_given()) written.push_back(inside_.written());
         targets::refuse_overlap(written);
     }
 
@@ -100,6 +103,11 @@ public:
             if (counts_.is_given()) counts_.set(n, 0, links.counts[n]);
             if (flags_.is_given()) flags_.set(n, 0, links.flags[n]);
         }
+        if (!inside_.is_given()) return;
+        const std::vector<std::uint8_t>& bits = links.inside.bits;
+        const Index3& size = links.inside.size;
+        for (std::size_t n = 0; n < static_cast<std::size_t>(size[0] * size[1] * size[2]); ++n)
+            inside_.set(n, 0, static_cast<std::uint8_t>(bits[n / 8] >> n % 8 & 1U));
     }
 
 private:
@@ -113,7 +121,7 @@ private:
     }
 
     std::size_t room_;
-    segments::ResultArray samples_, directions_, q_, triangles_, counts_, flags_;
+    segments::ResultArray samples_, directions_, q_, triangles_, counts_, flags_, inside_;
 };
 
 }  // namespace
@@ -123,20 +131,20 @@ Links DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> 
     return with_host_memory("for the links; ask for those of a part of the grid", [&] {
         segments::check_directions(directions);
         Links links;
-        const CallStatistics made =
-            state().find_links(grid, segments::margin_of(directions), options.hits, call, [&](const auto& inputs) {
-                links = segments::find_links(inputs, grid, directions, choice_of(options));
-            });
+        const CallStatistics made = state().find_links(
+            grid, segments::margin_of(directions), options.hits, call,
+            [&](const auto& inputs) { links = segments::find_links(inputs, grid, directions, choice_of(options)); });
         if (statistics != nullptr) *statistics = made.published();
         return links;
     });
 }
 
 TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> directions,
-                                             const LinkTargets& targets, std::size_t& count,
-                                             const LinkOptions& options, const CallOptions& call) const {
+                                             const LinkTargets& targets, std::size_t& count, const LinkOptions& options,
+                                             const CallOptions& call) const {
     count = 0;
-    const LinkArrays arrays(targets);
+    grid.validate();
+    const LinkArrays arrays(targets, grid);
     TransformStatistics statistics;
     const Links found = links(grid, directions, options, call, &statistics);
     count = found.size();
@@ -160,10 +168,9 @@ Crossings DistanceTransform::crossings(const Grid& grid, const CrossingOptions& 
                                        TransformStatistics* statistics) const {
     return with_host_memory("for the crossings; ask for those of a part of the grid", [&] {
         Crossings crossings;
-        const CallStatistics made =
-            state().find_links(grid, {1, 1, 1}, Hits::walls, call, [&](const auto& inputs) {
-                crossings = segments::find_crossings(inputs, grid, options.with_counts);
-            });
+        const CallStatistics made = state().find_links(grid, {1, 1, 1}, Hits::walls, call, [&](const auto& inputs) {
+            crossings = segments::find_crossings(inputs, grid, options.with_counts);
+        });
         if (statistics != nullptr) *statistics = made.published();
         return crossings;
     });

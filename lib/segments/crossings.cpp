@@ -12,13 +12,13 @@ namespace clsdf::segments {
 namespace {
 
 /// Of each axis, forwards and backwards: an edge is a link from its end outside.
-constexpr std::array<LinkDirection, 6> directions{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
+constexpr std::array<LinkDirection, 6> directions{
+    {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
 
 }  // namespace
 
 Crossings find_crossings(const LinkInputs& inputs, const Grid& grid, bool with_counts) {
-    Links links = find_links(inputs, grid, directions,
-                             {.with_between = with_counts, .with_gaps = with_counts});
+    Links links = find_links(inputs, grid, directions, {.with_between = with_counts, .with_gaps = with_counts});
     Crossings crossings;
     crossings.inside = std::move(links.inside);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -41,14 +41,16 @@ Crossings find_crossings(const LinkInputs& inputs, const Grid& grid, bool with_c
         if (!is_forward) --edge[axis];
         if (edge[axis] < 0 || edge[axis] >= edges.size[axis]) return;  // it leads out of the grid
         const auto at = static_cast<std::size_t>((edge[2] * edges.size[1] + edge[1]) * edges.size[0] + edge[0]);
-        constexpr auto equal_sides = static_cast<unsigned>(SegmentFlag::between) | static_cast<unsigned>(SegmentFlag::gap);
+        constexpr auto equal_sides =
+            static_cast<unsigned>(SegmentFlag::between) | static_cast<unsigned>(SegmentFlag::gap);
         const bool are_equal = (static_cast<unsigned>(links.flags[n]) & equal_sides) != 0;
         if (are_equal && !is_forward) return;  // the same from the other end
         if (with_counts) edges.counts[at] = links.counts[n];
         if (are_equal) return;
         const double from = grid.position(sample[0], sample[1], sample[2])[axis],
                      to = grid.position(other[0], other[1], other[2])[axis];
-        edges.coordinates[at] = std::clamp(std::fma(links.q[n], to - from, from), std::min(from, to), std::max(from, to));
+        edges.coordinates[at] =
+            std::clamp(std::fma(links.q[n], to - from, from), std::min(from, to), std::max(from, to));
         edges.triangles[at] = links.triangles[n];
     });
     return crossings;

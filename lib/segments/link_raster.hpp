@@ -23,8 +23,8 @@ public:
     /// steps: not 0; components up to 16 samples in size.
     LinkRaster(const SampleBox& box, std::span<const Place> steps);
 
-    /// Calls visit(begin, step, is_sure) for links of the box: from sample `begin` to `begin` + steps[step]. is_sure: the
-    /// link crosses the face between its ends, in every look. No other link crosses the face.
+    /// Calls visit(begin, step, is_sure) for links of the box: from sample `begin` to `begin` + steps[step]. is_sure:
+    /// the link crosses the face between its ends, in every look. No other link crosses the face.
     template <typename Visit>
     void visit_links(const crossing::Corners& corners, const Visit& visit) const;
 
@@ -75,8 +75,8 @@ private:
     const SampleBox& box_;
     std::vector<Batch> batches_;
     Vec3 origin_{}, per_unit_{}, first_{};
-    double far_ = 0;       ///< the greatest number of a sample
-    double slope_ = 1;     ///< 1 and the greatest component of a step
+    double far_ = 0;    ///< the greatest number of a sample
+    double slope_ = 1;  ///< 1 and the greatest component of a step
 };
 
 template <typename Visit>
@@ -111,8 +111,8 @@ void LinkRaster::visit_lines(const Batch& batch, std::size_t lane, const Seen& s
         v[i] = seen.v[i][lane];
         k[i] = seen.k[i][lane];
     }
-    const double low_u = least_of(u), high_u = most_of(u), low_v = least_of(v), high_v = most_of(v), low_k = least_of(k),
-                 high_k = most_of(k);
+    const double low_u = least_of(u), high_u = most_of(u), low_v = least_of(v), high_v = most_of(v),
+                 low_k = least_of(k), high_k = most_of(k);
     if (high_k < -margin - 1 || low_k > batch.most_k[lane] + 1 + margin) return;
     // Of an edge function: corners and lines may be off by the margin.
     const double tolerance = 4 * margin * (high_u - low_u + high_v - low_v + margin);

@@ -25,8 +25,8 @@ public:
         const std::size_t row = grid_row(sample), bit = static_cast<std::size_t>(sample[0]) % 64;
         const Word& word = words_[row * words_of_row_ + static_cast<std::size_t>(sample[0]) / 64];
         const Chunk& chunk = chunks_[row / rows_together];
-        const Entry& entry =
-            chunk.entries[word.base + static_cast<std::size_t>(std::popcount(word.any & ((std::uint64_t{1} << bit) - 1)))];
+        const Entry& entry = chunk.entries[word.base + static_cast<std::size_t>(
+                                                           std::popcount(word.any & ((std::uint64_t{1} << bit) - 1)))];
         return chunk.first + entry.first +
                static_cast<std::size_t>(std::popcount(entry.directions & ((1U << direction) - 1)));
     }

@@ -47,9 +47,7 @@ struct Record {
     std::uint64_t link;
     std::uint32_t face;
 
-    bool operator<(const Record& other) const {
-        return link != other.link ? link < other.link : face < other.face;
-    }
+    bool operator<(const Record& other) const { return link != other.link ? link < other.link : face < other.face; }
 };
 
 using Records = UninitializedVector<Record>;
@@ -114,9 +112,7 @@ private:
     void report(double fraction) const {
         if (inputs_.between) inputs_.between(fraction);
     }
-    bool has_no_extras() const {
-        return choice_.hits == Hits::walls && !choice_.with_between && !choice_.with_gaps;
-    }
+    bool has_no_extras() const { return choice_.hits == Hits::walls && !choice_.with_between && !choice_.with_gaps; }
 
     std::array<std::int32_t, 3> on_lattice(const Place& sample) const {
         std::array<std::int32_t, 3> number{};
@@ -147,7 +143,8 @@ private:
     }
 
     void search();
-    Met solve(const Place& sample, std::size_t direction, LinkWalls& walls, std::span<const std::uint32_t> faces) const {
+    Met solve(const Place& sample, std::size_t direction, LinkWalls& walls,
+              std::span<const std::uint32_t> faces) const {
         const Place other = sum(sample, steps_[direction]);
         return choice_.hits == Hits::faces ? walls.faces(sample, other, faces) : walls.walls(sample, other, faces);
     }
@@ -198,10 +195,13 @@ void Finder::search() {
     }
     if (table_) {
         first_faces_.resize(table_->size());
-        for_each_range(first_faces_.size(), [&](std::size_t begin, std::size_t end) {
-            std::fill(first_faces_.begin() + static_cast<std::ptrdiff_t>(begin),
-                      first_faces_.begin() + static_cast<std::ptrdiff_t>(end), no_face);
-        }, std::size_t{1} << 16);
+        for_each_range(
+            first_faces_.size(),
+            [&](std::size_t begin, std::size_t end) {
+                std::fill(first_faces_.begin() + static_cast<std::ptrdiff_t>(begin),
+                          first_faces_.begin() + static_cast<std::ptrdiff_t>(end), no_face);
+            },
+            std::size_t{1} << 16);
     }
     const bool as_given = choice_.hits == Hits::faces;
     const LinkRaster raster(box_, steps);
@@ -226,8 +226,7 @@ void Finder::search() {
                     if (forward == Line::not_asked && backward == Line::not_asked) return;
                     if (in_table && (from_inside ? backward : forward) == Line::not_asked) return;
                     if (!is_sure &&
-                        crossing::crossing_of(corners,
-                                              crossing::segment(box_.position(from), box_.position(to)))
+                        crossing::crossing_of(corners, crossing::segment(box_.position(from), box_.position(to)))
                                 .looks == 0)
                         return;
                     const auto record = static_cast<std::uint32_t>(face);
@@ -339,8 +338,8 @@ void Finder::merge(Links& links, std::size_t count, const std::vector<Extra>& ex
     std::size_t table = count, extra = extras.size();
     for (std::size_t to = count + extras.size(); extra > 0;) {
         --to;
-        const bool is_extra =
-            table == 0 || key_of(in_box(links.samples[table - 1]), links.directions[table - 1]) < extras[extra - 1].link;
+        const bool is_extra = table == 0 || key_of(in_box(links.samples[table - 1]), links.directions[table - 1]) <
+                                                extras[extra - 1].link;
         if (is_extra) {
             const auto& [link, met, flag] = extras[--extra];
             const auto [sample, direction] = link_of(link);
@@ -349,9 +348,9 @@ void Finder::merge(Links& links, std::size_t count, const std::vector<Extra>& ex
             links.q[to] = met.q;
             links.triangles[to] = met.triangle;
             links.counts[to] = met.count;
-            links.flags[to] = static_cast<SegmentFlag>(static_cast<unsigned>(flag) |
-                                                       static_cast<unsigned>(met.is_film ? SegmentFlag::film
-                                                                                         : SegmentFlag::none));
+            links.flags[to] =
+                static_cast<SegmentFlag>(static_cast<unsigned>(flag) |
+                                         static_cast<unsigned>(met.is_film ? SegmentFlag::film : SegmentFlag::none));
             continue;
         }
         --table;
@@ -368,9 +367,8 @@ void Finder::merge(Links& links, std::size_t count, const std::vector<Extra>& ex
 
 void check_directions(std::span<const LinkDirection> directions) {
     if (directions.empty() || directions.size() > most_directions)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("links have {} directions; give 1 to {} in a call", directions.size(),
-                                most_directions));
+        throw Error(ErrorCode::invalid_argument, fmt::format("links have {} directions; give 1 to {} in a call",
+                                                             directions.size(), most_directions));
     for (std::size_t n = 0; n < directions.size(); ++n) {
         const auto& [x, y, z] = directions[n];
         for (const std::int32_t component : directions[n])

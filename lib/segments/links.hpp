@@ -38,8 +38,8 @@ void check_directions(std::span<const LinkDirection> directions);
 /// The most that components of the directions are, on each axis.
 Place margin_of(std::span<const LinkDirection> directions);
 
-/// The links of a grid. Sample numbers count on the lattice. Throws Error(invalid_argument) for coordinates that are out
-/// of range.
+/// The links of a grid. Sample numbers count on the lattice. Throws Error(invalid_argument) for coordinates that are
+/// out of range.
 Links find_links(const LinkInputs& inputs, const Grid& grid, std::span<const LinkDirection> directions,
                  const LinkChoice& choice);
 /// Their number.

@@ -23,9 +23,9 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, std::size_t
     type_ = given.type == ElementType::automatic ? *types.begin() : given.type;
     if (std::ranges::find(types, type_) == types.end()) {
         std::string allowed;
-        for (const ElementType type : types) allowed += fmt::format("{}{}", allowed.empty() ? "" : " or ", name_of(type));
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{} has the type {}; give {}", name, name_of(type_), allowed));
+        for (const ElementType type : types)
+            allowed += fmt::format("{}{}", allowed.empty() ? "" : " or ", name_of(type));
+        throw Error(ErrorCode::unsupported, fmt::format("{} has the type {}; give {}", name, name_of(type_), allowed));
     }
     const auto width = static_cast<std::ptrdiff_t>(bytes_of(type_));
     if (given.strides[1] != 0 || given.strides[2] != 0)
@@ -39,13 +39,13 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, std::size_t
                                 "bytes",
                                 name, given.offset, given.strides[0], given.component_stride, width));
     component_stride_ = given.component_stride != 0 ? given.component_stride : width;
-    stride_ = given.strides[0] != 0                  ? given.strides[0]
+    stride_ = given.strides[0] != 0                           ? given.strides[0]
               : component_stride_ == width || components == 1 ? width * static_cast<std::ptrdiff_t>(components)
-                                                     : width;
+                                                              : width;
     ArrayLayout layout = given;
     layout.type = type_;
-    const auto [lowest, highest] = extent_of(layout, {{stride_, static_cast<double>(items)},
-                                                      {component_stride_, static_cast<double>(components)}});
+    const auto [lowest, highest] = extent_of(
+        layout, {{stride_, static_cast<double>(items)}, {component_stride_, static_cast<double>(components)}});
     const bool is_plain = given.offset == 0 && given.strides[0] == 0 && given.component_stride == 0;
     if (items > 0 && given.bytes != ArrayLayout::unknown_size &&
         (lowest < 0 || highest > static_cast<double>(given.bytes) ||

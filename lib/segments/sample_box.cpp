@@ -15,8 +15,7 @@ namespace clsdf::segments {
 ScaledFaces::ScaledFaces(const engine::PointMesh& mesh_in, std::span<const std::uint32_t> numbers_in,
                          const std::string& name)
     : mesh(mesh_in), scale(1 / mesh_in.lattice.unit), numbers(numbers_in) {
-    for (const auto& positions :
-         {std::span<const Vec3>(mesh.positions), std::span<const Vec3>(mesh.sign_positions)})
+    for (const auto& positions : {std::span<const Vec3>(mesh.positions), std::span<const Vec3>(mesh.sign_positions)})
         for (const Vec3& p : positions)
             for (const double x : p)
                 if (!crossing::is_in_exact_range(x * scale))

@@ -48,7 +48,7 @@ struct SampleBox {
     /// spacing, or out of the range of expansions.h.
     SampleBox(const Grid& grid_in, const Place& margin_in, double scale_in);
 
-    Grid grid;     ///< with the margin
+    Grid grid;  ///< with the margin
     Place margin;
     Place size{};  ///< with the margin
     double scale;
@@ -60,12 +60,9 @@ struct SampleBox {
                 at[2][static_cast<std::size_t>(p[2])]};
     }
     std::size_t row(const Place& p) const {
-        return static_cast<std::size_t>(p[1]) +
-               static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(p[2]);
+        return static_cast<std::size_t>(p[1]) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(p[2]);
     }
-    std::size_t row_count() const {
-        return static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
-    }
+    std::size_t row_count() const { return static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]); }
     /// Whether the sample is one of the grid, without its margin.
     bool is_in_grid(const Place& p) const {
         bool is_in = true;

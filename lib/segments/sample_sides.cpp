@@ -63,9 +63,7 @@ private:
 
 /// The edges of a face seen along x.
 struct Edges {
-    explicit Edges(const crossing::Corners& face) : corners(face) {
-        along.x.high = 1;
-    }
+    explicit Edges(const crossing::Corners& face) : corners(face) { along.x.high = 1; }
 
     /// The looks in which the line along x through (y, z) crosses the face.
     std::uint8_t looks(double y, double z) const {
@@ -79,8 +77,8 @@ struct Edges {
         if (least == most && least != 0) return all_looks;
         std::uint32_t all = all_looks, any = 0;
         for (std::size_t i = 0; i < 3; ++i) {
-            const ExactVector edge = crossing::exact_difference(crossing::vector(corners[(i + 1) % 3]),
-                                                                crossing::vector(corners[i]));
+            const ExactVector edge =
+                crossing::exact_difference(crossing::vector(corners[(i + 1) % 3]), crossing::vector(corners[i]));
             const std::uint32_t positive = crossing::positive_looks(turns[i], along, edge);
             all &= positive;
             any |= positive;
@@ -112,10 +110,13 @@ BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box
       has_film_(faces.mesh.film != nullptr),
       words_((static_cast<std::size_t>(box.size[0]) + 63) / 64),
       bits_(1 + box.row_count() * (words_ + 1)) {
-    for_each_range(bits_.size(), [&](std::size_t begin, std::size_t end) {
-        std::fill(bits_.begin() + static_cast<std::ptrdiff_t>(begin), bits_.begin() + static_cast<std::ptrdiff_t>(end),
-                  0);
-    }, std::size_t{1} << 16);
+    for_each_range(
+        bits_.size(),
+        [&](std::size_t begin, std::size_t end) {
+            std::fill(bits_.begin() + static_cast<std::ptrdiff_t>(begin),
+                      bits_.begin() + static_cast<std::ptrdiff_t>(end), 0);
+        },
+        std::size_t{1} << 16);
     row_begins_.assign(box.row_count() + 1, 0);
     if (rule == SignRule::none) return;
     find_changes(faces);
@@ -168,8 +169,7 @@ void BoxSides::add_changes(const ScaledFaces& faces, std::size_t face, std::vect
             while (sample > 0 && is_behind(sample - 1)) --sample;
             while (sample < samples && !is_behind(sample)) ++sample;
             const bool is_tie =
-                sample > 0 &&
-                plane.side({box_.at[0][static_cast<std::size_t>(sample - 1)], first[1], first[2]}) == 0;
+                sample > 0 && plane.side({box_.at[0][static_cast<std::size_t>(sample - 1)], first[1], first[2]}) == 0;
             const auto change = static_cast<std::int8_t>(-count * ahead);
             const auto push = [&](std::int32_t at, unsigned of_looks, int by, bool is_local = false) {
                 if (of_looks != 0 && at < samples)
@@ -293,25 +293,26 @@ SampleSides BoxSides::of_grid() const {
     sides.bits.assign((samples + 7) / 8, 0);
     // Tasks of whole words: eight rows begin at a byte.
     constexpr std::size_t rows = 64;
-    for_each_chunk(static_cast<std::size_t>(count_y * count_z), rows, [&](std::size_t, std::size_t begin,
-                                                                          std::size_t end) {
-        std::size_t to = begin * static_cast<std::size_t>(count_x);
-        for (std::size_t number = begin; number < end; ++number) {
-            const Place first{box_.margin[0],
-                              static_cast<std::int32_t>(number % static_cast<std::size_t>(count_y)) + box_.margin[1],
-                              static_cast<std::int32_t>(number / static_cast<std::size_t>(count_y)) + box_.margin[2]};
-            const std::uint64_t* const words = row(box_.row(first));
-            for (std::int64_t x = 0; x < count_x;) {
-                const std::int64_t from = x + first[0];
-                const auto taken = static_cast<unsigned>(
-                    std::min<std::int64_t>({8 - static_cast<std::int64_t>(to % 8), 64 - from % 64, count_x - x}));
-                const std::uint64_t bits = words[from / 64] >> (from % 64) & ((std::uint64_t{1} << taken) - 1);
-                sides.bits[to / 8] = static_cast<std::uint8_t>(sides.bits[to / 8] | bits << (to % 8));
-                to += taken;
-                x += taken;
+    for_each_chunk(
+        static_cast<std::size_t>(count_y * count_z), rows, [&](std::size_t, std::size_t begin, std::size_t end) {
+            std::size_t to = begin * static_cast<std::size_t>(count_x);
+            for (std::size_t number = begin; number < end; ++number) {
+                const Place first{
+                    box_.margin[0],
+                    static_cast<std::int32_t>(number % static_cast<std::size_t>(count_y)) + box_.margin[1],
+                    static_cast<std::int32_t>(number / static_cast<std::size_t>(count_y)) + box_.margin[2]};
+                const std::uint64_t* const words = row(box_.row(first));
+                for (std::int64_t x = 0; x < count_x;) {
+                    const std::int64_t from = x + first[0];
+                    const auto taken = static_cast<unsigned>(
+                        std::min<std::int64_t>({8 - static_cast<std::int64_t>(to % 8), 64 - from % 64, count_x - x}));
+                    const std::uint64_t bits = words[from / 64] >> (from % 64) & ((std::uint64_t{1} << taken) - 1);
+                    sides.bits[to / 8] = static_cast<std::uint8_t>(sides.bits[to / 8] | bits << (to % 8));
+                    to += taken;
+                    x += taken;
+                }
             }
-        }
-    });
+        });
     return sides;
 }
 

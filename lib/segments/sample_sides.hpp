@@ -24,9 +24,7 @@ public:
     /// before and after the row's.
     const std::uint64_t* row(std::size_t number) const { return bits_.data() + 1 + number * (words_ + 1); }
     std::size_t words() const { return words_; }
-    bool is_inside(const Place& p) const {
-        return (row(box_.row(p))[p[0] / 64] >> (p[0] % 64) & 1U) != 0;
-    }
+    bool is_inside(const Place& p) const { return (row(box_.row(p))[p[0] / 64] >> (p[0] % 64) & 1U) != 0; }
     /// Of the sample in the eight looks; of a surface with open edges without the part of these.
     Windings windings(const Place& p) const;
     /// Those of the grid without its margin, packed.
@@ -52,7 +50,7 @@ private:
     bool has_film_;
     std::size_t words_;
     UninitializedVector<std::uint64_t> bits_;
-    UninitializedVector<Change> changes_;     // by row, then by sample
+    UninitializedVector<Change> changes_;  // by row, then by sample
     std::vector<std::uint32_t> row_begins_;
 };
 

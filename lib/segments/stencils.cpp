@@ -13,9 +13,9 @@ namespace {
 
 /// The order of waLBerla and lbmpy: along axes, then diagonals of the planes, then of space.
 constexpr std::array<LinkDirection, 27> by_name{
-    {{0, 0, 0},  {0, 1, 0},   {0, -1, 0}, {-1, 0, 0},  {1, 0, 0},   {0, 0, 1},   {0, 0, -1},  {-1, 1, 0},  {1, 1, 0},
-     {-1, -1, 0}, {1, -1, 0}, {0, 1, 1},  {0, -1, 1},  {-1, 0, 1},  {1, 0, 1},   {0, 1, -1},  {0, -1, -1}, {-1, 0, -1},
-     {1, 0, -1}, {1, 1, 1},   {-1, 1, 1}, {1, -1, 1},  {-1, -1, 1}, {1, 1, -1},  {-1, 1, -1}, {1, -1, -1}, {-1, -1, -1}}};
+    {{0, 0, 0},   {0, 1, 0},  {0, -1, 0}, {-1, 0, 0}, {1, 0, 0},   {0, 0, 1},  {0, 0, -1},  {-1, 1, 0},  {1, 1, 0},
+     {-1, -1, 0}, {1, -1, 0}, {0, 1, 1},  {0, -1, 1}, {-1, 0, 1},  {1, 0, 1},  {0, 1, -1},  {0, -1, -1}, {-1, 0, -1},
+     {1, 0, -1},  {1, 1, 1},  {-1, 1, 1}, {1, -1, 1}, {-1, -1, 1}, {1, 1, -1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, -1}}};
 
 /// The first half of the order of OpenLB and Palabos; the second half has the opposites in the same order.
 constexpr std::array<LinkDirection, 13> of_half{{{-1, 0, 0},
@@ -34,8 +34,7 @@ constexpr std::array<LinkDirection, 13> of_half{{{-1, 0, 0},
 
 /// Whether a stencil has the direction: by the number of its components that are not 0.
 bool has(std::size_t count, const LinkDirection& direction) {
-    const int squared =
-        direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2];
+    const int squared = direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2];
     return count == 27 || (count == 19 ? squared != 3 : squared != 2);
 }
 

@@ -94,10 +94,10 @@ Totals check_family(const Family& family, std::span<const LinkDirection> directi
                         judge.walls(position(places, p), position(places, q), windings[number(p)]);
                     const bool differ = judge.is_inside(windings[number(q)]);
                     BOOST_REQUIRE((walls.size() % 2 == 1) == differ);
-                    const auto row = rows.find({static_cast<std::int32_t>(z + family.grid.first[2]),
-                                                static_cast<std::int32_t>(y + family.grid.first[1]),
-                                                static_cast<std::int32_t>(x + family.grid.first[0]),
-                                                static_cast<std::uint8_t>(d)});
+                    const auto row =
+                        rows.find({static_cast<std::int32_t>(z + family.grid.first[2]),
+                                   static_cast<std::int32_t>(y + family.grid.first[1]),
+                                   static_cast<std::int32_t>(x + family.grid.first[0]), static_cast<std::uint8_t>(d)});
                     if (walls.empty()) continue;  // a row would be left over
                     if (row == rows.end()) {
                         ++missed;
@@ -161,8 +161,8 @@ BOOST_AUTO_TEST_CASE(links_are_those_of_exact_arithmetic) {
 }
 
 BOOST_AUTO_TEST_CASE(long_directions_are_those_of_exact_arithmetic) {
-    const std::vector<LinkDirection> directions{{2, 0, 0}, {-2, 0, 0}, {2, 3, 0}, {-3, 2, 5}, {3, -2, -5}, {0, -4, 2},
-                                                {6, 6, 6}, {1, 7, -3}};
+    const std::vector<LinkDirection> directions{{2, 0, 0},   {-2, 0, 0}, {2, 3, 0}, {-3, 2, 5},
+                                                {3, -2, -5}, {0, -4, 2}, {6, 6, 6}, {1, 7, -3}};
     for (const Family& family : families())
         if (family.name.find("soup") != std::string::npos || family.name == "cube on planes" ||
             family.name == "slivers") {
@@ -171,7 +171,6 @@ BOOST_AUTO_TEST_CASE(long_directions_are_those_of_exact_arithmetic) {
             check_family(small, directions, 7);
         }
 }
-
 
 BOOST_AUTO_TEST_CASE(sides_are_those_of_queries) {
     for (const Family& family : families()) {
@@ -229,8 +228,7 @@ BOOST_AUTO_TEST_CASE(mirrored_meshes_have_mirrored_links) {
                 LinkDirection direction = all_directions[links.directions[n]];
                 direction[axis] *= -1;
                 const auto number = std::ranges::find(all_directions, direction) - all_directions.begin();
-                const auto found =
-                    rows.find({sample[2], sample[1], sample[0], static_cast<std::uint8_t>(number)});
+                const auto found = rows.find({sample[2], sample[1], sample[0], static_cast<std::uint8_t>(number)});
                 wrong += found == rows.end() || found->second.q != links.q[n] ||
                          found->second.triangle != links.triangles[n] || found->second.count != links.counts[n];
             }
@@ -329,7 +327,8 @@ BOOST_AUTO_TEST_CASE(links_are_counted_and_written_into_the_callers_arrays) {
     std::vector<float> q(room, -7);
     std::vector<std::int32_t> triangles(room);
     std::vector<std::uint32_t> counts(room);
-    LinkTargets targets{room, samples, directions, q, triangles, counts, flags};
+    std::vector<std::uint8_t> inside(grid.sample_count(), 9);
+    LinkTargets targets{room, samples, directions, q, triangles, counts, flags, inside};
     std::size_t count = 0;
     transform.links(grid, all_directions, targets, count);
     BOOST_TEST(count == links.size());
@@ -338,13 +337,17 @@ BOOST_AUTO_TEST_CASE(links_are_counted_and_written_into_the_callers_arrays) {
         wrong += samples[n] != links.samples[n] || directions[n] != links.directions[n] ||
                  std::abs(static_cast<double>(q[n]) - links.q[n]) > 1e-7 ||
                  static_cast<std::uint32_t>(triangles[n]) != links.triangles[n] || counts[n] != links.counts[n];
+    std::size_t sample = 0;
+    for (std::int64_t z = 0; z < grid.size[2]; ++z)
+        for (std::int64_t y = 0; y < grid.size[1]; ++y)
+            for (std::int64_t x = 0; x < grid.size[0]; ++x)
+                wrong += inside[sample++] != (links.inside.is_inside({x, y, z}) ? 1 : 0);
     BOOST_TEST(wrong == 0);
     BOOST_TEST(q[count] == -7);
     BOOST_TEST(static_cast<int>(flags[count]) == 77);
     std::vector<float> few(10, -7);
-    check_throws(ErrorCode::invalid_argument, {fmt::format("{}", count), "room for 10"}, [&] {
-        transform.links(grid, all_directions, {.room = 10, .q = few}, count);
-    });
+    check_throws(ErrorCode::invalid_argument, {fmt::format("{}", count), "room for 10"},
+                 [&] { transform.links(grid, all_directions, {.room = 10, .q = few}, count); });
     BOOST_TEST(count == links.size());
     BOOST_TEST(std::ranges::all_of(few, [](float x) { return x == -7; }));
 }
@@ -353,8 +356,8 @@ BOOST_AUTO_TEST_CASE(a_part_that_is_not_0_or_1_is_neither_as_a_float) {
     const DistanceTransform transform(test_device(), box_between({0x1p-60, 0, 0}, {3, 1, 1}).mesh("box"));
     std::vector<float> q(1);
     std::size_t count = 0;
-    transform.links({{0, 0.5, 0.5}, {1, 1, 1}, {1, 1, 1}, {}}, std::vector<LinkDirection>{{1, 0, 0}}, {.room = 1, .q = q},
-                    count);
+    transform.links({{0, 0.5, 0.5}, {1, 1, 1}, {1, 1, 1}, {}}, std::vector<LinkDirection>{{1, 0, 0}},
+                    {.room = 1, .q = q}, count);
     BOOST_TEST(q[0] == 0x1p-60F);
     const DistanceTransform near(test_device(), box_between({1 - 0x1p-40, 0, 0}, {3, 1, 1}).mesh("box"));
     near.links({{0, 0.5, 0.5}, {1, 1, 1}, {1, 1, 1}, {}}, std::vector<LinkDirection>{{1, 0, 0}}, {.room = 1, .q = q},
@@ -395,7 +398,8 @@ BOOST_AUTO_TEST_CASE(the_film_of_an_open_mesh_is_met) {
                 for (const auto& [cx, cy, cz] : all_directions) {
                     const Index3 q{x + cx, y + cy, z + cz};
                     bool is_in = true;
-                    for (std::size_t axis = 0; axis < 3; ++axis) is_in = is_in && q[axis] >= 0 && q[axis] < grid.size[axis];
+                    for (std::size_t axis = 0; axis < 3; ++axis)
+                        is_in = is_in && q[axis] >= 0 && q[axis] < grid.size[axis];
                     expected += is_in && !is_inside({x, y, z}) && is_inside(q);
                 }
             }
@@ -430,10 +434,12 @@ BOOST_AUTO_TEST_CASE(the_film_of_an_open_mesh_is_met) {
 BOOST_AUTO_TEST_CASE(what_cannot_be_done_is_refused_by_name) {
     const DistanceTransform transform(test_device(), ball());
     const Grid grid{{0, 0, 0}, {1, 1, 1}, {4, 4, 4}, {}};
-    check_throws(ErrorCode::invalid_argument, {"direction 1", "17"},
-                 [&] { transform.links(grid, std::vector<LinkDirection>{{1, 0, 0}, {17, 0, 0}}); });
-    check_throws(ErrorCode::invalid_argument, {"directions 0 and 2"},
-                 [&] { transform.links(grid, std::vector<LinkDirection>{{1, 0, 0}, {0, 1, 0}, {1, 0, 0}}); });
+    check_throws(ErrorCode::invalid_argument, {"direction 1", "17"}, [&] {
+        transform.links(grid, std::vector<LinkDirection>{{1, 0, 0}, {17, 0, 0}});
+    });
+    check_throws(ErrorCode::invalid_argument, {"directions 0 and 2"}, [&] {
+        transform.links(grid, std::vector<LinkDirection>{{1, 0, 0}, {0, 1, 0}, {1, 0, 0}});
+    });
     check_throws(ErrorCode::invalid_argument, {"33 directions", "32"},
                  [&] { transform.links(grid, std::vector<LinkDirection>(33)); });
     check_throws(ErrorCode::invalid_argument, {"2^-22", "axis y"}, [&] {
@@ -444,11 +450,11 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_done_is_refused_by_name) {
         transform.links({{1e-200, 0, 0}, {1, 1, 1}, {2, 2, 2}, {}}, all_directions);
     });
     check_throws(ErrorCode::invalid_argument, {"D3Q99", "OpenLB"}, [&] { stencil("D3Q99"); });
-    check_throws(ErrorCode::cancelled, {}, [&] {
-        transform.links(grid, all_directions, {}, {.should_stop = [] { return true; }});
-    });
+    check_throws(ErrorCode::cancelled, {},
+                 [&] { transform.links(grid, all_directions, {}, {.should_stop = [] { return true; }}); });
     std::vector<double> fractions;
-    transform.links(grid, all_directions, {}, {.progress = [&](const Progress& p) { fractions.push_back(p.fraction); }});
+    transform.links(grid, all_directions, {},
+                    {.progress = [&](const Progress& p) { fractions.push_back(p.fraction); }});
     BOOST_TEST(std::ranges::is_sorted(fractions));
     BOOST_TEST(fractions.size() > 2U);
     BOOST_TEST(fractions.back() == 1);
@@ -498,9 +504,9 @@ BOOST_AUTO_TEST_CASE(crossings_are_the_links_along_the_axes) {
                         ++crossed;
                         const bool is_inside = judge.is_inside(at);
                         const Fraction& place = (is_inside ? walls.back() : walls.front()).place;
-                        const double t = static_cast<double>(
-                            boost::multiprecision::cpp_bin_float_100(place.numerator) /
-                            boost::multiprecision::cpp_bin_float_100(place.denominator));
+                        const double t =
+                            static_cast<double>(boost::multiprecision::cpp_bin_float_100(place.numerator) /
+                                                boost::multiprecision::cpp_bin_float_100(place.denominator));
                         const double expected = from[axis] + t * (to[axis] - from[axis]);
                         wrong += std::abs(edges.coordinates[n] - expected) >
                                  2e-16 * (std::abs(from[axis]) + std::abs(to[axis]));

@@ -38,8 +38,18 @@ inline Parts box_between(const Vec3& a, const Vec3& b) {
              {b[0], a[1], b[2]},
              {b[0], b[1], b[2]},
              {a[0], b[1], b[2]}},
-            {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7},
-             {2, 7, 6}, {3, 0, 4}, {3, 4, 7}}};
+            {{0, 2, 1},
+             {0, 3, 2},
+             {4, 5, 6},
+             {4, 6, 7},
+             {0, 1, 5},
+             {0, 5, 4},
+             {1, 2, 6},
+             {1, 6, 5},
+             {2, 3, 7},
+             {2, 7, 6},
+             {3, 0, 4},
+             {3, 4, 7}}};
 }
 
 inline Parts joined(const std::vector<Parts>& all) {
@@ -103,7 +113,9 @@ inline Parts moved(Parts parts, double factor, const Vec3& offset) {
 inline std::vector<Family> families() {
     std::vector<Family> all;
     const auto add = [&](const std::string& name, const Parts& parts, const Grid& grid,
-                         SignRule rule = SignRule::nonzero) { all.push_back({name, parts.mesh(name), grid, rule}); };
+                         SignRule rule = SignRule::nonzero) {
+        all.push_back({name, parts.mesh(name), grid, rule});
+    };
     const auto unit = [](std::int64_t x, std::int64_t y, std::int64_t z) {
         return Grid{{0, 0, 0}, {1, 1, 1}, {x, y, z}, {0, 0, 0}};
     };
@@ -147,7 +159,8 @@ inline std::vector<Family> families() {
         {{0, 0, 0}, {1, 1, 1}, {9, 9, 9}, {1000000, -1000000, 1000000}});
     add("far, decimal", moved(soup(43, 6, 1, 8), 0.1, {1e6, -1e6, 1e6}),
         {{1e6, -1e6, 1e6}, {0.1, 0.1, 0.1}, {9, 9, 9}, {}});
-    add("tiny", moved(soup(44, 6, 1, 8), 0x1p-100, {0, 0, 0}), {{0, 0, 0}, {0x1p-100, 0x1p-100, 0x1p-100}, {9, 9, 9}, {}});
+    add("tiny", moved(soup(44, 6, 1, 8), 0x1p-100, {0, 0, 0}),
+        {{0, 0, 0}, {0x1p-100, 0x1p-100, 0x1p-100}, {9, 9, 9}, {}});
     return all;
 }
 

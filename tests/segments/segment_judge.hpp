@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-/// The rule of segments (docs/method.md, 'Segments') in whole numbers of any size: each segment is looked at eight times,
-/// moved by (+-e, +-e^2, +-e^3). All faces of the mesh count once.
+/// The rule of segments (docs/method.md, 'Segments') in whole numbers of any size: each segment is looked at eight
+/// times, moved by (+-e, +-e^2, +-e^3). All faces of the mesh count once.
 namespace clsdf::test {
 
 using Integer = boost::multiprecision::cpp_int;
@@ -87,8 +87,10 @@ public:
         for (std::size_t axis = 0; axis < 3; ++axis)
             for (const double x : samples[axis]) look_at(x);
         for (const Triangle& t : mesh.triangles()) {
-            Face face{{point(mesh.vertices()[t[0]]), point(mesh.vertices()[t[1]]), point(mesh.vertices()[t[2]])}, {},
-                      mesh.vertices()[t[0]], mesh.vertices()[t[0]]};
+            Face face{{point(mesh.vertices()[t[0]]), point(mesh.vertices()[t[1]]), point(mesh.vertices()[t[2]])},
+                      {},
+                      mesh.vertices()[t[0]],
+                      mesh.vertices()[t[0]]};
             face.normal = cross(minus(face.corners[1], face.corners[0]), minus(face.corners[2], face.corners[0]));
             for (const std::uint32_t v : t)
                 for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -110,8 +112,7 @@ public:
         return windings;
     }
     bool is_inside(const LookWindings& windings) const {
-        return std::ranges::all_of(windings,
-                                   [&](int w) { return rule_ == SignRule::parity ? w % 2 != 0 : w != 0; });
+        return std::ranges::all_of(windings, [&](int w) { return rule_ == SignRule::parity ? w % 2 != 0 : w != 0; });
     }
 
     std::vector<JudgedWall> walls(const Vec3& p, const Vec3& q, LookWindings windings) const {
@@ -189,7 +190,8 @@ private:
                 if (signs[0] == signs[1] && signs[1] == signs[2]) found.push_back({place, look, side_p, number});
             }
         }
-        std::ranges::stable_sort(found, [](const Crossing& a, const Crossing& b) { return compare(a.place, b.place) < 0; });
+        std::ranges::stable_sort(found,
+                                 [](const Crossing& a, const Crossing& b) { return compare(a.place, b.place) < 0; });
         return found;
     }
 
