@@ -69,6 +69,32 @@ Grid parse_box(const ComputeOptions& options) {
         {parse_counts("--samples", options.samples), parse_counts("--cells", options.cells), options.cell_centred});
 }
 
+void add_field_options(Parser& parser, ComputeOptions& options) {
+    parser.begin_group("Field");
+    parser.add("--band", options.band, "half width of the band on both sides").takes_text("LENGTH");
+    parser.add("--band-inside", options.band_inside, "half width inside [--band]").takes_text("LENGTH");
+    parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
+    add_sign_option(parser, options.sign);
+    add_positive_inside_option(parser, options.positive_inside);
+    add_weld_option(parser, options.reading);
+    add_outputs_and_groups_option(parser, options.with);
+    parser.add("--sparse", options.sparse,
+               "only the bricks of 8 x 8 x 8 samples near the surface: .npy or .h5; .vdb and .nvdb are always sparse");
+}
+
+void add_method_options(Parser& parser, ComputeOptions& options) {
+    parser.begin_group("Method");
+    parser
+        .add("--polyhedra", options.polyhedra,
+             "what bounds the samples of a triangle: leaned, which are exact; or, to compare, mauch, exact too, and "
+             "peikert-sigg, which are not")
+        .takes_one_of({"leaned", "peikert-sigg", "mauch"});
+    parser.add("--scan", options.scan, "how their samples are found; auto: by bricks if the polyhedra allow it")
+        .takes_one_of({"auto", "bricks", "slices", "brute-force"});
+}
+
+}  // namespace
+
 void add_grid_options(Parser& parser, ComputeOptions& options) {
     parser.begin_group("Grid");
     parser.add("--resolution", options.resolution, "samples on the longest side, margin included")
@@ -104,32 +130,6 @@ void add_grid_options(Parser& parser, ComputeOptions& options) {
         .excludes("--samples");
     parser.add("--cell-centred", options.cell_centred, "samples at the centres of cells: all half a voxel further");
 }
-
-void add_field_options(Parser& parser, ComputeOptions& options) {
-    parser.begin_group("Field");
-    parser.add("--band", options.band, "half width of the band on both sides").takes_text("LENGTH");
-    parser.add("--band-inside", options.band_inside, "half width inside [--band]").takes_text("LENGTH");
-    parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
-    add_sign_option(parser, options.sign);
-    add_positive_inside_option(parser, options.positive_inside);
-    add_weld_option(parser, options.reading);
-    add_outputs_and_groups_option(parser, options.with);
-    parser.add("--sparse", options.sparse,
-               "only the bricks of 8 x 8 x 8 samples near the surface: .npy or .h5; .vdb and .nvdb are always sparse");
-}
-
-void add_method_options(Parser& parser, ComputeOptions& options) {
-    parser.begin_group("Method");
-    parser
-        .add("--polyhedra", options.polyhedra,
-             "what bounds the samples of a triangle: leaned, which are exact; or, to compare, mauch, exact too, and "
-             "peikert-sigg, which are not")
-        .takes_one_of({"leaned", "peikert-sigg", "mauch"});
-    parser.add("--scan", options.scan, "how their samples are found; auto: by bricks if the polyhedra allow it")
-        .takes_one_of({"auto", "bricks", "slices", "brute-force"});
-}
-
-}  // namespace
 
 void add_options(Parser& parser, ComputeOptions& options) {
     add_mesh_argument(parser, options.mesh);

@@ -30,7 +30,8 @@ module clsdf
       clsdf_field, clsdf_sparse_field, clsdf_thread_limit
   public :: clsdf_array, clsdf_pinned, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, &
       clsdf_grid, clsdf_region, clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, &
-      clsdf_slab, clsdf_slab_sink, clsdf_sparse_counts, clsdf_sparse_request, clsdf_sparse_slab, clsdf_sparse_sink
+      clsdf_slab, clsdf_slab_sink, clsdf_sparse_counts, clsdf_sparse_request, clsdf_sparse_slab, clsdf_sparse_sink, &
+      clsdf_links, clsdf_crossings
   public :: clsdf_progress_procedure, clsdf_stop_procedure, clsdf_log_procedure, clsdf_slab_procedure, &
       clsdf_sparse_procedure
   public :: clsdf_version, clsdf_version_text, clsdf_last_error, clsdf_last_opencl_error, clsdf_set_last_error, &
@@ -39,7 +40,7 @@ module clsdf
       clsdf_output_describe, clsdf_band_symmetric, clsdf_band_full, clsdf_band_signs_only, clsdf_infinity, &
       clsdf_length_resolve, clsdf_devices_list, clsdf_default_record_folder, clsdf_thread_count, clsdf_shape_count, &
       clsdf_shape_name, clsdf_shape_description, clsdf_slabs_of, clsdf_points_read, clsdf_points_write, &
-      clsdf_points_check_path, clsdf_abandon_unfinished_files
+      clsdf_points_check_path, clsdf_abandon_unfinished_files, clsdf_stencil
   ! For the module clsdf_io, not for programs.
   public :: clsdf_finish, clsdf_text, clsdf_outputs_mask, clsdf_targets_of_samples, clsdf_pack_for_c, clsdf_c_array, &
       clsdf_c_target, clsdf_c_grid, clsdf_c_description, clsdf_c_sparse_slab, clsdf_grid_for_c
@@ -72,6 +73,10 @@ module clsdf
       CLSDF_SIGN_NONE = 3, CLSDF_SIGN_SOLID_ANGLE = 4
   !> The place of a box.
   integer(c_int32_t), parameter, public :: CLSDF_WITHIN = 0, CLSDF_INSIDE = 1, CLSDF_OUTSIDE = 2, CLSDF_BEYOND = 3
+  !> What counts where a segment meets the surface.
+  integer(c_int32_t), parameter, public :: CLSDF_WALLS = 0, CLSDF_FACES = 1
+  !> What is said of a link, as bits: the film of an open mesh; a body between both ends; of faces: both on one side.
+  integer(c_int32_t), parameter, public :: CLSDF_LINK_FILM = 1, CLSDF_LINK_BETWEEN = 2, CLSDF_LINK_SHEET = 8
   !> The outcome of a point in a plan's run.
   integer(c_int32_t), parameter, public :: CLSDF_FOUND = 0, CLSDF_NOT_FINITE = 1, CLSDF_TOO_FAR = 2, CLSDF_SIGN_OPEN = 3
   integer(c_int32_t), parameter, public :: CLSDF_GPU = 0, CLSDF_PROCESSOR = 1, CLSDF_ACCELERATOR = 2, &
@@ -450,6 +455,38 @@ module clsdf
     final :: mesh_end
   end type
 
+  ! ---- Links and crossings ----
+
+  !> The links of a grid that meet the surface, by sample (z, y, x), then by direction.
+  type :: clsdf_links
+    integer(c_int32_t), allocatable :: samples(:, :)   !< (3, n), on the lattice, as grid%first counts
+    integer(c_int8_t), allocatable :: directions(:)    !< the column of the direction, from 1 on
+    real(c_double), allocatable :: q(:)                !< the part of the link up to the first wall, 0 to 1
+    integer(c_int32_t), allocatable :: triangles(:)    !< the lowest of those met first; 0 at a film
+    integer(c_int32_t), allocatable :: counts(:)       !< walls on the link
+    integer(c_int8_t), allocatable :: flags(:)         !< CLSDF_LINK_FILM ...
+    integer(c_int8_t), allocatable :: inside(:, :, :)  !< of each sample of the grid: 1 if it is inside, else 0
+  end type
+
+  !> Where the edges of a grid along one axis meet walls; there is one less than samples on that axis.
+  type :: clsdf_crossings
+    real(c_double), allocatable :: coordinates(:, :, :)   !< along the axis; NaN if the sides agree
+    integer(c_int32_t), allocatable :: triangles(:, :, :) !< 0: none
+    integer(c_int32_t), allocatable :: counts(:, :, :)    !< walls on the edge, also where the sides agree
+  end type
+
+  type, bind(C) :: c_link_options
+    integer(c_int32_t) :: hits = CLSDF_WALLS, with_between = 0
+  end type
+  type, bind(C) :: c_link_arrays
+    integer(c_int64_t) :: room = 0
+    type(c_ptr) :: samples = c_null_ptr, directions = c_null_ptr, q = c_null_ptr, q_floats = c_null_ptr, &
+        triangles = c_null_ptr, counts = c_null_ptr, flags = c_null_ptr, inside = c_null_ptr
+  end type
+  type, bind(C) :: c_crossing_arrays
+    type(c_ptr) :: coordinates(3) = c_null_ptr, triangles(3) = c_null_ptr, counts(3) = c_null_ptr, inside = c_null_ptr
+  end type
+
   ! ---- Transforms ----
 
   type :: clsdf_transform
@@ -476,6 +513,9 @@ module clsdf
     procedure, private :: query_targets, query_r4, query_r8, query_xyz_r4, query_xyz_r8
     generic :: query => query_targets, query_r4, query_r8, query_xyz_r4, query_xyz_r8
     procedure :: classify => transform_classify
+    procedure :: links => transform_links
+    procedure :: count_links => transform_count_links
+    procedure :: crossings => transform_crossings
     procedure, private :: winding_targets, winding_r4, winding_r8
     generic :: winding => winding_targets, winding_r4, winding_r8
     procedure :: box => transform_box
@@ -1521,6 +1561,43 @@ module clsdf
       integer(c_int64_t), value :: count
       real(c_double), value :: half_width
       integer(c_int8_t), intent(out) :: places(*)
+    end function
+    function c_stencil(name, code, directions, count) bind(C, name="clsdf_stencil") result(value)
+      import
+      integer(c_int32_t) :: value
+      character(kind=c_char), intent(in) :: name(*), code(*)
+      integer(c_int32_t), intent(out) :: directions(*)
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_links(transform, grid, directions, direction_count, options, arrays, call, statistics, count) &
+        bind(C, name="clsdf_links") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int32_t), intent(in) :: directions(*)
+      integer(c_int64_t), value :: direction_count
+      type(c_link_options), intent(in) :: options
+      type(c_link_arrays), intent(in) :: arrays
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_count_links(transform, grid, directions, direction_count, options, call, count) &
+        bind(C, name="clsdf_count_links") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int32_t), intent(in) :: directions(*)
+      integer(c_int64_t), value :: direction_count
+      type(c_link_options), intent(in) :: options
+      integer(c_int64_t), intent(out) :: count
+    end function
+    function c_crossings(transform, grid, arrays, call, statistics) bind(C, name="clsdf_crossings") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(c_crossing_arrays), intent(in) :: arrays
     end function
     function c_winding(transform, points, results, call) bind(C, name="clsdf_winding") result(value)
       import
@@ -4485,6 +4562,129 @@ contains
         places)
     end if
     call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The directions (3, Q) of a stencil, 'D3Q15', 'D3Q19' or 'D3Q27', in the order of a code: 'OpenLB', 'waLBerla',
+  !> 'lbmpy', 'Palabos' or 'XLB'.
+  subroutine clsdf_stencil(name, code, directions, stat, errmsg)
+    character(*), intent(in) :: name, code
+    integer(c_int32_t), allocatable, intent(out) :: directions(:, :)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: all(3, 27), status
+    integer(c_int64_t) :: count
+    count = 0
+    status = c_stencil(trim(name)//c_null_char, trim(code)//c_null_char, all, count)
+    directions = all(:, :count)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  pure function link_options(hits, with_between) result(c)
+    integer(c_int32_t), intent(in), optional :: hits
+    logical, intent(in), optional :: with_between
+    type(c_link_options) :: c
+    if (present(hits)) c%hits = hits
+    if (present(with_between)) c%with_between = merge(1, 0, with_between)
+  end function
+
+  !> How many links links() would give.
+  subroutine transform_count_links(self, grid, directions, count, hits, with_between, options, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    integer(c_int32_t), intent(in), contiguous :: directions(:, :)  !< (3, Q)
+    integer(c_int64_t), intent(out) :: count
+    integer(c_int32_t), intent(in), optional :: hits
+    logical, intent(in), optional :: with_between
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    count = 0
+    if (size(directions, 1) /= 3) then
+      status = refused('the array of the directions has the shape '//joined(shape(directions, c_int64_t))//'; give it (3, Q)')
+    else
+      status = c_count_links(self%handle, clsdf_grid_for_c(grid), directions, size(directions, 2, c_int64_t), &
+          link_options(hits, with_between), options_for_c(given, options), count)
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The links of a grid that meet the surface: one if and only if its ends are on different sides. hits: CLSDF_WALLS or
+  !> CLSDF_FACES, all faces as given. with_between: also links with both ends outside and a body between them.
+  subroutine transform_links(self, grid, directions, links, hits, with_between, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    integer(c_int32_t), intent(in), contiguous :: directions(:, :)  !< (3, Q)
+    type(clsdf_links), intent(out), target :: links
+    integer(c_int32_t), intent(in), optional :: hits
+    logical, intent(in), optional :: with_between
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    type(c_link_arrays) :: c
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    if (size(directions, 1) /= 3) then
+      status = refused('the array of the directions has the shape '//joined(shape(directions, c_int64_t))//'; give it (3, Q)')
+    else
+      status = c_count_links(self%handle, clsdf_grid_for_c(grid), directions, size(directions, 2, c_int64_t), &
+          link_options(hits, with_between), options_for_c(given, options), count)
+    end if
+    if (status == CLSDF_OK) then
+      allocate (links%samples(3, count), links%directions(count), links%q(count), links%triangles(count), &
+          links%counts(count), links%flags(count), links%inside(grid%size(1), grid%size(2), grid%size(3)))
+      c%room = count
+      c%samples = c_loc(links%samples)
+      c%directions = c_loc(links%directions)
+      c%q = c_loc(links%q)
+      c%triangles = c_loc(links%triangles)
+      c%counts = c_loc(links%counts)
+      c%flags = c_loc(links%flags)
+      c%inside = c_loc(links%inside)
+      status = c_links(self%handle, clsdf_grid_for_c(grid), directions, size(directions, 2, c_int64_t), &
+          link_options(hits, with_between), c, options_for_c(given, options), statistics_for_c(statistics), count)
+      if (status == CLSDF_OK) links%samples = links%samples + 1
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Where the edges of a grid between neighbouring samples meet walls, along x, y and z. with_counts: their numbers, too.
+  subroutine transform_crossings(self, grid, crossings, inside, with_counts, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_crossings), intent(out), target :: crossings(3)
+    integer(c_int8_t), allocatable, intent(out), target, optional :: inside(:, :, :)  !< of each sample: 1 or 0
+    logical, intent(in), optional :: with_counts
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    type(c_crossing_arrays) :: c
+    integer(c_int64_t) :: edges(3)
+    logical :: counted
+    integer :: axis
+    counted = .false.
+    if (present(with_counts)) counted = with_counts
+    do axis = 1, 3
+      edges = grid%size
+      edges(axis) = edges(axis) - 1
+      allocate (crossings(axis)%coordinates(edges(1), edges(2), edges(3)), crossings(axis)%triangles(edges(1), edges(2), edges(3)))
+      c%coordinates(axis) = c_loc(crossings(axis)%coordinates)
+      c%triangles(axis) = c_loc(crossings(axis)%triangles)
+      if (.not. counted) cycle
+      allocate (crossings(axis)%counts(edges(1), edges(2), edges(3)))
+      c%counts(axis) = c_loc(crossings(axis)%counts)
+    end do
+    if (present(inside)) then
+      allocate (inside(grid%size(1), grid%size(2), grid%size(3)))
+      c%inside = c_loc(inside)
+    end if
+    call clsdf_finish(c_crossings(self%handle, clsdf_grid_for_c(grid), c, options_for_c(given, options), &
+        statistics_for_c(statistics)), stat, errmsg)
   end subroutine
 
   !> Of the vertices in use, at their present positions.

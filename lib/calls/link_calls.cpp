@@ -72,17 +72,20 @@ segments::LinkChoice choice_of(const LinkOptions& options) {
 /// The caller's arrays, checked.
 class LinkArrays {
 public:
-    explicit LinkArrays(const LinkTargets& given)
+    LinkArrays(const LinkTargets& given, const Grid& grid)
         : room_(given.room),
           samples_(given.samples, "the array of samples", room_, 3, {ElementType::int32}),
           directions_(given.directions, "the array of directions", room_, 1, {ElementType::uint8}),
           q_(given.q, "the array of q", room_, 1, {ElementType::float64, ElementType::float32}),
           triangles_(given.triangles, "the array of triangles", room_, 1, {ElementType::uint32, ElementType::int32}),
           counts_(given.counts, "the array of counts", room_, 1, {ElementType::uint32, ElementType::int32}),
-          flags_(given.flags, "the array of flags", room_, 1, {ElementType::uint8}) {
+          flags_(given.flags, "the array of flags", room_, 1, {ElementType::uint8}),
+          inside_(given.inside, "the array of inside", given.inside.is_given() ? grid.sample_count() : 0, 1,
+                  {ElementType::uint8}) {
         std::vector<targets::WrittenArray> written;
         for (const segments::ResultArray* array : {&samples_, &directions_, &q_, &triangles_, &counts_, &flags_})
             if (array->is_given() && room_ > 0) written.push_back(array->written());
+        if (inside_.is_given()) written.push_back(inside_.written());
         targets::refuse_overlap(written);
     }
 
@@ -100,6 +103,11 @@ public:
             if (counts_.is_given()) counts_.set(n, 0, links.counts[n]);
             if (flags_.is_given()) flags_.set(n, 0, links.flags[n]);
         }
+        if (!inside_.is_given()) return;
+        const std::vector<std::uint8_t>& bits = links.inside.bits;
+        const Index3& size = links.inside.size;
+        for (std::size_t n = 0; n < static_cast<std::size_t>(size[0] * size[1] * size[2]); ++n)
+            inside_.set(n, 0, static_cast<std::uint8_t>(bits[n / 8] >> n % 8 & 1U));
     }
 
 private:
@@ -113,7 +121,7 @@ private:
     }
 
     std::size_t room_;
-    segments::ResultArray samples_, directions_, q_, triangles_, counts_, flags_;
+    segments::ResultArray samples_, directions_, q_, triangles_, counts_, flags_, inside_;
 };
 
 }  // namespace
@@ -135,7 +143,8 @@ TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const L
                                              const LinkTargets& targets, std::size_t& count, const LinkOptions& options,
                                              const CallOptions& call) const {
     count = 0;
-    const LinkArrays arrays(targets);
+    grid.validate();
+    const LinkArrays arrays(targets, grid);
     TransformStatistics statistics;
     const Links found = links(grid, directions, options, call, &statistics);
     count = found.size();

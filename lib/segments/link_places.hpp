@@ -4,24 +4,25 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 
 namespace clsdf::segments {
 
 /// Segments and the faces that they cross, as many as are computed together.
 struct LinkPlaces {
-    static constexpr std::size_t most = 32;
-    using Numbers = std::array<double, most>;
+    static constexpr std::size_t most = 8;
+    struct Numbers {
+        alignas(64) std::array<double, most> of{};
+    };
 
     /// Of number n.
     void set(std::size_t n, const crossing::Corners& face, const Vec3& from, const Vec3& to) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            for (std::size_t i = 0; i < 3; ++i) corners[i][axis][n] = face[i][axis];
-            ends[0][axis][n] = from[axis];
-            ends[1][axis][n] = to[axis];
+            for (std::size_t i = 0; i < 3; ++i) corners[i][axis].of[n] = face[i][axis];
+            ends[0][axis].of[n] = from[axis];
+            ends[1][axis].of[n] = to[axis];
         }
     }
-    /// Sets place_of() of each of them, by vectors.
+    /// Sets crossing::place_of() of each of them, by vectors.
     void compute();
 
     std::array<std::array<Numbers, 3>, 3> corners{};
@@ -31,7 +32,7 @@ struct LinkPlaces {
 private:
     void compute_quickly();
 
-    std::array<std::int64_t, most> are_certain_{};
+    Numbers are_certain_{};
 };
 
 }  // namespace clsdf::segments

@@ -159,23 +159,24 @@ void LinkRaster::visit_line(const Batch& batch, std::size_t lane, const std::arr
     if (least < -tolerance && most > tolerance) return;
     const bool is_within = least > tolerance || most < -tolerance;
     const double area = w[0] + w[1] + w[2];
-    double begin = 0, end = 0;
+    double low = 0, high = 0;
     if (std::abs(area) > 8 * tolerance) {
         const double per_area = 1 / area;
         const double place = (w[0] * k[0] + w[1] * k[1] + w[2] * k[2]) * per_area;
         const double error = 4 * tolerance * length * std::abs(per_area) + 2 * margin;
-        begin = std::floor(place - error);
-        end = std::floor(place + error);
+        low = place - error;
+        high = place + error;
     } else {
-        begin = std::floor(least_of(k) - 2 * margin);
-        end = std::floor(most_of(k) + 2 * margin);
+        low = least_of(k) - 2 * margin;
+        high = most_of(k) + 2 * margin;
     }
+    if (high < 0 || low >= batch.most_k[lane] + 1) return;
+    const std::int64_t begin = low < 0 ? -1 : static_cast<std::int64_t>(low),
+                       end = high > batch.most_k[lane] + 1 ? static_cast<std::int64_t>(batch.most_k[lane]) + 1
+                                                           : static_cast<std::int64_t>(high);
     const bool is_sure = is_within && begin == end;
-    begin = std::max(begin, 0.0);
-    end = std::min(end, batch.most_k[lane]);
     const Batch::Lane& of = batch.steps[lane];
-    for (double number = begin; number <= end; ++number) {
-        const auto n = static_cast<std::int64_t>(number);
+    for (std::int64_t n = begin; n <= end; ++n) {
         std::array<std::int64_t, 3> sample{};
         sample[of.along] = of.begin + of.stride * n;
         sample[of.first] = static_cast<std::int64_t>(x) + of.first_slope * n;

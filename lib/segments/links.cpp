@@ -298,7 +298,7 @@ void Finder::solve_table(Links& links, std::size_t count) {
             std::size_t waiting = 0;
             const auto compute = [&] {
                 places.compute();
-                for (std::size_t i = 0; i < waiting; ++i) links.q[numbers[i]] = places.places[i];
+                for (std::size_t i = 0; i < waiting; ++i) links.q[numbers[i]] = places.places.of[i];
                 waiting = 0;
             };
             auto next = std::lower_bound(further_.begin(), further_.end(), Record{begin, 0});

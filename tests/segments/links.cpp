@@ -2,6 +2,9 @@
 #include "segments/segment_families.hpp"
 #include "segments/segment_judge.hpp"
 #include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/open_meshes.hpp"
+#include "support/queries.hpp"
 #include "support/throws.hpp"
 
 #include <tbb/global_control.h>
@@ -122,6 +125,20 @@ Totals check_family(const Family& family, std::span<const LinkDirection> directi
 
 const std::vector<LinkDirection> all_directions = stencil("D3Q27");
 
+/// A sphere of triangles without whole coordinates.
+Mesh ball() {
+    return make_shape("sphere3");
+}
+
+Grid grid_of(const Mesh& mesh, std::int64_t samples) {
+    return Grid::around(mesh.box(), {.resolution = samples});
+}
+
+bool is_same(const Links& a, const Links& b) {
+    return a.samples == b.samples && a.directions == b.directions && a.q == b.q && a.triangles == b.triangles &&
+           a.counts == b.counts && a.flags == b.flags && a.inside.bits == b.inside.bits;
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(links)
@@ -153,6 +170,359 @@ BOOST_AUTO_TEST_CASE(long_directions_are_those_of_exact_arithmetic) {
             small.grid = family.grid.part({1, 1, 1}, {4, 4, 3});
             check_family(small, directions, 7);
         }
+}
+
+BOOST_AUTO_TEST_CASE(sides_are_those_of_queries) {
+    for (const Family& family : families()) {
+        const DistanceTransform transform(test_device(), family.mesh, {.sign = family.rule});
+        const SampleSides sides = transform.links(family.grid, all_directions).inside;
+        const Field field = query(transform, samples_of(family.grid), no_limit);
+        std::size_t n = 0, wrong = 0;
+        for (std::int64_t z = 0; z < family.grid.size[2]; ++z)
+            for (std::int64_t y = 0; y < family.grid.size[1]; ++y)
+                for (std::int64_t x = 0; x < family.grid.size[0]; ++x, ++n)
+                    if (const float distance = field.distance()[n]; distance != 0)
+                        wrong += sides.is_inside({x, y, z}) != (distance < 0);
+        BOOST_TEST_CONTEXT(family.name) BOOST_TEST(wrong == 0);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(the_part_is_the_distance_over_the_approach) {
+    // A tetrahedron with the face x + 2 y + 3 z = 12, whose other faces are the planes of the axes.
+    const Parts corner = tetrahedron({{{0, 0, 0}, {12, 0, 0}, {0, 6, 0}, {0, 0, 4}}});
+    const DistanceTransform transform(test_device(), corner.mesh("corner"));
+    const Links links = transform.links({{0.25, 0.5, 0.125}, {0.5, 0.5, 0.5}, {30, 20, 15}, {}}, all_directions);
+    std::size_t compared = 0, wrong = 0;
+    for (std::size_t n = 0; n < links.size(); ++n) {
+        if (links.triangles[n] != 2) continue;
+        const auto& [i, j, k] = links.samples[n];
+        const auto& [cx, cy, cz] = all_directions[links.directions[n]];
+        const double distance = 0.25 + 0.5 * i + 2 * (0.5 + 0.5 * j) + 3 * (0.125 + 0.5 * k) - 12;
+        const double approach = -0.5 * (cx + 2 * cy + 3 * cz);
+        wrong += links.q[n] != distance / approach;  // all is exact but the quotient
+        ++compared;
+    }
+    BOOST_TEST(wrong == 0);
+    BOOST_TEST(compared > 500);
+}
+
+BOOST_AUTO_TEST_CASE(mirrored_meshes_have_mirrored_links) {
+    for (const Family& family : families()) {
+        if (family.grid.spacing != Vec3{1, 1, 1} || family.grid.origin != Vec3{} || family.grid.first != Index3{})
+            continue;
+        if (family.name == "slivers" || family.name == "soup, random") continue;  // mirrored, they would be rounded
+        const Rows rows = rows_of(DistanceTransform(test_device(), family.mesh, {.sign = family.rule})
+                                      .links(family.grid, all_directions, {.with_between = true}));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto top = static_cast<double>(family.grid.size[axis] - 1);
+            const Mesh mirrored = reversed(clsdf::test::moved(family.mesh, [&](Vec3 v) {
+                v[axis] = top - v[axis];
+                return v;
+            }));
+            const Links links = DistanceTransform(test_device(), mirrored, {.sign = family.rule})
+                                    .links(family.grid, all_directions, {.with_between = true});
+            std::size_t wrong = links.size() != rows.size();
+            for (std::size_t n = 0; n < links.size(); ++n) {
+                std::array<std::int32_t, 3> sample = links.samples[n];
+                sample[axis] = static_cast<std::int32_t>(top) - sample[axis];
+                LinkDirection direction = all_directions[links.directions[n]];
+                direction[axis] *= -1;
+                const auto number = std::ranges::find(all_directions, direction) - all_directions.begin();
+                const auto found = rows.find({sample[2], sample[1], sample[0], static_cast<std::uint8_t>(number)});
+                wrong += found == rows.end() || found->second.q != links.q[n] ||
+                         found->second.triangle != links.triangles[n] || found->second.count != links.counts[n];
+            }
+            BOOST_TEST_CONTEXT(family.name << " on axis " << axis) BOOST_TEST(wrong == 0);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(both_ends_add_up_to_one) {
+    const Mesh mesh = ball();
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_of(mesh, 40);
+    const Links links = transform.links(grid, all_directions);
+    // From the inside: the faces as given, as all links are crossed once.
+    const Links faces = transform.links(grid, all_directions, {.hits = Hits::faces});
+    const Rows rows = rows_of(faces);
+    double worst = 0;
+    std::size_t compared = 0;
+    for (std::size_t n = 0; n < links.size(); ++n) {
+        if (links.counts[n] != 1) continue;
+        std::array<std::int32_t, 3> other = links.samples[n];
+        LinkDirection back = all_directions[links.directions[n]];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            other[axis] += back[axis];
+            back[axis] = -back[axis];
+        }
+        const auto number = std::ranges::find(all_directions, back) - all_directions.begin();
+        const auto found = rows.find({other[2], other[1], other[0], static_cast<std::uint8_t>(number)});
+        if (found == rows.end()) continue;  // it is not in the grid
+        worst = std::max(worst, std::abs(links.q[n] + found->second.q - 1));
+        ++compared;
+    }
+    BOOST_TEST(compared > 10000);
+    BOOST_TEST(worst <= 0x1p-52);
+}
+
+BOOST_AUTO_TEST_CASE(parts_and_threads_have_the_bytes_of_the_whole) {
+    const Mesh mesh = ball();
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_of(mesh, 48);
+    const Links whole = transform.links(grid, all_directions, {.with_between = true});
+    {
+        const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+        BOOST_TEST(is_same(transform.links(grid, all_directions, {.with_between = true}), whole));
+    }
+    const Rows rows = rows_of(whole);
+    std::size_t found = 0, wrong = 0;
+    for (std::int64_t z = 0; z < 48; z += 16)
+        for (std::int64_t x = 0; x < 48; x += 24) {
+            const Grid part = grid.part({x, 0, z}, {24, grid.size[1], std::min<std::int64_t>(16, grid.size[2] - z)});
+            for (const auto& [key, row] : rows_of(transform.links(part, all_directions, {.with_between = true}))) {
+                const auto same = rows.find(key);
+                wrong += same == rows.end() || !(same->second == row);
+                ++found;
+            }
+        }
+    BOOST_TEST(found == rows.size());
+    BOOST_TEST(wrong == 0);
+    // One direction alone.
+    const Links alone = transform.links(grid, std::span(all_directions).subspan(5, 1));
+    BOOST_TEST(alone.size() == static_cast<std::size_t>(std::ranges::count(
+                                   transform.links(grid, all_directions).directions, std::uint8_t{5})));
+}
+
+BOOST_AUTO_TEST_CASE(moved_and_restricted_meshes_have_the_links_of_their_positions) {
+    const Mesh mesh = ball();
+    const Mesh other = tilted(mesh);
+    DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_of(other, 40);
+    transform.links(grid, all_directions);
+    transform.set_positions(other.vertices());
+    const Links moved = transform.links(grid, all_directions);
+    BOOST_TEST(is_same(moved, DistanceTransform(test_device(), other).links(grid, all_directions)));
+
+    const Grid part = grid.part({20, 3, 5}, {10, 20, 12});
+    const DistanceTransform restricted =
+        transform.restrict_to({.box = part.grown(1).box(), .half_width = 0.1, .spacing = grid.voxel()});
+    BOOST_TEST(is_same(restricted.links(part, all_directions), transform.links(part, all_directions)));
+    check_throws(ErrorCode::invalid_argument, {"restricted", "region"},
+                 [&] { restricted.links(part.grown(1), all_directions); });
+}
+
+BOOST_AUTO_TEST_CASE(links_are_counted_and_written_into_the_callers_arrays) {
+    const Mesh mesh = ball();
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_of(mesh, 24);
+    for (const LinkOptions& options :
+         {LinkOptions{}, LinkOptions{.with_between = true}, LinkOptions{.hits = Hits::faces}}) {
+        const Links links = transform.links(grid, all_directions, options);
+        BOOST_TEST(transform.count_links(grid, all_directions, options) == links.size());
+    }
+    const Links links = transform.links(grid, all_directions);
+    const std::size_t room = links.size() + 3;
+    std::vector<std::array<std::int32_t, 3>> samples(room);
+    std::vector<std::uint8_t> directions(room), flags(room, 77);
+    std::vector<float> q(room, -7);
+    std::vector<std::int32_t> triangles(room);
+    std::vector<std::uint32_t> counts(room);
+    std::vector<std::uint8_t> inside(grid.sample_count(), 9);
+    LinkTargets targets{room, samples, directions, q, triangles, counts, flags, inside};
+    std::size_t count = 0;
+    transform.links(grid, all_directions, targets, count);
+    BOOST_TEST(count == links.size());
+    std::size_t wrong = 0;
+    for (std::size_t n = 0; n < count; ++n)
+        wrong += samples[n] != links.samples[n] || directions[n] != links.directions[n] ||
+                 std::abs(static_cast<double>(q[n]) - links.q[n]) > 1e-7 ||
+                 static_cast<std::uint32_t>(triangles[n]) != links.triangles[n] || counts[n] != links.counts[n];
+    std::size_t sample = 0;
+    for (std::int64_t z = 0; z < grid.size[2]; ++z)
+        for (std::int64_t y = 0; y < grid.size[1]; ++y)
+            for (std::int64_t x = 0; x < grid.size[0]; ++x)
+                wrong += inside[sample++] != (links.inside.is_inside({x, y, z}) ? 1 : 0);
+    BOOST_TEST(wrong == 0);
+    BOOST_TEST(q[count] == -7);
+    BOOST_TEST(static_cast<int>(flags[count]) == 77);
+    std::vector<float> few(10, -7);
+    check_throws(ErrorCode::invalid_argument, {fmt::format("{}", count), "room for 10"},
+                 [&] { transform.links(grid, all_directions, {.room = 10, .q = few}, count); });
+    BOOST_TEST(count == links.size());
+    BOOST_TEST(std::ranges::all_of(few, [](float x) { return x == -7; }));
+}
+
+BOOST_AUTO_TEST_CASE(a_part_that_is_not_0_or_1_is_neither_as_a_float) {
+    const DistanceTransform transform(test_device(), box_between({0x1p-60, 0, 0}, {3, 1, 1}).mesh("box"));
+    std::vector<float> q(1);
+    std::size_t count = 0;
+    transform.links({{0, 0.5, 0.5}, {1, 1, 1}, {1, 1, 1}, {}}, std::vector<LinkDirection>{{1, 0, 0}},
+                    {.room = 1, .q = q}, count);
+    BOOST_TEST(q[0] == 0x1p-60F);
+    const DistanceTransform near(test_device(), box_between({1 - 0x1p-40, 0, 0}, {3, 1, 1}).mesh("box"));
+    near.links({{0, 0.5, 0.5}, {1, 1, 1}, {1, 1, 1}, {}}, std::vector<LinkDirection>{{1, 0, 0}}, {.room = 1, .q = q},
+               count);
+    BOOST_TEST(q[0] == std::nextafter(1.0F, 0.0F));
+}
+
+BOOST_AUTO_TEST_CASE(faces_as_given_are_met_without_a_sign) {
+    // One square, seen from both sides.
+    const Mesh sheet({{0, 0, 0.25}, {8, 0, 0.25}, {8, 8, 0.25}, {0, 8, 0.25}}, {{0, 1, 2}, {0, 2, 3}}, "sheet");
+    const DistanceTransform transform(test_device(), sheet, {.sign = SignRule::none});
+    const std::vector<LinkDirection> directions{{0, 0, 1}, {0, 0, -1}};
+    const Grid grid{{0.5, 1.25, 0}, {1, 1, 1}, {6, 6, 2}, {}};
+    const Links links = transform.links(grid, directions, {.hits = Hits::faces});
+    BOOST_TEST(links.size() == 72U);
+    for (std::size_t n = 0; n < links.size(); ++n) {
+        BOOST_TEST(links.q[n] == (links.directions[n] == 0 ? 0.25 : 0.75));
+        BOOST_TEST((links.flags[n] == SegmentFlag::sheet));
+        BOOST_TEST(links.counts[n] == 1U);
+    }
+    check_throws(ErrorCode::invalid_argument, {"sheet", "sign", "faces"}, [&] { transform.links(grid, directions); });
+}
+
+BOOST_AUTO_TEST_CASE(the_film_of_an_open_mesh_is_met) {
+    // A box without its lid.
+    Parts parts = box_between({1, 1, 1}, {9, 9, 9});
+    parts.triangles.erase(parts.triangles.begin() + 2, parts.triangles.begin() + 4);  // z = 9
+    const DistanceTransform transform(test_device(), parts.mesh("open box"), {.sign = SignRule::solid_angle});
+    const Grid grid{{0.3, 0.4, 0.2}, {0.7, 0.7, 0.7}, {15, 15, 16}, {}};
+    const Links links = transform.links(grid, all_directions);
+    const Field field = query(transform, samples_of(grid), no_limit);
+    const auto is_inside = [&](const Index3& p) { return field.distance()[grid.offset(p[0], p[1], p[2])] < 0; };
+    std::size_t wrong = 0, films = 0, rows = 0, expected = 0;
+    for (std::int64_t z = 0; z < 16; ++z)
+        for (std::int64_t y = 0; y < 15; ++y)
+            for (std::int64_t x = 0; x < 15; ++x) {
+                wrong += links.inside.is_inside({x, y, z}) != is_inside({x, y, z});
+                for (const auto& [cx, cy, cz] : all_directions) {
+                    const Index3 q{x + cx, y + cy, z + cz};
+                    bool is_in = true;
+                    for (std::size_t axis = 0; axis < 3; ++axis)
+                        is_in = is_in && q[axis] >= 0 && q[axis] < grid.size[axis];
+                    expected += is_in && !is_inside({x, y, z}) && is_inside(q);
+                }
+            }
+    double worst = 0;
+    for (std::size_t n = 0; n < links.size(); ++n) {
+        const auto& sample = links.samples[n];
+        const auto& c = all_directions[links.directions[n]];
+        Vec3 at{};
+        bool is_in = true;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            at[axis] = grid.origin[axis] + grid.spacing[axis] * (sample[axis] + links.q[n] * c[axis]);
+            is_in = is_in && sample[axis] + c[axis] >= 0 && sample[axis] + c[axis] < grid.size[axis];
+        }
+        rows += is_in;
+        if (links.flags[n] != SegmentFlag::film) {
+            wrong += links.triangles[n] == no_triangle;
+            continue;
+        }
+        ++films;
+        wrong += links.triangles[n] != no_triangle;
+        double winding = 0;
+        const std::vector<Vec3> points{at};
+        transform.winding(points, std::span(&winding, 1));
+        worst = std::max(worst, std::abs(std::abs(winding) - 0.5));
+    }
+    BOOST_TEST(wrong == 0);
+    BOOST_TEST(rows == expected);
+    BOOST_TEST(films > 500);
+    BOOST_TEST(worst < 1e-8);
+}
+
+BOOST_AUTO_TEST_CASE(what_cannot_be_done_is_refused_by_name) {
+    const DistanceTransform transform(test_device(), ball());
+    const Grid grid{{0, 0, 0}, {1, 1, 1}, {4, 4, 4}, {}};
+    check_throws(ErrorCode::invalid_argument, {"direction 1", "17"}, [&] {
+        transform.links(grid, std::vector<LinkDirection>{{1, 0, 0}, {17, 0, 0}});
+    });
+    check_throws(ErrorCode::invalid_argument, {"directions 0 and 2"}, [&] {
+        transform.links(grid, std::vector<LinkDirection>{{1, 0, 0}, {0, 1, 0}, {1, 0, 0}});
+    });
+    check_throws(ErrorCode::invalid_argument, {"33 directions", "32"},
+                 [&] { transform.links(grid, std::vector<LinkDirection>(33)); });
+    check_throws(ErrorCode::invalid_argument, {"2^-22", "axis y"}, [&] {
+        transform.links({{0, 1e12, 0}, {1e-4, 1e-4, 1e-4}, {2, 2, 2}, {}}, all_directions);
+    });
+    check_throws(ErrorCode::invalid_argument, {"2^-300"}, [&] {
+        transform.links({{1e-200, 0, 0}, {1, 1, 1}, {2, 2, 2}, {1, 0, 0}}, all_directions);
+        transform.links({{1e-200, 0, 0}, {1, 1, 1}, {2, 2, 2}, {}}, all_directions);
+    });
+    check_throws(ErrorCode::invalid_argument, {"D3Q99", "OpenLB"}, [&] { stencil("D3Q99"); });
+    check_throws(ErrorCode::cancelled, {},
+                 [&] { transform.links(grid, all_directions, {}, {.should_stop = [] { return true; }}); });
+    std::vector<double> fractions;
+    transform.links(grid, all_directions, {},
+                    {.progress = [&](const Progress& p) { fractions.push_back(p.fraction); }});
+    BOOST_TEST(std::ranges::is_sorted(fractions));
+    BOOST_TEST(fractions.size() > 2U);
+    BOOST_TEST(fractions.back() == 1);
+}
+
+BOOST_AUTO_TEST_CASE(stencils_have_the_orders_of_their_codes) {
+    for (const auto& [name, count] : {std::pair("D3Q15", 15U), {"D3Q19", 19U}, {"D3Q27", 27U}})
+        for (const char* const code : {"OpenLB", "waLBerla", "lbmpy", "Palabos", "XLB"}) {
+            if (count == 15 && std::string_view(code) == "XLB") continue;
+            std::vector<LinkDirection> directions = stencil(name, code);
+            BOOST_TEST(directions.size() == count);
+            BOOST_TEST((directions[0] == LinkDirection{}));
+            std::ranges::sort(directions);
+            BOOST_TEST((std::ranges::unique(directions).empty()));
+        }
+    BOOST_TEST((stencil("D3Q19", "OpenLB")[10] == LinkDirection{1, 0, 0}));
+    BOOST_TEST((stencil("D3Q15", "Palabos")[7] == LinkDirection{-1, 1, 1}));
+    BOOST_TEST((stencil("D3Q27")[26] == LinkDirection{-1, -1, -1}));
+    BOOST_TEST((stencil("D3Q19")[11] == LinkDirection{0, 1, 1}));
+    BOOST_TEST((stencil("D3Q19", "XLB")[1] == LinkDirection{0, 0, -1}));
+}
+
+BOOST_AUTO_TEST_CASE(crossings_are_the_links_along_the_axes) {
+    std::size_t all_crossed = 0;
+    for (const Family& family : families()) {
+        const DistanceTransform transform(test_device(), family.mesh, {.sign = family.rule});
+        const Crossings crossings = transform.crossings(family.grid, {.with_counts = true});
+        const auto places = places_of(family.grid, 0);
+        const SegmentJudge judge(family.mesh, family.rule, places);
+        std::size_t wrong = 0, crossed = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const EdgeCrossings& edges = crossings.axes[axis];
+            std::size_t n = 0;
+            for (std::int64_t z = 0; z < edges.size[2]; ++z)
+                for (std::int64_t y = 0; y < edges.size[1]; ++y)
+                    for (std::int64_t x = 0; x < edges.size[0]; ++x, ++n) {
+                        Index3 next{x, y, z};
+                        ++next[axis];
+                        const Vec3 from = position(places, {x, y, z}), to = position(places, next);
+                        const LookWindings at = judge.windings(from);
+                        const auto walls = judge.walls(from, to, at);
+                        wrong += edges.counts[n] != walls.size();
+                        if (walls.size() % 2 == 0) {
+                            wrong += !std::isnan(edges.coordinates[n]) || edges.triangles[n] != no_triangle;
+                            continue;
+                        }
+                        ++crossed;
+                        const bool is_inside = judge.is_inside(at);
+                        const Fraction& place = (is_inside ? walls.back() : walls.front()).place;
+                        const double t =
+                            static_cast<double>(boost::multiprecision::cpp_bin_float_100(place.numerator) /
+                                                boost::multiprecision::cpp_bin_float_100(place.denominator));
+                        const double expected = from[axis] + t * (to[axis] - from[axis]);
+                        wrong += std::abs(edges.coordinates[n] - expected) >
+                                 2e-16 * (std::abs(from[axis]) + std::abs(to[axis]));
+                        wrong += edges.triangles[n] == no_triangle;
+                    }
+        }
+        BOOST_TEST_CONTEXT(family.name) BOOST_TEST(wrong == 0);
+        all_crossed += crossed;
+        // Without counts the same but those.
+        const Crossings without = transform.crossings(family.grid);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            BOOST_TEST(without.axes[axis].counts.empty());
+            BOOST_TEST((without.axes[axis].triangles == crossings.axes[axis].triangles));
+        }
+    }
+    BOOST_TEST(all_crossed > 1000);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

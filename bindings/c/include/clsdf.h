@@ -1024,6 +1024,64 @@ CLSDF_API clsdf_status clsdf_classify(const clsdf_transform* transform, const cl
 CLSDF_API clsdf_status clsdf_winding(const clsdf_transform* transform, const clsdf_array* points,
                                      const clsdf_array* results, const clsdf_call_options* call);
 
+/* What counts where a segment meets the surface. */
+#define CLSDF_WALLS 0 /* where inside and outside meet, by the sign rule */
+#define CLSDF_FACES 1 /* every face as given, also of a mesh without a sign */
+
+/* What is said of a link, as bits. */
+#define CLSDF_LINK_FILM 1    /* the sign changes where an open mesh has no face: no triangle, q to 2^-30 */
+#define CLSDF_LINK_BETWEEN 2 /* both ends are outside, with a body between them */
+#define CLSDF_LINK_SHEET 8   /* of CLSDF_FACES: both ends are on one side */
+
+/* Which links are asked for. */
+typedef struct clsdf_link_options {
+    int32_t hits;         /* CLSDF_WALLS or CLSDF_FACES */
+    int32_t with_between; /* 1: also links with both ends outside and a body between them, a row from each end */
+} clsdf_link_options;
+
+/* The caller's arrays for links, packed on the host, of `room` items each; each may be null. */
+typedef struct clsdf_link_arrays {
+    int64_t room;
+    int32_t* samples;    /* [room][3], on the lattice: clsdf_grid.first counts */
+    uint8_t* directions; /* the number of the direction, from the mesh's index base on */
+    double* q;           /* the part of the link up to the first wall, 0 to 1 */
+    float* q_floats;     /* the same in floats: neither 0 nor 1 by rounding; q or this */
+    uint32_t* triangles; /* the lowest of those met first, from the index base on; 0xFFFFFFFF plus the base at a film */
+    uint32_t* counts;    /* walls on the link */
+    uint8_t* flags;      /* CLSDF_LINK_FILM ... */
+    uint8_t* inside;     /* for each sample of the grid, x fastest: 1 if it is inside, else 0 */
+} clsdf_link_arrays;
+
+/* The caller's arrays for the edges of a grid along x, y and z, packed on the host; each may be null. There is one edge
+ * less than samples on the axis; x fastest. */
+typedef struct clsdf_crossing_arrays {
+    double* coordinates[3]; /* along the axis, of the first wall from the end outside; NaN if the sides agree */
+    uint32_t* triangles[3]; /* from the index base on; 0xFFFFFFFF plus the base: none */
+    uint32_t* counts[3];    /* walls on the edge, also where the sides agree */
+    uint8_t* inside;        /* for each sample: 1 if it is inside, else 0 */
+} clsdf_crossing_arrays;
+
+/* The directions of a stencil, "D3Q15", "D3Q19" or "D3Q27", in the order of a code, "OpenLB", "waLBerla", "lbmpy",
+ * "Palabos" or "XLB": directions[27][3] is large enough for each. */
+CLSDF_API clsdf_status clsdf_stencil(const char* name, const char* code, int32_t* directions, int64_t* count);
+/* The links of a grid in directions[direction_count][3] that meet the surface, by sample (z, y, x), then by direction:
+ * one if and only if its ends are on different sides. A row's sample is outside and in the grid. `count` gets how many
+ * there are. If the arrays have less room, CLSDF_INVALID_ARGUMENT, `count` has it, and nothing is written. options may
+ * be null: walls. */
+CLSDF_API clsdf_status clsdf_links(const clsdf_transform* transform, const clsdf_grid* grid, const int32_t* directions,
+                                   int64_t direction_count, const clsdf_link_options* options,
+                                   const clsdf_link_arrays* arrays, const clsdf_call_options* call,
+                                   clsdf_statistics* statistics, int64_t* count);
+/* How many there are. */
+CLSDF_API clsdf_status clsdf_count_links(const clsdf_transform* transform, const clsdf_grid* grid,
+                                         const int32_t* directions, int64_t direction_count,
+                                         const clsdf_link_options* options, const clsdf_call_options* call,
+                                         int64_t* count);
+/* Where the edges of a grid between neighbouring samples meet walls. */
+CLSDF_API clsdf_status clsdf_crossings(const clsdf_transform* transform, const clsdf_grid* grid,
+                                       const clsdf_crossing_arrays* arrays, const clsdf_call_options* call,
+                                       clsdf_statistics* statistics);
+
 /* The box of the vertices in use, at their present positions. */
 CLSDF_API clsdf_status clsdf_transform_box(const clsdf_transform* transform, clsdf_box* box);
 CLSDF_API clsdf_status clsdf_transform_topology(const clsdf_transform* transform, clsdf_topology* topology);

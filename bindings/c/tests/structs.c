@@ -263,5 +263,23 @@ int main(void) {
     MEMBER(clsdf_field_description, sign);
     MEMBER(clsdf_field_description, positive_inside);
     MEMBER(clsdf_field_description, mesh_name);
+    SIZE(clsdf_link_options);
+    MEMBER(clsdf_link_options, hits);
+    MEMBER(clsdf_link_options, with_between);
+    SIZE(clsdf_link_arrays);
+    MEMBER(clsdf_link_arrays, room);
+    MEMBER(clsdf_link_arrays, samples);
+    MEMBER(clsdf_link_arrays, directions);
+    MEMBER(clsdf_link_arrays, q);
+    MEMBER(clsdf_link_arrays, q_floats);
+    MEMBER(clsdf_link_arrays, triangles);
+    MEMBER(clsdf_link_arrays, counts);
+    MEMBER(clsdf_link_arrays, flags);
+    MEMBER(clsdf_link_arrays, inside);
+    SIZE(clsdf_crossing_arrays);
+    MEMBER(clsdf_crossing_arrays, coordinates);
+    MEMBER(clsdf_crossing_arrays, triangles);
+    MEMBER(clsdf_crossing_arrays, counts);
+    MEMBER(clsdf_crossing_arrays, inside);
     return 0;
 }

@@ -21,6 +21,7 @@ from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemor
 from ._values import Blocks, Points
 from ._field import Field
 from ._files import FieldWriter, read_field, write_field
+from ._links import Crossings, EdgeCrossings, Links, stencil
 from ._pictures import Picture, slice_picture
 from ._plan import Plan, PointPlan, PointStatus, SparsePlan
 from ._shared import SharedArray
@@ -44,9 +45,11 @@ __all__ = [
     "Band",
     "Blocks",
     "BoxPlace",
+    "Crossings",
     "Defects",
     "Device",
     "DeviceInfo",
+    "EdgeCrossings",
     "Error",
     "Field",
     "FieldWriter",
@@ -54,6 +57,7 @@ __all__ = [
     "Groups",
     "InvalidArgument",
     "InvalidMesh",
+    "Links",
     "Mesh",
     "MeshWarning",
     "OutOfMemory",
@@ -82,6 +86,7 @@ __all__ = [
     "read_sparse_field",
     "shape_names",
     "slice_picture",
+    "stencil",
     "trimesh",
     "weld",
     "write_field",

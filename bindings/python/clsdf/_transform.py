@@ -24,6 +24,7 @@ from ._points import flat, limit_of, on_surface, rows_of
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
 from ._field import Field
+from ._links import Crossings, Links, directions_of, is_of_faces
 from ._plan import Plan, PointPlan, SparsePlan
 from ._sparse import SparseField
 
@@ -698,6 +699,48 @@ class Transform:
         results = np.empty(_cuda.shape_of(points)[0], np.float32) if out is None else out
         self._body.winding(points, results, wait_for)
         return results[0] if is_one and out is None else results
+
+    # Links and crossings.
+
+    def links(
+        self,
+        grid: Grid,
+        directions: Any = "D3Q19",
+        *,
+        hits: str = "walls",
+        with_between: bool = False,
+        dtype: npt.DTypeLike = np.float64,
+        progress: Any = None,
+    ) -> Links:
+        """The links of a grid that meet the surface: one if and only if its ends are on different sides, exact.
+
+        directions: a stencil ("D3Q19" in the order of waLBerla, ("D3Q19", "OpenLB")), or whole numbers (n, 3), at most 32
+        with components up to 16. hits: "walls", where inside and outside meet, or "faces", all faces as given, also of
+        a mesh without a sign. with_between: also links with both ends outside and a body between them. dtype: of q.
+        Raises clsdf.Error (invalid_argument) for directions or a grid out of range, and for walls without a sign.
+        """
+        own = directions_of(directions)
+        of_faces = is_of_faces(hits)
+        if progress is None:
+            found = _core.links(self._body, grid, own, of_faces, with_between, None)
+        else:
+            with shown(progress) as show:
+                found = _core.links(self._body, grid, own, of_faces, with_between, show)
+        return Links(grid, own, found, dtype)
+
+    def count_links(
+        self, grid: Grid, directions: Any = "D3Q19", *, hits: str = "walls", with_between: bool = False
+    ) -> int:
+        """How many links links() would give."""
+        return _core.count_links(self._body, grid, directions_of(directions), is_of_faces(hits), with_between, None)
+
+    def crossings(self, grid: Grid, *, counts: bool = False, progress: Any = None) -> Crossings:
+        """Where the edges of a grid between neighbouring samples meet walls, along x, y and z. counts: the number of
+        walls on each edge, too."""
+        if progress is None:
+            return Crossings(grid, _core.crossings(self._body, grid, counts, None))
+        with shown(progress) as show:
+            return Crossings(grid, _core.crossings(self._body, grid, counts, show))
 
     def restrict_to(self, regions: Region | Iterable[Region]) -> Transform:
         """A transform for parts of the domain, which keeps only what they need. Every grid, point and box asked for

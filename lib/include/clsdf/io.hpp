@@ -6,11 +6,13 @@
 #include <clsdf/field.hpp>
 #include <clsdf/mesh_files.hpp>
 #include <clsdf/outputs.hpp>
+#include <clsdf/segments.hpp>
 #include <clsdf/sparse.hpp>
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -123,6 +125,18 @@ private:
     std::int64_t next_ = 0;                       // the lattice's z of the next layers
     std::unique_ptr<SparseFormatWriter> format_;  // null after the end or a failure
 };
+
+/// Writes links, whose grid and directions these are: .npz or .h5, with arrays as Links has them, `stencil`, `inside`
+/// (a byte for each sample, z first), `origin`, `spacing`, `size` and `first`; or .npy, a structure for each link.
+/// Complete or not at all. Throws Error(output_failure), Error(unsupported) for another ending.
+CLSDF_EXPORT void write_links(const Links& links, const Grid& grid, std::span<const LinkDirection> directions,
+                              const std::string& path);
+/// Writes crossings of the grid's edges: .npz or .h5, with `x`, `x_triangles` and, if they are there, `x_counts`, the
+/// same of y and z (z first), and the others as above.
+CLSDF_EXPORT void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path);
+/// Each throws Error(unsupported) if the file's ending is another one.
+CLSDF_EXPORT void check_links_path(const std::string& path);
+CLSDF_EXPORT void check_crossings_path(const std::string& path);
 
 /// For a program that is about to end during its work, for instance on Ctrl-C: removes the unfinished files of all
 /// threads, and prevents them from getting their final names. A thread that continues to write waits for ever, so the

@@ -90,6 +90,7 @@ struct LinkTargets {
     OutputArray triangles{};  ///< uint32 or int32 (then -1 for none)
     OutputArray counts{};     ///< uint32
     OutputArray flags{};      ///< uint8
+    OutputArray inside{};     ///< uint8, an item for each sample of the grid: 1 if it is inside, else 0
 };
 
 /// Where the edges of a grid along one axis cross the surface. Edge (i, j, k) joins sample (i, j, k) of the grid with

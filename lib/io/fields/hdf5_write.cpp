@@ -1,6 +1,7 @@
 #include "core/files.hpp"
 #include "io/fields/field_files.hpp"
 #include "io/fields/hdf5.hpp"
+#include "io/fields/segment_files.hpp"
 #include "io/fields/sparse_files.hpp"
 
 #include <clsdf/error.hpp>
@@ -190,6 +191,8 @@ hid_t type_of(ElementType type) {
             return H5T_IEEE_F64LE;
         case ElementType::uint32:
             return H5T_STD_U32LE;
+        case ElementType::int32:
+            return H5T_STD_I32LE;
         case ElementType::int64:
             return H5T_STD_I64LE;
         case ElementType::uint8:
@@ -221,18 +224,18 @@ public:
     explicit H5Layout(std::string path) : path_(std::move(path)) {}
 
     /// Writes all but the values and returns the offset of each array's values; 0 if it has none.
-    std::vector<std::uint64_t> write(AtomicFile& target, const FieldDescription& field,
+    std::vector<std::uint64_t> write(AtomicFile& target, const std::string& description,
                                      const std::vector<NewArray>& arrays) const {
         const hdf5::Session session;
         hdf5::Layout layout;
         if (!layout.is_valid()) fail();
-        std::vector<std::uint64_t> offsets = lay_out(layout, field, arrays);
+        std::vector<std::uint64_t> offsets = lay_out(layout, description, arrays);
         layout.write_to(target);
         return offsets;
     }
 
 private:
-    std::vector<std::uint64_t> lay_out(hdf5::Layout& layout, const FieldDescription& field,
+    std::vector<std::uint64_t> lay_out(hdf5::Layout& layout, const std::string& description,
                                        const std::vector<NewArray>& arrays) const {
         const Handle access = checked(hdf5::access());
         layout.use(access);
@@ -240,7 +243,7 @@ private:
         const Handle creation = checked({H5Pcreate(H5P_FILE_CREATE), H5Pclose});
         check(H5Pset_obj_track_times(creation.get(), false));
         Handle file = checked({H5Fcreate("layout", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose});
-        write_text(file.get(), "clsdf", description_text(field));
+        write_text(file.get(), "clsdf", description);
         std::vector<std::uint64_t> offsets;
         offsets.reserve(arrays.size());
         for (const NewArray& array : arrays) offsets.push_back(write_array(file.get(), array));
@@ -372,7 +375,7 @@ public:
         for (const OutputInfo& info : infos_)
             arrays.push_back({info.name, info.type, shape_of(field.grid, info),
                               std::pair(field.grid.position(0, 0, 0), field.grid.spacing)});
-        offsets_ = H5Layout(path).write(file_, field, arrays);
+        offsets_ = H5Layout(path).write(file_, description_text(field), arrays);
     }
 
     void append(const FieldSlab& slab, std::int64_t first_slice) override {
@@ -418,7 +421,7 @@ public:
             const std::vector<std::int64_t> shape = sparse_shape(bricks_.size(), info);
             arrays.push_back({info.name, info.type, {shape.begin(), shape.end()}, {}});
         }
-        const std::vector<std::uint64_t> offsets = H5Layout(path_).write(file_, field_, arrays);
+        const std::vector<std::uint64_t> offsets = H5Layout(path_).write(file_, description_text(field_), arrays);
         write(offsets[0], std::as_bytes(std::span(bricks_)), sizeof(std::int64_t));
         write(offsets[1], std::as_bytes(std::span(runs_)), sizeof(std::int64_t));
         std::vector<std::byte> part;
@@ -469,6 +472,20 @@ std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDesc
 std::unique_ptr<SparseFormatWriter> sparse_h5_writer(const std::string& path, const FieldDescription& field,
                                                      OutputSet outputs) {
     return std::make_unique<SparseH5Writer>(path, field, outputs);
+}
+
+void write_h5_arrays(const std::string& path, const std::string& description, std::span<const FileArray> arrays) {
+    AtomicFile file(path);
+    std::vector<NewArray> layout;
+    for (const FileArray& array : arrays)
+        layout.push_back({array.name, array.type, {array.shape.begin(), array.shape.end()}, {}});
+    const std::vector<std::uint64_t> offsets = H5Layout(path).write(file, description, layout);
+    for (std::size_t n = 0; n < arrays.size(); ++n) {
+        if (arrays[n].bytes.empty()) continue;
+        file.seek(offsets[n]);
+        write_little_endian(file, arrays[n].bytes, bytes_of(arrays[n].type));
+    }
+    file.commit();
 }
 
 void check_h5(const std::string& path, OutputSet) {

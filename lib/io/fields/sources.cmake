@@ -17,6 +17,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/nvdb_tree.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nvdb_write.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sdf.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/segment_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sparse_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_WITH_OPENVDB}>,vdb_write,vdb_absent>.cpp
           $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp;${CMAKE_CURRENT_LIST_DIR}/vdb_trees.cpp>

@@ -1,0 +1,72 @@
+#include "segments.hpp"
+
+#include "devices.hpp"
+#include "interruption.hpp"
+#include "option_values.hpp"
+#include "report.hpp"
+
+#include "core/stopwatch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+void add_segment_options(Parser& parser, SegmentOptions& options, const char* output) {
+    ComputeOptions& own = options.grid;
+    own.margin = "5%";
+    add_mesh_argument(parser, own.mesh);
+    parser.add("-o,--output", own.output, output).takes("RESULT").required();
+    add_grid_options(parser, own);
+    parser.begin_group("Options");
+    add_sign_option(parser, own.sign);
+    add_placement_options(parser, own.reading);
+    add_weld_option(parser, own.reading);
+    add_skip_option(parser, own.reading);
+    add_device_option(parser, own.device, "whose memory is used");
+}
+
+SegmentRun run_segments(const SegmentOptions& options, Report& report,
+                        const std::function<void(const clsdf::DistanceTransform&, const clsdf::Grid&,
+                                                 const clsdf::CallOptions&, clsdf::TransformStatistics&)>& find) {
+    const ComputeOptions& own = options.grid;
+    const ComputeRequest request(own);
+    keep_mesh(own.mesh, own.output);
+    const clsdf::Device device = open_device(own.device, report);
+    const clsdf::Mesh mesh = read_body(own.mesh, own.reading, report);
+    SegmentRun run;
+    run.grid = request.grid_around(mesh.box());
+    run.device = device.name();
+    const Interruption interruption;
+    try {
+        ProgressBar progress(!report.quiet);
+        clsdf::CallOptions call;
+        call.log = [&](const std::string& message) {
+            progress.clear();
+            report.warn(message);
+        };
+        call.should_stop = [&] { return interruption.token().stop_requested(); };
+        call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
+        const clsdf::Stopwatch watch;
+        const clsdf::DistanceTransform transform(device, mesh, {.sign = request.sign}, call);
+        run.sign = transform.sign();
+        clsdf::TransformStatistics statistics;
+        find(transform, run.grid, call, statistics);
+        run.seconds = std::max(0.0, watch.seconds() - statistics.compile_seconds);
+    } catch (const clsdf::Error&) {
+        if (interruption.token().stop_requested())
+            throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; nothing was written");
+        throw;
+    }
+    if (!report.quiet) {
+        report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(own.mesh), mesh.vertices().size(),
+                     mesh.triangles().size());
+        report.print("grid    {} x {} x {} samples\n", run.grid.size[0], run.grid.size[1], run.grid.size[2]);
+    }
+    return run;
+}
+
+Json describe(const SegmentOptions& options, const SegmentRun& run) {
+    return {{"mesh", paths_of(options.grid.mesh)}, {"grid", describe(run.grid)},
+            {"sign", name_of(run.sign)},           {"device", run.device},
+            {"seconds", run.seconds},              {"output", options.grid.output}};
+}

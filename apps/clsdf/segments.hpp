@@ -1,0 +1,30 @@
+#pragma once
+
+#include "command.hpp"
+#include "compute.hpp"
+
+#include <clsdf/clsdf.hpp>
+
+#include <functional>
+#include <string>
+
+/// What the subcommands links and crossings share: a mesh and a grid.
+struct SegmentOptions {
+    ComputeOptions grid;  ///< those of the grid, the sign and the mesh alone
+};
+
+void add_segment_options(Parser& parser, SegmentOptions& options, const char* output);
+
+struct SegmentRun {
+    clsdf::Grid grid;
+    clsdf::SignRule sign = clsdf::SignRule::none;
+    double seconds = 0;
+    std::string device;
+};
+
+/// Reads the mesh and calls find(transform, grid, call, statistics). Prints what they are.
+SegmentRun run_segments(const SegmentOptions& options, Report& report,
+                        const std::function<void(const clsdf::DistanceTransform&, const clsdf::Grid&,
+                                                 const clsdf::CallOptions&, clsdf::TransformStatistics&)>& find);
+
+Json describe(const SegmentOptions& options, const SegmentRun& run);

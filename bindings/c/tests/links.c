@@ -1,0 +1,71 @@
+/* Links and crossings of a box, whose walls lie between samples. */
+#include "test.h"
+
+enum { N = 8 };
+
+int main(void) {
+    static const double vertices[8][3] = {{1.25, 1.25, 1.25}, {5.25, 1.25, 1.25}, {5.25, 5.25, 1.25}, {1.25, 5.25, 1.25},
+                                          {1.25, 1.25, 5.25}, {5.25, 1.25, 5.25}, {5.25, 5.25, 5.25}, {1.25, 5.25, 5.25}};
+    static const uint32_t triangles[12][3] = {{1, 3, 2}, {1, 4, 3}, {5, 6, 7}, {5, 7, 8}, {1, 2, 6}, {1, 6, 5},
+                                              {2, 3, 7}, {2, 7, 6}, {3, 4, 8}, {3, 8, 7}, {4, 1, 5}, {4, 5, 8}};
+    clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
+    clsdf_device* device = NULL;
+    clsdf_mesh* mesh = NULL;
+    clsdf_transform* transform = NULL;
+    const clsdf_grid grid = {{0, 0, 0}, {1, 1, 1}, {N, N, N}, {0, 0, 0}};
+    int32_t directions[27][3];
+    int64_t direction_count = 0, count = 0, counted = 0, n, along_x = 0;
+    clsdf_link_arrays links;
+    clsdf_crossing_arrays crossings;
+    arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, &vertices[0][0], 8);
+    arrays.triangles = clsdf_host_array(CLSDF_UINT32, &triangles[0][0], 12);
+    arrays.index_base = 1;
+    OK(clsdf_device_automatic(&device));
+    OK(clsdf_mesh_create(&arrays, &mesh));
+    OK(clsdf_transform_create(device, mesh, NULL, NULL, &transform));
+
+    OK(clsdf_stencil("D3Q19", "OpenLB", &directions[0][0], &direction_count));
+    CHECK(direction_count == 19 && directions[10][0] == 1 && directions[10][1] == 0);
+    FAILS(CLSDF_INVALID_ARGUMENT, "D3Q99", clsdf_stencil("D3Q99", "OpenLB", &directions[0][0], &n));
+
+    OK(clsdf_count_links(transform, &grid, &directions[0][0], direction_count, NULL, NULL, &counted));
+    memset(&links, 0, sizeof links);
+    links.room = counted;
+    links.samples = allocate((size_t)counted * 3 * sizeof(int32_t));
+    links.directions = allocate((size_t)counted);
+    links.q = allocate((size_t)counted * sizeof(double));
+    links.triangles = allocate((size_t)counted * sizeof(uint32_t));
+    links.counts = allocate((size_t)counted * sizeof(uint32_t));
+    links.flags = allocate((size_t)counted);
+    links.inside = allocate(N * N * N);
+    OK(clsdf_links(transform, &grid, &directions[0][0], direction_count, NULL, &links, NULL, NULL, &count));
+    CHECK(count == counted);
+    for (n = 0; n < count; ++n) {
+        CHECK(links.triangles[n] >= 1 && links.triangles[n] <= 12 && links.counts[n] == 1 && links.flags[n] == 0);
+        if (links.directions[n] != 11) continue; /* (1, 0, 0), from 1 on */
+        CHECK(links.samples[3 * n] == 1 && links.q[n] == 0.25);
+        CHECK(links.triangles[n] == 11 || links.triangles[n] == 12);
+        ++along_x;
+    }
+    CHECK(along_x == 16);
+    CHECK(links.inside[2 + N * (2 + N * 2)] == 1 && links.inside[1] == 0);
+    links.room = counted - 1;
+    FAILS(CLSDF_INVALID_ARGUMENT, "room",
+          clsdf_links(transform, &grid, &directions[0][0], direction_count, NULL, &links, NULL, NULL, &count));
+    CHECK(count == counted);
+
+    memset(&crossings, 0, sizeof crossings);
+    crossings.coordinates[0] = allocate((N - 1) * N * N * sizeof(double));
+    crossings.counts[0] = allocate((N - 1) * N * N * sizeof(uint32_t));
+    crossings.triangles[2] = allocate(N * N * (N - 1) * sizeof(uint32_t));
+    OK(clsdf_crossings(transform, &grid, &crossings, NULL, NULL));
+    CHECK(crossings.coordinates[0][1 + (N - 1) * (2 + N * 2)] == 1.25 && crossings.counts[0][1 + (N - 1) * (2 + N * 2)] == 1);
+    CHECK(crossings.coordinates[0][2] != crossings.coordinates[0][2]);
+    CHECK(crossings.triangles[2][2 + N * (2 + N * 1)] <= 2 && crossings.triangles[2][0] == 0);
+
+    free(links.samples), free(links.directions), free(links.q), free(links.triangles), free(links.counts);
+    free(links.flags), free(links.inside), free(crossings.coordinates[0]), free(crossings.counts[0]);
+    free(crossings.triangles[2]);
+    clsdf_transform_release(transform), clsdf_mesh_release(mesh), clsdf_device_release(device);
+    return 0;
+}

@@ -1,0 +1,128 @@
+"""Where links of a lattice and edges of a grid meet the surface."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._core import Grid
+from ._error import Error
+
+
+def stencil(name: str, code: str = "waLBerla") -> npt.NDArray[np.int32]:
+    """The directions of a lattice-Boltzmann stencil, (Q, 3), in the order of a code: "D3Q15", "D3Q19" or "D3Q27";
+    "OpenLB", "waLBerla", "lbmpy", "Palabos" or "XLB". The first one is (0, 0, 0), which has no links."""
+    return _core.stencil(name, code)
+
+
+class Links:
+    """The links of a grid that meet the surface, a row each, by sample (z, then y, then x), then by direction.
+
+    A link begins at its row's sample, which is in the grid and outside, and ends a direction farther.
+
+    samples: (n, 3) int32, on the lattice (grid.first is that of the grid's first sample).
+    directions: (n,) uint8, rows of `stencil`.
+    q: (n,) the part of the link up to the first wall: 0 (the sample is on the wall) to 1.
+    triangles: (n,) uint32, the lowest of those met there; clsdf.no_triangle at the film of an open mesh.
+    counts: (n,) uint32, walls on the link.
+    flags: (n,) uint8, bits: 1 the film of an open mesh, 2 both ends are outside with a body between them, 8 (of
+        hits="faces") both ends are on one side.
+    inside: (nz, ny, nx) bool, the samples of the grid that are inside: on a wall outside, on a face within a body inside.
+    stencil: (Q, 3) int32, the directions. grid: as given.
+    """
+
+    FILM, BETWEEN, SHEET = 1, 2, 8
+
+    def __init__(
+        self, grid: Grid, directions: npt.NDArray[np.int32], found: tuple[Any, ...], dtype: npt.DTypeLike = np.float64
+    ) -> None:
+        self.grid = grid
+        self.stencil = directions
+        self.samples, self.directions, q, self.triangles, self.counts, self.flags, bits = found
+        self.q: npt.NDArray[Any] = _as_real(q, dtype)
+        self.inside = _samples_of(bits, grid)
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Links: {len(self)} links in {len(self.stencil)} directions of grid {self.grid.shape}>"
+
+    def dense(self) -> npt.NDArray[Any]:
+        """q by direction and sample, (Q, nz, ny, nx); -1 where there is no link."""
+        field = np.full((len(self.stencil), *self.grid.shape), -1, self.q.dtype)
+        x, y, z = (self.samples - np.array(self.grid.first)).T
+        field[self.directions, z, y, x] = self.q
+        return field
+
+
+class EdgeCrossings:
+    """Where the edges of a grid along one axis meet walls. Edge [k, j, i] joins a sample with the next one along the
+    axis, so the arrays have one item less on it.
+
+    coordinates: float64, along the axis, of the first wall from the end that is outside; NaN if the sides agree.
+    triangles: uint32, or clsdf.no_triangle. counts: uint32, walls on the edge, also where the sides agree; or None.
+    """
+
+    def __init__(self, arrays: tuple[Any, Any, Any]) -> None:
+        self.coordinates: npt.NDArray[np.float64]
+        self.triangles: npt.NDArray[np.uint32]
+        self.counts: npt.NDArray[np.uint32] | None
+        self.coordinates, self.triangles, self.counts = arrays
+
+
+class Crossings:
+    """Where the edges of a grid meet walls: x, y and z are EdgeCrossings along these axes. inside: (nz, ny, nx) bool, as
+    of Links. grid: as given."""
+
+    def __init__(self, grid: Grid, found: tuple[Any, Any]) -> None:
+        self.grid = grid
+        axes, bits = found
+        self.x, self.y, self.z = (EdgeCrossings(arrays) for arrays in axes)
+        self.inside = _samples_of(bits, grid)
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Crossings of grid {self.grid.shape}>"
+
+
+def directions_of(directions: Any) -> npt.NDArray[np.int32]:
+    """The directions of a name, of a name and a code, or of an array (n, 3)."""
+    if isinstance(directions, str):
+        return stencil(directions)
+    if isinstance(directions, tuple) and len(directions) == 2 and all(isinstance(part, str) for part in directions):
+        return stencil(*directions)
+    given = np.asarray(directions)
+    if given.ndim != 2 or given.shape[1:] != (3,) or given.dtype.kind not in "iu":
+        raise Error(
+            f"directions has the shape {given.shape} and the type {given.dtype}; expected whole numbers (n, 3), a name as "
+            "'D3Q19', or ('D3Q19', 'OpenLB')"
+        )
+    if np.abs(given).max(initial=0) > 16:
+        raise Error("directions: components are at most 16")
+    return np.ascontiguousarray(given, np.int32)
+
+
+def is_of_faces(hits: str) -> bool:
+    if hits not in ("walls", "faces"):
+        raise Error(f"hits is {hits!r}; the choices are 'walls' and 'faces'")
+    return hits == "faces"
+
+
+def _as_real(q: npt.NDArray[np.float64], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    """As floats neither 0 nor 1 by rounding."""
+    if np.dtype(dtype) == np.float64:
+        return q
+    if np.dtype(dtype) != np.float32:
+        raise Error(f"dtype is {np.dtype(dtype)}; q is float32 or float64")
+    single = q.astype(np.float32)
+    single[(q > 0) & (single == 0)] = np.finfo(np.float32).smallest_subnormal
+    single[(q < 1) & (single == 1)] = np.nextafter(np.float32(1), np.float32(0))
+    return single
+
+
+def _samples_of(bits: npt.NDArray[np.uint8], grid: Grid) -> npt.NDArray[np.bool_]:
+    count = int(np.prod(grid.shape))
+    return np.unpackbits(bits, count=count, bitorder="little").reshape(grid.shape).view(np.bool_)

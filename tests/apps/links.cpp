@@ -1,0 +1,77 @@
+#include "apps/process.hpp"
+#include "support/hostile_meshes.hpp"
+
+#include <clsdf/clsdf.hpp>
+#include <clsdf/mesh_files.hpp>
+
+#include <boost/test/unit_test.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <cstring>
+#include <string>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+/// A cube of half side 1, whose walls lie a quarter of a voxel beyond samples.
+struct Inputs {
+    TemporaryFolder folder;
+    std::string mesh = folder.file("cube.off");
+    std::vector<std::string> grid{"--size", "12", "--origin", "-2.25,-2.25,-2.25", "--spacing", "0.5"};
+
+    Inputs() { write_mesh(cube(1), mesh); }
+
+    nlohmann::json run(std::vector<std::string> arguments) const {
+        arguments.insert(arguments.end(), grid.begin(), grid.end());
+        arguments.emplace_back("--json");
+        const Outcome outcome = run_command(arguments);
+        BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.out << outcome.err);
+        return nlohmann::json::parse(outcome.out);
+    }
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(links_are_written_in_each_format) {
+    const Inputs inputs;
+    const DistanceTransform transform(Device::strongest(), cube(1));
+    const Links links =
+        transform.links({{-2.25, -2.25, -2.25}, {0.5, 0.5, 0.5}, {12, 12, 12}, {}}, stencil("D3Q19", "OpenLB"));
+    const std::string npy = inputs.folder.file("links.npy"), npz = inputs.folder.file("links.npz");
+    const nlohmann::json report =
+        inputs.run({"links", inputs.mesh, "-o", npy, "--directions", "D3Q19", "--order", "OpenLB"});
+    BOOST_TEST(report["links"] == links.size());
+    BOOST_TEST(report["directions"].size() == 19U);
+    const std::string rows = content_of(npy);
+    constexpr std::size_t row = 30;
+    BOOST_REQUIRE(rows.size() > row * links.size());
+    const char* at = rows.data() + rows.size() - row * links.size();
+    std::size_t wrong = 0;
+    for (std::size_t n = 0; n < links.size(); ++n, at += row)
+        wrong += std::memcmp(at, links.samples[n].data(), 12) != 0 || std::memcmp(at + 13, &links.q[n], 8) != 0 ||
+                 std::memcmp(at + 21, &links.triangles[n], 4) != 0;
+    BOOST_TEST(wrong == 0);
+    inputs.run({"links", inputs.mesh, "-o", npz, "--directions", "D3Q19", "--order", "OpenLB"});
+    const std::string archive = content_of(npz);
+    BOOST_TEST(archive.substr(0, 4) == std::string("PK\x03\x04"));
+    const std::string q(reinterpret_cast<const char*>(links.q.data()), 8 * links.size());
+    BOOST_TEST((archive.find(q) != std::string::npos));
+    inputs.run({"links", inputs.mesh, "-o", inputs.folder.file("links.h5")});
+    BOOST_TEST((content_of(inputs.folder.file("links.h5")).find("samples") != std::string::npos));
+    const Outcome outcome = run_command({"links", inputs.mesh, "-o", inputs.folder.file("links.csv")});
+    BOOST_TEST(outcome.status != 0);
+    BOOST_TEST((outcome.err.find(".npz") != std::string::npos));
+}
+
+BOOST_AUTO_TEST_CASE(crossings_are_written_and_counted) {
+    const Inputs inputs;
+    const nlohmann::json report =
+        inputs.run({"crossings", inputs.mesh, "-o", inputs.folder.file("edges.npz"), "--counts"});
+    // 4 x 4 rows on each axis have samples inside, and two walls.
+    BOOST_TEST(report["crossed"][0] == 32);
+    BOOST_TEST(report["crossed"][2] == 32);
+    BOOST_TEST((content_of(inputs.folder.file("edges.npz")).find("x_counts.npy") != std::string::npos));
+}
