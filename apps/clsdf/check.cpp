@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 
 namespace {
 
@@ -25,6 +26,7 @@ struct Options {
     std::vector<std::string> more;  ///< further files of the mesh, and last the field
     MeshReading reading;
     clsdf::reference::CheckOptions check;
+    std::optional<double> floor{};
     bool complete = false;
     bool positive_inside = false;
 
@@ -132,6 +134,7 @@ ExitStatus run(const Options& options, Report& report) {
                         options.field(), fmt::join(missing, "', '")));
     // Its values are shown as clsdf computes them.
     const bool is_negated = make_negative_inside(field, options.positive_inside, options.field());
+    if (options.floor) field.floor = options.floor;
     if (field.sign == clsdf::SignRule::automatic)
         field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
 
@@ -163,6 +166,7 @@ Command add_check(Parser& program) {
     Parser parser = program.add_subcommand("check", "Compare a field with the reference, in double precision");
     add_mesh_and_argument(parser, options->mesh, "FIELD", options->more,
                           "its field, last: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf");
+    add_floor_option(parser, options->floor);
     add_weld_option(parser, options->reading);
     add_skip_option(parser, options->reading);
     parser

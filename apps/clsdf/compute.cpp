@@ -50,6 +50,7 @@ clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
     field.grid = layout.grid;
     field.band = layout.band;
     field.sign = layout.sign;
+    field.floor = layout.floor;
     field.positive_inside = layout.positive_inside;
     // The field carries the name of the mesh file without its folder, which is private.
     field.mesh_name = names_of(layout.mesh_files);
@@ -125,6 +126,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     const clsdf::Device device = named ? *named : open_device({}, report);
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
+    transform_options.floor = request.floor;
     clsdf::CallOptions call;
     // The published methods are compared by their work. Kernels that count it are compiled beside the usual ones.
     call.count_work = report.json && request.scan != clsdf::Scan::bricks;
@@ -247,6 +249,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         grid,
         band,
         sign.rule,
+        request.floor,
         sign.warning,
         request.outputs,
         options.positive_inside,

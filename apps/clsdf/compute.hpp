@@ -31,7 +31,7 @@ struct ComputeOptions {
     std::string band = "10%";
     std::string band_inside;
     std::string band_outside;
-    std::string sign = "auto";
+    SignChoice sign;
     std::vector<std::string> with;
     bool positive_inside = false;
     std::string polyhedra = "leaned";
@@ -53,6 +53,7 @@ struct ComputeRequest {
     clsdf::Length band_inside;
     clsdf::Length band_outside;
     clsdf::SignRule sign = clsdf::SignRule::automatic;
+    std::optional<double> floor{};  ///< of the rule `below`
     clsdf::OutputSet outputs;
     clsdf::Polyhedra polyhedra = clsdf::Polyhedra::leaned;
     clsdf::Scan scan = clsdf::Scan::bricks;  ///< not automatic
@@ -72,6 +73,7 @@ struct ComputeLayout {
     clsdf::Grid grid;
     clsdf::Band band;
     clsdf::SignRule sign;
+    std::optional<double> floor;
     std::string sign_warning;
     clsdf::OutputSet outputs;
     bool positive_inside;

@@ -74,7 +74,7 @@ void add_field_options(Parser& parser, ComputeOptions& options) {
     parser.add("--band", options.band, "half width of the band on both sides").takes_text("LENGTH");
     parser.add("--band-inside", options.band_inside, "half width inside [--band]").takes_text("LENGTH");
     parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
-    add_sign_option(parser, options.sign);
+    add_sign_options(parser, options.sign);
     add_positive_inside_option(parser, options.positive_inside);
     add_weld_option(parser, options.reading);
     add_outputs_and_groups_option(parser, options.with);
@@ -162,6 +162,7 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
     : band_inside(Length::parse(options.band, "--band")),
       band_outside(band_inside),
       sign(parse_sign(options.sign)),
+      floor(options.sign.floor),
       outputs(parse_outputs(options.with)),
       polyhedra(value_named(options.polyhedra,
                             {clsdf::Polyhedra::leaned, clsdf::Polyhedra::peikert_sigg, clsdf::Polyhedra::mauch})),

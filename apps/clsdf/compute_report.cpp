@@ -101,7 +101,10 @@ Json facts_of(const clsdf::Topology& topology) {
             {"doubled_cavity_faces", topology.doubled_cavity_faces},
             {"sheet_faces", topology.sheet_faces},
             {"enclosing_faces", topology.enclosing_faces},
-            {"overlapping_parts", topology.overlapping_parts}};
+            {"overlapping_parts", topology.overlapping_parts},
+            {"downward_faces", topology.downward_faces},
+            {"rim_loops", topology.rim_loops},
+            {"overlapping_rim_edges", topology.overlapping_rim_edges}};
 }
 
 const char* meaning_of(clsdf::SignRule rule) {
@@ -112,6 +115,8 @@ const char* meaning_of(clsdf::SignRule rule) {
             return "parity: negative if a ray crosses the surface an odd number of times";
         case clsdf::SignRule::solid_angle:
             return "solid-angle: negative if the winding number is one half or more, or minus one half or less";
+        case clsdf::SignRule::below:
+            return "below: negative below the terrain and above its floor";
         default:
             return "none: no sign";
     }
@@ -133,6 +138,7 @@ Json describe_layout(const ComputeLayout& layout) {
                    {"sparse", layout.is_sparse},
                    {"polyhedra", name_of(layout.polyhedra)},
                    {"scan", name_of(layout.scan)}};
+    if (layout.floor) result["floor"] = *layout.floor;
     if (layout.groups) result["groups"] = layout.groups->names;
     return result;
 }

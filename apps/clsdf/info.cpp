@@ -114,7 +114,10 @@ Json describe(const Info& info) {
                  {"doubled_cavity_faces", info.topology.doubled_cavity_faces},
                  {"sheet_faces", info.topology.sheet_faces},
                  {"enclosing_faces", info.topology.enclosing_faces},
-                 {"overlapping_parts", info.topology.overlapping_parts}};
+                 {"overlapping_parts", info.topology.overlapping_parts},
+                 {"downward_faces", info.topology.downward_faces},
+                 {"rim_loops", info.topology.rim_loops},
+                 {"overlapping_rim_edges", info.topology.overlapping_rim_edges}};
     if (info.self_intersections) defects["self_intersections"] = *info.self_intersections;
     Json groups = Json::array();
     for (const Group& group : info.groups)

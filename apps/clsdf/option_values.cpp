@@ -199,9 +199,15 @@ void add_outputs_and_groups_option(Parser& parser, std::vector<std::string>& nam
         .takes_some_of(words);
 }
 
-void add_sign_option(Parser& parser, std::string& rule) {
-    parser.add("--sign", rule, "the rule that decides what is inside; none: no sign")
-        .takes_one_of({"auto", "nonzero", "parity", "solid-angle", "none"});
+void add_sign_options(Parser& parser, SignChoice& choice) {
+    parser.add("--sign", choice.rule, "the rule that decides what is inside; below: of a terrain; none: no sign")
+        .takes_one_of({"auto", "nonzero", "parity", "solid-angle", "below", "none"});
+    add_floor_option(parser, choice.floor);
+}
+
+void add_floor_option(Parser& parser, std::optional<double>& floor) {
+    parser.add("--floor", floor, "z of the floor of --sign below, to which walls go down from the terrain's rim")
+        .takes_number("Z");
 }
 
 void add_positive_inside_option(Parser& parser, bool& positive_inside) {
@@ -224,8 +230,17 @@ bool make_negative_inside(clsdf::Field& field, bool positive_inside, const std::
     return is_negated;
 }
 
-clsdf::SignRule parse_sign(const std::string& rule) {
+clsdf::SignRule parse_sign(const SignChoice& choice) {
     using clsdf::SignRule;
-    return value_named(
-        rule, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
+    const SignRule rule = value_named(choice.rule, {SignRule::automatic, SignRule::nonzero, SignRule::parity,
+                                                    SignRule::solid_angle, SignRule::below, SignRule::none});
+    if (rule == SignRule::below && !choice.floor)
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           "--sign below needs --floor Z, below the terrain: walls go down to it from the rim");
+    if (rule != SignRule::below && choice.floor)
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           fmt::format("--floor {} is for --sign below, and this is --sign {}; leave it out, or choose "
+                                       "--sign below",
+                                       *choice.floor, choice.rule));
+    return rule;
 }

@@ -126,14 +126,20 @@ std::span<const clsdf::OutputInfo> extra_outputs();
 void add_outputs_option(Parser& parser, std::vector<std::string>& names);
 /// The same with the word "group".
 void add_outputs_and_groups_option(Parser& parser, std::vector<std::string>& names);
-void add_sign_option(Parser& parser, std::string& rule);
+/// The sign rule by its name, and the floor of the rule `below`.
+struct SignChoice {
+    std::string rule = "auto";
+    std::optional<double> floor{};
+};
+void add_sign_options(Parser& parser, SignChoice& choice);
+void add_floor_option(Parser& parser, std::optional<double>& floor);
 void add_positive_inside_option(Parser& parser, bool& positive_inside);
 /// Adds --positive-inside for a field that is read.
 void add_field_convention_option(Parser& parser, bool& positive_inside);
 /// Negates the field if it is positive inside, as its file or the option says, and returns whether. Throws
 /// Error(invalid_argument) if the option is given for a field without a sign.
 bool make_negative_inside(clsdf::Field& field, bool positive_inside, const std::string& path);
-clsdf::SignRule parse_sign(const std::string& rule);
+clsdf::SignRule parse_sign(const SignChoice& choice);
 
 void add_weld_option(Parser& parser, MeshReading& reading);
 

@@ -44,6 +44,12 @@ std::string check_file(const std::string& text) {
            "name a file (./- is one with that name)";
 }
 
+std::string check_number(const std::string& text) {
+    const auto number = parse_number<double>(text);
+    if (number && std::isfinite(*number)) return {};
+    return fmt::format("a finite number, not '{}'", text);
+}
+
 std::string check_number_of_0_or_more(const std::string& text) {
     const auto number = parse_number<double>(text);
     if (number && std::isfinite(*number) && *number >= 0) return {};
@@ -111,6 +117,11 @@ Option& Option::takes_whole_number(const std::string& placeholder, std::uint64_t
             return std::string();
         },
         ""));
+    return takes(placeholder);
+}
+
+Option& Option::takes_number(const std::string& placeholder) {
+    option_->check(check_number);
     return takes(placeholder);
 }
 
@@ -275,6 +286,7 @@ template Option Parser::add(const std::string&, std::int64_t&, const std::string
 template Option Parser::add(const std::string&, std::uint64_t&, const std::string&);
 template Option Parser::add(const std::string&, double&, const std::string&);
 template Option Parser::add(const std::string&, std::string&, const std::string&);
+template Option Parser::add(const std::string&, std::optional<double>&, const std::string&);
 template Option Parser::add(const std::string&, std::optional<std::uint32_t>&, const std::string&);
 template Option Parser::add(const std::string&, std::optional<std::int64_t>&, const std::string&);
 template Option Parser::add(const std::string&, std::optional<std::uint64_t>&, const std::string&);

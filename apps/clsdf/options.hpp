@@ -33,6 +33,7 @@ public:
     Option& takes_text(const std::string& placeholder);
     Option& takes_whole_number(const std::string& placeholder, std::uint64_t least, std::uint64_t most);
     /// A finite number.
+    Option& takes_number(const std::string& placeholder);
     Option& takes_number_of_0_or_more(const std::string& placeholder);
     Option& takes_number_above_0(const std::string& placeholder);
     /// The value must be one of the words, which become the placeholder. The error for another one names the nearest.

@@ -31,7 +31,7 @@ struct QueryOptions {
     MeshReading reading;
     std::string output;
     std::string half_width = "full";
-    std::string sign = "auto";
+    SignChoice sign;
     std::vector<std::string> with;
     bool positive_inside = false;
     bool refuse_unusable_points = false;
@@ -64,6 +64,7 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
     ProgressBar progress(!report.quiet);
     clsdf::TransformOptions transform_options;
     transform_options.sign = parse_sign(options.sign);
+    transform_options.floor = options.sign.floor;
     clsdf::CallOptions call;
     call.log = [&](const std::string& message) {
         progress.clear();
@@ -176,7 +177,7 @@ Command add_query(Parser& program) {
     parser.add("-o,--output", options->output, "a row for each point: .npy, .csv or .ply").takes("RESULT").required();
     parser.add("--half-width", options->half_width, "how far the surface is looked for").takes_text("LENGTH");
     add_outputs_and_groups_option(parser, options->with);
-    add_sign_option(parser, options->sign);
+    add_sign_options(parser, options->sign);
     parser.add("--winding", options->winding, "a column of generalised winding numbers, too");
     parser.add("--refuse-unusable-points", options->refuse_unusable_points,
                "fail if a point is not finite or too far from the mesh");

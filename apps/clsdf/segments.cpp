@@ -18,7 +18,7 @@ void add_segment_options(Parser& parser, SegmentOptions& options, const char* ou
     parser.add("-o,--output", own.output, output).takes("RESULT").required();
     add_grid_options(parser, own);
     parser.begin_group("Options");
-    add_sign_option(parser, own.sign);
+    add_sign_options(parser, own.sign);
     add_placement_options(parser, own.reading);
     add_weld_option(parser, own.reading);
     add_skip_option(parser, own.reading);
@@ -47,7 +47,7 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
         call.should_stop = [&] { return interruption.token().stop_requested(); };
         call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
         const clsdf::Stopwatch watch;
-        const clsdf::DistanceTransform transform(device, mesh, {.sign = request.sign}, call);
+        const clsdf::DistanceTransform transform(device, mesh, {.sign = request.sign, .floor = own.sign.floor}, call);
         run.sign = transform.sign();
         clsdf::TransformStatistics statistics;
         find(transform, run.grid, call, statistics);
@@ -66,7 +66,10 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
 }
 
 Json describe(const SegmentOptions& options, const SegmentRun& run) {
-    return {{"mesh", paths_of(options.grid.mesh)}, {"grid", describe(run.grid)},
-            {"sign", name_of(run.sign)},           {"device", run.device},
-            {"seconds", run.seconds},              {"output", options.grid.output}};
+    return {{"mesh", paths_of(options.grid.mesh)},
+            {"grid", describe(run.grid)},
+            {"sign", name_of(run.sign)},
+            {"device", run.device},
+            {"seconds", run.seconds},
+            {"output", options.grid.output}};
 }

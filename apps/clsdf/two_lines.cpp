@@ -58,8 +58,10 @@ std::string without_lists_of_edges(const std::string& text) {
 
 /// "the sign rule none", "(weld())" -> "--sign none", "".
 std::string in_words_of_the_command(const std::string& text) {
-    static const std::regex function(R"( \([a-z_]+\(\)\))"), rule("the sign rule (nonzero|parity|solid-angle|none)");
-    return std::regex_replace(std::regex_replace(text, function, ""), rule, "--sign $1");
+    static const std::regex function(R"( \([a-z_]+\(\)\))"),
+        rule("the sign rule (nonzero|parity|solid-angle|below|none)"), floor(" with a floor Z");
+    const std::string by_rule = std::regex_replace(std::regex_replace(text, function, ""), rule, "--sign $1");
+    return std::regex_replace(by_rule, floor, " --floor Z");
 }
 
 /// The ends of clauses: at each "; " outside of brackets, and at the end of the text.

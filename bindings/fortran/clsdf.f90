@@ -70,7 +70,7 @@ module clsdf
   !                                                                 closest point
 
   integer(c_int32_t), parameter, public :: CLSDF_SIGN_AUTOMATIC = 0, CLSDF_SIGN_NONZERO = 1, CLSDF_SIGN_PARITY = 2, &
-      CLSDF_SIGN_NONE = 3, CLSDF_SIGN_SOLID_ANGLE = 4
+      CLSDF_SIGN_NONE = 3, CLSDF_SIGN_SOLID_ANGLE = 4, CLSDF_SIGN_BELOW = 5
   !> The place of a box.
   integer(c_int32_t), parameter, public :: CLSDF_WITHIN = 0, CLSDF_INSIDE = 1, CLSDF_OUTSIDE = 2, CLSDF_BEYOND = 3
   !> What counts where a segment meets the surface.
@@ -405,7 +405,8 @@ module clsdf
         tested_points = 0, doubtful_points = 0, inside_points = 0, unclear_parts = 0, first_unclear_face = 0, &
         double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
         first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
-        first_overlapping_face = 0
+        first_overlapping_face = 0, downward_faces = 0, first_downward_face = 0, rim_loops = 0, &
+        overlapping_rim_edges = 0
   end type
 
   type, bind(C) :: clsdf_defects
@@ -431,6 +432,7 @@ module clsdf
     procedure, private :: mesh_read, mesh_read_files
     generic :: read => mesh_read, mesh_read_files
     procedure :: weld => mesh_weld
+    procedure :: close_down => mesh_close_down
     procedure :: write => mesh_write
     procedure, private :: mesh_set_positions, mesh_set_positions_r4, mesh_set_positions_r8
     generic :: set_positions => mesh_set_positions, mesh_set_positions_r4, mesh_set_positions_r8
@@ -703,7 +705,8 @@ module clsdf
         tested_points = 0, doubtful_points = 0, inside_points = 0, unclear_parts = 0, first_unclear_face = 0, &
         double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
         first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
-        first_overlapping_face = 0
+        first_overlapping_face = 0, downward_faces = 0, first_downward_face = 0, rim_loops = 0, &
+        overlapping_rim_edges = 0
   end type
   type, bind(C) :: c_call_options
     integer(c_size_t) :: struct_size = 0
@@ -727,6 +730,7 @@ module clsdf
     integer(c_size_t) :: struct_size = 0
     integer(c_int32_t) :: sign = CLSDF_SIGN_AUTOMATIC, reserved = 0
     integer(c_int64_t) :: kept_bytes = -1
+    real(c_double) :: floor = huge(1.0_c_double)  ! none
   end type
   type, bind(C) :: c_request
     type(clsdf_c_grid) :: grid
@@ -1236,6 +1240,13 @@ module clsdf
       type(c_ptr), value :: mesh
       real(c_double), value :: tolerance
       type(c_ptr), intent(out) :: welded
+    end function
+    function c_mesh_close_down(mesh, floor, closed) bind(C, name="clsdf_mesh_close_down") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      real(c_double), value :: floor
+      type(c_ptr), intent(out) :: closed
     end function
     function c_mesh_write(mesh, path, colours, colour_count) bind(C, name="clsdf_mesh_write") result(value)
       import
@@ -3447,6 +3458,22 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  !> A terrain closed by walls from its rim down to z = floor, and by a floor there: what CLSDF_SIGN_BELOW takes to be
+  !> inside. The vertices and triangles of the mesh come first.
+  subroutine mesh_close_down(self, floor, closed, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    real(c_double), intent(in) :: floor
+    type(clsdf_mesh), intent(inout) :: closed
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = c_mesh_close_down(self%handle, floor, handle)
+    call closed%release()
+    closed%handle = handle
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
   !> Writes by the file's ending, complete or not at all. colours(3, triangles): red, green, blue, as unsigned bytes.
   subroutine mesh_write(self, path, colours, stat, errmsg)
     class(clsdf_mesh), intent(in) :: self
@@ -3684,6 +3711,10 @@ contains
     topology%first_enclosing_face = c%first_enclosing_face
     topology%overlapping_parts = c%overlapping_parts
     topology%first_overlapping_face = c%first_overlapping_face
+    topology%downward_faces = c%downward_faces
+    topology%first_downward_face = c%first_downward_face
+    topology%rim_loops = c%rim_loops
+    topology%overlapping_rim_edges = c%overlapping_rim_edges
   end subroutine
 
   !> Defects beside those of edges.
@@ -3739,8 +3770,8 @@ contains
   ! ---- Transforms ----
 
   !> Copies and checks the mesh. Compiles nothing: the first call that needs a program does. `kept_bytes`: limit of the
-  !> device memory kept between calls; 0: none; -1: the default.
-  subroutine transform_create(self, device, mesh, sign, kept_bytes, options, stat, errmsg)
+  !> device memory kept between calls; 0: none; -1: the default. `floor`: of CLSDF_SIGN_BELOW, z below all vertices.
+  subroutine transform_create(self, device, mesh, sign, kept_bytes, options, stat, errmsg, floor)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     type(clsdf_mesh), intent(in) :: mesh
@@ -3749,24 +3780,28 @@ contains
     class(clsdf_call_options), intent(inout), target, optional :: options
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(in), optional :: floor
     type(caller), target :: given
     call self%release()
-    call clsdf_finish(c_transform_create(device%handle, mesh%handle, transform_options(sign, kept_bytes), &
+    call clsdf_finish(c_transform_create(device%handle, mesh%handle, transform_options(sign, kept_bytes, floor), &
         options_for_c(given, options), self%handle), stat, errmsg)
   end subroutine
 
-  function transform_options(sign, kept_bytes) result(c)
+  function transform_options(sign, kept_bytes, floor) result(c)
     integer(c_int32_t), intent(in), optional :: sign
     integer(c_int64_t), intent(in), optional :: kept_bytes
+    real(c_double), intent(in), optional :: floor
     type(c_transform_options) :: c
     c%struct_size = c_sizeof(c)
     if (present(sign)) c%sign = sign
     if (present(kept_bytes)) c%kept_bytes = kept_bytes
+    if (present(floor)) c%floor = floor
   end function
 
   !> The same from arrays, which may be buffers of the device's context: triangles in a buffer count from 0, here and in
   !> results.
-  subroutine transform_from_arrays(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg)
+  subroutine transform_from_arrays(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg, &
+      floor)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     type(clsdf_array), intent(in) :: vertices, triangles
@@ -3776,20 +3811,21 @@ contains
     class(clsdf_call_options), intent(inout), target, optional :: options
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(in), optional :: floor
     type(caller), target :: given
     type(c_mesh_arrays) :: c
     character(:), allocatable, target :: text
     integer(c_int32_t) :: status
     call self%release()
     call mesh_for_c(vertices, triangles, name, c, text, status)
-    if (status == CLSDF_OK) status = c_transform_from_arrays(device%handle, c, transform_options(sign, kept_bytes), &
+    if (status == CLSDF_OK) status = c_transform_from_arrays(device%handle, c, transform_options(sign, kept_bytes, floor), &
         options_for_c(given, options), self%handle)
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
   ! REPEATED FOR r8
 
-  subroutine transform_create_r4(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg)
+  subroutine transform_create_r4(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg, floor)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     real(c_float), intent(in), target :: vertices(:, :)
@@ -3800,7 +3836,9 @@ contains
     class(clsdf_call_options), intent(inout), target, optional :: options
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
-    call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, errmsg)
+    real(c_double), intent(in), optional :: floor
+    call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, &
+        errmsg, floor)
   end subroutine
 
   subroutine set_positions_r4(self, positions, options, stat, errmsg)
@@ -3814,7 +3852,7 @@ contains
 
   ! REPEATED BY repeat.py
 
-  subroutine transform_create_r8(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg)
+  subroutine transform_create_r8(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg, floor)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     real(c_double), intent(in), target :: vertices(:, :)
@@ -3825,7 +3863,9 @@ contains
     class(clsdf_call_options), intent(inout), target, optional :: options
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
-    call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, errmsg)
+    real(c_double), intent(in), optional :: floor
+    call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, &
+        errmsg, floor)
   end subroutine
 
   subroutine set_positions_r8(self, positions, options, stat, errmsg)

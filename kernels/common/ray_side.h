@@ -20,6 +20,18 @@ static inline int displaced_side(double3 a, double3 b, double3 p) {
     return a.y == b.y ? 0 : b.y > a.y ? 1 : -1;
 }
 
+// How the ray towards -x from a point crosses the wall below the edge a -> b of a rim, down to the floor.
+static inline int crossing_of_wall(double3 a, double3 b, double floor, double3 p) {
+    const bool is_ascending = b.y > p.y;
+    if ((a.y > p.y) == is_ascending || p.z < floor) return 0;
+    const int direction = is_ascending ? 1 : -1;
+    if (displaced_side(a, b, p) == direction) return 0;
+    // As displaced_side() in (y, x).
+    const double3 a_across = (double3)(0.0, a.y, a.x), b_across = (double3)(0.0, b.y, b.x),
+                  p_across = (double3)(0.0, p.y, p.x);
+    return displaced_side(a_across, b_across, p_across) == direction ? -direction : 0;
+}
+
 // The side of all edges of the face a, b, c on which the displaced point lies: then the line along x through it meets
 // the face. 0 if it does not.
 static inline int side_of_edges(double3 a, double3 b, double3 c, double3 p) {

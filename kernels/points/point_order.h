@@ -66,6 +66,7 @@ typedef struct PointCells {
 typedef struct SignFaces {
     double per_unit;          // units per length: a power of two
     double lower_x, upper_x;  // of the mesh
+    double floor;             // z down to which walls hang from the open edges
     clsdf_uint32 has_sign;    // 0: no point is inside
     clsdf_uint32 is_parity;
     clsdf_uint32 has_sign_positions;  // the surface has other positions than the mesh
@@ -74,6 +75,8 @@ typedef struct SignFaces {
     clsdf_uint32 is_backward;         // rays must run towards -x
     clsdf_uint32 are_moderate;        // each coordinate is 0, or of a size from 2^-60 to 2^40
     clsdf_uint32 count;               // of the faces
+    clsdf_uint32 has_floor;           // walls hang from the loops, and no film closes them
+    clsdf_uint32 unused;
 } SignFaces;
 
 // Where values of a target go, in bytes.
@@ -93,7 +96,7 @@ typedef struct OpenPoint {
 static_assert(sizeof(PointSource) == 32 && sizeof(PointLimits) == 48 && sizeof(PointUnits) == 32);
 static_assert(sizeof(PointExtent) == 64 && offsetof(PointExtent, unusable) == 48);
 static_assert(sizeof(PointCells) == 56 && offsetof(PointCells, unusable) == 32 && offsetof(PointCells, open) == 48);
-static_assert(sizeof(SignFaces) == 56 && offsetof(SignFaces, has_sign) == 24);
+static_assert(sizeof(SignFaces) == 72 && offsetof(SignFaces, has_sign) == 32);
 static_assert(sizeof(ValuePlaces) == 24);
 static_assert(sizeof(OpenPoint) == 32);
 }  // namespace clsdf

@@ -125,6 +125,24 @@ OUT_OF_LINE int rounded_part_of_film(double3 p, uint loops, __global const doubl
     return rounded_turns(turns);
 }
 
+// What the walls below the open edges add to the crossings towards -x.
+OUT_OF_LINE int crossings_of_walls(double3 p, uint loops, double floor, __global const double* corners,
+                                   __global const uint* begins) {
+    int winding = 0;
+    if (p.z < floor) return 0;
+    for (uint loop = 0; loop < loops; ++loop) {
+        const uint begin = begins[loop], end = begins[loop + 1];
+        const double3 first = vload3(begin, corners);
+        double3 from = first;
+        for (uint i = begin; i < end; ++i) {
+            const double3 to = i + 1 < end ? vload3(i + 1, corners) : first;
+            winding += crossing_of_wall(from, to, floor, p);
+            from = to;
+        }
+    }
+    return winding;
+}
+
 // Sets `at` to the point in units, or to another one that lies on the same side of all faces, edges and lines; false if
 // exact arithmetic does not suffice.
 //
@@ -199,6 +217,9 @@ __kernel void decide_open_points(PointSource source, __global const uchar* memor
     else
         ray.box.lower[0] = -INFINITY;
     visit_faces(tree, nodes, &ray);
-    if (faces.loops != 0) ray.winding += rounded_part_of_film(ray.from, faces.loops, corners, begins);
+    if (faces.has_floor)
+        ray.winding += crossings_of_walls(ray.from, faces.loops, faces.floor, corners, begins);
+    else if (faces.loops != 0)
+        ray.winding += rounded_part_of_film(ray.from, faces.loops, corners, begins);
     if (faces.is_parity ? (ray.crossings & 1u) != 0 : ray.winding != 0) signs[i] = CLSDF_POINT_INSIDE;
 }

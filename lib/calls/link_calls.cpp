@@ -34,6 +34,12 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
                     fmt::format("walls of {} are asked for, and it has no sign: make the transform of a closed mesh "
                                 "with a sign rule, or ask for faces",
                                 kept_mesh->name()));
+    if (sign == SignRule::below)
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("links and crossings do not know the walls and the floor of the sign rule below; make a "
+                        "transform of the closed mesh, close_down({}, floor)",
+                        kept_mesh->name()));
     targets::wait_for(context(), call.wait_list);
     calls::RunningCall running{call};
     running.throw_if_stopped();

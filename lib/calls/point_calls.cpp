@@ -87,7 +87,7 @@ DistanceTransform::State::WindingInputs DistanceTransform::State::winding_inputs
     const std::scoped_lock lock(mutex);
     context().begin_call();
     const bool is_closed = topology.balanced && sign != SignRule::none;
-    const bool is_known = is_closed || sign == SignRule::solid_angle;
+    const bool is_known = is_closed || sign == SignRule::solid_angle || sign == SignRule::below;
     if (kept_mesh->restriction() != nullptr && !is_known)
         throw Error(ErrorCode::unsupported,
                     fmt::format("the transform is restricted, has the sign rule {} and does not keep what winding "

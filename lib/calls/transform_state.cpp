@@ -21,10 +21,23 @@ namespace {
 /// For the grids of a time step. More would keep the memory that the next one needs.
 constexpr std::size_t most_plans = 4;
 
-engine::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, KernelBody body,
+void check_floor(const TransformOptions& options) {
+    if (options.sign == SignRule::below && !options.floor)
+        throw Error(ErrorCode::invalid_argument,
+                    "the sign rule below needs a floor, to which walls go down from the rim; give its z (--floor)");
+    if (options.sign != SignRule::below && options.floor)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("a floor, at z = {}, is for the sign rule below, and the rule is {}; leave it out, or "
+                                "choose the sign rule below",
+                                *options.floor, name_of(options.sign)));
+}
+
+engine::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method, const TransformOptions& options,
                              const CallOptions& call) {
     calls::RunningCall{call}.throw_if_stopped();
-    engine::Programs programs = device::guarded([&] { return engine::Programs(device::context_of(device), body); });
+    check_floor(options);
+    engine::Programs programs =
+        device::guarded([&] { return engine::Programs(device::context_of(device), options.body); });
     auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     return {std::move(device), std::move(pool), std::move(programs), std::move(method)};
 }
@@ -52,7 +65,7 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
 
 DistanceTransform::State::State(Device device_in, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
-    : engine::Workshop(workshop_of(std::move(device_in), std::move(method_in), options.body, call)) {}
+    : engine::Workshop(workshop_of(std::move(device_in), std::move(method_in), options, call)) {}
 
 std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_device_mesh(const Device& device,
                                                                                    const MeshView& mesh,
@@ -108,7 +121,9 @@ void DistanceTransform::State::set_sign(SignSurface surface, const TransformOpti
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
     OpenLoops open_loops = std::move(surface.open_loops);
-    if (sign == SignRule::solid_angle && !open_loops.empty()) kept_mesh->set_open_loops(std::move(open_loops));
+    if (sign == SignRule::below) open_loops.floor = floor = options.floor;
+    if ((sign == SignRule::solid_angle || sign == SignRule::below) && !open_loops.empty())
+        kept_mesh->set_open_loops(std::move(open_loops));
     surface.open_loops = {};
     if (sign != SignRule::none) kept_mesh->set_sign_surface(std::move(surface));
     if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
@@ -137,6 +152,7 @@ DistanceTransform::State::State(const State& other, const std::shared_ptr<device
                                 std::unique_ptr<engine::KeptMesh> own_mesh)
     : engine::Workshop(other.with(own_pool)),
       topology(other.topology),
+      floor(other.floor),
       failures(other.failures),
       kept_mesh(std::move(own_mesh)),
       kept_points(std::make_unique<points::KeptPoints>(*kept_mesh)) {}

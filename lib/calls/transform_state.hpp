@@ -51,7 +51,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
     FieldDescription description_of(const Grid& grid, const Band& band) const {
-        return {grid, band, sign, kept_mesh->name()};
+        return {.grid = grid, .band = band, .sign = sign, .mesh_name = kept_mesh->name(), .floor = floor};
     }
     /// The job of what is asked for. Throws if it is refused, whatever the device does.
     engine::Job check(engine::JobKey asked) const;
@@ -215,6 +215,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     void require_sound() const { context().require_none_failed(failures); }
 
     Topology topology;
+    std::optional<double> floor;                  // of the sign rule `below`
     std::size_t failures = context().failures();  // of kernels, before any was launched
 
     CallMutex mutex{"the transform that makes the call"};  // for what follows, and for the work on the device

@@ -167,6 +167,18 @@ std::optional<int> winding_number_of(const engine::SearchedMesh& searched, const
     return rounded_winding_number(searched, centre, length(half));
 }
 
+/// Of a box that the faces do not meet, for the rule `below`: `within` if walls or the floor may meet it.
+BoxPlace place_among_walls(const engine::SearchedMesh& searched, const Box& box) {
+    const Walls& walls = *searched.mesh.walls;
+    if (walls.may_meet(box)) return BoxPlace::within;
+    if (box.upper[2] < walls.floor()) return BoxPlace::outside;
+    Vec3 point = centre_of(box);
+    const bool may_meet_floor = box.lower[2] < walls.floor();
+    if (may_meet_floor) point[2] = walls.floor();  // it counts as above the floor
+    if (!is_inside_walls(searched, point)) return BoxPlace::outside;
+    return may_meet_floor ? BoxPlace::within : BoxPlace::inside;
+}
+
 }  // namespace
 
 void find_places(const engine::SearchedMesh& searched, SignRule rule, std::span<const Box> boxes, double half_width,
@@ -187,6 +199,15 @@ void find_places(const engine::SearchedMesh& searched, SignRule rule, std::span<
     });
     if (!has_sign) return;
 
+    if (mesh.walls) {
+        for_each_index(
+            boxes.size(),
+            [&](std::size_t i) {
+                if (places[i] != BoxPlace::within) places[i] = place_among_walls(searched, boxes[i]);
+            },
+            16);
+        return;
+    }
     if (mesh.film) {
         for_each_index(
             boxes.size(),

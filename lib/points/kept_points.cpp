@@ -11,7 +11,9 @@ std::shared_ptr<const engine::PointMesh> KeptPoints::mesh() {
             engine::PointMesh made = engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(),
                                                              kept_mesh_.sign_surface(), kept_mesh_.shared_topology());
             const engine::Restriction* restriction = kept_mesh_.restriction();
-            if (auto boundary = kept_mesh_.boundary())
+            if (auto boundary = kept_mesh_.boundary(); boundary && boundary->floor)
+                made.walls = std::make_shared<const Walls>(std::move(boundary));
+            else if (boundary)
                 made.film = std::make_shared<const FilmTree>(std::move(boundary), made.lattice.unit);
             made.is_part = restriction != nullptr;
             made.has_several_regions = made.is_part && restriction->regions.size() > 1;
@@ -65,7 +67,8 @@ std::shared_ptr<const ScannedMesh> KeptPoints::scanned_mesh() {
 }
 
 std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_found) {
-    // In front of a part's faces there may be others that are missing, and in front of any face the film.
+    // In front of a part's faces there may be others that are missing, and in front of any face the film or
+    // a wall.
     if (!is_found || kept_mesh_.restriction() != nullptr || kept_mesh_.boundary() != nullptr) return face_sides_.get();
     return kept_mesh_.prepare([&] {
         return face_sides_.get_or([&] {

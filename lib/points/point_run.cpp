@@ -173,8 +173,8 @@ void PointRun::enqueue_signs(const engine::Launches& launches, const engine::Dev
                              const PointInputs& inputs, const PointBatch& batch) {
     const engine::PointMesh& mesh = *inputs.mesh;
     const DevicePoints& points = batch.points;
-    // If open edges count, a point anywhere may be inside.
-    const PointLimits limits = mesh.film ? batch.usable : limits_of(mesh.box);
+    // If there is a film, a point anywhere may be inside.
+    const PointLimits limits = mesh.film ? batch.usable : limits_of(mesh.sign_box());
     const bool is_decided = inputs.has_exact_signs();
     launches.launch(tools.programs.point_order, "find_open_points", {points.count}, points.source,
                     static_cast<cl_uint>(points.count), limits, cl_uint{inputs.sign == SignRule::none},

@@ -5,6 +5,7 @@
 #include "mesh/expansions.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -48,7 +49,11 @@ DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::
     DeviceSignFaces result;
     const UninitializedVector<Vec3> positions = in_units(mesh.positions, unit);
     const UninitializedVector<Vec3> sign_positions = in_units(mesh.sign_positions, unit);
-    result.are_exact = expansions::are_exact(positions) && expansions::are_exact(sign_positions);
+    UninitializedVector<Vec3> floor;
+    if (boundary != nullptr && boundary->floor)
+        floor = in_units(std::array<Vec3, 1>{Vec3{0, 0, *boundary->floor}}, unit);
+    result.are_exact =
+        expansions::are_exact(positions) && expansions::are_exact(sign_positions) && expansions::are_exact(floor);
     if (!result.are_exact) return result;
     SignFaces& faces = result.faces;
     faces.count = static_cast<clsdf_uint32>(mesh.face_count());
@@ -74,6 +79,8 @@ DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::
         result.corner_count = boundary->corners.size();
         result.corners = upload(in_units(boundary->corners, unit));
         result.begins = upload(begins);
+        faces.has_floor = !floor.empty();
+        if (!floor.empty()) faces.floor = floor[0][2];
     }
     return result;
 }

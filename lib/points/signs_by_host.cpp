@@ -199,6 +199,22 @@ Crossings crossings_of(const engine::SearchedMesh& searched, const Vec3& p, cons
     return crossings_of_ray(searched, p, in_units);
 }
 
+/// The same of the walls of the rule `below`, to which no ball comes near that is kept.
+int winding_number_with_walls(const engine::SearchedMesh& searched, const Vec3& p, const Vec3& in_units, double radius,
+                              KnownBalls& balls) {
+    if (const KnownBalls::Found known = balls.find(in_units, 0); known.is_free) return known.ball->crossings.winding;
+    const Walls& walls = *searched.mesh.walls;
+    const Crossings crossings{winding_of_ray(searched, p) + walls.crossings(p), 0};
+    for (const double free : {radius, 0.25 * radius}) {
+        if (!(free > least_free)) break;
+        const Box around = widened({p, p}, free * searched.mesh.lattice.unit);
+        if (walls.may_meet(around) || (around.lower[2] <= walls.floor() && around.upper[2] >= walls.floor())) continue;
+        balls.add({in_units, p, free, crossings});
+        break;
+    }
+    return crossings.winding;
+}
+
 /// The winding number of a point, rounded to an integer, a half up. radius: of a ball without surface around it.
 int winding_number_with_film(const engine::SearchedMesh& searched, const Vec3& p, const Vec3& in_units, double radius,
                              KnownBalls& balls) {
@@ -215,6 +231,10 @@ int winding_number_with_film(const engine::SearchedMesh& searched, const Vec3& p
 
 }  // namespace
 
+bool is_inside_walls(const engine::SearchedMesh& searched, const Vec3& point) {
+    return winding_of_ray(searched, point) + searched.mesh.walls->crossings(point) != 0;
+}
+
 std::optional<int> rounded_winding_number(const engine::SearchedMesh& searched, const Vec3& centre, double radius) {
     const FilmTree& film = *searched.mesh.film;
     const double change = film.change_within(centre, radius);
@@ -229,6 +249,7 @@ int rounded_winding_number(const engine::SearchedMesh& searched, const Vec3& poi
 }
 
 double winding_number(const engine::SearchedMesh& searched, const OpenBoundary& boundary, const Vec3& point) {
+    if (searched.mesh.walls) return winding_of_ray(searched, point) + searched.mesh.walls->crossings(point);
     return winding_of_ray(searched, point) + angle_of(boundary, point, searched.mesh.lattice.unit).turns;
 }
 
@@ -240,13 +261,14 @@ void find_signs(const engine::SearchedMesh& searched, SignRule rule, const Locat
                 std::span<std::uint8_t> signs) {
     constexpr std::size_t together = 256;
     const engine::PointMesh& mesh = searched.mesh;
+    const Box sign_box = mesh.sign_box();
     for_each_chunk(points.order.size(), together, [&](std::size_t, std::size_t begin, std::size_t end) {
         KnownBalls balls;
         for (std::size_t i = begin; i < end; ++i) {
             if (signs[i] != CLSDF_POINT_UNDECIDED) continue;
             signs[i] = CLSDF_POINT_OUTSIDE;
             const Vec3& p = points.callers[points.order[i]];
-            if (!mesh.film && !engine::contains(mesh.box, p)) continue;
+            if (!mesh.film && !engine::contains(sign_box, p)) continue;
             const double distance = std::sqrt(points.squared[i]), radius = distance * (1 - rounding) - rounding;
             const Vec3 in_units = mesh.in_units(p);
             if (distance < CLSDF_NEARLY_ON_SURFACE && is_on_surface(searched, p, in_units)) {
@@ -256,6 +278,10 @@ void find_signs(const engine::SearchedMesh& searched, SignRule rule, const Locat
             if (rule == SignRule::none) continue;
             if (mesh.film) {
                 if (winding_number_with_film(searched, p, in_units, radius, balls) != 0) signs[i] = CLSDF_POINT_INSIDE;
+                continue;
+            }
+            if (mesh.walls) {
+                if (winding_number_with_walls(searched, p, in_units, radius, balls) != 0) signs[i] = CLSDF_POINT_INSIDE;
                 continue;
             }
             const KnownBalls::Found known = balls.find(in_units, radius);

@@ -31,6 +31,8 @@ double winding_number(const engine::SearchedMesh& searched, const OpenBoundary& 
 std::optional<int> rounded_winding_number(const engine::SearchedMesh& searched, const Vec3& centre, double radius);
 /// The same of a point.
 int rounded_winding_number(const engine::SearchedMesh& searched, const Vec3& point);
+/// Whether a point is inside by the rule `below`: PointMesh::walls is not null.
+bool is_inside_walls(const engine::SearchedMesh& searched, const Vec3& point);
 
 /// Points whose nearest faces are known, in an order in which neighbours are near each other.
 struct LocatedPoints {
@@ -44,7 +46,8 @@ struct LocatedPoints {
 ///
 /// Two points have the same sign if a ball around one of them holds the other and does not reach the surface. For every
 /// other point, crossings with the surface are counted: on the way from a point nearby, or on a ray along x. If open
-/// edges count, the ball does not reach the film that closes the holes either, and the ray is one towards -x.
+/// edges count, the ball does not reach the film or the walls that close the surface either, and the ray is one towards
+/// -x.
 void find_signs(const engine::SearchedMesh& searched, SignRule rule, const LocatedPoints& points,
                 std::span<std::uint8_t> signs);
 

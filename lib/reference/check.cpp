@@ -268,7 +268,8 @@ void require_one_problem(std::span<const Field> fields) {
     first.band.validate();
     first.grid.validate();
     for (const Field& field : fields) {
-        if (field.grid != first.grid || field.band != first.band || field.sign != first.sign) {
+        if (field.grid != first.grid || field.band != first.band || field.sign != first.sign ||
+            field.floor != first.floor) {
             throw Error(ErrorCode::invalid_argument,
                         "the fields to check have different grids, bands or sign rules: check them one by one");
         }
@@ -293,7 +294,7 @@ std::vector<CheckReport> check(const Mesh& mesh, std::span<const Field> fields, 
     const double widest_half = widest(first.band, first.sign != SignRule::none);
     const double reach = widest_half * (1 + 1e-6 + 1e-6 * options.tolerance_ulp) +
                          (1 + options.tolerance_voxels + options.sign_margin_voxels) * first.grid.voxel();
-    const TrueSamples truth(mesh, first.grid, first.sign, reach);
+    const TrueSamples truth(mesh, first.grid, first.sign, first.floor, reach);
     std::vector<Judge> judges;
     judges.reserve(fields.size());
     for (const Field& field : fields) {

@@ -75,7 +75,8 @@ MeshSites::MeshSites(const Mesh& mesh, const SignSurface& surface)
     : mesh_(mesh),
       surface_(surface),
       faces_(find_faces(mesh)),
-      is_inside_out_(describe_mesh(mesh, surface.open_loops.empty() ? SignRule::automatic : SignRule::solid_angle)
+      is_inside_out_(!surface.open_loops.floor &&
+                     describe_mesh(mesh, surface.open_loops.empty() ? SignRule::automatic : SignRule::solid_angle)
                          .topology.inside_out) {
     if (surface.is_mesh()) return;
     std::vector<Triangle> triangles = mesh.triangles();

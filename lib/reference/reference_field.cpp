@@ -10,15 +10,18 @@
 
 namespace clsdf::reference {
 
-Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign) {
+Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign,
+                      std::optional<double> floor) {
     band.validate();
     grid.validate();
-    const TrueSamples truth(mesh, grid, sign, band.widest());
+    const TrueSamples truth(mesh, grid, sign, floor, band.widest());
 
     const MeshSites sites(mesh, truth.sign_surface());
     OutputSet outputs;
     for (const OutputInfo& info : output_table()) outputs.insert(info.output);
-    Field field(FieldDescription{grid, band, truth.sign(), mesh.name()}, outputs);
+    Field field(
+        FieldDescription{.grid = grid, .band = band, .sign = truth.sign(), .mesh_name = mesh.name(), .floor = floor},
+        outputs);
     const std::span<float> distances = field.distance();
     for (const OutputInfo& info : extra_outputs()) std::ranges::fill(field.bytes(info.output), std::byte{0xFF});
     for_each_index(

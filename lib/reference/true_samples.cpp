@@ -1,5 +1,6 @@
 #include "true_samples.hpp"
 
+#include <clsdf/error.hpp>
 #include <clsdf/reference.hpp>
 #include <clsdf/topology.hpp>
 
@@ -19,11 +20,28 @@ namespace {
 
 /// The mesh of another surface that decides the sign; null if it is the mesh.
 std::unique_ptr<const Mesh> mesh_of(const SignSurface& surface, const Mesh& mesh) {
+    if (surface.open_loops.floor) {
+        const Mesh closed = close_down(mesh, *surface.open_loops.floor);
+        const SignSurface joined = describe_mesh(closed).surface;
+        auto result = mesh_of(joined, closed);
+        return result ? std::move(result) : std::make_unique<const Mesh>(closed);
+    }
     if (surface.is_mesh()) return nullptr;
     std::vector<Triangle> triangles;
     for (std::size_t face = 0; face < mesh.triangles().size(); ++face)
         triangles.push_back(surface.triangle(mesh.triangles()[face], face));
     return std::make_unique<const Mesh>(mesh.vertices(), std::move(triangles), mesh.name());
+}
+
+SignSurface surface_of(SignSurface described, SignRule sign, std::optional<double> floor) {
+    if (sign == SignRule::none) return {};
+    if (sign == SignRule::below) {
+        if (!floor)
+            throw Error(ErrorCode::invalid_argument,
+                        "the field has the sign rule below, and its floor is not known; give its z (--floor)");
+        described.open_loops.floor = floor;
+    }
+    return described;
 }
 
 /// A field has the rule in use, and the rule `automatic` may have left sheets out for it.
@@ -36,14 +54,15 @@ DescribedMesh described_for(const Mesh& mesh, SignRule sign) {
 
 }  // namespace
 
-TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, double reach)
-    : TrueSamples(mesh, grid, sign, described_for(mesh, sign), reach) {}
+TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, std::optional<double> floor, double reach)
+    : TrueSamples(mesh, grid, sign, floor, described_for(mesh, sign), reach) {}
 
-TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, DescribedMesh described, double reach)
+TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, std::optional<double> floor,
+                         DescribedMesh described, double reach)
     : grid_(grid),
       sign_(
           resolve_sign_rule(described.topology.sheet_faces > 0 ? SignRule::automatic : sign, described.topology).rule),
-      surface_(is_signed() ? std::move(described.surface) : SignSurface()),
+      surface_(surface_of(std::move(described.surface), sign_, floor)),
       reach_(reach),
       tree_(mesh),
       sign_mesh_(mesh_of(surface_, mesh)),
@@ -145,6 +164,7 @@ TrueSample TrueSamples::at(const Index3& index) const {
         const Vec3& point = position.head;
         take_sign(rays_.count_along_row({point.data(), 1}, point[1], point[2]).front(), sample);
     }
+    if (surface_.open_loops.floor) doubt_near_walls(position, sample);
     return sample;
 }
 
@@ -168,8 +188,17 @@ void TrueSamples::row(std::int64_t j, std::int64_t k, std::vector<TrueSample>& s
         const auto counts = rays_.count_along_row(x, position.head[1], position.head[2]);
         for (std::size_t i = 0; i < samples.size(); ++i) {
             take_sign(counts[i], samples[i]);
+            if (surface_.open_loops.floor)
+                doubt_near_walls(exact_position(grid_, {static_cast<std::int64_t>(i), j, k}), samples[i]);
         }
     }
+}
+
+void TrueSamples::doubt_near_walls(const ExactPosition& position, TrueSample& sample) const {
+    // docs/accuracy.md: 1e-6 voxel.
+    sample.in_doubt = sign_tree_->nearest(position, std::max(1e-6 * grid_.voxel(), sample.rounding)).has_value();
+    // A sample on a wall or the floor has a distance, too.
+    sample.on_surface = sample.on_surface && sample.distance == 0;
 }
 
 namespace {

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace clsdf::reference {
@@ -21,7 +22,8 @@ struct TrueSample {
     Site site = Site::face;  ///< of that triangle, and the closest point, within the reach
     Vec3 point{};
     bool inside = false;
-    bool in_doubt = false;    ///< by the rule solid_angle: the winding number is about one half
+    bool in_doubt = false;    ///< by the rule solid_angle: the winding number is about one half; by the rule below: the
+                              ///< sample is so near to a wall or the floor that rounding may decide
     bool on_surface = false;  ///< the double nearest to the sample, which decides the sign, lies on the surface
     double rounding =
         0;  ///< largest distance of the sample from that double; the sign is uncertain that near to the surface
@@ -33,7 +35,8 @@ struct TrueSample {
 class TrueSamples {
 public:
     /// Distances beyond `reach` are not needed. The mesh must outlive this. The rule is resolved against the mesh.
-    TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, double reach);
+    /// floor: of the rule `below`.
+    TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, std::optional<double> floor, double reach);
 
     SignRule sign() const { return sign_; }
     bool is_signed() const { return sign_ != SignRule::none; }
@@ -53,11 +56,14 @@ public:
     }
 
 private:
-    TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, DescribedMesh described, double reach);
+    TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, std::optional<double> floor, DescribedMesh described,
+                double reach);
     void measure(const ExactPosition& position, double bound, TrueSample& sample) const;
     void take_sign(const std::optional<RayCount>& count, TrueSample& sample) const;
     /// By the solid angles of all faces.
     void take_sign(const Vec3& point, TrueSample& sample) const;
+    /// By the rule `below`.
+    void doubt_near_walls(const ExactPosition& position, TrueSample& sample) const;
 
     Grid grid_;
     SignRule sign_;

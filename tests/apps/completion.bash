@@ -23,7 +23,7 @@ offers() {
 
 offers "compute" comp
 offers "--sign --size" compute mesh.off --si
-offers "auto none nonzero parity solid-angle" compute --sign ""
+offers "auto below none nonzero parity solid-angle" compute --sign ""
 offers "none nonzero" compute --sign = no
 offers "x y z" slice --axis ""
 offers "folder mesh.off two words.stl" compute ""

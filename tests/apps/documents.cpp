@@ -86,9 +86,9 @@ BOOST_FIXTURE_TEST_CASE(have_what_a_subcommand_requires_in_the_synopsis, Generat
 }
 
 BOOST_FIXTURE_TEST_CASE(have_the_words_that_an_option_takes_and_the_endings_of_files, Generated) {
-    BOOST_TEST(contains(file("clsdf"), "_clsdf_words 'auto nonzero parity solid-angle none'"));
-    BOOST_TEST(contains(file("_clsdf"), "(auto nonzero parity solid-angle none)"));
-    BOOST_TEST(contains(file("clsdf.fish"), "-l sign -x -a 'auto nonzero parity solid-angle none'"));
+    BOOST_TEST(contains(file("clsdf"), "_clsdf_words 'auto nonzero parity solid-angle below none'"));
+    BOOST_TEST(contains(file("_clsdf"), "(auto nonzero parity solid-angle below none)"));
+    BOOST_TEST(contains(file("clsdf.fish"), "-l sign -x -a 'auto nonzero parity solid-angle below none'"));
     for (const char* name : {"clsdf", "_clsdf", "clsdf.fish"})
         for (const char* word : {".off", ".ply", ".nrrd", ".npy", ".png", "seashell"})
             BOOST_TEST(contains(file(name), word), word << " in " << name);

@@ -118,6 +118,37 @@ BOOST_AUTO_TEST_CASE(writes_winding_numbers_as_the_last_column) {
     BOOST_TEST(rows[2][4] == "0");
 }
 
+BOOST_AUTO_TEST_CASE(takes_what_lies_below_a_terrain_to_be_inside) {
+    const Inputs inputs;
+    write_mesh({{{0, 0, 2}, {4, 0, 2}, {4, 4, 2}, {0, 4, 2}}, {{0, 1, 2}, {0, 2, 3}}, "terrain"}, inputs.mesh);
+    const std::string points = inputs.folder.file("below.csv", "x,y,z\n2,2,1\n2,2,3\n2,2,-2\n"),
+                      result = inputs.folder.file("found.csv"), field = inputs.folder.file("field.nrrd");
+    BOOST_REQUIRE(
+        run_command({"query", inputs.mesh, points, "-o", result, "--sign", "below", "--floor", "-1"}).status == 0);
+    const auto rows = table_of(result);
+    BOOST_TEST(rows[1][3] == "-1");
+    BOOST_TEST(rows[2][3] == "1");
+    BOOST_TEST(rows[3][3] == "4");
+    // The field knows its floor.
+    const Outcome made = run_command({"compute", inputs.mesh, "-o", field, "--resolution", "16", "--margin", "50%",
+                                      "--band", "full", "--sign", "below", "--floor", "-1", "--json"});
+    BOOST_REQUIRE(made.status == 0);
+    const nlohmann::json report = nlohmann::json::parse(made.out);
+    BOOST_TEST(report["sign"] == "below");
+    BOOST_TEST(report["floor"] == -1);
+    BOOST_TEST(report["topology"]["rim_loops"] == 1);
+    BOOST_TEST(run_command({"check", inputs.mesh, field, "--complete"}).status == 0);
+    BOOST_TEST(read_field(field).floor.value_or(0) == -1);
+    for (const std::vector<std::string>& wrong :
+         {std::vector<std::string>{"--sign", "below"}, {"--floor", "-1"}, {"--sign", "below", "--floor", "2"}}) {
+        std::vector<std::string> arguments{"query", inputs.mesh, points, "-o", result};
+        arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+        const Outcome refused = run_command(arguments);
+        BOOST_TEST(refused.status != 0);
+        BOOST_TEST(refused.error.find("floor") != std::string::npos, refused.error);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(writes_a_table_with_a_row_for_each_point) {
     const Inputs inputs;
     const std::string result = inputs.folder.file("found.csv");

@@ -101,6 +101,8 @@ BOOST_AUTO_TEST_CASE(of_the_sign_take_two_lines_and_have_the_remedy) {
     BOOST_TEST(half.find("its winding number is in doubt") != std::string::npos, half);
     BOOST_TEST(half.find("--weld LENGTH") != std::string::npos, half);
     check_mesh(without(solid, 10), {"no sign", "close the surface, for example by walls"});
+    check_mesh(Mesh({{0, 0, 2}, {4, 0, 2}, {4, 4, 2}, {0, 4, 3}}, {{0, 1, 2}, {0, 2, 3}}),
+               {"no sign", "close the surface, for example by walls", "--sign below --floor Z"});
     check_mesh(without(solid, 11), {"--sign none gives"}, {"--sign", "solid-angle"});
     // A Klein bottle.
     check_mesh(parametric(28, 20, 2 * std::numbers::pi, "",

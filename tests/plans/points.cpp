@@ -178,22 +178,30 @@ Mesh flat_square() {
             "square"};
 }
 
+Mesh hill() {
+    return {std::vector<Vec3>{{0, 0, 0}, {1, 0, 0.125}, {1.5, 1, 0}, {0, 1, 0.25}, {0.5, 0.5, 0.75}},
+            std::vector<Triangle>{{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, "hill"};
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(a_run_has_the_bytes_of_a_query) {
     struct Case {
         Mesh mesh;
         SignRule sign;
+        std::optional<double> floor{};
     };
     const std::vector<Case> cases{{tilted(make_shape("knot")), SignRule::automatic},
                                   {cube(1), SignRule::automatic},
                                   {reversed(cube(1)), SignRule::parity},
                                   {without_triangle(make_shape("knot"), 7), SignRule::solid_angle},
                                   {make_shape("noisy"), SignRule::none},
-                                  {flat_square(), SignRule::none}};
+                                  {flat_square(), SignRule::none},
+                                  {hill(), SignRule::below, -0.5}};
     for (const Case& tested : cases)
         for (const KernelBody body : {KernelBody::automatic, KernelBody::by_group}) {
-            const DistanceTransform transform(test_device(), tested.mesh, {.sign = tested.sign, .body = body});
+            const DistanceTransform transform(test_device(), tested.mesh,
+                                              {.sign = tested.sign, .body = body, .floor = tested.floor});
             for (const double half_width : {0.2, infinity}) {
                 if (body == KernelBody::by_group && half_width == infinity) continue;
                 PointPlan plan = transform.plan_points(16384, half_width, every_one);

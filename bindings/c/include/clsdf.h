@@ -116,6 +116,8 @@ typedef int32_t clsdf_status;
 #define CLSDF_SIGN_PARITY 2      /* inside if a ray crosses the surface an odd number of times; needs a closed mesh */
 #define CLSDF_SIGN_NONE 3        /* the distance alone */
 #define CLSDF_SIGN_SOLID_ANGLE 4 /* inside if the winding number is one half or more, or -1/2 or less; any mesh */
+#define CLSDF_SIGN_BELOW \
+    5 /* inside below a terrain and above clsdf_transform_options.floor, between walls from its rim */
 
 /* The place of a box. */
 #define CLSDF_WITHIN 0  /* the surface may be within the half width of a point of the box */
@@ -582,6 +584,11 @@ typedef struct clsdf_topology {
     int64_t first_enclosing_face;      /* the lowest of them */
     int64_t overlapping_parts;         /* parts of a balanced mesh that are partly within others */
     int64_t first_overlapping_face;    /* the lowest face of the first of them */
+    /* The rule below needs a mesh that is not closed, whose faces look up and whose rim does not overlap. */
+    int64_t downward_faces;        /* look down, to smaller z */
+    int64_t first_downward_face;   /* the lowest of them */
+    int64_t rim_loops;             /* of a mesh that is not closed and has no downward_faces: loops of open edges */
+    int64_t overlapping_rim_edges; /* of them that cross others, seen from above, or at which the mesh lies twice */
 } clsdf_topology;
 #define CLSDF_EDGE_INIT \
     {                   \
@@ -591,10 +598,11 @@ typedef struct clsdf_topology {
     }
 #define CLSDF_FIVE_EDGES_INIT \
     { CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT, CLSDF_EDGE_INIT }
-#define CLSDF_TOPOLOGY_INIT                                                                                     \
-    {                                                                                                           \
-        CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT,           \
-            CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 \
+#define CLSDF_TOPOLOGY_INIT                                                                                            \
+    {                                                                                                                  \
+        CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT,                  \
+            CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
+            0, 0                                                                                                       \
     }
 
 /* Defects beside those of edges. The distance is exact in spite of them. */
@@ -660,6 +668,10 @@ CLSDF_API clsdf_status clsdf_mesh_weld(const clsdf_mesh* mesh, clsdf_mesh** weld
 /* The mesh in which vertices are one, too, if they differ by at most `tolerance` on every axis, in the mesh's units, or
  * are connected by others that do; clusters longer than four tolerances are left apart. */
 CLSDF_API clsdf_status clsdf_mesh_weld_within(const clsdf_mesh* mesh, double tolerance, clsdf_mesh** welded);
+/* A terrain closed by walls from its rim down to z = `floor`, and by a floor there: what CLSDF_SIGN_BELOW takes to be
+ * inside. The vertices and triangles of `mesh` come first; no groups. CLSDF_INVALID_MESH if the mesh does not meet that
+ * rule, CLSDF_INVALID_ARGUMENT if the floor is not below all vertices. */
+CLSDF_API clsdf_status clsdf_mesh_close_down(const clsdf_mesh* mesh, double floor, clsdf_mesh** closed);
 /* What clsdf_mesh_weld_within() did to `mesh`: a wall that is thinner than the tolerance is flat. The warning, which
  * may be "", says so, with the remedy. */
 CLSDF_API clsdf_status clsdf_mesh_describe_weld(const clsdf_mesh* mesh, const clsdf_mesh* welded,
@@ -757,9 +769,10 @@ typedef struct clsdf_transform_options {
     int32_t sign; /* CLSDF_SIGN_AUTOMATIC ... */
     int32_t reserved;
     int64_t kept_bytes; /* limit of the device memory kept between calls; 0: none; -1: the default */
+    double floor;       /* of CLSDF_SIGN_BELOW, which needs one: z below all vertices; DBL_MAX, the default: none */
 } clsdf_transform_options;
 #define CLSDF_TRANSFORM_OPTIONS_INIT \
-    { sizeof(clsdf_transform_options), CLSDF_SIGN_AUTOMATIC, 0, -1 }
+    { sizeof(clsdf_transform_options), CLSDF_SIGN_AUTOMATIC, 0, -1, 1.7976931348623157e308 }
 
 /* Memory that a transform keeps between calls, beside the mesh. */
 typedef struct clsdf_kept_memory {

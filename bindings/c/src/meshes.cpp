@@ -65,6 +65,13 @@ clsdf_status clsdf_mesh_weld_within(const clsdf_mesh* mesh, double tolerance, cl
     });
 }
 
+clsdf_status clsdf_mesh_close_down(const clsdf_mesh* mesh, double floor, clsdf_mesh** closed) {
+    return made(closed, "closed", [&] {
+        const clsdf_mesh& self = of(mesh);
+        return new clsdf_mesh(close_down(self.mesh, floor), self.index_base);
+    });
+}
+
 clsdf_status clsdf_mesh_describe_weld(const clsdf_mesh* mesh, const clsdf_mesh* welded, clsdf_weld_report* report,
                                       char* warning, std::int64_t size, std::int64_t* length) {
     return guarded([&] {

@@ -33,7 +33,7 @@ static_assert(is(Output::distance, CLSDF_DISTANCE) && is(Output::triangle, CLSDF
               is(Output::offset, CLSDF_OFFSET));
 static_assert(is(SignRule::automatic, CLSDF_SIGN_AUTOMATIC) && is(SignRule::nonzero, CLSDF_SIGN_NONZERO) &&
               is(SignRule::parity, CLSDF_SIGN_PARITY) && is(SignRule::none, CLSDF_SIGN_NONE) &&
-              is(SignRule::solid_angle, CLSDF_SIGN_SOLID_ANGLE));
+              is(SignRule::solid_angle, CLSDF_SIGN_SOLID_ANGLE) && is(SignRule::below, CLSDF_SIGN_BELOW));
 static_assert(is(BoxPlace::within, CLSDF_WITHIN) && is(BoxPlace::inside, CLSDF_INSIDE) &&
               is(BoxPlace::outside, CLSDF_OUTSIDE) && is(BoxPlace::beyond, CLSDF_BEYOND));
 static_assert(is(DeviceSource::registered, CLSDF_REGISTERED) && is(DeviceSource::bundled, CLSDF_BUNDLED) &&
@@ -70,7 +70,7 @@ const char* clsdf_type_name(std::int32_t type) {
     return type == CLSDF_AUTOMATIC ? "automatic" : name_within(type, ElementType::uint8);
 }
 const char* clsdf_sign_name(std::int32_t rule) {
-    return name_within(rule, SignRule::solid_angle);
+    return name_within(rule, SignRule::below);
 }
 const char* clsdf_device_kind_name(std::int32_t kind) {
     return name_within(kind, DeviceKind::other);

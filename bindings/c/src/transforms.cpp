@@ -3,6 +3,7 @@
 #include "mesh_arrays.hpp"
 #include "values.hpp"
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -21,6 +22,7 @@ TransformOptions options_of(const clsdf_transform_options* options) {
     c::check_reserved(from.reserved, "clsdf_transform_options");
     TransformOptions to;
     to.sign = c::sign_rule_of(from.sign, "clsdf_transform_options.sign");
+    if (from.floor != std::numeric_limits<double>::max()) to.floor = from.floor;
     if (from.kept_bytes != -1) to.kept_bytes = c::count_of(from.kept_bytes, "clsdf_transform_options.kept_bytes");
     return to;
 }

@@ -280,7 +280,7 @@ SparseSlab sparse_slab_of(const clsdf_sparse_slab* slab) {
 }
 
 SignRule sign_rule_of(std::int32_t rule, const char* name) {
-    return enumerator(rule, SignRule::solid_angle, name);
+    return enumerator(rule, SignRule::below, name);
 }
 
 clsdf_topology as_c(const Topology& topology) {
@@ -330,6 +330,10 @@ clsdf_topology as_c(const Topology& topology) {
     result.first_enclosing_face = static_cast<std::int64_t>(topology.first_enclosing_face);
     result.overlapping_parts = static_cast<std::int64_t>(topology.overlapping_parts);
     result.first_overlapping_face = static_cast<std::int64_t>(topology.first_overlapping_face);
+    result.downward_faces = static_cast<std::int64_t>(topology.downward_faces);
+    result.first_downward_face = static_cast<std::int64_t>(topology.first_downward_face);
+    result.rim_loops = static_cast<std::int64_t>(topology.rim_loops);
+    result.overlapping_rim_edges = static_cast<std::int64_t>(topology.overlapping_rim_edges);
     return result;
 }
 

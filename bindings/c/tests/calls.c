@@ -820,6 +820,39 @@ static void check_callbacks(void) {
     CHECK(strcmp(clsdf_status_name(CLSDF_OWN_STATUS), "unknown") == 0);
 }
 
+/* Two triangles at z = 2, with a floor. */
+static void check_terrain(void) {
+    const double corners[4][3] = {{0, 0, 2}, {4, 0, 2}, {4, 4, 2}, {0, 4, 2}},
+                 points[3][3] = {{2, 2, 1}, {2, 2, 3}, {5, 2, 1}};
+    const int32_t faces[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
+    clsdf_transform_options options = CLSDF_TRANSFORM_OPTIONS_INIT;
+    clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
+    clsdf_mesh *terrain = NULL, *closed = NULL;
+    clsdf_transform* below = NULL;
+    float distances[3];
+    int32_t rule;
+    arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, corners, 4);
+    arrays.triangles = clsdf_host_array(CLSDF_INT32, faces, 2);
+    OK(clsdf_mesh_create(&arrays, &terrain));
+    OK(clsdf_mesh_topology(terrain, &topology));
+    CHECK(topology.downward_faces == 0 && topology.rim_loops == 1 && topology.overlapping_rim_edges == 0);
+    FAILS(CLSDF_INVALID_ARGUMENT, "lowest vertex", clsdf_mesh_close_down(terrain, 2, &closed));
+    OK(clsdf_mesh_close_down(terrain, -1, &closed));
+    OK(clsdf_mesh_topology(closed, &topology));
+    CHECK(topology.balanced == 1 && topology.inside_out == 0);
+    options.sign = CLSDF_SIGN_BELOW;
+    FAILS(CLSDF_INVALID_ARGUMENT, "needs a floor", clsdf_transform_create(device, terrain, &options, NULL, &below));
+    options.floor = -1;
+    OK(clsdf_transform_create(device, terrain, &options, NULL, &below));
+    OK(clsdf_transform_sign(below, &rule));
+    OK(clsdf_query_distance(below, points[0], 3, 100, distances));
+    CHECK(rule == CLSDF_SIGN_BELOW && distances[0] == -1 && distances[1] == 1 && distances[2] > 1);
+    clsdf_transform_release(below);
+    clsdf_mesh_release(closed);
+    clsdf_mesh_release(terrain);
+}
+
 int main(void) {
     clsdf_target targets[2];
     CHECK(clsdf_version() == CLSDF_VERSION && strcmp(clsdf_version_text(), "0.1.0") == 0);
@@ -827,9 +860,11 @@ int main(void) {
           strcmp(clsdf_type_name(CLSDF_FLOAT64), "double") == 0 &&
           strcmp(clsdf_sign_name(CLSDF_SIGN_PARITY), "parity") == 0 &&
           strcmp(clsdf_sign_name(CLSDF_SIGN_SOLID_ANGLE), "solid-angle") == 0 &&
+          strcmp(clsdf_sign_name(CLSDF_SIGN_BELOW), "below") == 0 &&
           strcmp(clsdf_device_kind_name(CLSDF_GPU), "gpu") == 0 &&
           strcmp(clsdf_device_source_name(CLSDF_UNREGISTERED), "unregistered") == 0);
     OK(clsdf_device_automatic(&device));
+    check_terrain();
     OK(clsdf_mesh_shape("torus", &mesh));
     OK(clsdf_transform_create(device, mesh, NULL, NULL, &transform));
     {

@@ -64,6 +64,7 @@ static void check_null(void) {
     NULL_FAILS(clsdf_mesh_read(NULL, &mesh));
     NULL_FAILS(clsdf_mesh_weld(NULL, &mesh));
     NULL_FAILS(clsdf_mesh_weld_within(NULL, 0, &mesh));
+    NULL_FAILS(clsdf_mesh_close_down(NULL, 0, &mesh));
     NULL_FAILS(clsdf_mesh_describe_weld(NULL, NULL, NULL, NULL, 0, NULL));
     NULL_FAILS(clsdf_mesh_write(NULL, "x.ply", NULL, 0));
     NULL_FAILS(clsdf_mesh_set_positions(NULL, NULL));
@@ -289,7 +290,7 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     clsdf_array points = clsdf_host_array(CLSDF_FLOAT64, point, 1);
     int32_t n;
 
-    for (n = -1; n <= 5; n += 6) {
+    for (n = -1; n <= 6; n += 7) {
         options.sign = n;
         FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_transform_options.sign is",
               clsdf_transform_create(device, mesh, &options, NULL, &transform));

@@ -137,6 +137,10 @@ int main(void) {
     MEMBER(clsdf_topology, first_enclosing_face);
     MEMBER(clsdf_topology, overlapping_parts);
     MEMBER(clsdf_topology, first_overlapping_face);
+    MEMBER(clsdf_topology, downward_faces);
+    MEMBER(clsdf_topology, first_downward_face);
+    MEMBER(clsdf_topology, rim_loops);
+    MEMBER(clsdf_topology, overlapping_rim_edges);
     SIZE(clsdf_defects);
     MEMBER(clsdf_defects, struct_size);
     MEMBER(clsdf_defects, zero_area_faces);
@@ -191,6 +195,7 @@ int main(void) {
     MEMBER(clsdf_transform_options, sign);
     MEMBER(clsdf_transform_options, reserved);
     MEMBER(clsdf_transform_options, kept_bytes);
+    MEMBER(clsdf_transform_options, floor);
     SIZE(clsdf_kept_memory);
     MEMBER(clsdf_kept_memory, struct_size);
     MEMBER(clsdf_kept_memory, host_bytes);

@@ -84,9 +84,35 @@ program calls
   call options()
   call slabs_and_fields()
   call other_calls()
+  call terrain()
   call errors()
 
 contains
+
+  ! Two triangles at z = 2, with a floor.
+  subroutine terrain()
+    real(8), parameter :: corners(3, 4) = reshape([0d0, 0d0, 2d0, 4d0, 0d0, 2d0, 4d0, 4d0, 2d0, 0d0, 4d0, 2d0], [3, 4])
+    integer(4), parameter :: faces(3, 2) = reshape([1, 2, 3, 1, 3, 4], [3, 2])
+    real(8) :: points(3, 2) = reshape([2d0, 2d0, 1d0, 2d0, 2d0, 3d0], [3, 2])
+    real(8) :: distance(2)
+    type(clsdf_mesh) :: own, closed
+    type(clsdf_topology) :: topology
+    type(clsdf_transform) :: below
+    call own%create(corners, faces, 'terrain')
+    topology = own%topology()
+    call check(topology%rim_loops == 1 .and. topology%downward_faces == 0, 'a terrain')
+    call own%close_down(-1d0, closed)
+    topology = closed%topology()
+    call check(topology%balanced, 'a terrain with walls and a floor')
+    call own%close_down(2d0, closed, stat, errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'lowest vertex')
+    call below%create(device, own, CLSDF_SIGN_BELOW, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'needs a floor')
+    call below%create(device, own, CLSDF_SIGN_BELOW, floor=-1d0)
+    call check(below%sign() == CLSDF_SIGN_BELOW, 'its sign')
+    call below%query(points, 100d0, distance)
+    call check(all(abs(distance - [-1d0, 1d0]) < 1d-12), 'distances below and above it')
+  end subroutine
 
   subroutine numbers_and_texts()
     type(clsdf_output_info) :: info

@@ -30,7 +30,7 @@ from ._transform import BoxPlace, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
 
-from ._meshes import Groups, Mesh, find_defects, mesh_hash, read_mesh, weld  # noqa: E402
+from ._meshes import Groups, Mesh, close_down, find_defects, mesh_hash, read_mesh, weld  # noqa: E402
 from . import trimesh  # noqa: E402
 
 if _typing.TYPE_CHECKING:
@@ -75,6 +75,7 @@ __all__ = [
     "Topology",
     "Transform",
     "UnreadableInput",
+    "close_down",
     "devices",
     "find_defects",
     "make_shape",

@@ -14,8 +14,8 @@ class Field(Values):
     """Samples on a grid, negative inside. Arrays have the shape (nz, ny, nx), z first: f.distance[k, j, i] lies at
     f.grid.position(i, j, k). Vectors have one axis more, (nz, ny, nx, 3), and are in the order x, y, z.
 
-    grid: a Grid. band: a Band, in the mesh's units. sign: the rule in use, 'nonzero', 'parity',
-    'solid-angle' or 'none' ('auto' in a file of another program that does not say). mesh_name: of the mesh's file, else
+    grid: a Grid. band: a Band, in the mesh's units. sign: the rule in use, 'nonzero', 'parity', 'solid-angle',
+    'below' or 'none' ('auto' in a file of another program that does not say). mesh_name: of the mesh's file, else
     'mesh'. positive_inside: distances and gradients are negated, also zeros and what lies beyond the band.
     """
 

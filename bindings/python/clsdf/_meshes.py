@@ -233,6 +233,15 @@ def weld(mesh: Any, tolerance: float = 0.0) -> Mesh:
     return welded
 
 
+def close_down(mesh: Any, floor: float) -> Mesh:
+    """A terrain closed by vertical walls from its rim down to z = floor, and by a floor there: the mesh whose inside the
+    sign rule 'below' takes. The vertices and faces of the terrain come first, with their numbers. Raises clsdf.Error
+    (invalid_mesh) if a face looks down or if the rim overlaps itself, seen from above; (invalid_argument) if the floor
+    is not below all vertices. mesh: as for mesh_hash()."""
+    vertices, faces, name = arrays_of(mesh)
+    return Mesh(*_core.close_down(vertices, faces, floor), name=name)
+
+
 def find_defects(mesh: Any) -> _core.Defects:
     """Counts faces without area, duplicate faces and components; Transform.topology describes the edges. mesh: as for
     mesh_hash()."""

@@ -32,7 +32,7 @@ class Plan:
 
     @property
     def sign(self) -> str:
-        """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
+        """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
         return self._plan.sign
 
     def enqueue(self, *, out: Any = None, queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:
@@ -103,7 +103,7 @@ class SparsePlan:
 
     @property
     def sign(self) -> str:
-        """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
+        """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
         return self._plan.sign
 
     def enqueue(self, *, out: Mapping[str, Any], queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:
@@ -165,7 +165,7 @@ class PointPlan:
 
     @property
     def sign(self) -> str:
-        """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
+        """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
         return self._plan.sign
 
     def enqueue(

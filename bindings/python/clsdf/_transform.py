@@ -99,8 +99,10 @@ class Transform:
         are counter-clockwise seen from outside. The mesh is copied once: the arrays may change afterwards.
     device: None (clsdf.Device.automatic()), a clsdf.Device, an index or a part of a device's name, or a
         pyopencl.CommandQueue.
-    sign: 'auto', 'nonzero', 'parity', 'solid-angle' or 'none'. With 'auto' an open mesh gets 'solid-angle' if its
-        winding number is clear, else no sign; a MeshWarning says which.
+    sign: 'auto', 'nonzero', 'parity', 'solid-angle', 'below' or 'none'. With 'auto' an open mesh gets 'solid-angle' if
+        its winding number is clear, else no sign; a MeshWarning says which. 'below' is for terrains: walls down from the
+        rim and a floor close them for the sign.
+    floor: of the rule 'below', which needs one: its z, below all vertices, also when they move.
     kept_bytes: limit of the device memory that is kept between calls; None: the library's default.
 
     Raises clsdf.Error: invalid_mesh names the row and the value; also unreadable_input, no_device, device_failure.
@@ -113,8 +115,20 @@ class Transform:
     """
 
     def __init__(
-        self, mesh: Any, faces: Any = None, *, device: Any = None, sign: str = "auto", kept_bytes: int | None = None
+        self,
+        mesh: Any,
+        faces: Any = None,
+        *,
+        device: Any = None,
+        sign: str = "auto",
+        kept_bytes: int | None = None,
+        floor: float | None = None,
     ) -> None:
+        if floor is not None:
+            try:
+                floor = float(floor)
+            except (TypeError, ValueError):
+                raise Error(f"floor: {floor!r} is no number; write the z of the floor, or None") from None
         if kept_bytes is not None:
             try:
                 kept_bytes = -1 if isinstance(kept_bytes, bool) else operator.index(kept_bytes)
@@ -123,16 +137,16 @@ class Transform:
             if not 0 <= kept_bytes < 2**64:
                 raise Error("kept_bytes is not a number of bytes, 0 or more; write 1 << 30 for a GiB, or None")
         if not isinstance(sign, str):
-            raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle' or 'none'")
+            raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle', 'below' or 'none'")
         is_own = faces is None and isinstance(mesh, (str, os.PathLike))
         vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
-        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes)
+        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes, floor)
         if not is_own:
             own = self._body.device
             vertices, faces = _meshes.own_copy(vertices, own), _meshes.own_copy(faces, own)
-        self._keep((vertices, faces, sign, kept_bytes))
+        self._keep((vertices, faces, sign, kept_bytes, floor))
 
-    def _keep(self, made_of: tuple[Any, Any, str, int | None]) -> None:
+    def _keep(self, made_of: tuple[Any, Any, str, int | None, float | None]) -> None:
         """What the transform is made of, to make it again elsewhere."""
         self._made_of = made_of
         self._positions: Any = None
@@ -144,10 +158,11 @@ class Transform:
 
     def _state(self) -> tuple[Any, ...]:
         with self._moves:
-            vertices, faces, sign, kept_bytes = self._made_of
+            vertices, faces, sign, kept_bytes, floor = self._made_of
             if self.sign in ("none", "solid-angle"):
                 sign = self.sign  # known: no second warning
-            return vertices, faces, sign, kept_bytes, self._positions, self._motion, self._regions, self.mesh_name
+            moves = (self._positions, self._motion, self._regions)
+            return vertices, faces, sign, kept_bytes, floor, *moves, self.mesh_name
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The mesh's arrays, the present positions, the options, and the device's name, on which unpickling makes the
@@ -178,7 +193,7 @@ class Transform:
 
     @property
     def sign(self) -> str:
-        """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
+        """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
         return self._body.sign
 
     @property
@@ -819,6 +834,7 @@ def _made_again(
     faces: Any,
     sign: str,
     kept_bytes: int | None,
+    floor: float | None,
     positions: Any,
     motion: Any,
     regions: Any,
@@ -827,7 +843,7 @@ def _made_again(
     """A transform from what Transform._state() has."""
     if isinstance(device, str):
         device = device_named(device)
-    made = Transform((vertices, faces), device=device, sign=sign, kept_bytes=kept_bytes)
+    made = Transform((vertices, faces), device=device, sign=sign, kept_bytes=kept_bytes, floor=floor)
     made.mesh_name = mesh_name
     if positions is not None:
         made.set_positions(positions)

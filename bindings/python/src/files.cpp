@@ -43,9 +43,9 @@ FieldDescription described(const Grid& grid, const Band& band, const std::string
     FieldDescription field;
     field.grid = grid;
     field.band = band;
-    field.sign =
-        value_named("sign", sign,
-                    {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
+    field.sign = value_named("sign", sign,
+                             {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle,
+                              SignRule::below, SignRule::none});
     field.mesh_name = mesh_name;
     field.positive_inside = positive_inside;
     return field;

@@ -76,6 +76,10 @@ auto welded(nb::handle vertices, nb::handle faces, double tolerance) {
     }));
 }
 
+auto closed_down(nb::handle vertices, nb::handle faces, double floor) {
+    return arrays_of(with_mesh(vertices, faces, [floor](const Mesh& mesh) { return close_down(mesh, floor); }));
+}
+
 Defects defects_of(nb::handle vertices, nb::handle faces) {
     return with_mesh(vertices, faces, [](const Mesh& mesh) { return find_defects(mesh); });
 }
@@ -119,6 +123,10 @@ constexpr std::size_t Topology::*topology_counts[] = {
     &Topology::first_enclosing_face,
     &Topology::overlapping_parts,
     &Topology::first_overlapping_face,
+    &Topology::downward_faces,
+    &Topology::first_downward_face,
+    &Topology::rim_loops,
+    &Topology::overlapping_rim_edges,
 };
 
 using Edges = std::vector<std::pair<Vec3, Vec3>>;
@@ -217,6 +225,13 @@ void add_meshes(nb::module_& module) {
         .def_ro("overlapping_parts", &Topology::overlapping_parts,
                 "Parts of a balanced mesh that are partly within others.")
         .def_ro("first_overlapping_face", &Topology::first_overlapping_face, "The lowest face of the first of them.")
+        .def_ro("downward_faces", &Topology::downward_faces,
+                "Faces that look down, to smaller z: the rule 'below' takes none.")
+        .def_ro("first_downward_face", &Topology::first_downward_face, "The lowest of them.")
+        .def_ro("rim_loops", &Topology::rim_loops,
+                "Of a mesh that is not closed and has no downward_faces: loops of open edges.")
+        .def_ro("overlapping_rim_edges", &Topology::overlapping_rim_edges,
+                "Edges of these loops that cross others, seen from above, or at which the mesh lies twice.")
         .def_ro("first_inward_face", &Topology::first_inward_face)
         .def_ro("first_nested_face", &Topology::first_nested_face)
         .def("__getstate__", &state_of)
@@ -270,6 +285,7 @@ void add_meshes(nb::module_& module) {
         "Raises clsdf.Error (unreadable_input, invalid_mesh, unsupported) that names the line or the element.");
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));
     module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"), nb::arg("tolerance") = 0.0);
+    module.def("close_down", &closed_down, nb::arg("vertices"), nb::arg("faces"), nb::arg("floor"));
     module.def("find_defects", &defects_of, nb::arg("vertices"), nb::arg("faces"));
     module.def(
         "make_shape", [](const std::string& name) { return arrays_of(make_shape(name)); }, nb::arg("name"),

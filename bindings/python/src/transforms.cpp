@@ -18,17 +18,18 @@ thread_local const AtWork* AtWork::current = nullptr;
 namespace {
 
 Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const std::string& sign,
-          std::optional<std::size_t> kept_bytes) {
+          std::optional<std::size_t> kept_bytes, std::optional<double> floor) {
     Arrays arrays(&device);
     InputArray positions = arrays.triples(vertices, "vertices"), triangles = arrays.triples(faces, "faces");
     arrays.place({&positions, &triangles}, {});
     const MeshView mesh(positions, triangles);
     const Call call;
     TransformOptions options;
-    options.sign =
-        value_named("sign", sign,
-                    {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle, SignRule::none});
+    options.sign = value_named("sign", sign,
+                               {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle,
+                                SignRule::below, SignRule::none});
     options.kept_bytes = kept_bytes;
+    options.floor = floor;
     const Device& own = device.get();
     arrays.begin();
     auto made = [&] {
@@ -299,7 +300,7 @@ void add_transforms(nb::module_& module) {
                      })
         .def_prop_ro("device", [](const Body& body) { return body.device(); });
     module.def("make_body", &make, nb::arg("device"), nb::arg("vertices"), nb::arg("faces"), nb::arg("sign"),
-               nb::arg("kept_bytes").none());
+               nb::arg("kept_bytes").none(), nb::arg("floor").none() = nb::none());
     module.def("rotation_near", &rotation_near, nb::arg("matrix"),
                "The rotation that was rounded to floats; a matrix that is one already, or is none, stays as it is.");
     module.def("moved", &moved, nb::arg("first"), nb::arg("rotation"), nb::arg("translation"),

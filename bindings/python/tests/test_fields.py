@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import warnings
 
 import numpy as np
@@ -407,6 +408,27 @@ def test_winding_numbers_of_a_mesh_with_a_hole():
     assert body.winding(points, out=wide) is wide and np.float32(wide[0]) == winding[0]
 
 
+def test_a_terrain_has_a_sign_with_a_floor():
+    vertices = np.array([[0, 0, 2], [4, 0, 2], [4, 4, 2], [0, 4, 2]], np.float64)
+    faces = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+    with pytest.warns(clsdf.MeshWarning, match="sign rule below with a floor"):
+        assert clsdf.Transform((vertices, faces)).sign == "none"
+    body = clsdf.Transform((vertices, faces), sign="below", floor=-1)
+    points = np.array([[2, 2, 1], [2, 2, 3], [5, 2, 1], [2, 2, -2.0]])
+    for each in (body, pickle.loads(pickle.dumps(body))):
+        assert each.sign == "below" and np.array_equal(each.query(points).distance < 0, [True, False, False, False])
+    assert body.topology.rim_loops == 1 and body.topology.downward_faces == 0
+    closed = clsdf.close_down((vertices, faces), -1)
+    assert np.array_equal(closed.vertices[:4], vertices) and np.array_equal(closed.faces[:2], faces)
+    assert np.array_equal(clsdf.Transform(closed).query(points).distance < 0, [True, False, False, False])
+    with pytest.raises(clsdf.InvalidArgument, match="needs a floor"):
+        clsdf.Transform((vertices, faces), sign="below")
+    with pytest.raises(clsdf.Error, match="is no number"):
+        clsdf.Transform((vertices, faces), sign="below", floor="deep")
+    with pytest.raises(clsdf.InvalidMesh, match="look down"):
+        clsdf.close_down((vertices, faces[:, ::-1]), -1)
+
+
 def test_boxes_are_classified():
     # `within` counts from the boxes around triangles, so these are small.
     shape = clsdf.make_shape("sphere3")
@@ -453,7 +475,7 @@ def test_what_a_transform_says_of_itself(body, solid):
         assert clsdf.Device.select(device.index).name == clsdf.Device.select(str(device.index)).name == device.name
     with pytest.raises(clsdf.Error, match="device: 2.5 is no clsdf.Device"):
         clsdf.Transform(solid, device=2.5)
-    with pytest.raises(clsdf.Error, match="auto, nonzero, parity, solid-angle, none"):
+    with pytest.raises(clsdf.Error, match="auto, nonzero, parity, solid-angle, below, none"):
         clsdf.Transform(solid, sign="odd")
 
 

@@ -191,6 +191,7 @@ void HomedMesh::move(std::vector<Vec3> positions) {
     auto present = share(on_device ? moved(*first.mesh, std::move(positions), on_device->box)
                                    : moved(*first.mesh, std::move(positions), topology().faces.vertices));
     auto positions_on_device = on_device ? share(std::move(on_device->positions)) : nullptr;
+    if (floor_) check_floor(*floor_, present->box(), name_);
     box_ = present->box();
     has_moved_ = true;
     positions_.set(std::move(present), std::move(positions_on_device));
@@ -202,6 +203,7 @@ bool HomedMesh::move_on_device(const Positions& positions, std::size_t count) {
     if (count != vertex_count_ || (has_equal_ && !has_equal_on_device())) return false;
     std::optional<MovedVertices> moved = moved_on_device(positions);
     if (!moved) return false;
+    if (floor_) check_floor(*floor_, moved->box, name_);
     auto present = share(std::move(moved->positions));
     box_ = moved->box;
     has_moved_ = true;

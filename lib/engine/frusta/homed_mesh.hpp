@@ -12,6 +12,7 @@
 #include "homes/homed.hpp"
 #include "homes/kept.hpp"
 #include "mesh/vertices.hpp"
+#include "surface/terrain.hpp"
 #include "topology/device_topology.hpp"
 #include "topology/topology.hpp"
 
@@ -80,6 +81,12 @@ public:
     /// The boxes of all clusters, and what else an index needs.
     ClusterIndex make_index();
 
+    /// The floor of the sign rule `below`. Throws Error(invalid_argument) if it is not below the box, as moves do.
+    void set_floor(double floor) {
+        check_floor(floor, box_, name_);
+        floor_ = floor;
+    }
+
     // Moves. They leave the frusta to be made again.
 
     /// New positions of the vertices of on_host(). Throws Error(invalid_mesh) if one in use is not finite.
@@ -121,7 +128,8 @@ private:
     DeviceSetUp set_up_;
     std::string name_;
     Box first_box_, box_;
-    std::size_t vertex_count_;  // of the caller's
+    std::optional<double> floor_;  // of the sign rule `below`
+    std::size_t vertex_count_;     // of the caller's
     std::size_t face_count_;
     bool has_equal_ = false;  // vertices that count as one
     bool has_moved_ = false;

@@ -102,8 +102,12 @@ public:
         return sign_surface().vertices.empty() ? 0 : 2 * joined_extent * box().longest_side();
     }
 
-    /// The open edges of that surface count, for the rule solid_angle.
-    void set_open_loops(OpenLoops loops) { open_loops_.set(std::make_shared<const OpenLoops>(std::move(loops))); }
+    /// The open edges of that surface count, for the rules solid_angle and below. Throws Error(invalid_argument) if
+    /// their floor is not below the mesh.
+    void set_open_loops(OpenLoops loops) {
+        if (loops.floor) mesh_.set_floor(*loops.floor);
+        open_loops_.set(std::make_shared<const OpenLoops>(std::move(loops)));
+    }
     /// At the present positions, of the whole mesh, also for a part of it; null if there are none that count.
     std::shared_ptr<const OpenBoundary> boundary();
     /// The same of a whole mesh, also if they do not count for the sign; may be empty.

@@ -219,9 +219,11 @@ SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
         const std::size_t bytes =
             sign_row_count(inputs.layout) * static_cast<std::size_t>(inputs.layout.sign_words) * sizeof(cl_uint);
         bits_ = inputs.tools.pool->lease(bytes, "sign bits");
-        if (inputs.mesh != nullptr && inputs.mesh->boundary)
-            film_ = film_crossings(*inputs.mesh->boundary, inputs.layout,
-                                   [&] { inputs.launches.one_by_one(1, [](std::size_t) {}); });
+        if (inputs.mesh != nullptr && inputs.mesh->boundary) {
+            const LatticeBoundary& boundary = *inputs.mesh->boundary;
+            film_ = (boundary.floor ? wall_crossings : film_crossings)(
+                boundary, inputs.layout, [&] { inputs.launches.one_by_one(1, [](std::size_t) {}); });
+        }
         const bool is_empty = inputs.mesh == nullptr || inputs.mesh->triangle_count == 0 ||
                               (inputs.selection.triangles() != nullptr && inputs.selection.count == 0);
         if (is_empty && film_.records.empty()) {

@@ -67,6 +67,11 @@ struct SweepLattice {
 
     Place place(std::size_t axis, double position) const { return place_of(position, grid, view, axis); }
 
+    static std::int64_t snapped(const Place& at, double scale) {
+        return static_cast<std::int64_t>(at.sample * scale) +
+               static_cast<std::int64_t>(std::nearbyint(at.past * scale));
+    }
+
     /// Whether the vertex lies within the sweep's integers; then `vertex` is set, and how far it is moved across the
     /// row, unless that is null.
     bool snap(const Vec3& position, SweepVertex& vertex, LatticeCorner* corner = nullptr) const {
@@ -74,10 +79,6 @@ struct SweepLattice {
         if (!(std::abs(std::nearbyint((on_y.sample + on_y.past) * scale_y)) < snapped_limit) ||
             !(std::abs(std::nearbyint((on_z.sample + on_z.past) * scale_z)) < snapped_limit))
             return false;
-        const auto snapped = [](const Place& at, double scale) {
-            return static_cast<std::int64_t>(at.sample * scale) +
-                   static_cast<std::int64_t>(std::nearbyint(at.past * scale));
-        };
         vertex = {snapped(on_y, scale_y), snapped(on_z, scale_z), (on_x.sample - first_x) + on_x.past};
         if (corner == nullptr) return true;
         const auto rest = [](const Place& at, double scale) {
@@ -85,6 +86,13 @@ struct SweepLattice {
         };
         *corner = {vertex, rest(on_y, scale_y), rest(on_z, scale_z)};
         return true;
+    }
+
+    /// Below all vertices; at the limit of the sweep's integers if it is beyond.
+    std::int64_t snapped_floor(double z) const {
+        const Place at = place(2, z);
+        if (!((at.sample + at.past) * scale_z > -snapped_limit)) return -static_cast<std::int64_t>(snapped_limit);
+        return snapped(at, scale_z);
     }
 
     const Grid& grid;
@@ -163,6 +171,7 @@ std::shared_ptr<const LatticeBoundary> boundary_on(const SweepLattice& lattice, 
         if (!lattice.snap(boundary->corners[i], vertex, &result->corners[i])) far.take(i);
     });
     if (far.get() != none) refuse_far(mesh_name, "a vertex of an open edge");
+    if (boundary->floor) result->floor = lattice.snapped_floor(*boundary->floor);
     return result;
 }
 

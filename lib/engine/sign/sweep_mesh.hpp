@@ -30,7 +30,7 @@ struct SweepMesh {
 
     /// Whose triangles are swept; null: own_triangles.
     std::shared_ptr<const NamedFaces> faces{};
-    /// The open edges of the whole surface; null if there are none, or if the rule is not solid_angle.
+    /// The open edges of the whole surface; null if there are none that count.
     std::shared_ptr<const LatticeBoundary> boundary{};
 
     const cl::Buffer& triangles() const;

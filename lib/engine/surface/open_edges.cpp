@@ -95,7 +95,7 @@ OpenLoops loops_of(const EdgeCounts& edges) {
 }
 
 OpenBoundary::OpenBoundary(const OpenLoops& loops, std::span<const Vec3> positions)
-    : corners(loops.vertices.size()), begins(loops.begins) {
+    : corners(loops.vertices.size()), begins(loops.begins), floor(loops.floor) {
     for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = positions[loops.vertices[i]];
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct OpenEdge {
 struct OpenLoops {
     std::vector<std::uint32_t> vertices;  ///< the mesh's vertices, loop after loop
     std::vector<std::size_t> begins{0};   ///< where each loop begins in `vertices`, and the end of the last
+    std::optional<double> floor{};        ///< z to which walls go down from the loops, for the rule `below`
 
     bool empty() const { return vertices.empty(); }
     std::size_t host_bytes() const { return vertices.size() * sizeof(vertices[0]) + begins.size() * sizeof(begins[0]); }
@@ -37,6 +39,7 @@ OpenLoops loops_of(const EdgeCounts& edges);
 struct OpenBoundary {
     std::vector<Vec3> corners;  ///< the vertices of the loops, loop after loop
     std::vector<std::size_t> begins{0};
+    std::optional<double> floor{};  ///< as of OpenLoops: no film closes them, but walls and a floor
 
     OpenBoundary() = default;
     OpenBoundary(const OpenLoops& loops, std::span<const Vec3> positions);

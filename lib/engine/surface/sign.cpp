@@ -2,6 +2,7 @@
 #include <clsdf/topology.hpp>
 
 #include "surface/open_edges.hpp"
+#include "surface/terrain.hpp"
 
 #include <fmt/format.h>
 
@@ -12,11 +13,12 @@ namespace clsdf {
 
 namespace {
 
-constexpr std::array<std::pair<SignRule, const char*>, 5> names{{{SignRule::automatic, "auto"},
+constexpr std::array<std::pair<SignRule, const char*>, 6> names{{{SignRule::automatic, "auto"},
                                                                  {SignRule::nonzero, "nonzero"},
                                                                  {SignRule::parity, "parity"},
                                                                  {SignRule::none, "none"},
-                                                                 {SignRule::solid_angle, "solid-angle"}}};
+                                                                 {SignRule::solid_angle, "solid-angle"},
+                                                                 {SignRule::below, "below"}}};
 
 std::string text_of(const Vec3& point) {
     return fmt::format("({}, {}, {})", point[0], point[1], point[2]);
@@ -185,7 +187,13 @@ std::string refusal_of_winding_number(const Topology& topology) {
                           topology.tested_points)
             : fmt::format("{} its winding number is in doubt", share_in_doubt(topology));
     Sentences sentences;
-    if (topology.inside_points == 0 || is_much_in_doubt(topology)) {
+    if (is_terrain(topology)) {
+        sentences.add(
+            "close the surface, for example by walls and a floor (the sign rule below with a floor Z does so for the "
+            "sign "
+            "alone); the sign rule none gives the distance alone");
+        sentences.add(tested);
+    } else if (topology.inside_points == 0 || is_much_in_doubt(topology)) {
         sentences.add(
             "close the surface, for example by walls and a floor, or give each body as a mesh of its own; the sign "
             "rule "
@@ -232,6 +240,27 @@ std::string warning_of(const Topology& topology, SignRule rule) {
             topology.reoriented_faces > 0 ? "turned to look alike, " : ""));
     sentences.add(difference_of(topology));
     return sentences.text();
+}
+
+/// Throws unless the rule `below` suits the mesh.
+void require_terrain(const Topology& topology) {
+    const auto refuse = [](const std::string& text) {
+        throw Error(ErrorCode::invalid_mesh, "the sign rule below needs a terrain, " + text);
+    };
+    if (topology.closed && topology.sheet_faces == 0) refuse("but this mesh is closed; the rule auto would do");
+    if (topology.downward_faces > 0)
+        refuse(
+            fmt::format("whose faces look up, but {} of this mesh {} down (the first is triangle {}); turn them "
+                        "around, or cut off what hangs over",
+                        counted(topology.downward_faces, "face"), topology.downward_faces == 1 ? "looks" : "look",
+                        topology.first_downward_face));
+    if (topology.rim_loops == 0) refuse("but no face of this mesh looks up");
+    if (topology.overlapping_rim_edges > 0)
+        refuse(fmt::format(
+            "whose rim does not overlap itself, seen from above, but {} of this mesh's rim {}{}; join "
+            "cracks (--weld LENGTH, weld()), or give each layer as a mesh of its own",
+            counted(topology.overlapping_rim_edges, "edge"), topology.overlapping_rim_edges == 1 ? "does" : "do",
+            list_edges(topology.overlapping_rim_edges, topology.first_overlapping_rim_edges)));
 }
 
 /// Of a topology that describe_topology() describes for the rule `automatic`, which alone leaves sheets out.
@@ -300,6 +329,9 @@ ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {
             sentences.add(warning_of(topology, topology.balanced ? SignRule::nonzero : SignRule::solid_angle));
             return {SignRule::solid_angle, sentences.text()};
         }
+        case SignRule::below:
+            require_terrain(topology);
+            return {SignRule::below, warning_of(topology, SignRule::below)};
         case SignRule::none:
             break;
     }

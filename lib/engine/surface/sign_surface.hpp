@@ -23,7 +23,7 @@ struct SignSurface {
 
     std::vector<std::uint32_t> vertices;  ///< for each vertex of the mesh that whose position counts; empty: itself
     std::vector<Use> faces;               ///< by face of the mesh; empty: all are forward
-    OpenLoops open_loops{};               ///< set for the rule solid_angle alone, if the surface is not balanced
+    OpenLoops open_loops{};  ///< set for the rules solid_angle and below alone, if the surface is not balanced
 
     bool is_mesh() const { return vertices.empty() && faces.empty(); }
     std::uint32_t vertex(std::uint32_t v) const { return vertices.empty() ? v : vertices[v]; }

@@ -7,6 +7,7 @@
 #include "surface/open_edges.hpp"
 #include "surface/parts.hpp"
 #include "surface/surface_search.hpp"
+#include "surface/terrain.hpp"
 
 #include <clsdf/topology.hpp>
 
@@ -104,6 +105,14 @@ void report_doubled_cavities(const Mesh& mesh, std::span<const Triangle> triangl
     report.first_doubled_cavity_face = faces.empty() ? 0 : faces.front();
 }
 
+/// Open edges of a mesh that is not balanced, but for noise and faces that are there twice.
+OpenLoops rim_of(const Mesh& mesh, std::span<const Triangle> triangles) {
+    SurfaceSearch search(mesh, triangles, count_edges(triangles, mesh.vertices().size()));
+    search.join_noise();
+    if (!search.is_balanced()) search.count_doubled_once(doubled_faces(search.triangles()));
+    return loops_of(search.edges());
+}
+
 /// Describes the edges of a mesh's triangles, whose vertices are all different.
 SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles, SignRule asked, Topology& report) {
     constexpr std::size_t grain = 4096;
@@ -134,7 +143,7 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
         doubled = doubled_faces(search.triangles(), mesh.vertices().size());
         if (!search.is_balanced()) search.count_doubled_once(doubled);
     }
-    search.count_bodies_once(doubled, may_open);
+    if (asked != SignRule::below) search.count_bodies_once(doubled, may_open);
     if (!search.is_balanced() && (search.is_closed() || may_open)) search.orient_parts(doubled);
     if (search.is_balanced() && search.uncounted() == 0)
         report_doubled_cavities(mesh, search.triangles(), doubled, report);
@@ -171,6 +180,12 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
         report.unclear_parts = test->unclear_parts;
         report.first_unclear_face = test->first_unclear_face;
         report.inside_out = test->all.sum < 0 && (asked == SignRule::solid_angle || test->is_clear());
+    }
+    if (!report.closed && asked == SignRule::below) {
+        surface.open_loops = loops_of(search.edges());
+        if (describe_looks(mesh, triangles, report)) describe_rim(mesh, surface.open_loops, report);
+    } else if (asked == SignRule::automatic && (!report.closed || report.sheet_faces > 0)) {
+        if (describe_looks(mesh, triangles, report)) describe_rim(mesh, rim_of(mesh, triangles), report);
     }
     return surface;
 }

@@ -6,6 +6,7 @@
 #include "launch/device_tools.hpp"
 #include "surface/film_tree.hpp"
 #include "surface/sign_surface.hpp"
+#include "surface/walls.hpp"
 #include "topology/topology.hpp"
 
 #include "point_tree.h"
@@ -44,7 +45,8 @@ struct PointMesh {
     UninitializedVector<Vec3> positions;           ///< of the vertices, numbered as in MeshTopology::faces
     std::vector<Vec3> sign_positions;              ///< those that decide the sign; empty: the same
     std::vector<std::int8_t> sign_counts;          ///< how often each face counts for the sign; empty: once
-    std::shared_ptr<const FilmTree> film;          ///< of the open edges; null if none count
+    std::shared_ptr<const FilmTree> film;          ///< of the open edges; null if none count, or if walls hang there
+    std::shared_ptr<const Walls> walls;            ///< of the rule `below`; else null
     std::vector<bool> is_joined;                   ///< of each vertex, whether it is with another one; empty: none
 
     device::BufferPool::Lease polyhedra;  ///< Polyhedron, of each face, with frames and without slopes
@@ -55,6 +57,13 @@ struct PointMesh {
         Vec3 result{};
         for (std::size_t axis = 0; axis < 3; ++axis)
             result[axis] = (position[axis] - lattice.origin[axis]) / lattice.unit;
+        return result;
+    }
+
+    /// Around all that is inside, unless there is a film.
+    Box sign_box() const {
+        Box result = box;
+        if (walls) result.lower[2] = walls->floor();
         return result;
     }
 
@@ -80,7 +89,7 @@ struct PointMesh {
 
     std::size_t host_bytes() const {
         return (positions.size() + sign_positions.size()) * sizeof(Vec3) + sign_counts.size() + is_joined.size() / 8 +
-               (film ? film->host_bytes() : 0);
+               (film ? film->host_bytes() : 0) + (walls ? walls->host_bytes() : 0);
     }
     std::size_t device_bytes() const { return polyhedra.bytes() + faces.bytes(); }
 };

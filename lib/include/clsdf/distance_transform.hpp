@@ -33,6 +33,8 @@ struct TransformOptions {
     /// step; DistanceTransform::memory() says what is kept.
     std::optional<std::size_t> kept_bytes{};
     KernelBody body{};  ///< for measuring
+    /// Of the rule `below`, which needs one, and no other: z of the floor, below all vertices, also when they move.
+    std::optional<double> floor{};
 };
 
 namespace detail {
@@ -59,6 +61,7 @@ public:
 
     /// Copies and checks the mesh and describes its topology. Compiles nothing: the first call that needs a program
     /// does. Of `call`, should_stop and log count. Throws Error(invalid_mesh), also if it does not meet the sign rule;
+    /// Error(invalid_argument) for a floor that is missing, not below all vertices, or of another rule than `below`;
     /// Error(device_failure, unsupported, out_of_memory, cancelled).
     DistanceTransform(Device device, const Mesh& mesh, const TransformOptions& options = {},
                       const CallOptions& call = {});
@@ -97,17 +100,17 @@ public:
     /// unless vertices are joined for the sign.
     ///
     /// Throws Error(invalid_argument) if the number of positions differs, for memory that is missing, too small or of
-    /// another context, or if vertices that had equal coordinates, and count as one, move apart; Error(invalid_mesh) if
-    /// a vertex in use is not finite; Error(unsupported) for a restricted transform or a buffer that the host may not
-    /// read. After an error the positions are those of before.
+    /// another context, if vertices that had equal coordinates, and count as one, move apart, or if one moves down to
+    /// the floor of the sign rule `below`; Error(invalid_mesh) if a vertex in use is not finite; Error(unsupported) for
+    /// a restricted transform or a buffer that the host may not read. After an error the positions are those of before.
     void set_positions(const InputArray& positions, const CallOptions& call = {});
 
     /// Puts the vertices at R x + t, a rigid motion. x are the positions of the mesh that the transform was made from,
     /// so errors do not add up over many motions. `rotation` has the rows of R. A coordinate is three multiplications
     /// and additions, each rounded once: fma(R[a][0], x[0], fma(R[a][1], x[1], fma(R[a][2], x[2], t[a]))). Throws
     /// Error(invalid_mesh) if a position is not finite, Error(invalid_argument) if R is no rotation: each element of R
-    /// R^T may differ from the identity's by 1e-12, and det R must be positive, or if t is not finite;
-    /// Error(unsupported) for a restricted transform.
+    /// R^T may differ from the identity's by 1e-12, and det R must be positive, if t is not finite, or if a vertex
+    /// moves down to the floor of the sign rule `below`; Error(unsupported) for a restricted transform.
     void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
     // Compute.
@@ -220,8 +223,8 @@ public:
     /// Sets the place of each box. Boxes and half_width are in the mesh's units; boxes include their limits, and may be
     /// points. A box is `within` if it is within half_width of the smallest box around a triangle. So a box that is a
     /// little farther than half_width from the surface may be `within`, too. So may a box, with the sign rule
-    /// solid_angle, that is near the film where the winding number is one half. The other answers are exact. Blocks;
-    /// cannot be cancelled.
+    /// solid_angle, that is near the film where the winding number is one half, and, with the rule below, a box that
+    /// the walls or the floor meet. The other answers are exact. Blocks; cannot be cancelled.
     ///
     /// An answer depends on the box, half_width and the mesh's positions alone. Works on the host, on all cores. Keeps
     /// what query() keeps. Throws Error(invalid_argument) that names the index of a box with a coordinate that is not
@@ -231,14 +234,16 @@ public:
 
     /// The generalised winding number at points anywhere: of the surface that decides the sign, or of the mesh if there
     /// is no sign. A closed surface has an integer, with the sign rule parity, too. With open edges the value lies
-    /// between; the rule solid_angle takes points with one half or more, or minus one half or less, to be inside. The
+    /// between; the rule solid_angle takes points with one half or more, or minus one half or less, to be inside. With
+    /// the rule below, walls and floor count, and the value is an integer. The
     /// error is that of a float, or 1e-14 for each thousand open edges in an array of doubles, and in both 1e-16 times
     /// the length of an open edge over its distance. On the surface it has the value of one of the sides. A point that
     /// is not finite has NaN.
     ///
     /// Points and results are arrays of the host or of the device as in query(), which says what they throw. Works on
     /// the host, on all cores, and takes for each point as long as crossings and a sum over the open edges. Also throws
-    /// Error(unsupported) for a restricted transform without the sign rule solid_angle whose mesh has open edges.
+    /// Error(unsupported) for a restricted transform whose mesh has open edges, without the sign rule solid_angle or
+    /// below.
     void winding(const InputArray& points, const OutputArray& results, const CallOptions& call = {}) const;
 
     // Meet the surface: links, crossings, rays (docs/segments.md).
@@ -256,7 +261,7 @@ public:
     /// Throws Error(invalid_argument) for directions out of range or given twice; for a grid out of range, also if the
     /// last bit of a coordinate is above 2^-22 of the spacing; for a mesh or a grid with a coordinate that is not 0 and
     /// less than 2^-300 or more than 2^300 units (see plan_points()), and for walls of a mesh without a sign;
-    /// Error(out_of_memory or cancelled).
+    /// Error(unsupported) with the rule `below` (close_down() makes a closed mesh); Error(out_of_memory or cancelled).
     Links links(const Grid& grid, std::span<const LinkDirection> directions, const LinkOptions& options = {},
                 const CallOptions& call = {}, TransformStatistics* statistics = nullptr) const;
 

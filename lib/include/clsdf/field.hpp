@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <ranges>
 #include <span>
 #include <string>
@@ -95,6 +96,8 @@ struct FieldDescription {
     bool positive_inside = false;
     /// The groups of the mesh, or null. A .vti with the output triangle gets the group of each sample, too.
     std::shared_ptr<const FaceGroups> groups{};
+    /// Of the sign rule `below`: z of the floor; nothing if there is none, or if a file does not say.
+    std::optional<double> floor{};
 };
 
 namespace detail {

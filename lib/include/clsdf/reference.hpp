@@ -79,9 +79,10 @@ private:
 
 /// The right field, with all outputs, computed plainly. If several triangles are equally near, it names the lowest. The
 /// sign is that of the exact winding number (or parity) at the double nearest to the sample; a sample on the surface
-/// has +0. Throws the errors of resolve_sign_rule() and of the validation of grid and band.
+/// has +0. floor: of the rule `below`, whose sign is that of close_down(). Throws the errors of resolve_sign_rule(), of
+/// close_down() and of the validation of grid and band.
 CLSDF_EXPORT Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band,
-                                   SignRule sign = SignRule::automatic);
+                                   SignRule sign = SignRule::automatic, std::optional<double> floor = {});
 
 struct CheckOptions {
     std::size_t samples = 20000;  ///< 0, or not fewer than the grid has: every sample of the grid
@@ -132,8 +133,8 @@ struct CheckReport {
 /// band's limits, edges and vertices. If the true distance of a sample is within the tolerance of a limit, its distance
 /// and the fill value are both right. A sample counts once for each kind of fault. The result does not depend on the
 /// number of threads. Positions and distances are formed beyond double precision if the grid is far from the origin.
-/// Throws Error(invalid_argument) if an array of the field does not fit its grid, Error(invalid_mesh) if the mesh
-/// cannot honour the field's sign rule, Error(cancelled).
+/// Throws Error(invalid_argument) if an array of the field does not fit its grid, or if it has the sign rule `below`
+/// and no floor; Error(invalid_mesh) if the mesh cannot honour the field's sign rule, Error(cancelled).
 CLSDF_EXPORT CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& options = {});
 
 /// The same for several fields of one problem, as by several programs; a report for each, in order. The truth, which

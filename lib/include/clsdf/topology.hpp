@@ -17,9 +17,11 @@ enum class SignRule : std::int32_t {
     parity = 2,       ///< inside if a ray crosses the surface an odd number of times; needs a closed mesh
     none = 3,         ///< no sign: the distance alone
     solid_angle = 4,  ///< inside if the winding number is one half or more, or minus one half or less; any mesh
+    below = 5,        ///< of a terrain: inside below it and above TransformOptions::floor, between vertical walls from
+                      ///< its rim; needs faces that all look up, and a rim that does not overlap, seen from above
 };
 
-/// "auto", "nonzero", "parity", "none", "solid-angle".
+/// "auto", "nonzero", "parity", "none", "solid-angle", "below".
 CLSDF_EXPORT const char* name_of(SignRule rule);
 
 /// The properties of a mesh that the sign rule depends on. Vertices of equal coordinates count as one. Faces with
@@ -80,6 +82,16 @@ struct Topology {
     std::size_t overlapping_parts = 0;       ///< parts of a balanced mesh that are partly within others, by up to 128
                                              ///< points of each: the distance is that to all faces, also within others
     std::size_t first_overlapping_face = 0;  ///< the lowest face of the first of them
+
+    /// The rule `below` needs a mesh that is not closed, whose faces look up. They are looked at for it and
+    /// `automatic`.
+    std::size_t downward_faces = 0;       ///< faces that look down, to smaller z; those of vertical walls do not
+    std::size_t first_downward_face = 0;  ///< the lowest of them
+    std::size_t rim_loops = 0;  ///< of such a mesh without downward_faces: loops of open edges, holes included; 0 also
+                                ///< if no face looks up
+    std::size_t overlapping_rim_edges = 0;  ///< of these loops the edges that cross others, seen from above, or on
+                                            ///< whose left side the mesh lies more than once
+    std::vector<Edge> first_overlapping_rim_edges;  ///< up to five
 };
 
 /// Throws Error(unsupported) for 2^30 triangles or more.
@@ -94,5 +106,12 @@ struct ResolvedSignRule {
 /// Throws Error(invalid_mesh) with the number of offending edges and the first of them if the mesh does not meet the
 /// rule.
 CLSDF_EXPORT ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology);
+
+/// A terrain, closed by vertical walls from its rim down to z = `floor`, and by a floor there: the mesh whose inside
+/// the sign rule `below` takes. The vertices and triangles of `mesh` come first, with their numbers; then follow two
+/// triangles for each edge of the rim, and one on the floor below each triangle. The result has no groups. Throws
+/// Error(invalid_mesh) if the mesh does not meet the rule `below`; Error(invalid_argument) for a floor that is not
+/// finite or not below the lowest vertex.
+CLSDF_EXPORT Mesh close_down(const Mesh& mesh, double floor);
 
 }  // namespace clsdf

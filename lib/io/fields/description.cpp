@@ -113,6 +113,7 @@ Description describe(const DescriptionReader& reader, const Grid& stated) {
     field.band.validate();
     field.mesh_name = reader.text(member("mesh"));
     field.sign = reader.has(member("sign")) ? sign_rule_of(reader.text(member("sign"))) : SignRule::automatic;
+    if (reader.has(member("floor"))) field.floor = reader.width(member("floor"));
     field.positive_inside = is_positive_inside(reader.text(member("inside")));
     std::vector<std::string> arrays{bricks_name, runs_name};
     for (const OutputInfo& info : extra_outputs()) arrays.emplace_back(info.name);
@@ -138,6 +139,7 @@ std::string description_text(const FieldDescription& field, const std::map<std::
         {"band", {{"inside", field.band.inside}, {"outside", field.band.outside}}},
         {"sign", name_of(field.sign)},
     };
+    if (field.floor) object["floor"] = *field.floor;
     if (field.positive_inside) object["inside"] = "positive";
     for (const auto& [output, file] : files) object[output] = file;
     // A name of a mesh need not be UTF-8.
@@ -158,12 +160,12 @@ Band band_of(double inside, double outside) {
 }
 
 SignRule sign_rule_of(const std::string& text) {
-    for (const SignRule rule :
-         {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none, SignRule::solid_angle})
+    for (const SignRule rule : {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none,
+                                SignRule::solid_angle, SignRule::below})
         if (text == name_of(rule)) return rule;
-    throw Error(
-        ErrorCode::invalid_argument,
-        fmt::format("{} is no sign rule; there are auto, nonzero, parity, none and solid-angle", clsdf::quoted(text)));
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("{} is no sign rule; there are auto, nonzero, parity, none, solid-angle and below",
+                            clsdf::quoted(text)));
 }
 
 bool is_positive_inside(const std::string& text) {

@@ -327,6 +327,7 @@ Field read_nrrd(const std::string& path, OutputSet wanted) {
     if (const std::string* mesh = header.find_pair("clsdf_mesh")) field.mesh_name = *mesh;
     const std::string* sign = header.find_pair("clsdf_sign");
     field.sign = sign == nullptr ? SignRule::automatic : sign_rule_of(*sign);
+    if (header.find_pair("clsdf_floor") != nullptr) field.floor = read_half_width(header, "clsdf_floor");
     if (const std::string* inside = header.find_pair("clsdf_inside"))
         field.positive_inside = is_positive_inside(*inside);
     read_output(file, values, info_of(Output::distance), field);
@@ -385,12 +386,13 @@ std::string pairs(const FieldDescription& field) {
         "clsdf_version:={}\n"
         "clsdf_mesh:={}\n"
         "clsdf_sign:={}\n"
-        "{}"
+        "{}{}"
         "clsdf_band_inside:={}\n"
         "clsdf_band_outside:={}\n"
         "clsdf_lattice_origin:={}\n"
         "clsdf_lattice_first:={}\n",
         version(), escaped(field.mesh_name), name_of(field.sign),
+        field.floor ? fmt::format("clsdf_floor:={}\n", *field.floor) : "",
         field.positive_inside ? "clsdf_inside:=positive\n" : "", field.band.inside, field.band.outside,
         fmt::join(field.grid.origin, " "), fmt::join(field.grid.first, " "));
 }
