@@ -109,7 +109,7 @@ void report_doubled_cavities(const Mesh& mesh, std::span<const Triangle> triangl
 OpenLoops rim_of(const Mesh& mesh, std::span<const Triangle> triangles) {
     SurfaceSearch search(mesh, triangles, count_edges(triangles, mesh.vertices().size()));
     search.join_noise();
-    if (!search.is_balanced()) search.count_doubled_once(doubled_faces(search.triangles()));
+    if (!search.is_balanced()) search.count_doubled_once(doubled_faces(search.triangles(), mesh.vertices().size()));
     return loops_of(search.edges());
 }
 
