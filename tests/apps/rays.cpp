@@ -114,7 +114,7 @@ BOOST_AUTO_TEST_CASE(rays_that_cannot_be_are_refused) {
     const std::string three = inputs.folder.file("three.npy", Inputs::npy_of("0, 3", ""));
     refused({}, 3, {"points.csv", "no column 'dx'", "x,y,z,dx,dy,dz"}, points);
     refused({}, 3, {"three.npy", "(0, 3)", "(n, 6)"}, three);
-    refused({"--refuse-unusable-rays"}, 2, {"ray 4", "its direction is 0"}, inputs.csv);
+    refused({"--refuse-unusable-rays"}, 3, {"ray 4", "its direction is 0"}, inputs.csv);
     refused({"--limit", "-1"}, 2, {"--limit"}, inputs.csv);
     refused({"--hits", "wall"}, 2, {"walls"}, inputs.csv);
     refused({"--sign", "none"}, 2, {"no sign", "faces"}, inputs.csv);
