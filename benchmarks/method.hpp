@@ -70,6 +70,12 @@ Entry openvdb_sweep_entry(const Device& device, double share);
 using PointPeer = std::function<void(std::span<const Vec3> points, std::span<float> distance)>;
 PointPeer embree_points(const Mesh& mesh);
 
+/// The first hits of rays, in lengths of their directions, by a peer that is set up for a mesh. Empty if the peer is
+/// not built in.
+using RayPeer =
+    std::function<void(std::span<const Vec3> origins, std::span<const Vec3> directions, std::span<double> t)>;
+RayPeer embree_rays(const Mesh& mesh);
+
 /// clsdf, then every peer, also those that are not built in.
 std::vector<Entry> all_methods(const Device& device);
 

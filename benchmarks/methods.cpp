@@ -78,6 +78,9 @@ Entry embree_entry() {
 PointPeer embree_points(const Mesh&) {
     return {};
 }
+RayPeer embree_rays(const Mesh&) {
+    return {};
+}
 #endif
 #if !CLSDF_PEER_OPENVDB
 Entry openvdb_entry() {

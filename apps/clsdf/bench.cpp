@@ -230,6 +230,7 @@ const std::vector<Benchmark> benchmarks{
     {"papers", "the comparisons of the papers: polyhedra, scans, saddle vertices", run_bench_papers, {"--series"}},
     {"calls", "the calls of a time step: a grid again, one sample, patches, vertices that move", run_bench_calls, {}},
     {"points", "points anywhere: uniform, near the surface, along rays, in many calls", run_bench_points, {"--points"}},
+    {"rays", "first faces of rays beside Embree's robust mode, first walls, numbers of faces", run_bench_rays, {}},
     {"memory",
      "what a process holds for a mesh, whole and restricted to an eighth of the domain",
      run_bench_memory,

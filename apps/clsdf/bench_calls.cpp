@@ -3,6 +3,7 @@
 #include "benchmarks/calls.hpp"
 #include "benchmarks/memory.hpp"
 #include "benchmarks/points.hpp"
+#include "benchmarks/rays.hpp"
 
 #include <clsdf/io.hpp>
 
@@ -10,6 +11,7 @@
 
 using clsdf::bench::CallCost;
 using clsdf::bench::PointCost;
+using clsdf::bench::RayCost;
 using clsdf::bench::RestrictedMemory;
 
 // The benchmarks of calls beside the whole one: of a time step, of points, and of a part of the domain.
@@ -101,6 +103,36 @@ Json run_bench_points(const BenchOptions& options) {
                        fmt::format("{}", cost.wrong_signs), fmt::format("{}", cost.judged),
                        fmt::format("{:.2g}", cost.max_error_voxels)});
             result["rows"].push_back(describe(cost, mesh.name));
+        }
+    options.say('\n' + table.text());
+    return result;
+}
+
+Json run_bench_rays(const BenchOptions& options) {
+    const std::vector<NamedMesh> meshes =
+        options.load_meshes({options.quick ? std::string("sphere4") : std::string("bunny00")});
+    const clsdf::Device device = options.open_device();
+    Json result = describe_run("rays", options, device);
+    result["rows"] = Json::array();
+    BenchTable table({"rays", "method", "mesh", "rays", "ms (median)", "processor, ms", "million a second", "wrong",
+                      "judged", "max error, voxel"});
+    for (const NamedMesh& mesh : meshes)
+        for (const RayCost& cost : measure_rays(mesh.mesh, device, options.measure, options.quick)) {
+            table.add({cost.name, cost.method, mesh.name, fmt::format("{}", cost.rays),
+                       milliseconds(cost.seconds.median), milliseconds(cost.processor_seconds.median),
+                       fmt::format("{:.3g}", 1e-6 * cost.rays_per_second()), fmt::format("{}", cost.wrong),
+                       fmt::format("{}", cost.judged), fmt::format("{:.2g}", cost.max_error_voxels)});
+            result["rows"].push_back({{"rays", cost.name},
+                                      {"what", cost.what},
+                                      {"method", cost.method},
+                                      {"mesh", mesh.name},
+                                      {"count", cost.rays},
+                                      {"seconds", cost.seconds.median},
+                                      {"processor_seconds", cost.processor_seconds.median},
+                                      {"rays_per_second", cost.rays_per_second()},
+                                      {"wrong", cost.wrong},
+                                      {"judged", cost.judged},
+                                      {"max_error_voxels", cost.max_error_voxels}});
         }
     options.say('\n' + table.text());
     return result;

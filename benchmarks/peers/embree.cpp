@@ -44,7 +44,9 @@ struct Vertices {
 /// Embree's scene of the mesh, with the corners of the triangles beside it for the distances.
 class Scene {
 public:
-    Scene(RTCDevice device, const Mesh& mesh, const Vertices& vertices) : scene_(rtcNewScene(device)) {
+    Scene(RTCDevice device, const Mesh& mesh, const Vertices& vertices, RTCSceneFlags flags = RTC_SCENE_FLAG_NONE)
+        : scene_(rtcNewScene(device)) {
+        rtcSetSceneFlags(scene_, flags);
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
         auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices().size()));
@@ -80,6 +82,24 @@ public:
         rtcPointQuery(scene_, &query, &context, &Scene::consider, &search);
         radius = std::sqrt(search.squared);
         return search.triangle;
+    }
+
+    /// The first triangle on a ray; the distance in lengths of the direction, or infinity.
+    float first_hit(const VectorF& origin, const VectorF& direction) const {
+        RTCRayHit ray{};
+        ray.ray.org_x = origin[0];
+        ray.ray.org_y = origin[1];
+        ray.ray.org_z = origin[2];
+        ray.ray.dir_x = direction[0];
+        ray.ray.dir_y = direction[1];
+        ray.ray.dir_z = direction[2];
+        ray.ray.tfar = std::numeric_limits<float>::infinity();
+        ray.ray.mask = std::numeric_limits<unsigned>::max();
+        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        rtcIntersect1(scene_, &context, &ray);
+        return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? std::numeric_limits<float>::infinity() : ray.ray.tfar;
     }
 
 private:
@@ -176,6 +196,15 @@ struct PointScene {
     explicit PointScene(const Mesh& mesh) : vertices(mesh), scene(device.device, mesh, vertices), normals(mesh) {}
 };
 
+/// The same in Embree's robust mode, for rays.
+struct RayScene {
+    PointScene::Device device;
+    Vertices vertices;
+    Scene scene;
+
+    explicit RayScene(const Mesh& mesh) : vertices(mesh), scene(device.device, mesh, vertices, RTC_SCENE_FLAG_ROBUST) {}
+};
+
 }  // namespace
 
 PointPeer embree_points(const Mesh& mesh) {
@@ -183,6 +212,21 @@ PointPeer embree_points(const Mesh& mesh) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 256), [&](const auto& range) {
             Query query(kept->scene, kept->vertices, kept->normals, distance);
             for (std::size_t i = range.begin(); i != range.end(); ++i) query(points[i], i);
+        });
+    };
+}
+
+RayPeer embree_rays(const Mesh& mesh) {
+    return [kept = std::make_shared<const RayScene>(mesh)](std::span<const Vec3> origins,
+                                                           std::span<const Vec3> directions, std::span<double> t) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, origins.size(), 256), [&](const auto& range) {
+            for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                VectorF direction;
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    direction[static_cast<Eigen::Index>(axis)] =
+                        static_cast<float>(directions[i][axis] * kept->vertices.scale);
+                t[i] = static_cast<double>(kept->scene.first_hit(kept->vertices.in_voxels(origins[i]), direction));
+            }
         });
     };
 }

@@ -520,6 +520,10 @@ module clsdf
     procedure :: crossings => transform_crossings
     procedure, private :: winding_targets, winding_r4, winding_r8
     generic :: winding => winding_targets, winding_r4, winding_r8
+    procedure, private :: rays_r4, rays_r8, ray_hits_r4, ray_hits_r8, visible_r4, visible_r8
+    generic :: rays => rays_r4, rays_r8
+    generic :: ray_hits => ray_hits_r4, ray_hits_r8
+    generic :: visible => visible_r4, visible_r8
     procedure :: box => transform_box
     procedure :: topology => transform_topology
     procedure :: sign => transform_sign
@@ -731,6 +735,13 @@ module clsdf
     integer(c_int32_t) :: sign = CLSDF_SIGN_AUTOMATIC, reserved = 0
     integer(c_int64_t) :: kept_bytes = -1
     real(c_double) :: floor = huge(1.0_c_double)  ! none
+  end type
+  type, bind(C) :: c_ray_request
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int32_t) :: hits = CLSDF_WALLS, reserved = 0
+    real(c_double) :: limit = 0
+    integer(c_int64_t) :: most = 1
+    type(clsdf_c_array) :: t, triangles, counts, any
   end type
   type, bind(C) :: c_request
     type(clsdf_c_grid) :: grid
@@ -1615,6 +1626,20 @@ module clsdf
       integer(c_int32_t) :: value
       type(c_ptr), value :: transform, call
       type(clsdf_c_array), intent(in) :: points, results
+    end function
+    function c_rays(transform, origins, directions, request, call, statistics) bind(C, name="clsdf_rays") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_array), intent(in) :: origins, directions
+      type(c_ray_request), intent(in) :: request
+    end function
+    function c_visible(transform, from, to, hits, visible, call, statistics) bind(C, name="clsdf_visible") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call, statistics
+      type(clsdf_c_array), intent(in) :: from, to, visible
+      integer(c_int32_t), value :: hits
     end function
     function c_transform_box(transform, box) bind(C, name="clsdf_transform_box") result(value)
       import
@@ -4581,6 +4606,200 @@ contains
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     call self%winding(clsdf_array(points), clsdf_array(results), options, stat, errmsg)
+  end subroutine
+
+  ! END
+
+  !> Arrays of rank 0 are not wanted; those of t and triangles have the shape (most, n), or (n) of the first hits.
+  subroutine ask_rays(self, origins, directions, most, t, triangle, counts, any_hit, hits, limit, options, statistics, &
+      stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_array), intent(in) :: origins, directions, t, triangle, counts, any_hit
+    integer(c_int64_t), intent(in) :: most
+    integer(c_int32_t), intent(in), optional :: hits
+    real(c_double), intent(in), optional :: limit
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ray_request) :: request
+    type(clsdf_c_array) :: from, along
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    request%struct_size = c_sizeof(request)
+    request%most = most
+    request%limit = clsdf_infinity()
+    if (present(limit)) request%limit = without_limit(limit)
+    if (present(hits)) request%hits = hits
+    call rows_for_c(origins, 'origins', from, status)
+    if (status == CLSDF_OK) call rows_for_c(directions, 'directions', along, status)
+    call result_for_c(t, 't', most, request%t)
+    call result_for_c(triangle, 'triangles', most, request%triangles)
+    call result_for_c(counts, 'counts', 1_c_int64_t, request%counts)
+    call result_for_c(any_hit, 'any_hit', 1_c_int64_t, request%any)
+    if (status == CLSDF_OK) status = c_rays(self%handle, from, along, request, options_for_c(given, options), &
+        statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  contains
+    subroutine result_for_c(array, what, components, c)
+      type(clsdf_array), intent(in) :: array
+      character(*), intent(in) :: what
+      integer(c_int64_t), intent(in) :: components
+      type(clsdf_c_array), intent(inout) :: c
+      type(clsdf_array) :: row
+      if (array%rank == 0 .or. status /= CLSDF_OK) return
+      row = array
+      if (components == 1 .and. row%rank == 2) then
+        row%rank = 1
+        row%shape(1) = array%shape(2)
+        row%strides(1) = array%strides(2)
+      end if
+      call for_c(row, what, components, [from%count], 1, c, status)
+    end subroutine
+  end subroutine
+
+  !> Whether pairs of points see each other, by C.
+  subroutine ask_visible(self, from, to, visible, hits, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_array), intent(in) :: from, to, visible
+    integer(c_int32_t), intent(in), optional :: hits
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: first, second, seen
+    type(caller), target :: given
+    integer(c_int32_t) :: status, what
+    status = CLSDF_OK
+    what = CLSDF_WALLS
+    if (present(hits)) what = hits
+    call rows_for_c(from, 'first points', first, status)
+    if (status == CLSDF_OK) call rows_for_c(to, 'second points', second, status)
+    if (status == CLSDF_OK) call for_c(visible, 'pairs that are visible', 1_c_int64_t, [first%count], 1, seen, status)
+    if (status == CLSDF_OK) status = c_visible(self%handle, first, second, what, seen, options_for_c(given, options), &
+        statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! REPEATED FOR r8
+
+  !> Where rays first meet the surface. origins, directions: (3, n) or (n, 3), directions of any length. Of each ray:
+  !> t(n) in lengths of the direction, infinity if nothing is met; triangle(n), 0 then; counts(n), all hits up to the
+  !> limit; any_hit(n), 1 if there is one. hits: CLSDF_WALLS (default) or CLSDF_FACES. docs/rays.md.
+  subroutine rays_r4(self, origins, directions, t, triangle, counts, any_hit, hits, limit, options, statistics, stat, &
+      errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_float), intent(in), target :: origins(:, :), directions(:, :)
+    real(c_float), intent(inout), target, optional :: t(:)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:), counts(:)
+    integer(c_int8_t), intent(inout), target, optional :: any_hit(:)
+    integer(c_int32_t), intent(in), optional :: hits
+    real(c_double), intent(in), optional :: limit
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_array) :: results(4)
+    if (present(t)) results(1) = clsdf_array(t)
+    if (present(triangle)) results(2) = clsdf_array(triangle)
+    if (present(counts)) results(3) = clsdf_array(counts)
+    if (present(any_hit)) results(4) = clsdf_array(any_hit)
+    call ask_rays(self, clsdf_array(origins), clsdf_array(directions), 1_c_int64_t, results(1), results(2), results(3), &
+        results(4), hits, limit, options, statistics, stat, errmsg)
+  end subroutine
+
+  !> The first hits of each ray, as many as t(most, n) has room for, ascending; triangle(most, n).
+  subroutine ray_hits_r4(self, origins, directions, t, triangle, counts, hits, limit, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_float), intent(in), target :: origins(:, :), directions(:, :)
+    real(c_float), intent(inout), target :: t(:, :)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:, :), counts(:)
+    integer(c_int32_t), intent(in), optional :: hits
+    real(c_double), intent(in), optional :: limit
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_array) :: results(4)
+    if (present(triangle)) results(2) = clsdf_array(triangle)
+    if (present(counts)) results(3) = clsdf_array(counts)
+    call ask_rays(self, clsdf_array(origins), clsdf_array(directions), size(t, 1, kind=c_int64_t), clsdf_array(t), &
+        results(2), results(3), results(4), hits, limit, options, statistics, stat, errmsg)
+  end subroutine
+
+  !> Whether the segments between pairs of points, (3, n) or (n, 3), meet nothing: visible(n) is 1, else 0.
+  subroutine visible_r4(self, from, to, visible, hits, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_float), intent(in), target :: from(:, :), to(:, :)
+    integer(c_int8_t), intent(inout), target :: visible(:)
+    integer(c_int32_t), intent(in), optional :: hits
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call ask_visible(self, clsdf_array(from), clsdf_array(to), clsdf_array(visible), hits, options, statistics, stat, &
+        errmsg)
+  end subroutine
+
+  ! REPEATED BY repeat.py
+
+  !> Where rays first meet the surface. origins, directions: (3, n) or (n, 3), directions of any length. Of each ray:
+  !> t(n) in lengths of the direction, infinity if nothing is met; triangle(n), 0 then; counts(n), all hits up to the
+  !> limit; any_hit(n), 1 if there is one. hits: CLSDF_WALLS (default) or CLSDF_FACES. docs/rays.md.
+  subroutine rays_r8(self, origins, directions, t, triangle, counts, any_hit, hits, limit, options, statistics, stat, &
+      errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_double), intent(in), target :: origins(:, :), directions(:, :)
+    real(c_double), intent(inout), target, optional :: t(:)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:), counts(:)
+    integer(c_int8_t), intent(inout), target, optional :: any_hit(:)
+    integer(c_int32_t), intent(in), optional :: hits
+    real(c_double), intent(in), optional :: limit
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_array) :: results(4)
+    if (present(t)) results(1) = clsdf_array(t)
+    if (present(triangle)) results(2) = clsdf_array(triangle)
+    if (present(counts)) results(3) = clsdf_array(counts)
+    if (present(any_hit)) results(4) = clsdf_array(any_hit)
+    call ask_rays(self, clsdf_array(origins), clsdf_array(directions), 1_c_int64_t, results(1), results(2), results(3), &
+        results(4), hits, limit, options, statistics, stat, errmsg)
+  end subroutine
+
+  !> The first hits of each ray, as many as t(most, n) has room for, ascending; triangle(most, n).
+  subroutine ray_hits_r8(self, origins, directions, t, triangle, counts, hits, limit, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_double), intent(in), target :: origins(:, :), directions(:, :)
+    real(c_double), intent(inout), target :: t(:, :)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:, :), counts(:)
+    integer(c_int32_t), intent(in), optional :: hits
+    real(c_double), intent(in), optional :: limit
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_array) :: results(4)
+    if (present(triangle)) results(2) = clsdf_array(triangle)
+    if (present(counts)) results(3) = clsdf_array(counts)
+    call ask_rays(self, clsdf_array(origins), clsdf_array(directions), size(t, 1, kind=c_int64_t), clsdf_array(t), &
+        results(2), results(3), results(4), hits, limit, options, statistics, stat, errmsg)
+  end subroutine
+
+  !> Whether the segments between pairs of points, (3, n) or (n, 3), meet nothing: visible(n) is 1, else 0.
+  subroutine visible_r8(self, from, to, visible, hits, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    real(c_double), intent(in), target :: from(:, :), to(:, :)
+    integer(c_int8_t), intent(inout), target :: visible(:)
+    integer(c_int32_t), intent(in), optional :: hits
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call ask_visible(self, clsdf_array(from), clsdf_array(to), clsdf_array(visible), hits, options, statistics, stat, &
+        errmsg)
   end subroutine
 
   ! END

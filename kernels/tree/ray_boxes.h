@@ -47,27 +47,28 @@ INLINE BoxRay box_ray(__private const double* begin, __private const double* slo
 // above the true ones.
 INLINE uint children_on_ray(__global const PointNode* node, __private const BoxRay* ray, float end,
                             __private float* distances) {
-    float last[CLSDF_TREE_WIDTH];
-    for (int i = 0; i < CLSDF_TREE_WIDTH; ++i) {
-        distances[i] = 0.0f;
-        last[i] = end;
-    }
+    __global const float* entered[3];
+    __global const float* left[3];
     for (int axis = 0; axis < 3; ++axis) {
-        __global const float* entered = ray->is_forward[axis] ? node->lower[axis] : node->upper[axis];
-        __global const float* left = ray->is_forward[axis] ? node->upper[axis] : node->lower[axis];
-        const float enters_from = ray->enters_from[axis], leaves_from = ray->leaves_from[axis],
-                    per_slope = ray->per_slope[axis];
-        for (int i = 0; i < CLSDF_TREE_WIDTH; ++i) {
-            const float enters = (entered[i] - enters_from) * per_slope, leaves = (left[i] - leaves_from) * per_slope;
-            distances[i] = GREATER(enters, distances[i]);
-            last[i] = LESSER(leaves, last[i]);
+        entered[axis] = ray->is_forward[axis] ? node->lower[axis] : node->upper[axis];
+        left[axis] = ray->is_forward[axis] ? node->upper[axis] : node->lower[axis];
+    }
+    const BoxRay r = *ray;
+    float first[CLSDF_TREE_WIDTH], last[CLSDF_TREE_WIDTH];
+    for (int i = 0; i < CLSDF_TREE_WIDTH; ++i) {
+        float enters = 0.0f, leaves = end;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float into = (entered[axis][i] - r.enters_from[axis]) * r.per_slope[axis],
+                        out = (left[axis][i] - r.leaves_from[axis]) * r.per_slope[axis];
+            enters = GREATER(into, enters);
+            leaves = LESSER(out, leaves);
         }
+        first[i] = enters * CLSDF_NEARER;
+        last[i] = leaves;
     }
     uint bits = 0;
-    for (int i = 0; i < CLSDF_TREE_WIDTH; ++i) {
-        distances[i] *= CLSDF_NEARER;
-        bits |= (uint)(distances[i] <= last[i]) << i;
-    }
+    for (int i = 0; i < CLSDF_TREE_WIDTH; ++i) bits |= (uint)(first[i] <= last[i]) << i;
+    for (int i = 0; i < CLSDF_TREE_WIDTH; ++i) distances[i] = first[i];
     return bits;
 }
 

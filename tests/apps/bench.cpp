@@ -204,6 +204,17 @@ BOOST_AUTO_TEST_CASE(points_have_speeds_and_no_errors) {
     BOOST_TEST(names == expected, boost::test_tools::per_element());
 }
 
+BOOST_AUTO_TEST_CASE(rays_have_speeds_and_no_errors) {
+    const json result = result_of({"rays", "knot"});
+    BOOST_TEST(result["rows"].size() >= 6U);
+    for (const json& row : result["rows"]) {
+        BOOST_TEST(row["rays_per_second"].get<double>() > 0);
+        if (row["method"] == "clsdf") BOOST_TEST(row["wrong"] == 0, row.dump());
+        const bool is_judged = row["rays"] == "random" || row["rays"] == "parallel" || row["rays"] == "edges";
+        BOOST_TEST((row["judged"].get<int>() > 0) == is_judged);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(points_of_a_file_are_measured_alone) {
     const TemporaryFolder folder;
     const std::string file = folder.file("points.csv", "x,y,z\n0,0,0\n9,9,9\n0.5,1,0.25\n");

@@ -119,6 +119,10 @@ typedef int32_t clsdf_status;
 #define CLSDF_SIGN_BELOW \
     5 /* inside below a terrain and above clsdf_transform_options.floor, between walls from its rim */
 
+/* What counts where a segment or a ray meets the surface. */
+#define CLSDF_WALLS 0 /* where inside and outside meet, by the sign rule: never a face within the body */
+#define CLSDF_FACES 1 /* every face as given, also of sheets and of meshes without a sign */
+
 /* The place of a box. */
 #define CLSDF_WITHIN 0  /* the surface may be within the half width of a point of the box */
 #define CLSDF_INSIDE 1  /* the surface is farther from every point of the box, and all are inside */
@@ -1037,10 +1041,6 @@ CLSDF_API clsdf_status clsdf_classify(const clsdf_transform* transform, const cl
 CLSDF_API clsdf_status clsdf_winding(const clsdf_transform* transform, const clsdf_array* points,
                                      const clsdf_array* results, const clsdf_call_options* call);
 
-/* What counts where a segment meets the surface. */
-#define CLSDF_WALLS 0 /* where inside and outside meet, by the sign rule */
-#define CLSDF_FACES 1 /* every face as given, also of a mesh without a sign */
-
 /* What is said of a link, as bits. */
 #define CLSDF_LINK_FILM 1    /* the sign changes where an open mesh has no face: no triangle, q to 2^-30 */
 #define CLSDF_LINK_BETWEEN 2 /* both ends are outside, with a body between them */
@@ -1094,6 +1094,39 @@ CLSDF_API clsdf_status clsdf_count_links(const clsdf_transform* transform, const
 CLSDF_API clsdf_status clsdf_crossings(const clsdf_transform* transform, const clsdf_grid* grid,
                                        const clsdf_crossing_arrays* arrays, const clsdf_call_options* call,
                                        clsdf_statistics* statistics);
+
+/* What is asked about rays, and the arrays on the host for the results, an item for each ray. An array without memory
+ * is not wanted; what is given decides what is looked for: the first hits alone, whether there is any, or all. */
+typedef struct clsdf_ray_request {
+    size_t struct_size;
+    int32_t hits; /* CLSDF_WALLS or CLSDF_FACES */
+    int32_t reserved;
+    double limit;          /* hits beyond are left out: in lengths of the direction, 0 to infinity */
+    int64_t most;          /* components of an item of `t` and `triangles`: the first hits of a ray, ascending */
+    clsdf_array t;         /* float64 or float32, in lengths of the direction; infinity if there is no further hit */
+    clsdf_array triangles; /* uint32 or int32, the lowest at that t; 0xffffffff (-1) if there is no further hit,
+                              with index base 1: 0 */
+    clsdf_array counts;    /* uint32 or int32: all hits up to the limit */
+    clsdf_array any;       /* uint8: 1 if there is a hit up to the limit, else 0 */
+} clsdf_ray_request;
+#define CLSDF_RAY_REQUEST_INIT                                                                                        \
+    {                                                                                                                 \
+        sizeof(clsdf_ray_request), CLSDF_WALLS, 0, HUGE_VAL, 1, CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT, \
+            CLSDF_ARRAY_INIT                                                                                          \
+    }
+
+/* Where rays from origins along directions of any length meet the surface, exactly: no ray slips through an edge or a
+ * vertex, and the number of walls up to infinity is odd if and only if the origin is inside. A ray whose origin is not
+ * finite, or whose direction is 0 or not finite, has t = NaN and no hits; call->log gets one warning, and
+ * statistics->unusable_points has their number. call and statistics may be null. */
+CLSDF_API clsdf_status clsdf_rays(const clsdf_transform* transform, const clsdf_array* origins,
+                                  const clsdf_array* directions, const clsdf_ray_request* request,
+                                  const clsdf_call_options* call, clsdf_statistics* statistics);
+/* Whether the segments between pairs of points meet nothing, as uint8: 1, else 0. hits: CLSDF_WALLS or CLSDF_FACES. A
+ * pair and its reverse agree. */
+CLSDF_API clsdf_status clsdf_visible(const clsdf_transform* transform, const clsdf_array* from, const clsdf_array* to,
+                                     int32_t hits, const clsdf_array* visible, const clsdf_call_options* call,
+                                     clsdf_statistics* statistics);
 
 /* The box of the vertices in use, at their present positions. */
 CLSDF_API clsdf_status clsdf_transform_box(const clsdf_transform* transform, clsdf_box* box);

@@ -86,6 +86,14 @@ void set_base(std::int32_t base, const BlockSet& blocks) {
         shift(first_of(*array) + static_cast<std::ptrdiff_t>(n) * step, array->strides, blocks.size);
 }
 
+void set_base(std::int32_t base, const OutputArray& triangles, std::size_t rays, std::size_t most) {
+    if (base == 0 || triangles.host == nullptr || rays == 0) return;
+    const std::ptrdiff_t of_hits = triangles.component_stride != 0 ? triangles.component_stride : width;
+    const std::ptrdiff_t packed = of_hits == width ? width * static_cast<std::ptrdiff_t>(most) : width;
+    shift(first_of(triangles), {triangles.strides[0] != 0 ? triangles.strides[0] : packed, of_hits, 0},
+          {static_cast<std::int64_t>(rays), static_cast<std::int64_t>(most), 1});
+}
+
 void set_base(std::int32_t base, std::span<std::uint32_t> triangles) {
     if (base != 0)
         shift(std::as_writable_bytes(triangles).data(), {}, {static_cast<std::int64_t>(triangles.size()), 1, 1});

@@ -17,6 +17,8 @@ void check_base(std::int32_t base, const OutputTargets& targets);
 void set_base(std::int32_t base, const OutputTargets& targets, const Index3& size);
 void set_base(std::int32_t base, const OutputTargets& targets, std::size_t points);
 void set_base(std::int32_t base, const BlockSet& blocks);
+/// The same of the first hits of rays, `most` each.
+void set_base(std::int32_t base, const OutputArray& triangles, std::size_t rays, std::size_t most);
 /// The same of packed triangles.
 void set_base(std::int32_t base, std::span<std::uint32_t> triangles);
 

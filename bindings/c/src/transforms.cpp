@@ -227,6 +227,37 @@ clsdf_status clsdf_winding(const clsdf_transform* transform, const clsdf_array* 
     });
 }
 
+clsdf_status clsdf_rays(const clsdf_transform* transform, const clsdf_array* origins, const clsdf_array* directions,
+                        const clsdf_ray_request* request, const clsdf_call_options* call,
+                        clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        const InputArray from = c::input_of(origins, "origins"), along = c::input_of(directions, "directions");
+        const clsdf_ray_request asked = c::read_given(request, CLSDF_RAY_REQUEST_INIT, "clsdf_ray_request");
+        c::check_reserved(asked.reserved, "clsdf_ray_request");
+        const RayTargets to = c::ray_targets_of(asked, from.count);
+        const RayOptions options{c::hits_of(asked.hits, "clsdf_ray_request.hits"), asked.limit};
+        set(self.transform.rays(from, along, options, to, caller), statistics);
+        c::set_base(self.index_base, to.triangles, from.count, to.most);
+    });
+}
+
+clsdf_status clsdf_visible(const clsdf_transform* transform, const clsdf_array* from, const clsdf_array* to,
+                           std::int32_t hits, const clsdf_array* visible, const clsdf_call_options* call,
+                           clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        const InputArray first = c::input_of(from, "from"), second = c::input_of(to, "to");
+        set(self.transform.visible(first, second, c::output_of(visible, "visible", first.count),
+                                   c::hits_of(hits, "hits"), caller),
+            statistics);
+    });
+}
+
 clsdf_status clsdf_transform_box(const clsdf_transform* transform, clsdf_box* box) {
     return guarded([&] { given(box, "box") = c::as_c(of(transform).transform.box()); });
 }

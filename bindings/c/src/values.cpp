@@ -176,6 +176,26 @@ OutputArray output_of(const clsdf_array* array, const char* name, std::size_t po
     return output_array_of(from);
 }
 
+Hits hits_of(std::int32_t hits, const char* name) {
+    return enumerator(hits, Hits::faces, name);
+}
+
+RayTargets ray_targets_of(const clsdf_ray_request& request, std::size_t rays) {
+    const auto array_of = [rays](const clsdf_array& array, const char* name) {
+        const std::size_t count = count_of(array.count, name);
+        if (array.host == nullptr && array.device == nullptr) return OutputArray();
+        if (count != 0 && count != rays)
+            throw misuse("there are " + std::to_string(rays) + " rays, and " + name + " is " + std::to_string(count) +
+                         "; give it exactly " + std::to_string(rays) + " items, or the count 0 if it is not known");
+        return output_array_of(array);
+    };
+    return {.most = count_of(request.most, "clsdf_ray_request.most"),
+            .t = array_of(request.t, "clsdf_ray_request.t.count"),
+            .triangles = array_of(request.triangles, "clsdf_ray_request.triangles.count"),
+            .counts = array_of(request.counts, "clsdf_ray_request.counts.count"),
+            .any = array_of(request.any, "clsdf_ray_request.any.count")};
+}
+
 clsdf_target as_c(const OutputTarget& target) {
     clsdf_target result{};
     const OutputArray& array = target.array;

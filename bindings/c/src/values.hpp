@@ -7,6 +7,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/mesh_files.hpp>
 #include <clsdf/outputs.hpp>
+#include <clsdf/segments.hpp>
 #include <clsdf/sparse.hpp>
 #include <clsdf/topology.hpp>
 
@@ -40,6 +41,9 @@ InputArray input_of(const clsdf_array* array, const char* name);
 /// 0.
 OutputTargets targets_of(const clsdf_targets& targets, const Grid& grid);
 OutputTargets targets_of(const clsdf_targets& targets, std::size_t points);
+Hits hits_of(std::int32_t hits, const char* name);
+/// Throws Error(invalid_argument) if an array has another count of items than there are rays, unless it is 0.
+RayTargets ray_targets_of(const clsdf_ray_request& request, std::size_t rays);
 clsdf_target as_c(const OutputTarget& target);
 /// 0: the distance. Throws Error(invalid_argument) for a bit that is no output's.
 OutputSet outputs_of(std::uint32_t bits);

@@ -588,6 +588,67 @@ static void check_points(void) {
     CHECK(memory.host_bytes > 0);
 }
 
+static void check_rays(void) {
+    /* From the middle of a cube, and from its outside. */
+    const double from[3][3] = {{0, 0, 0}, {-4, 0.25, 0.5}, {0, 0, 5}}, along[3][3] = {{0, 0, 2}, {2, 0, 0}, {1, 0, 0}},
+                 to[3][3] = {{0, 0, 0.5}, {4, 0.25, 0.5}, {1, 0, 5}};
+    const clsdf_array origins = clsdf_host_array(CLSDF_FLOAT64, from, 3),
+                      directions = clsdf_host_array(CLSDF_FLOAT64, along, 3),
+                      ends = clsdf_host_array(CLSDF_FLOAT64, to, 3);
+    clsdf_ray_request request = CLSDF_RAY_REQUEST_INIT;
+    clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
+    clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
+    double t[3][2];
+    int32_t triangles[3][2], counts[3];
+    uint8_t any[3], visible[3] = {7, 7, 7};
+    clsdf_array seen = clsdf_host_array(CLSDF_UINT8, visible, 3);
+    clsdf_mesh* cube;
+    clsdf_transform* of_cube;
+    const int32_t bases[2] = {0, 1};
+    int n;
+    for (n = 0; n < 2; ++n) {
+        clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
+        uint32_t corners[12][3];
+        double vertices[8][3];
+        int k, i;
+        static const uint32_t faces[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                              {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+        for (k = 0; k < 8; ++k)
+            for (i = 0; i < 3; ++i) vertices[k][i] = (k >> i & 1) != 0 ? 1 : -1;
+        for (k = 0; k < 12; ++k)
+            for (i = 0; i < 3; ++i) corners[k][i] = faces[k][i] + (uint32_t)bases[n];
+        arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, vertices, 8);
+        arrays.triangles = clsdf_host_array(CLSDF_UINT32, corners, 12);
+        arrays.index_base = bases[n];
+        OK(clsdf_mesh_create(&arrays, &cube));
+        OK(clsdf_transform_create(device, cube, NULL, NULL, &of_cube));
+        request.hits = CLSDF_WALLS;
+        request.limit = HUGE_VAL;
+        request.most = 2;
+        request.t = clsdf_host_array(CLSDF_FLOAT64, t, 3);
+        request.triangles = clsdf_host_array(CLSDF_INT32, triangles, 3);
+        request.counts = clsdf_host_array(CLSDF_INT32, counts, 3);
+        request.any = clsdf_host_array(CLSDF_UINT8, any, 3);
+        OK(clsdf_rays(of_cube, &origins, &directions, &request, &call, &statistics));
+        CHECK(t[0][0] == 0.5 && t[0][1] == HUGE_VAL && t[1][0] == 1.5 && t[1][1] == 2.5 && t[2][0] == HUGE_VAL);
+        CHECK(triangles[0][0] == 2 + bases[n] && triangles[0][1] == -1 + bases[n]);
+        CHECK(triangles[1][0] == 8 + bases[n] && triangles[1][1] == 11 + bases[n]);
+        CHECK(counts[0] == 1 && counts[1] == 2 && counts[2] == 0 && any[0] == 1 && any[1] == 1 && any[2] == 0);
+        CHECK(statistics.unusable_points == 0);
+        request.hits = CLSDF_FACES;
+        request.limit = 1.5;
+        OK(clsdf_rays(of_cube, &origins, &directions, &request, NULL, NULL));
+        CHECK(counts[0] == 1 && counts[1] == 1 && counts[2] == 0 && t[1][1] == HUGE_VAL);
+        request.t.count = 4;
+        FAILS(CLSDF_INVALID_ARGUMENT, "there are 3 rays, and clsdf_ray_request.t.count is 4",
+              clsdf_rays(of_cube, &origins, &directions, &request, NULL, NULL));
+        OK(clsdf_visible(of_cube, &origins, &ends, CLSDF_WALLS, &seen, NULL, NULL));
+        CHECK(visible[0] == 1 && visible[1] == 0 && visible[2] == 1);
+        clsdf_transform_release(of_cube);
+        clsdf_mesh_release(cube);
+    }
+}
+
 static void check_motion(void) {
     const double rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, turn[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, up[3] = {0, 0, 0.5},
                  no_rotation[9] = {2, 0, 0, 0, 1, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
@@ -888,6 +949,7 @@ int main(void) {
     check_arrays();
     check_many();
     check_points();
+    check_rays();
     check_motion();
     check_base();
     check_callbacks();

@@ -6,6 +6,7 @@
 static const char* const missing = "null";
 
 static void check_null(void) {
+    const clsdf_ray_request rays = CLSDF_RAY_REQUEST_INIT;
     const double three[3] = {0, 0, 0};
     const clsdf_band band = clsdf_band_full();
     clsdf_grid grid = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {0, 0, 0}};
@@ -111,6 +112,8 @@ static void check_null(void) {
     NULL_FAILS(clsdf_query(NULL, &array, 1, &target, 1, NULL, NULL));
     NULL_FAILS(clsdf_classify(NULL, NULL, 0, 1, NULL));
     NULL_FAILS(clsdf_winding(NULL, &array, &array, NULL));
+    NULL_FAILS(clsdf_rays(NULL, &array, &array, &rays, NULL, NULL));
+    NULL_FAILS(clsdf_visible(NULL, &array, &array, CLSDF_WALLS, &array, NULL, NULL));
     NULL_FAILS(clsdf_transform_box(NULL, &box));
     NULL_FAILS(clsdf_transform_topology(NULL, &topology));
     NULL_FAILS(clsdf_transform_sign(NULL, &number));
@@ -270,6 +273,7 @@ static void check_counts(const clsdf_transform* transform, const clsdf_grid* gri
 }
 
 static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
+    clsdf_ray_request rays = CLSDF_RAY_REQUEST_INIT;
     clsdf_transform_options options = CLSDF_TRANSFORM_OPTIONS_INIT;
     clsdf_output_info info = CLSDF_OUTPUT_INFO_INIT;
     clsdf_grid_options around = CLSDF_GRID_OPTIONS_INIT;
@@ -352,6 +356,14 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     FAILS(CLSDF_INVALID_ARGUMENT, "requests", clsdf_compute_requests(transform, NULL, 3, NULL, NULL));
     FAILS(CLSDF_INVALID_ARGUMENT, "places", clsdf_classify(transform, &box, 1, 1, NULL));
     FAILS(CLSDF_INVALID_ARGUMENT, "results", clsdf_winding(transform, &points, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "directions", clsdf_rays(transform, &points, NULL, &rays, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_ray_request", clsdf_rays(transform, &points, &points, NULL, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "no array", clsdf_rays(transform, &points, &points, &rays, NULL, NULL));
+    rays.hits = 2;
+    FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_ray_request.hits is 2",
+          clsdf_rays(transform, &points, &points, &rays, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "hits is 7", clsdf_visible(transform, &points, &points, 7, &points, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "visible", clsdf_visible(transform, &points, &points, 0, NULL, NULL, NULL));
     box.lower[1] = 2;
     FAILS(CLSDF_INVALID_ARGUMENT, "box", clsdf_classify(transform, &box, 1, 1, &place));
     points.type = CLSDF_AUTOMATIC;

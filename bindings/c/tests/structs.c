@@ -261,6 +261,16 @@ int main(void) {
     MEMBER(clsdf_sparse_slab, inside);
     MEMBER(clsdf_sparse_slab, run_count);
     MEMBER(clsdf_sparse_slab, values);
+    SIZE(clsdf_ray_request);
+    MEMBER(clsdf_ray_request, struct_size);
+    MEMBER(clsdf_ray_request, hits);
+    MEMBER(clsdf_ray_request, reserved);
+    MEMBER(clsdf_ray_request, limit);
+    MEMBER(clsdf_ray_request, most);
+    MEMBER(clsdf_ray_request, t);
+    MEMBER(clsdf_ray_request, triangles);
+    MEMBER(clsdf_ray_request, counts);
+    MEMBER(clsdf_ray_request, any);
     SIZE(clsdf_field_description);
     MEMBER(clsdf_field_description, struct_size);
     MEMBER(clsdf_field_description, grid);

@@ -494,6 +494,36 @@ contains
     call check(name == 'mine', 'an own field')
   end subroutine
 
+  !> The surface encloses the middle of its box, and rays meet its walls from there and from afar.
+  subroutine check_rays()
+    type(clsdf_box) :: box
+    type(clsdf_statistics) :: statistics
+    real(8) :: origins(3, 2), directions(3, 2), t(2), several(4, 2)
+    real(4) :: single(2), one_hit(1, 2)
+    integer(c_int32_t) :: triangle(2), triangles(4, 2), counts(2)
+    integer(c_int8_t) :: any_hit(2), visible(2)
+    box = transform%box()
+    origins(:, 1) = box%lower - 1
+    origins(:, 2) = box%upper + 1
+    directions(:, 1) = box%upper - box%lower
+    directions(:, 2) = [0d0, 0d0, 3d0]
+    call transform%rays(origins, directions, t, triangle, counts, any_hit, hits=CLSDF_FACES, statistics=statistics)
+    call transform%ray_hits(origins, directions, several, triangles, hits=CLSDF_FACES)
+    call check(several(1, 1) == t(1) .or. (t(1) > huge(1d0) .and. several(1, 1) > huge(1d0)), 'several hits')
+    call check(triangles(1, 1) == triangle(1), 'triangles of several hits')
+    call check(t(2) > huge(1d0) .and. triangle(2) == 0 .and. counts(2) == 0 .and. any_hit(2) == 0, 'a ray that misses')
+    call check((counts(1) > 0) .eqv. (any_hit(1) == 1) .and. (counts(1) > 0 .eqv. triangle(1) > 0), 'counts')
+    call transform%rays(real(origins, 4), real(directions, 4), single, limit=0d0)
+    call check(all(single > huge(1.0)), 'the limit 0')
+    call transform%ray_hits(real(origins, 4), real(directions, 4), one_hit)
+    call transform%visible(origins, origins + 0.5d0*reshape([0, 0, 0, 1, 1, 1], [3, 2]), visible)
+    call check(all(visible == 1), 'pairs of points')
+    call transform%rays(origins, directions, t(:1), stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, '(1); give it (2)')
+    call transform%visible(origins, directions, visible, hits=9, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'hits is 9')
+  end subroutine
+
   subroutine other_calls()
     type(clsdf_transform) :: part, same
     type(clsdf_box) :: box
@@ -514,6 +544,7 @@ contains
     call check(all(winding == 0), 'winding numbers outside')
     call transform%winding(reshape([box%upper + 5, box%lower - 5], [3, 2]), winding(:1), stat=stat, errmsg=errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, '(1); give it (2)')
+    call check_rays()
     call transform%classify([box], 0.01d0, places, stat, errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, '(3); give it (1)')
     call transform%compile(grid, band, [CLSDF_DISTANCE], statistics=statistics)

@@ -26,7 +26,7 @@ from ._pictures import Picture, slice_picture
 from ._plan import Plan, PointPlan, PointStatus, SparsePlan
 from ._shared import SharedArray
 from ._sparse import SparseField, read_sparse_field
-from ._transform import BoxPlace, Region, Request, Transform
+from ._transform import BoxPlace, Rays, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
 
@@ -67,6 +67,7 @@ __all__ = [
     "PointPlan",
     "PointStatus",
     "Points",
+    "Rays",
     "Region",
     "Request",
     "SharedArray",

@@ -30,6 +30,30 @@ def rows_of(points: Any) -> tuple[Any, tuple[int, ...]]:
     return points.reshape(math.prod(shape[:-1]), 3), shape[:-1]
 
 
+def pairs_of(first: Any, second: Any, first_name: str, second_name: str) -> tuple[Any, Any, tuple[int, ...]]:
+    """Two arrays (..., 3), which are broadcast, as (n, 3) each, and the shape of a result for each pair."""
+    arrays = [_meshes.as_array(array, np.float64) for array in (first, second)]
+    shapes = [_cuda.shape_of(array) for array in arrays]
+    for name, shape in zip((first_name, second_name), shapes):
+        if shape[-1:] != (3,) and shape != (0,):
+            raise Error(f"{name} has the shape {shape}; expected (n, 3) or (..., 3), or (3,)")
+    if shapes[0] == shapes[1]:
+        rows, of_results = zip(*(rows_of(array) for array in arrays))
+        return rows[0], rows[1], of_results[0]
+    for name, array in zip((first_name, second_name), arrays):
+        if _cuda.is_in_cuda(array):
+            raise Error(f"{name} is in memory of a device, and rays are looked up by the host; pass an array of the host",
+                        "unsupported")
+    try:
+        broadcast = np.broadcast_arrays(*(on_host(array) for array in arrays))
+    except ValueError:
+        raise Error(f"{first_name} has the shape {shapes[0]} and {second_name} {shapes[1]}; expected equal shapes, or "
+                    "such as NumPy broadcasts") from None
+    shape = broadcast[0].shape[:-1]
+    one, two = (np.ascontiguousarray(array).reshape(math.prod(shape), 3) for array in broadcast)
+    return one, two, shape
+
+
 def on_host(array: Any) -> npt.NDArray[Any]:
     """An array of any package as one of NumPy, in the same memory."""
     return np.asarray(array) if isinstance(array, memoryview) or hasattr(array, "__array__") else np.from_dlpack(array)

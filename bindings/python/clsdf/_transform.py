@@ -20,7 +20,7 @@ from ._devices import device_named, device_of
 from ._error import Error, MeshWarning
 from ._frames import Motion, frame_of, into_frame, motion_of, out_of_frame, vectors
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
-from ._points import flat, limit_of, on_surface, rows_of
+from ._points import flat, limit_of, on_surface, pairs_of, rows_of
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
 from ._field import Field
@@ -48,6 +48,17 @@ class Region(NamedTuple):
     spacing: float = 0
 
 
+class Rays(NamedTuple):
+    """Where rays meet the surface, from rays()."""
+
+    #: In lengths of the direction; infinity where nothing more is met, NaN for a ray that is not usable.
+    t: Any
+    #: The lowest triangle at that t, or clsdf.no_triangle.
+    triangle: Any
+    #: All hits up to the limit; None unless asked for.
+    counts: Any = None
+
+
 class BoxPlace(enum.IntEnum):
     """The position of a box relative to the mesh, from classify()."""
 
@@ -55,6 +66,11 @@ class BoxPlace(enum.IntEnum):
     INSIDE = 1  #: the surface is farther from every point of the box, and all of them are inside
     OUTSIDE = 2  #: the same, and all of them are outside
     BEYOND = 3  #: the same, of a mesh that has no sign
+
+
+def _number_or_array(array: npt.NDArray[Any]) -> Any:
+    """Of no axes: the number."""
+    return array[()]
 
 
 def _whole(what: str, value: Any) -> int:
@@ -756,6 +772,80 @@ class Transform:
             return Crossings(grid, _core.crossings(self._body, grid, counts, None))
         with shown(progress) as show:
             return Crossings(grid, _core.crossings(self._body, grid, counts, show))
+
+    def rays(
+        self,
+        origins: Any,
+        directions: Any,
+        *,
+        hits: str = "walls",
+        limit: float | None = math.inf,
+        most: int | None = None,
+        counts: bool = False,
+        dtype: npt.DTypeLike = "float64",
+        progress: Progress = None,
+        refuse_unusable_points: bool = False,
+    ) -> Rays:
+        """Where rays first meet the surface, exactly: none slips through an edge or a vertex (docs/rays.md).
+
+        origins, directions: arrays (..., 3) that NumPy can broadcast, so that one origin serves many directions. A
+            direction has any length; the point is origin + t * direction. Results have the shape (...).
+        hits: "walls", where inside and outside meet; or "faces", every face as given, also of meshes without a sign.
+        limit: hits beyond are left out, in lengths of the direction (None: no limit).
+        most: as many hits of each ray, ascending: t and triangle have the shape (..., most). counts: all hits up to the
+            limit, too. dtype: "float64" or "float32" for t.
+
+        A ray whose origin is not finite, or whose direction is 0 or not finite, has t = NaN and no hits. One
+        MeshWarning has their number; with refuse_unusable_points they raise clsdf.Error (invalid_argument). Raises
+        clsdf.Error (unsupported) for walls of a mesh without a sign or whose open edges count, for a restricted
+        transform and for memory of a device.
+        """
+        from_points, along, shape = pairs_of(origins, directions, "origins", "directions")
+        count = _cuda.shape_of(from_points)[0]
+        components = 1 if most is None else _whole("most", most)
+        if components < 1:
+            raise Error(f"most: {most!r} hits of each ray; ask for 1 or more")
+        t = np.empty((count, components), real_of(dtype))
+        triangle = np.empty((count, components), np.uint32)
+        numbers = np.empty(count, np.uint32) if counts else None
+        with shown(progress) as show:
+            self._body.rays(
+                from_points, along, hits, limit_of(limit), components, t, triangle, numbers, None, show,
+                refuse_unusable_points,
+            )
+        of_hits = shape if most is None else (*shape, components)
+        return Rays(
+            _number_or_array(t.reshape(of_hits)),
+            _number_or_array(triangle.reshape(of_hits)),
+            None if numbers is None else _number_or_array(numbers.reshape(shape)),
+        )
+
+    def any_hit(
+        self, origins: Any, directions: Any, *, hits: str = "walls", limit: float | None = math.inf,
+        progress: Progress = None, refuse_unusable_points: bool = False,
+    ) -> Any:
+        """Whether rays meet the surface up to the limit: an array (...) of bool. Parameters: as of rays(). Cheaper, with
+        hits="faces"."""
+        from_points, along, shape = pairs_of(origins, directions, "origins", "directions")
+        found = np.empty(_cuda.shape_of(from_points)[0], np.uint8)
+        with shown(progress) as show:
+            self._body.rays(
+                from_points, along, hits, limit_of(limit), 1, None, None, None, found, show, refuse_unusable_points
+            )
+        return _number_or_array(found.view(np.bool_).reshape(shape))
+
+    def visible(
+        self, from_points: Any, to_points: Any, *, hits: str = "walls", progress: Progress = None,
+        refuse_unusable_points: bool = False,
+    ) -> Any:
+        """Whether the segments between pairs of points meet nothing: an array (...) of bool. Points: as rays() takes
+        them. hits: "walls", so that points on the surface see what lies outside; or "faces". A pair and its reverse
+        agree. A pair with a point that is not finite does not see each other."""
+        first, second, shape = pairs_of(from_points, to_points, "from_points", "to_points")
+        found = np.empty(_cuda.shape_of(first)[0], np.uint8)
+        with shown(progress) as show:
+            self._body.visible(first, second, hits, found, show, refuse_unusable_points)
+        return _number_or_array(found.view(np.bool_).reshape(shape))
 
     def restrict_to(self, regions: Region | Iterable[Region]) -> Transform:
         """A transform for parts of the domain, which keeps only what they need. Every grid, point and box asked for

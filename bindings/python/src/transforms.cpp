@@ -105,6 +105,50 @@ void winding(const Body& body, nb::handle points, nb::handle results, nb::handle
     arrays.end();
 }
 
+/// An array of the host for results, packed, or None. What it has to be like, the library says.
+OutputArray result_of(Arrays& arrays, nb::handle array, const char* name) {
+    OutputArray result;
+    if (array.is_none()) return result;
+    const ArrayView seen = arrays.view(array, name, true);
+    result.host = seen.writable;
+    result.device = seen.device;
+    result.type = seen.type;
+    result.offset = seen.offset;
+    return result;
+}
+
+Hits hits_named(const std::string& name) {
+    if (name == "walls") return Hits::walls;
+    if (name == "faces") return Hits::faces;
+    throw Error(ErrorCode::invalid_argument, "hits: '" + name + "' is neither 'walls' nor 'faces'");
+}
+
+void rays(const Body& body, nb::handle origins, nb::handle directions, const std::string& hits, double limit,
+          std::size_t most, nb::handle t, nb::handle triangle, nb::handle counts, nb::handle any, nb::object progress,
+          bool refuse_unusable_points) {
+    Arrays arrays(&body.device());
+    const InputArray from = arrays.triples(origins, "origins"), along = arrays.triples(directions, "directions");
+    const RayTargets targets{most, result_of(arrays, t, "t"), result_of(arrays, triangle, "triangle"),
+                             result_of(arrays, counts, "counts"), result_of(arrays, any, "any")};
+    const RayOptions options{hits_named(hits), limit};
+    Call call(std::move(progress));
+    call.refuse_unusable_points(refuse_unusable_points);
+    body.read(
+        [&](const DistanceTransform& transform) { transform.rays(from, along, options, targets, call.options()); });
+}
+
+void visible(const Body& body, nb::handle from, nb::handle to, const std::string& hits, nb::handle results,
+             nb::object progress, bool refuse_unusable_points) {
+    Arrays arrays(&body.device());
+    const InputArray first = arrays.triples(from, "from_points"), second = arrays.triples(to, "to_points");
+    const OutputArray result = result_of(arrays, results, "visible");
+    const Hits what = hits_named(hits);
+    Call call(std::move(progress));
+    call.refuse_unusable_points(refuse_unusable_points);
+    body.read(
+        [&](const DistanceTransform& transform) { transform.visible(first, second, result, what, call.options()); });
+}
+
 using Boxes = nb::ndarray<const double, nb::shape<-1, 2, 3>, nb::c_contig, nb::device::cpu>;
 
 auto classify(const Body& body, const Boxes& boxes, double half_width) {
@@ -267,6 +311,11 @@ void add_transforms(nb::module_& module) {
         .def("query", &query, nb::arg("points"), nb::arg("within"), nb::arg("outputs"), nb::arg("progress").none(),
              nb::arg("wait_for").none(), nb::arg("refuse_unusable_points"))
         .def("winding", &winding, nb::arg("points"), nb::arg("results"), nb::arg("wait_for").none())
+        .def("rays", &rays, nb::arg("origins"), nb::arg("directions"), nb::arg("hits"), nb::arg("limit"),
+             nb::arg("most"), nb::arg("t").none(), nb::arg("triangle").none(), nb::arg("counts").none(),
+             nb::arg("any").none(), nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
+        .def("visible", &visible, nb::arg("from"), nb::arg("to"), nb::arg("hits"), nb::arg("results"),
+             nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
         .def("classify", &classify, nb::arg("boxes"), nb::arg("half_width"))
         .def("restrict_to", &restrict_to, nb::arg("regions"))
         .def("set_positions", &set_positions, nb::arg("positions"), nb::arg("wait_for").none())

@@ -429,6 +429,50 @@ def test_a_terrain_has_a_sign_with_a_floor():
         clsdf.close_down((vertices, faces[:, ::-1]), -1)
 
 
+def test_rays_meet_walls_and_faces():
+    cube = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], float), [
+        [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
+        [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5]]
+    body = clsdf.Transform(cube)
+    # One origin serves all directions; they go through faces, an edge and a vertex.
+    directions = np.array([[0, 0, 2], [4, 1, 0], [-1, 1, 0], [1, 1, 1], [0, -1, 0]], float)
+    rays = body.rays((0, 0, 0), directions, counts=True)
+    assert rays.t.dtype == np.float64 and rays.triangle.dtype == rays.counts.dtype == np.uint32
+    assert np.array_equal(rays.t, [0.5, 0.25, 1, 1, 1]) and np.array_equal(rays.counts, [1] * 5)
+    assert np.array_equal(body.rays(directions * [[[0]], [[3]]], -directions, hits="faces").t.shape, (2, 5))
+    several = body.rays((-4, 0.25, 0.5), (2, 0, 0), most=3, dtype="float32")
+    assert several.t.dtype == np.float32 and np.array_equal(several.t, [1.5, 2.5, np.inf])
+    assert list(several.triangle) == [8, 11, clsdf.no_triangle] and several.counts is None
+    one = body.rays((-4, 0.25, 0.5), (2, 0, 0), limit=1.4)
+    assert one.t == np.inf and one.triangle == clsdf.no_triangle
+    # From a wall outwards there is no wall; the face itself is met.
+    assert body.rays((0, 0, 1), (0, 0, 1)).t == np.inf and body.rays((0, 0, 1), (0, 0, 1), hits="faces").t == 0
+    assert np.array_equal(body.any_hit([[0, 0, -3], [0, 0, 3]], [[0, 0, 1], [0, 0, 1]], hits="faces"), [True, False])
+    assert np.array_equal(body.visible([[0, 0, 0], [0, 0, 0], [0, 0, 1]], [[0, 0, 0.5], [0, 0, 3], [0, 0, 3]]),
+                          [True, False, True])
+    assert not body.visible((0, 0, 1), (0, 0, 3), hits="faces")
+    single = body.rays(np.zeros((5, 3), np.float32), directions.astype(np.float32)[:, ::1])
+    assert np.array_equal(single.t, rays.t)
+    with pytest.warns(clsdf.MeshWarning, match="1 of 2 rays"):
+        assert np.isnan(body.rays([[0, 0, np.nan], [0, 0, 0]], (0, 0, 1)).t[0])
+    for wrong, message in [
+        (dict(hits="walls of"), "neither 'walls' nor 'faces'"),
+        (dict(limit=-1), "limit -1"),
+        (dict(most=0), "most: 0"),
+        (dict(dtype="int32"), "neither 'float32' nor 'float64'"),
+    ]:
+        with pytest.raises(clsdf.Error, match=message):
+            body.rays((0, 0, 0), (0, 0, 1), **wrong)
+    with pytest.raises(clsdf.Error, match=r"origins has the shape \(2, 3\) and directions \(4, 3\)"):
+        body.rays(np.zeros((2, 3)), np.zeros((4, 3)))
+    with pytest.raises(clsdf.Error, match=r"directions has the shape \(2,\)"):
+        body.rays(np.zeros((2, 3)), np.zeros(2))
+    sheet = clsdf.Transform((cube[0], cube[1][:2]), sign="none")
+    with pytest.raises(clsdf.Error, match="no sign"):
+        sheet.rays((0, 0, 0), (0, 0, 1))
+    assert sheet.rays((0, 0, 0), (0, 0, -1), hits="faces").t == 1
+
+
 def test_boxes_are_classified():
     # `within` counts from the boxes around triangles, so these are small.
     shape = clsdf.make_shape("sphere3")

@@ -113,6 +113,31 @@ CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& re
                                OutputSet wanted = {}, std::span<const float> winding = {},
                                const FaceGroups* groups = nullptr);
 
+/// Rays in the order of a file.
+struct RayRows {
+    std::vector<Vec3> origins, directions;
+};
+
+/// Reads rays from .npy (shape (n, 6), float32 or float64: the origin, then the direction) or .csv (a header row with
+/// the columns x, y, z, dx, dy and dz). Throws as read_points().
+CLSDF_EXPORT RayRows read_rays(const std::string& path);
+
+/// What DistanceTransform::rays() found.
+struct RayHits {
+    std::size_t most = 1;         ///< numbers of `t` and `triangles` for each ray
+    std::span<const double> t{};  ///< packed
+    std::span<const std::uint32_t> triangles{};
+    std::span<const std::uint32_t> counts{};  ///< or empty: no column
+};
+
+/// Writes them, a row for each ray, by the file's ending: .npy (a structured array of t, triangle and count; of several
+/// hits t and triangle are vectors) or .csv (with x, y, z, dx, dy and dz before them); complete or not at all. Throws
+/// as write_points().
+CLSDF_EXPORT void write_rays(const RayRows& rays, const RayHits& hits, const std::string& path);
+
+/// Throws the error that write_rays() would throw for the ending or the folder. Leaves no file.
+CLSDF_EXPORT void check_rays_path(const std::string& path);
+
 /// Throws the error that write_points() would throw for the ending or the folder. Leaves no file.
 CLSDF_EXPORT void check_points_path(const std::string& path);
 

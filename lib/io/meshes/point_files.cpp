@@ -35,19 +35,21 @@ PointFormat format_of_points(const std::string& path) {
                 fmt::format("'{}' does not end like a file of points; the endings are .npy, .csv and .ply", path));
 }
 
-std::vector<Vec3> read_npy_points(const std::string& path) {
+/// Rows of numbers. what: "points have the shape (n, 3), ...", for messages.
+template <std::size_t width>
+std::vector<std::array<double, width>> read_npy_rows(const std::string& path, const char* what) {
+    using Row = std::array<double, width>;
     InputFile file(path);
     refuse_other_content(FileContent(path, telling_bytes));
     const NpyHeader header = read_npy_header(file);
     if (is_whole(header.values.type))
-        file.fail(fmt::format("header field 'descr': '{}' is not a coordinate; save the points as float64 ('<f8')",
+        file.fail(fmt::format("header field 'descr': '{}' is not a coordinate; save them as float64 ('<f8')",
                               npy_name_of(header.values.type)));
-    if (header.shape.size() != 2 || header.shape[0] < 0 || header.shape[1] != 3)
-        file.fail(fmt::format("header field 'shape': ({}); points have the shape (n, 3), n >= 0, x, y and z a row",
-                              fmt::join(header.shape, ", ")));
+    if (header.shape.size() != 2 || header.shape[0] < 0 || header.shape[1] != static_cast<std::int64_t>(width))
+        file.fail(fmt::format("header field 'shape': ({}); {}", fmt::join(header.shape, ", "), what));
     if (header.shape[0] == 0) return {};
     const std::size_t count = checked_count(file, header.values, header.shape);
-    std::vector<Vec3> points(count / 3);
+    std::vector<Row> points(count / width);
     const bool is_double = header.values.type == ElementType::float64;
     if (is_double && !header.fortran_order) {
         read_values(file, header.values, ElementType::float64, std::as_writable_bytes(std::span(points)));
@@ -60,7 +62,7 @@ std::vector<Vec3> read_npy_points(const std::string& path) {
             if (header.fortran_order)
                 points[i % points.size()][i / points.size()] = number;
             else
-                points[i / 3][i % 3] = number;
+                points[i / width][i % width] = number;
         }
     };
     if (is_double)
@@ -158,27 +160,30 @@ bool is_axis(std::string_view name, std::size_t axis) {
            name[7] == "012"[axis];
 }
 
-std::vector<Vec3> read_csv_points(const FileContent& file) {
+/// Rows of the columns with these names.
+template <std::size_t count, typename HasName>
+std::vector<std::array<double, count>> read_csv_rows(const FileContent& file,
+                                                     const std::array<const char*, count>& names,
+                                                     const HasName& has_name_of) {
     CsvRows rows(file);
     std::vector<std::string_view> fields;
     if (!rows.next(fields))
-        throw Error(
-            ErrorCode::unreadable_input,
-            fmt::format("{}: the file has no text; it begins with a row of names, x,y,z among them", file.path()));
+        throw Error(ErrorCode::unreadable_input,
+                    fmt::format("{}: the file has no text; it begins with a row of names, {} among them", file.path(),
+                                fmt::join(names, ",")));
     const std::string first_row = fmt::format("{}", fmt::join(fields, ","));
     // NumPy writes the names as a comment.
     if (fields.front().starts_with('#'))
         fields.front().remove_prefix(std::min(fields.front().find_first_not_of("# \t"), fields.front().size()));
-    std::array<std::size_t, 3> columns{};
-    constexpr std::array<const char*, 3> names{"x", "y", "z"};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto has_name = [&](std::string_view name) { return is_axis(name, axis); };
+    std::array<std::size_t, count> columns{};
+    for (std::size_t axis = 0; axis < count; ++axis) {
+        const auto has_name = [&](std::string_view name) { return has_name_of(name, axis); };
         const auto found = std::find_if(fields.begin(), fields.end(), has_name);
         if (found == fields.end())
             rows.fail(
                 fmt::format("the first row, {}, has no column '{}'; write the names of the columns there, with "
-                            "commas between them, as in x,y,z",
-                            quoted(first_row, 80), names[axis]));
+                            "commas between them, as in {}",
+                            quoted(first_row, 80), names[axis], fmt::join(names, ",")));
         if (const auto second = std::find_if(found + 1, fields.end(), has_name); second != fields.end())
             rows.fail(fmt::format("columns {} and {} both have the coordinate '{}' ({} and {}); leave one of them",
                                   found - fields.begin() + 1, second - fields.begin() + 1, names[axis], quoted(*found),
@@ -186,12 +191,12 @@ std::vector<Vec3> read_csv_points(const FileContent& file) {
         columns[axis] = static_cast<std::size_t>(found - fields.begin());
     }
     const std::size_t width = fields.size();
-    std::vector<Vec3> points;
+    std::vector<std::array<double, count>> points;
     while (rows.next(fields)) {
         if (fields.size() != width)
             rows.fail(fmt::format("the row has {} fields, and the first one names {} columns", fields.size(), width));
-        Vec3 point{};
-        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = rows.number(fields[columns[axis]]);
+        std::array<double, count> point{};
+        for (std::size_t axis = 0; axis < count; ++axis) point[axis] = rows.number(fields[columns[axis]]);
         points.push_back(point);
     }
     return points;
@@ -375,14 +380,58 @@ void write_csv_points(std::span<const Vec3> points, const Columns& columns, Atom
     file.write(std::string_view(text.data(), text.size()));
 }
 
+void check_rays_ending(const std::string& path) {
+    const std::string ending = std::filesystem::path(path).extension().string();
+    if (!equals_ignoring_case(ending, ".npy") && !equals_ignoring_case(ending, ".csv"))
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("'{}' does not end like a file of rays; the endings are .npy and .csv", path));
+}
+
+void write_npy_rays(std::size_t rays, const RayHits& hits, AtomicFile& file) {
+    const std::string shape = hits.most == 1 ? "" : fmt::format(", ({},)", hits.most);
+    file.write(npy_header(fmt::format("[('t', '<f8'{0}), ('triangle', '<u4'{0}){1}]", shape,
+                                      hits.counts.empty() ? "" : ", ('count', '<u4')"),
+                          {static_cast<std::int64_t>(rays)}));
+    RowWriter rows(file);
+    for (std::size_t i = 0; i < rays; ++i) {
+        for (std::size_t k = 0; k < hits.most; ++k) rows.add(hits.t[i * hits.most + k]);
+        for (std::size_t k = 0; k < hits.most; ++k) rows.add(hits.triangles[i * hits.most + k]);
+        if (!hits.counts.empty()) rows.add(hits.counts[i]);
+    }
+    rows.flush();
+}
+
+void write_csv_rays(const RayRows& rays, const RayHits& hits, AtomicFile& file) {
+    fmt::memory_buffer text;
+    const auto add = [&](auto value) { fmt::format_to(std::back_inserter(text), "{}", value); };
+    add("x,y,z,dx,dy,dz");
+    for (std::size_t k = 0; k < hits.most; ++k)
+        add(hits.most == 1 ? std::string(",t,triangle") : fmt::format(",t_{0},triangle_{0}", k + 1));
+    if (!hits.counts.empty()) add(",count");
+    for (std::size_t i = 0; i < rays.origins.size(); ++i) {
+        const Vec3 &o = rays.origins[i], &d = rays.directions[i];
+        add(fmt::format("\n{},{},{},{},{},{}", o[0], o[1], o[2], d[0], d[1], d[2]));
+        for (std::size_t k = 0; k < hits.most; ++k) {
+            const double t = hits.t[i * hits.most + k];
+            add(fmt::format(",{},{}", std::isnan(t) ? std::abs(t) : t, hits.triangles[i * hits.most + k]));
+        }
+        if (!hits.counts.empty()) add(fmt::format(",{}", hits.counts[i]));
+        if (text.size() < (std::size_t{1} << 16U)) continue;
+        file.write(std::string_view(text.data(), text.size()));
+        text.clear();
+    }
+    add('\n');
+    file.write(std::string_view(text.data(), text.size()));
+}
+
 }  // namespace
 
 std::vector<Vec3> read_points(const std::string& path, const std::function<void(const std::string&)>& log) try {
     switch (format_of_points(path)) {
         case PointFormat::npy:
-            return read_npy_points(path);
+            return read_npy_rows<3>(path, "points have the shape (n, 3), n >= 0, x, y and z a row");
         case PointFormat::csv:
-            return read_csv_points(text_of_points(path));
+            return read_csv_rows<3>(text_of_points(path), {"x", "y", "z"}, is_axis);
         case PointFormat::ply:
             break;
     }
@@ -412,6 +461,47 @@ void write_points(std::span<const Vec3> points, const FieldSlab& results, const 
             break;
     }
     file.commit();
+}
+
+RayRows read_rays(const std::string& path) try {
+    check_rays_ending(path);
+    constexpr std::array<const char*, 6> names{"x", "y", "z", "dx", "dy", "dz"};
+    const auto has_name = [&](std::string_view name, std::size_t k) { return equals_ignoring_case(name, names[k]); };
+    const std::vector<std::array<double, 6>> rows =
+        format_of_points(path) == PointFormat::npy
+            ? read_npy_rows<6>(path, "rays have the shape (n, 6), n >= 0, the origin and the direction a row")
+            : read_csv_rows<6>(text_of_points(path), names, has_name);
+    RayRows rays;
+    for (const auto& [x, y, z, dx, dy, dz] : rows) {
+        rays.origins.push_back({x, y, z});
+        rays.directions.push_back({dx, dy, dz});
+    }
+    return rays;
+} catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
+}
+
+void write_rays(const RayRows& rays, const RayHits& hits, const std::string& path) {
+    check_rays_ending(path);
+    const std::size_t count = rays.origins.size();
+    if (rays.directions.size() != count || hits.most == 0 || hits.t.size() != count * hits.most ||
+        hits.triangles.size() != count * hits.most || (!hits.counts.empty() && hits.counts.size() != count))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("there are {} origins, {} directions, {} values of t, {} triangles and {} counts; give "
+                                "as many, and {} of t and triangles for each ray",
+                                count, rays.directions.size(), hits.t.size(), hits.triangles.size(), hits.counts.size(),
+                                hits.most));
+    AtomicFile file(path);
+    if (format_of_points(path) == PointFormat::npy)
+        write_npy_rays(count, hits, file);
+    else
+        write_csv_rays(rays, hits, file);
+    file.commit();
+}
+
+void check_rays_path(const std::string& path) {
+    check_rays_ending(path);
+    check_writable(path);
 }
 
 void check_points_path(const std::string& path) {
