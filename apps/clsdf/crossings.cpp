@@ -18,18 +18,19 @@ ExitStatus run(const CrossingsOptions& options, Report& report) {
     clsdf::check_crossings_path(options.grid.output);
     clsdf::Crossings crossings;
     const SegmentRun made =
-        run_segments(options, report, [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid,
-                                          const clsdf::CallOptions& call, clsdf::TransformStatistics& statistics) {
-            crossings = transform.crossings(grid, {.with_counts = options.counts}, call, &statistics);
-        });
+        run_segments(options, report,
+                     [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid,
+                         const clsdf::CallOptions& call, clsdf::TransformStatistics& statistics) {
+                         crossings = transform.crossings(grid, {.with_counts = options.counts}, call, &statistics);
+                     });
     clsdf::write_crossings(crossings, made.grid, options.grid.output);
     output_is_written();
     std::array<std::size_t, 3> crossed{};
     for (std::size_t axis = 0; axis < 3; ++axis)
-        crossed[axis] = static_cast<std::size_t>(std::ranges::count_if(
-            crossings.axes[axis].coordinates, [](double x) { return !std::isnan(x); }));
-    report.print("done    {}, {} and {} crossed edges along x, y and z in {:.3f} s\n", crossed[0], crossed[1], crossed[2],
-                 made.seconds);
+        crossed[axis] = static_cast<std::size_t>(
+            std::ranges::count_if(crossings.axes[axis].coordinates, [](double x) { return !std::isnan(x); }));
+    report.print("done    {}, {} and {} crossed edges along x, y and z in {:.3f} s\n", crossed[0], crossed[1],
+                 crossed[2], made.seconds);
     report.print("wrote   {}\n", options.grid.output);
     report.result = describe(options, made);
     report.result["crossed"] = crossed;
@@ -45,7 +46,8 @@ Command add_crossings(Parser& program) {
     parser.begin_group("Crossings");
     parser.add("--counts", options->counts, "the number of walls on each edge, too");
     parser.set_footer(
-        "An edge joins two neighbouring samples. It has a crossing, a coordinate along its axis and a triangle, if and\n"
+        "An edge joins two neighbouring samples. It has a crossing, a coordinate along its axis and a triangle, if "
+        "and\n"
         "only if they are on different sides; else the coordinate is nan.\n\n"
         "Examples:\n"
         "  clsdf crossings bunny.off -o bunny.npz\n"

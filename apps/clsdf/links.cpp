@@ -37,13 +37,14 @@ ExitStatus run(const LinksOptions& options, Report& report) {
     clsdf::check_links_path(options.grid.output);
     const std::vector<LinkDirection> directions = directions_of(options);
     clsdf::Links links;
-    const SegmentRun made =
-        run_segments(options, report, [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid,
-                                          const clsdf::CallOptions& call, clsdf::TransformStatistics& statistics) {
-            links = transform.links(grid, directions,
-                                    {.hits = options.faces ? clsdf::Hits::faces : clsdf::Hits::walls,
-                                     .with_between = options.between},
-                                    call, &statistics);
+    const SegmentRun made = run_segments(
+        options, report,
+        [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid, const clsdf::CallOptions& call,
+            clsdf::TransformStatistics& statistics) {
+            links = transform.links(
+                grid, directions,
+                {.hits = options.faces ? clsdf::Hits::faces : clsdf::Hits::walls, .with_between = options.between},
+                call, &statistics);
         });
     clsdf::write_links(links, made.grid, directions, options.grid.output);
     output_is_written();
@@ -66,7 +67,8 @@ Command add_links(Parser& program) {
         .takes_text("LIST");
     parser.add("--order", options->order, "of the directions of a name: as this code has them")
         .takes_one_of({"OpenLB", "waLBerla", "lbmpy", "Palabos", "XLB"});
-    parser.add("--faces", options->faces, "all faces as given, also of a mesh without a sign; else where the side changes");
+    parser.add("--faces", options->faces,
+               "all faces as given, also of a mesh without a sign; else where the side changes");
     parser.add("--between", options->between, "also links with both ends outside and a body between them");
     parser.set_footer(
         "A link has a row if and only if its ends are on different sides: its sample, which is outside, its\n"

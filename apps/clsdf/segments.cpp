@@ -66,7 +66,10 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
 }
 
 Json describe(const SegmentOptions& options, const SegmentRun& run) {
-    return {{"mesh", paths_of(options.grid.mesh)}, {"grid", describe(run.grid)},
-            {"sign", name_of(run.sign)},           {"device", run.device},
-            {"seconds", run.seconds},              {"output", options.grid.output}};
+    return {{"mesh", paths_of(options.grid.mesh)},
+            {"grid", describe(run.grid)},
+            {"sign", name_of(run.sign)},
+            {"device", run.device},
+            {"seconds", run.seconds},
+            {"output", options.grid.output}};
 }

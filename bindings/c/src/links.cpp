@@ -77,8 +77,8 @@ clsdf_status clsdf_links(const clsdf_transform* transform, const clsdf_grid* gri
         const clsdf_link_arrays& to = given(arrays, "arrays");
         std::size_t found = 0;
         try {
-            set(self.transform.links(c::grid_of(grid), directions_of(directions, direction_count), targets_of(to), found,
-                                     options_of(options), caller),
+            set(self.transform.links(c::grid_of(grid), directions_of(directions, direction_count), targets_of(to),
+                                     found, options_of(options), caller),
                 statistics);
         } catch (const Error&) {
             *count = static_cast<std::int64_t>(found);

@@ -4,8 +4,9 @@
 enum { N = 8 };
 
 int main(void) {
-    static const double vertices[8][3] = {{1.25, 1.25, 1.25}, {5.25, 1.25, 1.25}, {5.25, 5.25, 1.25}, {1.25, 5.25, 1.25},
-                                          {1.25, 1.25, 5.25}, {5.25, 1.25, 5.25}, {5.25, 5.25, 5.25}, {1.25, 5.25, 5.25}};
+    static const double vertices[8][3] = {{1.25, 1.25, 1.25}, {5.25, 1.25, 1.25}, {5.25, 5.25, 1.25},
+                                          {1.25, 5.25, 1.25}, {1.25, 1.25, 5.25}, {5.25, 1.25, 5.25},
+                                          {5.25, 5.25, 5.25}, {1.25, 5.25, 5.25}};
     static const uint32_t triangles[12][3] = {{1, 3, 2}, {1, 4, 3}, {5, 6, 7}, {5, 7, 8}, {1, 2, 6}, {1, 6, 5},
                                               {2, 3, 7}, {2, 7, 6}, {3, 4, 8}, {3, 8, 7}, {4, 1, 5}, {4, 5, 8}};
     clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
@@ -59,7 +60,8 @@ int main(void) {
     crossings.counts[0] = allocate((N - 1) * N * N * sizeof(uint32_t));
     crossings.triangles[2] = allocate(N * N * (N - 1) * sizeof(uint32_t));
     OK(clsdf_crossings(transform, &grid, &crossings, NULL, NULL));
-    CHECK(crossings.coordinates[0][1 + (N - 1) * (2 + N * 2)] == 1.25 && crossings.counts[0][1 + (N - 1) * (2 + N * 2)] == 1);
+    CHECK(crossings.coordinates[0][1 + (N - 1) * (2 + N * 2)] == 1.25 &&
+          crossings.counts[0][1 + (N - 1) * (2 + N * 2)] == 1);
     CHECK(crossings.coordinates[0][2] != crossings.coordinates[0][2]);
     CHECK(crossings.triangles[2][2 + N * (2 + N * 1)] <= 2 && crossings.triangles[2][0] == 0);
 

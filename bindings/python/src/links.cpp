@@ -13,13 +13,14 @@ using Directions = nb::ndarray<const std::int32_t, nb::shape<-1, 3>, nb::c_conti
 
 template <typename Value, typename Items>
 nb::object rows_of(Items& items, const nb::capsule& owner) {
-    return nb::cast(nb::ndarray<nb::numpy, Value, nb::ndim<1>>(static_cast<void*>(items.data()), {items.size()}, owner));
+    return nb::cast(
+        nb::ndarray<nb::numpy, Value, nb::ndim<1>>(static_cast<void*>(items.data()), {items.size()}, owner));
 }
 
 /// The array of a list of whole numbers, which has an axis more.
 nb::object triples_of(std::vector<std::array<std::int32_t, 3>>& items, const nb::capsule& owner) {
     return nb::cast(nb::ndarray<nb::numpy, std::int32_t, nb::ndim<2>>(static_cast<void*>(items.data()),
-                                                                     {items.size(), std::size_t{3}}, owner));
+                                                                      {items.size(), std::size_t{3}}, owner));
 }
 
 template <typename Value>
@@ -27,7 +28,8 @@ nb::object box_of(std::vector<Value>& items, const Index3& size, const nb::capsu
     if (items.empty()) return nb::none();
     return nb::cast(nb::ndarray<nb::numpy, Value, nb::ndim<3>>(
         static_cast<void*>(items.data()),
-        {static_cast<std::size_t>(size[2]), static_cast<std::size_t>(size[1]), static_cast<std::size_t>(size[0])}, owner));
+        {static_cast<std::size_t>(size[2]), static_cast<std::size_t>(size[1]), static_cast<std::size_t>(size[0])},
+        owner));
 }
 
 template <typename Result>
@@ -40,17 +42,16 @@ nb::tuple links(const Body& body, const Grid& grid, const Directions& directions
     const Call call(std::move(progress));
     const std::span all(reinterpret_cast<const LinkDirection*>(directions.data()), directions.shape(0));
     const LinkOptions options{.hits = of_faces ? Hits::faces : Hits::walls, .with_between = with_between};
-    auto own = std::make_unique<Links>(body.read([&](const DistanceTransform& transform) {
-        return transform.links(grid, all, options, call.options());
-    }));
+    auto own = std::make_unique<Links>(body.read(
+        [&](const DistanceTransform& transform) { return transform.links(grid, all, options, call.options()); }));
     Links& links = *own;
     const nb::capsule owner = owner_of(own);
     auto* const flags = reinterpret_cast<std::uint8_t*>(links.flags.data());
     return nb::make_tuple(triples_of(links.samples, owner), rows_of<std::uint8_t>(links.directions, owner),
                           rows_of<double>(links.q, owner), rows_of<std::uint32_t>(links.triangles, owner),
                           rows_of<std::uint32_t>(links.counts, owner),
-                          nb::cast(nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>>(
-                              static_cast<void*>(flags), {links.flags.size()}, owner)),
+                          nb::cast(nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>>(static_cast<void*>(flags),
+                                                                                     {links.flags.size()}, owner)),
                           rows_of<std::uint8_t>(links.inside.bits, owner));
 }
 
@@ -59,9 +60,8 @@ std::size_t count_links(const Body& body, const Grid& grid, const Directions& di
     const Call call(std::move(progress));
     const std::span all(reinterpret_cast<const LinkDirection*>(directions.data()), directions.shape(0));
     const LinkOptions options{.hits = of_faces ? Hits::faces : Hits::walls, .with_between = with_between};
-    return body.read([&](const DistanceTransform& transform) {
-        return transform.count_links(grid, all, options, call.options());
-    });
+    return body.read(
+        [&](const DistanceTransform& transform) { return transform.count_links(grid, all, options, call.options()); });
 }
 
 nb::tuple crossings(const Body& body, const Grid& grid, bool with_counts, nb::object progress) {
