@@ -1,4 +1,5 @@
 #include "calls/transform_state.hpp"
+#include "core/floating_point.hpp"
 #include "core/large_memory.hpp"
 #include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
@@ -64,6 +65,7 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     statistics.triangles = mesh->face_count();
     statistics.polyhedra_seconds = preparing.seconds();
     const Stopwatch finding;
+    const DefaultFloatingPoint usual;
     find(segments::LinkInputs{*mesh, tree.get(), numbers, kept_mesh->name(), sign, running.between(0, 1)});
     statistics.field_seconds = finding.seconds();
     return running.finish();

@@ -79,7 +79,7 @@ void LinkTable::fill(Chunk& chunk, std::size_t row, std::span<const std::pair<Pl
                         static_cast<std::uint32_t>(chunk.count)};
             for (std::size_t n = 0; n < count; ++n)
                 entry.directions |= static_cast<std::uint32_t>(links[n] >> bit & 1U) << led[n].direction;
-            chunk.count += static_cast<std::size_t>(std::popcount(entry.directions));
+            chunk.count += count_bits(entry.directions);
             chunk.entries.push_back(entry);
         }
     }

@@ -12,6 +12,14 @@
 
 namespace clsdf::segments {
 
+/// The number of set bits. Without an instruction for it, which not every processor has, std::popcount() is a call.
+inline std::size_t count_bits(std::uint64_t bits) {
+    bits -= bits >> 1 & 0x5555555555555555U;
+    bits = (bits & 0x3333333333333333U) + (bits >> 2 & 0x3333333333333333U);
+    bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fU;
+    return static_cast<std::size_t>(bits * 0x0101010101010101U >> 56);
+}
+
 /// The links whose sample is outside and whose other end is inside, numbered by sample, then by direction: from the
 /// sides alone. Finds the number of a link without a search.
 class LinkTable {
@@ -25,10 +33,8 @@ public:
         const std::size_t row = grid_row(sample), bit = static_cast<std::size_t>(sample[0]) % 64;
         const Word& word = words_[row * words_of_row_ + static_cast<std::size_t>(sample[0]) / 64];
         const Chunk& chunk = chunks_[row / rows_together];
-        const Entry& entry = chunk.entries[word.base + static_cast<std::size_t>(
-                                                           std::popcount(word.any & ((std::uint64_t{1} << bit) - 1)))];
-        return chunk.first + entry.first +
-               static_cast<std::size_t>(std::popcount(entry.directions & ((1U << direction) - 1)));
+        const Entry& entry = chunk.entries[word.base + count_bits(word.any & ((std::uint64_t{1} << bit) - 1))];
+        return chunk.first + entry.first + count_bits(entry.directions & ((1U << direction) - 1));
     }
     /// Calls visit(number, sample, direction) for all links, on all cores; in order within a task.
     template <typename Visit>

@@ -59,6 +59,10 @@ BOOST_AUTO_TEST_CASE(links_are_written_in_each_format) {
     BOOST_TEST(archive.substr(0, 4) == std::string("PK\x03\x04"));
     const std::string q(reinterpret_cast<const char*>(links.q.data()), 8 * links.size());
     BOOST_TEST((archive.find(q) != std::string::npos));
+    // Samples and directions are whole numbers.
+    const std::size_t samples = archive.find("samples.npy"), stencil = archive.find("stencil.npy");
+    BOOST_TEST((archive.find("'<i4'", samples) < archive.find("directions.npy", samples)));
+    BOOST_TEST((archive.find("'<i4'", stencil) < archive.find("inside.npy", stencil)));
     inputs.run({"links", inputs.mesh, "-o", inputs.folder.file("links.h5")});
     BOOST_TEST((content_of(inputs.folder.file("links.h5")).find("samples") != std::string::npos));
     const Outcome outcome = run_command({"links", inputs.mesh, "-o", inputs.folder.file("links.csv")});

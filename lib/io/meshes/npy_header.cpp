@@ -176,6 +176,8 @@ const char* npy_name_of(ElementType type) {
     switch (type) {
         case ElementType::float64:
             return "<f8";
+        case ElementType::int32:
+            return "<i4";
         case ElementType::uint32:
             return "<u4";
         case ElementType::int64:
