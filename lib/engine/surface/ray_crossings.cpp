@@ -13,8 +13,7 @@
 namespace clsdf {
 
 RayCrossings::RayCrossings(std::span<const Vec3> points) : points_(points), counts_(points.size()) {
-    side_ =
-        std::clamp<std::size_t>(static_cast<std::size_t>(std::sqrt(static_cast<double>(points.size()))), 1, 128);
+    side_ = std::clamp<std::size_t>(static_cast<std::size_t>(std::sqrt(static_cast<double>(points.size()))), 1, 128);
     for (std::size_t k = 0; k < 2; ++k) {
         double lower = std::numeric_limits<double>::infinity(), upper = -lower;
         for (const Vec3& point : points) {
@@ -49,8 +48,7 @@ std::size_t RayCrossings::bin_of(double x, std::size_t k) const {
 
 void RayCrossings::add(const Mesh& mesh, const Triangle& triangle) {
     if (has_repeated_vertex(triangle)) return;
-    const Vec3 &a = mesh.vertices()[triangle[0]], &b = mesh.vertices()[triangle[1]],
-               &c = mesh.vertices()[triangle[2]];
+    const Vec3 &a = mesh.vertices()[triangle[0]], &b = mesh.vertices()[triangle[1]], &c = mesh.vertices()[triangle[2]];
     const double low_x = std::min({a[0], b[0], c[0]}), low_y = std::min({a[1], b[1], c[1]}),
                  high_y = std::max({a[1], b[1], c[1]}), low_z = std::min({a[2], b[2], c[2]}),
                  high_z = std::max({a[2], b[2], c[2]});
