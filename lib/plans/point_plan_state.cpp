@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -55,9 +56,13 @@ OutputArray checked_status(const device::Context& context, const OutputArray& gi
 
 }  // namespace
 
-void PointPlanState::replace(PlannedPoints made, const engine::Programs& programs) {
+void PointPlanState::replace(PlannedPoints made, engine::Programs programs) noexcept {
+    static_assert(std::is_nothrow_move_constructible_v<points::PointRun>);
+    static_assert(std::is_nothrow_move_assignable_v<points::PointInputs>);
+    static_assert(std::is_nothrow_move_assignable_v<points::PackedOutputs>);
+    static_assert(std::is_nothrow_move_assignable_v<engine::Programs>);
     made_.inputs = std::move(made.inputs);
-    programs_ = programs;
+    programs_ = std::move(programs);
     if (!made.run) return;
     made_.run.emplace(std::move(*made.run));
     made_.packed = std::move(made.packed);

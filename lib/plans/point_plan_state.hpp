@@ -35,7 +35,7 @@ public:
     /// Whether runs by these programs take other memory than the plan has.
     bool needs_memory(const engine::Programs& programs) const { return !made_.run || programs_.body != programs.body; }
     /// Runs use this from now on. Without a run in it the plan keeps its memory.
-    void replace(PlannedPoints made, const engine::Programs& programs);
+    void replace(PlannedPoints made, engine::Programs programs) noexcept;
 
     std::size_t device_bytes() const { return made_.run->device_bytes() + made_.packed.device_bytes(); }
 

@@ -38,7 +38,8 @@ std::shared_ptr<const engine::WideLeaves> KeptPoints::wide_leaves() {
 }
 
 std::shared_ptr<const device::BufferPool::Lease> KeptPoints::triangles() {
-    return kept_mesh_.prepare([&] {
+    return kept_mesh_.prepare([&]() -> std::shared_ptr<const device::BufferPool::Lease> {
+        if (const auto& faces = kept_mesh_.made_names(); !triangles_ && faces) return {faces, &faces->triangles};
         return triangles_.get_or([&] {
             const engine::DeviceTools tools = kept_mesh_.tools();
             return device::uploaded(tools.context, tools.pool, kept_mesh_.topology().faces.triangles, "triangles");

@@ -101,6 +101,17 @@ BOOST_AUTO_TEST_CASE(positions_in_memory_of_the_device_do_not_come_to_the_host) 
     BOOST_TEST(are_same(transform.compute(grid(), band()), expected.compute(grid(), band())));
 }
 
+BOOST_AUTO_TEST_CASE(points_take_the_faces_that_are_on_the_device) {
+    const PointPlan tested = DistanceTransform(test_device(), mesh()).plan_points(10, 1e9);  // programs are tested
+    DistanceTransform transform(test_device(), mesh());
+    disguise::restart();
+    const PointPlan plan = transform.plan_points(10, 1e9);
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    const std::size_t of_tree_and_signs = 410;  // bytes a face; its vertices' numbers would be 12 more
+    BOOST_TEST(counts.bytes_up <= of_tree_and_signs * mesh().triangles().size());
+}
+
 BOOST_AUTO_TEST_CASE(a_mesh_in_memory_of_the_device_does_not_come_to_the_host) {
     const Mesh first = in_floats(mesh()), second = in_floats(scaled(mesh(), 1.01));
     const MeshOnDevice of_first(first), of_second(second);

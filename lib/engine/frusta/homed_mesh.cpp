@@ -127,8 +127,13 @@ const HomedMesh::FirstMesh& HomedMesh::first() {
     return *first_;
 }
 
+const std::shared_ptr<const NamedFaces>& HomedMesh::made_names() const {
+    const auto& made = topology_.if_on_device();
+    return made ? made->names : names_.get();
+}
+
 const std::shared_ptr<const NamedFaces>& HomedMesh::names() {
-    if (const auto& made = topology_.if_on_device()) return made->names;
+    if (const auto& made = made_names()) return made;
     return names_.get_or([&] { return device_names(set_up_, shared_topology()); });
 }
 

@@ -64,6 +64,8 @@ public:
     const MeshTopology& topology() { return *topology_.on_host(); }
     const std::shared_ptr<const MeshTopology>& shared_topology() { return topology_.on_host(); }
     const std::shared_ptr<const NamedFaces>& names();
+    /// The same if they are there already; else null.
+    const std::shared_ptr<const NamedFaces>& made_names() const;
 
     /// Makes the frusta, and their records for the lattice if kernels make them. lattice: may be null.
     std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);

@@ -87,6 +87,8 @@ public:
     const Box& box() const { return mesh_.box(); }
     const MeshTopology& topology() { return mesh_.topology(); }
     const std::shared_ptr<const MeshTopology>& shared_topology() { return mesh_.shared_topology(); }
+    /// The faces on the device if they are there already; else null.
+    const std::shared_ptr<const NamedFaces>& made_names() const { return mesh_.made_names(); }
     const Frusta& frusta() { return mesh_.frusta(); }
     std::size_t face_count() const { return mesh_.face_count(); }
     const SetUpWays& ways() const { return mesh_.set_up().ways; }
