@@ -54,6 +54,18 @@ BOOST_AUTO_TEST_CASE(says_that_its_sign_is_that_of_an_open_mesh) {
     });
 }
 
+BOOST_AUTO_TEST_CASE(says_where_the_floor_of_a_terrain_is) {
+    for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
+        Field written = example_field(format);
+        written.sign = SignRule::below;
+        written.floor = -0.1;
+        write_field(written, folder.file("field" + format.ending));
+        const Field read = read_field(folder.file("field" + format.ending));
+        BOOST_CHECK(read.sign == SignRule::below);
+        BOOST_TEST(read.floor.value_or(0) == -0.1);
+    });
+}
+
 BOOST_AUTO_TEST_CASE(says_that_it_is_positive_inside_or_is_refused) {
     for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
         const std::string path = folder.file("field" + format.ending);

@@ -5,12 +5,16 @@
 #include "support/open_meshes.hpp"
 #include "support/throws.hpp"
 
+#include "device/context.hpp"
+
 #include <clsdf/tuning.hpp>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <limits>
 #include <string>
@@ -271,7 +275,76 @@ BOOST_AUTO_TEST_CASE(a_terrain_that_moves_has_the_sign_of_its_new_positions_and_
         }
 }
 
-BOOST_AUTO_TEST_CASE(parts_sparse_fields_plans_and_boxes_agree_with_the_whole_terrain) {
+BOOST_AUTO_TEST_CASE(a_terrain_in_memory_of_the_device_has_the_same_sign_and_stays_above_its_floor) {
+    constexpr std::uint64_t seed = 8;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    const Mesh mesh = graph(  // as many triangles as kernels make the topology of
+        24, "terrain", [](std::uint32_t i, std::uint32_t j) { return i != 7 || j < 3; },
+        [&](std::uint32_t i, std::uint32_t j) {
+            return Vec3{0.5 * i, 0.5 * j, random.uniform(-1, 1)};
+        });
+    const auto lowered = [&](double by) {
+        return test::moved(mesh, [&](const Vec3& p) { return Vec3{p[0], p[1], p[2] - by}; });
+    };
+    const device::Context& context = device::context_of(test_device());
+    const auto in_memory = [&](const auto& values) {
+        std::vector<std::byte> bytes(values.size() * sizeof(values[0]));
+        std::memcpy(bytes.data(), values.data(), bytes.size());
+        return cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, bytes.size(), bytes.data());
+    };
+    const cl::Buffer vertices = in_memory(mesh.vertices()), triangles = in_memory(mesh.triangles()),
+                     lower = in_memory(lowered(1).vertices()), too_low = in_memory(lowered(9).vertices());
+    const auto positions = [&](const cl::Buffer& buffer) {
+        return InputArray(buffer(), ElementType::float64, mesh.vertices().size());
+    };
+    DistanceTransform transform(
+        test_device(),
+        MeshView(positions(vertices), InputArray(triangles(), ElementType::uint32, mesh.triangles().size())),
+        by_below());
+    const Grid grid = lattice_around({-1, -1, -4}, {0.5, 0.5, 0.5}, {28, 28, 14});
+    const auto check_same_as = [&](const Mesh& expected) {
+        const DistanceTransform fresh(test_device(), expected, by_below());
+        BOOST_TEST(same_bytes(transform.compute(grid, Band::full()), fresh.compute(grid, Band::full())));
+        BOOST_TEST(same_bytes(query(transform, samples_of(grid)), query(fresh, samples_of(grid))));
+    };
+    check_same_as(mesh);
+    transform.set_positions(positions(lower));
+    check_same_as(lowered(1));
+    check_throws(ErrorCode::invalid_argument, {"the floor is at z = -3.25"},
+                 [&] { transform.set_positions(positions(too_low)); });
+    check_same_as(lowered(1));
+}
+
+BOOST_AUTO_TEST_CASE(a_terrain_of_loose_triangles_with_noise_has_the_sign_of_the_clean_one) {
+    constexpr std::uint64_t seed = 9;
+    Random random(seed);
+    for (const Mesh& mesh : terrains(seed)) BOOST_TEST_CONTEXT(mesh.name()) {
+            std::vector<Vec3> vertices;
+            std::vector<Triangle> triangles;
+            for (const Triangle& triangle : mesh.triangles()) {
+                const auto first = static_cast<std::uint32_t>(vertices.size());
+                for (const std::uint32_t index : triangle) {
+                    vertices.push_back(mesh.vertices()[index]);
+                    // Along z: upright faces stay upright.
+                    if (random.index(3) == 0) vertices.back()[2] *= 1 + std::numeric_limits<double>::epsilon();
+                }
+                triangles.push_back({first, first + 1, first + 2});
+            }
+            triangles.push_back(triangles[3]);  // is there twice
+            const Mesh noisy(std::move(vertices), std::move(triangles), "noisy");
+            const DistanceTransform below(test_device(), noisy, by_below()),
+                closed(test_device(), close_down(mesh, floor_z)), of_noisy(test_device(), close_down(noisy, floor_z));
+            const std::vector<Vec3> points = points_around(mesh, random);
+            const Field expected = query(closed, points);
+            for (const DistanceTransform* one : {&below, &of_noisy}) {
+                const Field found = query(*one, points);
+                BOOST_TEST(different_signs(found.distance(), expected.distance(), 1e-10) == 0U);
+            }
+        }
+}
+
+BOOST_AUTO_TEST_CASE(parts_sparse_fields_and_boxes_agree_with_the_whole_terrain) {
     constexpr std::uint64_t seed = 5;
     Random random(seed);
     for (const Mesh& mesh : terrains(seed)) BOOST_TEST_CONTEXT(mesh.name()) {
