@@ -110,7 +110,8 @@ public:
             const double found = t[i * step];
             const Vec3& d = rays.directions[i * step];
             const double voxels = std::hypot(d[0], d[1], d[2]) / mesh_.box().longest_side() * 256;
-            const double error = std::isinf(expected[i]) && std::isinf(found) ? 0 : std::abs(found - expected[i]) * voxels;
+            const double error =
+                std::isinf(expected[i]) && std::isinf(found) ? 0 : std::abs(found - expected[i]) * voxels;
             ++cost.judged;
             if (error <= 1e-3)
                 cost.max_error_voxels = std::max(cost.max_error_voxels, error);
@@ -130,9 +131,7 @@ private:
     static ExactVector cross(const ExactVector& a, const ExactVector& b) {
         return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
     }
-    static Exact dot(const ExactVector& a, const ExactVector& b) {
-        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    }
+    static Exact dot(const ExactVector& a, const ExactVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
     double first_face(const Vec3& origin, const Vec3& direction) const {
         std::optional<Exact> first;
@@ -150,8 +149,8 @@ private:
             bool is_within = true;
             for (std::size_t k = 0; k < 3; ++k) {
                 const ExactVector from = exact(corners[k]);
-                is_within = is_within && dot(normal, cross(minus(exact(corners[(k + 1) % 3]), from),
-                                                           minus(meets, from))) >= 0;
+                is_within =
+                    is_within && dot(normal, cross(minus(exact(corners[(k + 1) % 3]), from), minus(meets, from))) >= 0;
             }
             if (is_within) first = t;
         }

@@ -160,7 +160,8 @@ Command add_rays(Parser& program) {
     add_device_option(parser, options->device, "what describes the mesh");
     parser.set_footer(
         "A ray is an origin and a direction of any length: six numbers a row of .npy, the columns x, y, z, dx, dy and\n"
-        "dz of .csv. Its hits are at the origin + t times the direction; t is inf if nothing is met, and nan if the ray\n"
+        "dz of .csv. Its hits are at the origin + t times the direction; t is inf if nothing is met, and nan if the "
+        "ray\n"
         "is not usable. No ray slips through an edge or a vertex. A point on a wall is outside, so that a ray that\n"
         "leaves the body there does not meet it; --hits faces has a hit at t = 0.\n\n"
         "Examples:\n"
