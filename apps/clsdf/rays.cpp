@@ -32,7 +32,7 @@ struct RayCallOptions {
     double limit = std::numeric_limits<double>::infinity();
     std::size_t most = 1;
     bool count = false;
-    std::string sign = "auto";
+    SignChoice sign;
     bool refuse_unusable_rays = false;
     std::string device;
 
@@ -53,6 +53,7 @@ void find(const RayCallOptions& options, const clsdf::Device& device, const clsd
     ProgressBar progress(!report.quiet);
     clsdf::TransformOptions transform_options;
     transform_options.sign = parse_sign(options.sign);
+    transform_options.floor = options.sign.floor;
     clsdf::CallOptions call;
     call.log = [&](const std::string& message) {
         progress.clear();
@@ -150,7 +151,7 @@ Command add_rays(Parser& program) {
         .takes_number_of_0_or_more("T");
     parser.add("--most", options->most, "hits of each ray, the first ones").takes_whole_number("COUNT", 1, 1U << 20);
     parser.add("--count", options->count, "a column with the number of all hits, too");
-    add_sign_option(parser, options->sign);
+    add_sign_options(parser, options->sign);
     parser.add("--refuse-unusable-rays", options->refuse_unusable_rays,
                "fail if an origin is not finite, or a direction is 0 or not finite");
     add_placement_options(parser, options->reading);

@@ -48,7 +48,7 @@ Nearest nearest_by_brute_force(const Mesh&, const Vec3&) {
     refuse();
 }
 
-Field reference_field(const Mesh&, const Grid&, const Band&, SignRule) {
+Field reference_field(const Mesh&, const Grid&, const Band&, SignRule, std::optional<double>) {
     refuse();
 }
 

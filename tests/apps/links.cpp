@@ -28,7 +28,7 @@ struct Inputs {
         arguments.insert(arguments.end(), grid.begin(), grid.end());
         arguments.emplace_back("--json");
         const Outcome outcome = run_command(arguments);
-        BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.out << outcome.err);
+        BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.out << outcome.error);
         return nlohmann::json::parse(outcome.out);
     }
 };
@@ -67,7 +67,7 @@ BOOST_AUTO_TEST_CASE(links_are_written_in_each_format) {
     BOOST_TEST((content_of(inputs.folder.file("links.h5")).find("samples") != std::string::npos));
     const Outcome outcome = run_command({"links", inputs.mesh, "-o", inputs.folder.file("links.csv")});
     BOOST_TEST(outcome.status != 0);
-    BOOST_TEST((outcome.err.find(".npz") != std::string::npos));
+    BOOST_TEST((outcome.error.find(".npz") != std::string::npos));
 }
 
 BOOST_AUTO_TEST_CASE(crossings_are_written_and_counted) {

@@ -53,7 +53,8 @@ BOOST_AUTO_TEST_CASE(rays_of_a_file_get_a_row_each) {
     const std::string output = inputs.folder.file("hits.csv");
     for (const std::string& rays : {inputs.csv, inputs.npy}) {
         const Outcome outcome = run_command({"rays", inputs.mesh, rays, "-o", output, "--json"});
-        BOOST_TEST(outcome.status == 0, outcome.error);
+        BOOST_TEST_INFO(outcome.error);
+        BOOST_TEST(outcome.status == 0);
         BOOST_TEST(content_of(output) ==
                    "x,y,z,dx,dy,dz,t,triangle\n"
                    "-4,0.25,0.5,2,0,0,1.5,8\n"
@@ -61,7 +62,7 @@ BOOST_AUTO_TEST_CASE(rays_of_a_file_get_a_row_each) {
                    "0,0,5,1,0,0,inf,4294967295\n"
                    "-4,1,0,1,0,0,inf,4294967295\n"
                    "0,0,0,0,0,0,nan,4294967295\n");
-        const nlohmann::json result = nlohmann::json::parse(outcome.output);
+        const nlohmann::json result = nlohmann::json::parse(outcome.out);
         BOOST_TEST(result["count"] == 5);
         BOOST_TEST(result["hit"] == 2);
         BOOST_TEST(result["unusable_rays"] == 1);
