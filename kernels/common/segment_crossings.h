@@ -183,8 +183,8 @@ RARELY_CALLED TwoDoubles rounded_determinant(ExactVector u, ExactVector v, Exact
     return rounded;
 }
 
-// The determinant in double-double arithmetic. is_certain: to 2^-59 of itself; otherwise more of it may cancel.
-static inline TwoDoubles quick_determinant(ExactVector u, ExactVector v, ExactVector w, __private int* is_certain) {
+// To 2^-59 of itself.
+static inline TwoDoubles determinant_of(ExactVector u, ExactVector v, ExactVector w) {
     double size;
     plain_determinant(u, v, w, &size);
     const TwoDoubles x = sum_of(product_of(u.y, v.z), negative(product_of(u.z, v.y))),
@@ -192,15 +192,8 @@ static inline TwoDoubles quick_determinant(ExactVector u, ExactVector v, ExactVe
                      z = sum_of(product_of(u.x, v.y), negative(product_of(u.y, v.x)));
     const TwoDoubles determinant = sum_of(sum_of(product_of(x, w.x), product_of(y, w.y)), product_of(z, w.z));
     // Its error is below 2^-100 of `size`.
-    *is_certain = fabs(determinant.high) >= 0x1p-40 * size;
-    return determinant;
-}
-
-// To 2^-59 of itself.
-static inline TwoDoubles determinant_of(ExactVector u, ExactVector v, ExactVector w) {
-    int is_certain;
-    const TwoDoubles determinant = quick_determinant(u, v, w, &is_certain);
-    return is_certain ? determinant : rounded_determinant(u, v, w);
+    if (fabs(determinant.high) >= 0x1p-40 * size) return determinant;
+    return rounded_determinant(u, v, w);
 }
 
 static inline double rounded_quotient(TwoDoubles n, TwoDoubles d) {
@@ -217,16 +210,6 @@ static inline double place_of(double3 a, double3 b, double3 c, Segment segment) 
     const TwoDoubles n = determinant_of(ab, ac, exact_difference(a, segment.from)),
                      d = determinant_of(ab, ac, segment.along);
     return n.high == 0.0 ? 0.0 : rounded_quotient(n, d);
-}
-
-// The same without branches. is_certain: else place_of() has to be asked.
-static inline double quick_place_of(double3 a, double3 b, double3 c, Segment segment, __private int* is_certain) {
-    const ExactVector ab = exact_difference(b, a), ac = exact_difference(c, a);
-    int of_n, of_d;
-    const TwoDoubles n = quick_determinant(ab, ac, exact_difference(a, segment.from), &of_n),
-                     d = quick_determinant(ab, ac, segment.along, &of_d);
-    *is_certain = of_n & of_d & (n.high != 0.0);
-    return rounded_quotient(n, d);
 }
 
 #endif

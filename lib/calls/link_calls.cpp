@@ -33,7 +33,7 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     if (hits == Hits::walls && sign == SignRule::none)
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("walls of {} are asked for, and it has no sign: make the transform of a closed mesh "
-                                "with a sign rule, or ask for faces",
+                                "with a sign rule, or ask for the links of its faces",
                                 kept_mesh->name()));
     if (sign == SignRule::below)
         throw Error(

@@ -109,7 +109,12 @@ DistanceTransform::State::SegmentInputs DistanceTransform::State::segment_inputs
                     fmt::format("{} has a coordinate that is not 0 and less than 2^-300 or more than 2^300 units of "
                                 "{}, which exact arithmetic cannot take; move or scale the mesh",
                                 kept_mesh->name(), inputs.mesh->lattice.unit));
-    if (hits == Hits::walls && (inputs.mesh->film || inputs.mesh->walls))
+    if (hits == Hits::walls && inputs.mesh->walls)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("{} has the sign rule below, whose walls and floor have no faces; make a transform of "
+                                "the closed mesh, close_down({}, floor), or ask for faces",
+                                kept_mesh->name(), kept_mesh->name()));
+    if (hits == Hits::walls && inputs.mesh->film)
         throw Error(ErrorCode::unsupported,
                     fmt::format("{} has open edges that count for its sign, and its walls have no faces there; ask for "
                                 "faces",

@@ -374,8 +374,8 @@ void check_directions(std::span<const LinkDirection> directions) {
         for (const std::int32_t component : directions[n])
             if (component < -longest_component || component > longest_component)
                 throw Error(ErrorCode::invalid_argument,
-                            fmt::format("direction {}, ({}, {}, {}), has a component beyond {}", n, x, y, z,
-                                        longest_component));
+                            fmt::format("direction {}, ({}, {}, {}), has a component beyond {}; give shorter ones", n,
+                                        x, y, z, longest_component));
         for (std::size_t m = 0; m < n; ++m)
             if (directions[m] == directions[n])
                 throw Error(ErrorCode::invalid_argument,

@@ -1,6 +1,7 @@
 #include "segments/sample_box.hpp"
 
 #include "mesh/segment_crossings.hpp"
+#include "tree/crossed_faces.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -18,7 +19,7 @@ ScaledFaces::ScaledFaces(const engine::PointMesh& mesh_in, std::span<const std::
     for (const auto& positions : {std::span<const Vec3>(mesh.positions), std::span<const Vec3>(mesh.sign_positions)})
         for (const Vec3& p : positions)
             for (const double x : p)
-                if (!crossing::is_in_exact_range(x * scale))
+                if (!engine::is_exact_in_units({x, 0, 0}, scale))
                     throw Error(ErrorCode::invalid_argument,
                                 fmt::format("{} has the coordinate {}, which in units of {} is smaller than 2^-300 or "
                                             "greater than 2^300: where segments meet the surface cannot be decided "
@@ -40,7 +41,7 @@ SampleBox::SampleBox(const Grid& grid_in, const Place& margin_in, double scale_i
                                       grid.spacing[axis], grid.origin[axis]);
             greatest = std::max(greatest, std::abs(x));
             at[axis][i] = x * scale;
-            if (!crossing::is_in_exact_range(at[axis][i]))
+            if (!engine::is_exact_in_units({x, 0, 0}, scale))
                 throw Error(ErrorCode::invalid_argument,
                             fmt::format("a sample of the grid has the coordinate {} on axis {}, which in units of {} "
                                         "is smaller than 2^-300 or greater than 2^300; set the grid's origin so that "

@@ -50,8 +50,7 @@ struct Wall {
     bool enters;             ///< from outside to inside
 };
 
-/// Sorts by place, exactly: faces at one place, as real numbers, follow each other by triangle. Calls
-/// at_place(faces of one place) for each place in order until it returns true.
+/// Sorts by place, exactly: faces at one place, as real numbers, follow each other by triangle.
 void sort_by_place(const crossing::Segment& segment, std::span<Crossed> crossed);
 /// The number of faces at the place of the first one. crossed: sorted, not empty.
 std::size_t count_at_first_place(const crossing::Segment& segment, std::span<const Crossed> crossed);

@@ -431,6 +431,46 @@ BOOST_AUTO_TEST_CASE(the_film_of_an_open_mesh_is_met) {
     BOOST_TEST(worst < 1e-8);
 }
 
+BOOST_AUTO_TEST_CASE(terrains_are_refused_with_the_closed_mesh_as_remedy) {
+    const Mesh terrain(std::vector<Vec3>{{0, 0, 2}, {4, 0, 2}, {0, 4, 2}}, std::vector<Triangle>{{0, 1, 2}}, "hill");
+    const DistanceTransform below(test_device(), terrain, {.sign = SignRule::below, .floor = 0.5});
+    const Grid grid{{0.5, 0.5, 0}, {1, 1, 1}, {2, 2, 4}, {}};
+    const std::vector<Vec3> origins{{1, 1, 5}}, directions{{0, 0, -1}};
+    std::vector<double> t(1);
+    check_throws(ErrorCode::unsupported, {"below", "close_down(hill, floor)"},
+                 [&] { below.links(grid, all_directions); });
+    check_throws(ErrorCode::unsupported, {"below", "close_down(hill, floor)"}, [&] { below.crossings(grid); });
+    check_throws(ErrorCode::unsupported, {"below", "close_down(hill, floor)"},
+                 [&] { below.rays(origins, directions, {}, {.t = t}); });
+    below.rays(origins, directions, {.hits = Hits::faces}, {.t = t});
+    BOOST_TEST(t[0] == 3);
+    const Crossings closed = DistanceTransform(test_device(), close_down(terrain, 0.5)).crossings(grid);
+    BOOST_TEST(closed.axes[2].coordinates[0] == 0.5);  // the floor
+    BOOST_TEST(closed.axes[2].coordinates[4] == 2);    // the sample on the terrain is outside
+}
+
+// All eight looks at the edge of a groove along y are inside.
+BOOST_AUTO_TEST_CASE(a_sample_at_the_bottom_of_a_groove_may_be_inside_and_links_agree) {
+    const std::vector<Vec3> profile{{-4, 0, -4}, {4, 0, -4}, {4, 0, 1}, {0, 0, 0}, {-4, 0, 1}};
+    std::vector<Vec3> vertices;
+    for (const double y : {-4.0, 4.0})
+        for (const Vec3& p : profile) vertices.push_back({p[0], y, p[2]});
+    std::vector<Triangle> triangles{{0, 1, 3}, {1, 2, 3}, {0, 3, 4}, {5, 8, 6}, {6, 8, 7}, {5, 9, 8}};
+    for (std::uint32_t k = 0; k < 5; ++k) {
+        const std::uint32_t next = (k + 1) % 5;
+        triangles.push_back({k, k + 5, next});
+        triangles.push_back({next, k + 5, next + 5});
+    }
+    const DistanceTransform transform(test_device(), Mesh(vertices, triangles, "groove"));
+    BOOST_REQUIRE(transform.topology().balanced);
+    const Grid grid{{0, 0, 0}, {1, 1, 1}, {1, 1, 2}, {}};  // at the bottom, and above it
+    const Links links = transform.links(grid, std::vector<LinkDirection>{{0, 0, -1}});
+    BOOST_TEST(links.inside.is_inside({0, 0, 0}));
+    BOOST_TEST(!links.inside.is_inside({0, 0, 1}));
+    BOOST_REQUIRE(links.size() == 1U);
+    BOOST_TEST(links.q[0] == 1);
+}
+
 BOOST_AUTO_TEST_CASE(what_cannot_be_done_is_refused_by_name) {
     const DistanceTransform transform(test_device(), ball());
     const Grid grid{{0, 0, 0}, {1, 1, 1}, {4, 4, 4}, {}};
@@ -448,6 +488,11 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_done_is_refused_by_name) {
     check_throws(ErrorCode::invalid_argument, {"2^-300"}, [&] {
         transform.links({{1e-200, 0, 0}, {1, 1, 1}, {2, 2, 2}, {1, 0, 0}}, all_directions);
         transform.links({{1e-200, 0, 0}, {1, 1, 1}, {2, 2, 2}, {}}, all_directions);
+    });
+    // So small that it is 0 in units.
+    const DistanceTransform large(test_device(), box_between({0, 0, 0}, {1e10, 1e10, 1e10}).mesh("large box"));
+    check_throws(ErrorCode::invalid_argument, {"5e-324", "2^-300"}, [&] {
+        large.links({{5e-324, 0, 0}, {1, 1, 1}, {1, 1, 1}, {}}, all_directions);
     });
     check_throws(ErrorCode::invalid_argument, {"D3Q99", "OpenLB"}, [&] { stencil("D3Q99"); });
     check_throws(ErrorCode::cancelled, {},

@@ -25,7 +25,7 @@ struct CrossedFaces {
 
 CrossedFaces make_crossed_faces(const PointMesh& mesh);
 
-/// The same point in units, from the origin of the caller's coordinates. Exact if exact_in_units() says so.
+/// The same point in units, from the origin of the caller's coordinates. Exact if is_exact_in_units() says so.
 inline Vec3 scaled(const Vec3& p, double per_unit) {
     return {p[0] * per_unit, p[1] * per_unit, p[2] * per_unit};
 }

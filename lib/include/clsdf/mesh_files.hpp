@@ -115,7 +115,8 @@ CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& re
 
 /// Rays in the order of a file.
 struct RayRows {
-    std::vector<Vec3> origins, directions;
+    std::vector<Vec3> origins;
+    std::vector<Vec3> directions;  ///< as many
 };
 
 /// Reads rays from .npy (shape (n, 6), float32 or float64: the origin, then the direction) or .csv (a header row with
