@@ -314,7 +314,7 @@ void add_transforms(nb::module_& module) {
         .def("rays", &rays, nb::arg("origins"), nb::arg("directions"), nb::arg("hits"), nb::arg("limit"),
              nb::arg("most"), nb::arg("t").none(), nb::arg("triangle").none(), nb::arg("counts").none(),
              nb::arg("any").none(), nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
-        .def("visible", &visible, nb::arg("from"), nb::arg("to"), nb::arg("hits"), nb::arg("results"),
+        .def("visible", &visible, nb::arg("first"), nb::arg("second"), nb::arg("hits"), nb::arg("results"),
              nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
         .def("classify", &classify, nb::arg("boxes"), nb::arg("half_width"))
         .def("restrict_to", &restrict_to, nb::arg("regions"))
