@@ -88,13 +88,19 @@ nb::object stencil_of(const std::string& name, const std::string& code) {
 }  // namespace
 
 void add_links(nb::module_& module) {
-    module.def("links", &links, nb::arg("body"), nb::arg("grid"), nb::arg("directions"), nb::arg("of_faces"),
-               nb::arg("with_between"), nb::arg("progress").none());
+    module.def(
+        "links", &links, nb::arg("body"), nb::arg("grid"), nb::arg("directions"), nb::arg("of_faces"),
+        nb::arg("with_between"), nb::arg("progress").none(),
+        nb::sig("def links(body: Body, grid: Grid, directions: numpy.typing.NDArray[numpy.int32], of_faces: bool, "
+                "with_between: bool, progress: object | None) -> tuple[typing.Any, ...]"));
     module.def("count_links", &count_links, nb::arg("body"), nb::arg("grid"), nb::arg("directions"),
                nb::arg("of_faces"), nb::arg("with_between"), nb::arg("progress").none());
     module.def("crossings", &crossings, nb::arg("body"), nb::arg("grid"), nb::arg("with_counts"),
-               nb::arg("progress").none());
-    module.def("stencil", &stencil_of, nb::arg("name"), nb::arg("code"));
+               nb::arg("progress").none(),
+               nb::sig("def crossings(body: Body, grid: Grid, with_counts: bool, progress: object | None) -> "
+                       "tuple[typing.Any, ...]"));
+    module.def("stencil", &stencil_of, nb::arg("name"), nb::arg("code"),
+               nb::sig("def stencil(name: str, code: str) -> numpy.typing.NDArray[numpy.int32]"));
 }
 
 }  // namespace clsdf::python
