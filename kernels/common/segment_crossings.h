@@ -15,7 +15,7 @@
 
 #define CLSDF_ALL_LOOKS 0xffu
 
-// From `from` to `from` + `along`, or without an end. Of a segment `along` is the difference of its ends, exact.
+// From `from` to `from` + `along`, or without an end. For a segment `along` is the exact difference of its ends.
 typedef struct Segment {
     double3 from, to;  // `to`: of a segment
     ExactVector along;

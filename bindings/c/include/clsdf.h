@@ -119,7 +119,7 @@ typedef int32_t clsdf_status;
 #define CLSDF_SIGN_BELOW \
     5 /* inside below a terrain and above clsdf_transform_options.floor, between walls from its rim */
 
-/* What counts where a segment or a ray meets the surface. */
+/* The hits that count where a segment or a ray meets the surface. */
 #define CLSDF_WALLS 0 /* where inside and outside meet, by the sign rule: never a face within the body */
 #define CLSDF_FACES 1 /* every face as given, also of sheets and of meshes without a sign */
 
@@ -1041,7 +1041,7 @@ CLSDF_API clsdf_status clsdf_classify(const clsdf_transform* transform, const cl
 CLSDF_API clsdf_status clsdf_winding(const clsdf_transform* transform, const clsdf_array* points,
                                      const clsdf_array* results, const clsdf_call_options* call);
 
-/* What is said of a link, as bits. */
+/* Bits that tell of a link. */
 #define CLSDF_LINK_FILM 1    /* the sign changes where an open mesh has no face: no triangle, q to 2^-30 */
 #define CLSDF_LINK_BETWEEN 2 /* both ends are outside, with a body between them */
 #define CLSDF_LINK_SHEET 8   /* of CLSDF_FACES: both ends are on one side */
@@ -1090,7 +1090,7 @@ CLSDF_API clsdf_status clsdf_count_links(const clsdf_transform* transform, const
                                          const int32_t* directions, int64_t direction_count,
                                          const clsdf_link_options* options, const clsdf_call_options* call,
                                          int64_t* count);
-/* Where the edges of a grid between neighbouring samples meet walls. */
+/* The places where edges of a grid between neighbouring samples meet walls. */
 CLSDF_API clsdf_status clsdf_crossings(const clsdf_transform* transform, const clsdf_grid* grid,
                                        const clsdf_crossing_arrays* arrays, const clsdf_call_options* call,
                                        clsdf_statistics* statistics);

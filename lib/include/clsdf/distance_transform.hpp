@@ -284,8 +284,8 @@ public:
     /// Where rays from origins along directions of any length meet the surface (docs/segments.md). Exact for the
     /// doubles as given: no ray slips through an edge or a vertex, and t is within 0.51 ulp.
     ///
-    /// Hits::walls: where inside and outside meet, by the sign rule; a point on the surface is outside if it is on a
-    /// wall. What a ray only touches is no wall, nor is a face within the body. The number of walls up to infinity is
+    /// Hits::walls: where inside and outside meet, by the sign rule; a point on a wall is outside, but at the bottom of
+    /// some grooves. A wall is no face within the body, nor what a ray only touches. Their number up to infinity is
     /// odd if and only if the origin is inside. Hits::faces: the places where a ray has a point of a closed triangle
     /// that it is not parallel to, also at the origin. Faces at exactly equal t are one hit.
     ///
