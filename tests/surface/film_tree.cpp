@@ -3,6 +3,7 @@
 #include "surface/film_tree.hpp"
 #include "support/open_meshes.hpp"
 #include "surface/film_bounds.hpp"
+#include "surface/loop_turns.hpp"
 #include "surface/topology.hpp"
 
 #include <boost/test/unit_test.hpp>
@@ -101,6 +102,51 @@ BOOST_AUTO_TEST_CASE(the_winding_number_changes_within_a_ball_by_no_more_than_it
             BOOST_TEST(greater == 0U);
         }
     BOOST_TEST(bounded > 5000U);
+}
+
+BOOST_AUTO_TEST_CASE(a_film_far_from_a_ball_is_a_linear_function_there_within_its_bound) {
+    constexpr std::uint64_t seed = 23;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    std::size_t bounded = 0;
+    for (const Mesh& mesh : meshes_of(random)) BOOST_TEST_CONTEXT(mesh.name()) {
+            const auto boundary = boundary_of(mesh);
+            const FilmNodes nodes(boundary->corners, boundary->begins);
+            const auto turns_at = [&](const FilmNodes::Node& node, const Vec3& point) {
+                Turns turns = no_turns();
+                nodes.walk(
+                    [&](const FilmNodes::Node& below) {
+                        const auto corners = nodes.corners_of(below);
+                        if (below.is_leaf())
+                            turns = turned_by_loop(
+                                turns, corners.size(),
+                                [&](std::size_t i) -> const Vec3& { return boundary->corners[corners[i]]; }, point,
+                                unit);
+                        return false;
+                    },
+                    static_cast<std::uint32_t>(&node - nodes.all().data()));
+                return turns_of(turns);
+            };
+            std::size_t greater = 0;
+            for (const Vec3& centre : points_about(*boundary, 400, random)) {
+                const FilmNodes::Node& node = nodes.all()[random.index(nodes.all().size())];
+                const double radius = std::pow(10, random.uniform(-3, 0.5));
+                const auto [turns, change] = FilmNodes::linear(node, centre, radius);
+                if (!(change.beside < 0.5)) continue;
+                ++bounded;
+                const Vec3 point = along(centre, radius, random.direction());
+                const Vec3 moved{point[0] - centre[0], point[1] - centre[1], point[2] - centre[2]};
+                // And a whole number, in shadows.
+                const auto off = [&](double expected) {
+                    const double difference = turns_at(node, point) - expected;
+                    return std::abs(difference - std::nearbyint(difference));
+                };
+                greater += off(turns + dot(change.gradient, moved)) > change.beside + 1e-11 ? 1U : 0U;
+                greater += off(turns) > change.most + 1e-11 ? 1U : 0U;
+            }
+            BOOST_TEST(greater == 0U);
+        }
+    BOOST_TEST(bounded > 1000U);
 }
 
 }  // namespace clsdf

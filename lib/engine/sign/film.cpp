@@ -4,6 +4,7 @@
 #include "sign/turns_of_lanes.hpp"
 #include "solid_angle.h"
 #include "surface/film_bounds.hpp"
+#include "surface/film_nodes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 #include <cstdlib>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace clsdf::engine {
@@ -20,15 +22,17 @@ namespace {
 // Blocks of samples: the largest ones lie in columns, and the smallest ones are searched sample by sample.
 constexpr int largest_block = 32;
 constexpr int smallest_block = lanes;
-// Above the rounding of the winding number, and of its bounds, in a block that no open edge meets.
+// Above the rounding of the winding number, and of its bounds.
 constexpr double slack = 1e-6;
-// Around a block with more open edges than that, loops far away are taken as a linear function,
-constexpr std::size_t fewest_approximated = 48;
-// which may be off by that in a block, and as much more in the blocks around it. Small blocks may be off by more: where
-// that leaves a doubt, the functions of the blocks around them are tried.
+// Fewer open edges are summed one by one. Of more, pieces far from a block are taken as a linear function,
+constexpr std::size_t most_summed = 48;
+// which may be off by that for each piece. Small blocks may be off by more: there each sample that is left in doubt is
+// looked at alone.
 double tolerance_of(int block) {
-    return 0.3 / block;
+    return 1.0 / 512 / block;
 }
+// The same for a sample alone: first a rough sum, then better ones, at last all open edges.
+constexpr std::array<double, 3> tolerances_of_sample{1.0 / 1024, 1.0 / 16384, 1.0 / 524288};
 
 /// A sample, or a place halfway between two: twice the indices in the lattice, x from LatticeBoundary::first_x.
 struct HalfSample {
@@ -49,6 +53,13 @@ struct Shadow {
     std::int64_t low_z = low_y, high_z = high_y;
     double low_x = std::numeric_limits<double>::infinity();
 
+    void add(const Shadow& other) {
+        low_y = std::min(low_y, other.low_y);
+        high_y = std::max(high_y, other.high_y);
+        low_z = std::min(low_z, other.low_z);
+        high_z = std::max(high_z, other.high_z);
+        low_x = std::min(low_x, other.low_x);
+    }
     void add(const SweepVertex& vertex) {
         low_y = std::min(low_y, vertex.y);
         high_y = std::max(high_y, vertex.y);
@@ -58,20 +69,11 @@ struct Shadow {
     }
 };
 
-/// A loop as a whole.
-struct Loop {
-    Shadow shadow;
-    SweepVertex middle;  ///< of a ball around the loop
-    double radius;
-    double area;  ///< see film_area()
-};
-
-/// The open edges around a block: near loops, and the turns of all others as a linear function.
+/// The open edges around a block: pieces of the film near it, and the turns of all others as a linear function.
 struct Surroundings {
-    const Surroundings* outer = nullptr;  ///< of the block around it, with more near loops; null if all are near
-    std::vector<std::uint32_t> loops;
-    std::size_t edges = 0;  ///< of these loops
-    HalfSample centre{};    ///< at which the linear function has the value `turns`
+    std::vector<std::uint32_t> nodes;   ///< those near it, with all below them
+    std::vector<std::uint32_t> leaves;  ///< of these nodes
+    HalfSample centre{};                ///< at which the linear function has the value `turns`
     double turns = 0;
     Vec3 gradient{};
     double remainder = 0;  ///< it may be off by that in the block
@@ -84,11 +86,38 @@ public:
         : boundary_(boundary),
           per_y_(std::ldexp(1.0, -boundary.bits_y)),
           per_z_(std::ldexp(1.0, -boundary.bits_z)),
-          loops_(boundary.begins.size() - 1) {
-        for_each_index(loops_.size(), [&](std::size_t loop) { loops_[loop] = described(loop); });
-        all_.loops.resize(loops_.size());
-        for (std::size_t loop = 0; loop < loops_.size(); ++loop) all_.loops[loop] = static_cast<std::uint32_t>(loop);
-        all_.edges = boundary.corners.size();
+          origin_(middle_of(boundary)) {
+        const std::vector<LatticeCorner>& all = boundary.corners;
+        std::vector<Vec3> positions;
+        positions.reserve(all.size());
+        for (const LatticeCorner& corner : all) positions.push_back(offset_of(corner, origin_).given);
+        nodes_ = FilmNodes(positions, boundary.begins);
+        std::vector<std::uint32_t> next(all.size());
+        for (std::size_t loop = 0; loop + 1 < boundary.begins.size(); ++loop)
+            for (std::size_t i = boundary.begins[loop]; i < boundary.begins[loop + 1]; ++i)
+                next[i] = static_cast<std::uint32_t>(i + 1 < boundary.begins[loop + 1] ? i + 1 : boundary.begins[loop]);
+        const std::span<const FilmNodes::Node> nodes = nodes_.all();
+        shadows_.resize(nodes.size());
+        for (std::size_t number = nodes.size(); number-- > 0;) {
+            const FilmNodes::Node& node = nodes[number];
+            Shadow& shadow = shadows_[number];
+            if (!node.is_leaf()) {
+                shadow = shadows_[number + 1];
+                shadow.add(shadows_[node.second]);
+                continue;
+            }
+            const std::span<const std::uint32_t> corners = nodes_.corners_of(node);
+            if (corners_.size() < node.corner + corners.size()) {
+                corners_.resize(node.corner + corners.size());
+                is_open_.resize(corners_.size());
+            }
+            for (std::size_t i = 0; i < corners.size(); ++i) {
+                corners_[node.corner + i] = all[corners[i]];
+                is_open_[node.corner + i] = next[corners[i]] == corners[i + 1 < corners.size() ? i + 1 : 0];
+                shadow.add(all[corners[i]].snapped);
+            }
+        }
+        if (!nodes.empty()) all_.nodes = {0};
     }
 
     const Surroundings& all() const { return all_; }
@@ -98,13 +127,15 @@ public:
 
     /// Whether turns may jump between rows of the block.
     bool is_in_shadow(const Block& block, const Surroundings& around) const {
-        return std::ranges::any_of(around.loops, [&](std::uint32_t loop) {
-            if (!is_in_shadow(block, loops_[loop].shadow)) return false;
-            const std::size_t begin = boundary_.begins[loop], end = boundary_.begins[loop + 1];
-            for (std::size_t i = begin; i < end; ++i) {
+        return std::ranges::any_of(around.leaves, [&](std::uint32_t number) {
+            if (!is_in_shadow(block, shadows_[number])) return false;
+            const std::span<const LatticeCorner> corners = corners_of(number);
+            for (std::size_t i = 0; i < corners.size(); ++i) {
+                // All that has a chord in whose shadow the block lies is near, so chords cancel.
+                if (!is_open_[nodes_.all()[number].corner + i]) continue;
                 Shadow shadow;
-                shadow.add(boundary_.corners[i].snapped);
-                shadow.add(boundary_.corners[i + 1 < end ? i + 1 : begin].snapped);
+                shadow.add(corners[i].snapped);
+                shadow.add(corners[i + 1 < corners.size() ? i + 1 : 0].snapped);
                 if (is_in_shadow(block, shadow)) return true;
             }
             return false;
@@ -115,45 +146,37 @@ public:
     /// too.
     std::pair<Surroundings, bool> around(const Block& block, const Surroundings& outer) const {
         Surroundings inner;
-        inner.outer = &outer;
         inner.centre = block.centre();
-        inner.turns = far_turns(outer, inner.centre);
+        inner.turns = linear_turns(outer, inner.centre);
         inner.gradient = outer.gradient;
         inner.remainder = outer.remainder;
         const double ball = radius(block);
         WindingChange change{length(outer.gradient) * ball + outer.remainder, outer.gradient, outer.remainder};
-        double turns = inner.turns;
-        std::vector<Far> far;
-        for (const std::uint32_t loop : outer.loops) {
-            const Far seen = look_at(loop, inner.centre, ball);
-            turns += seen.turns;
-            change.add(seen.change);
-            if (outer.edges > fewest_approximated && seen.change.beside < tolerance_of(block.size) &&
-                !is_in_shadow(block, loops_[loop].shadow))
-                far.push_back(seen);
-            else
-                keep(loop, inner);
+        for (const std::uint32_t number : outer.nodes)
+            if (is_near(number, block, ball, inner, change)) inner.nodes.push_back(number);
+        for (const std::uint32_t number : inner.nodes)
+            nodes_.walk(
+                [&](const FilmNodes::Node& node) {
+                    if (node.is_leaf()) inner.leaves.push_back(number_of(node));
+                    return false;
+                },
+                number);
+        // The winding number is at most 1/2 from a half integer.
+        for (const std::uint32_t leaf : inner.leaves) {
+            change.add(change_by(leaf, inner.centre, ball));
+            if (!(std::min(change.most, change.beside) < 0.5)) return {std::move(inner), true};
         }
-        std::ranges::sort(far, {}, [](const Far& one) { return std::pair(one.change.beside, one.loop); });
-        double remainder = 0;
-        for (const Far& one : far) {
-            remainder += one.change.beside;
-            if (remainder > tolerance_of(block.size)) {
-                keep(one.loop, inner);
-                continue;
-            }
-            inner.turns += one.turns;
-            for (std::size_t axis = 0; axis < 3; ++axis) inner.gradient[axis] += one.change.gradient[axis];
-            inner.remainder += one.change.beside;
-        }
-        return {std::move(inner), !(change.bound(ball) < distance_to_half(turns) - slack)};
+        const double bound = change.bound(ball);
+        if (!(bound < 0.5)) return {std::move(inner), true};
+        const double turns = inner.turns + turns_of(turns_at(inner.centre, inner.leaves));
+        return {std::move(inner), !(bound < distance_to_half(turns) - slack)};
     }
 
     /// The turns at a sample, rounded.
     int rounded_at(std::int64_t x, std::int64_t y, std::int64_t z, const Surroundings& around) const {
         const HalfSample sample{2 * x, 2 * y, 2 * z};
-        for (const Surroundings* seen = &around;; seen = seen->outer)
-            if (const auto rounded = rounded_of(turns_at(sample, *seen), sample, *seen)) return *rounded;
+        const auto rounded = rounded_of(turns_at(sample, around.leaves), sample, around);
+        return rounded ? *rounded : rounded_alone(sample);
     }
 
     /// The same of samples next to each other.
@@ -166,33 +189,96 @@ public:
                              per_z_,
                              boundary_.spacing};
         TurnsOfLanes turns;
-        for (const std::uint32_t loop : around.loops) {
-            const std::size_t begin = boundary_.begins[loop];
-            add_loop(boundary_.corners.data() + begin, boundary_.begins[loop + 1] - begin, place, turns);
+        for (const std::uint32_t leaf : around.leaves) {
+            const std::span<const LatticeCorner> corners = corners_of(leaf);
+            add_loop(corners.data(), corners.size(), place, turns);
         }
         std::array<int, lanes> result{};
         for (std::size_t lane = 0; lane < result.size(); ++lane) {
-            const std::int64_t at = x + static_cast<std::int64_t>(lane);
-            const auto rounded = rounded_of(turns[lane], {2 * at, 2 * y, 2 * z}, around);
-            result[lane] = rounded ? *rounded : rounded_at(at, y, z, *around.outer);
+            const HalfSample sample{2 * (x + static_cast<std::int64_t>(lane)), 2 * y, 2 * z};
+            const auto rounded = rounded_of(turns[lane], sample, around);
+            result[lane] = rounded ? *rounded : rounded_alone(sample);
         }
         return result;
     }
 
 private:
-    struct Far {
-        std::uint32_t loop;
-        double turns;
-        WindingChange change;
-    };
+    static HalfSample middle_of(const LatticeBoundary& boundary) {
+        Shadow box;
+        double high_x = -std::numeric_limits<double>::infinity();
+        for (const LatticeCorner& corner : boundary.corners) {
+            box.add(corner.snapped);
+            high_x = std::max(high_x, corner.snapped.x);
+        }
+        return {2 * static_cast<std::int64_t>(std::floor(box.low_x + (high_x - box.low_x) / 2)),
+                2 * ((box.low_y + (box.high_y - box.low_y) / 2) >> boundary.bits_y),
+                2 * ((box.low_z + (box.high_z - box.low_z) / 2) >> boundary.bits_z)};
+    }
+    Vec3 place_of(const HalfSample& at) const {
+        return {0.5 * static_cast<double>(at.x - origin_.x) * boundary_.spacing[0],
+                0.5 * static_cast<double>(at.y - origin_.y) * boundary_.spacing[1],
+                0.5 * static_cast<double>(at.z - origin_.z) * boundary_.spacing[2]};
+    }
 
-    /// Of the near loops' turns and the others; nothing if the linear function leaves a doubt.
-    std::optional<int> rounded_of(const Turns& near, const HalfSample& sample, const Surroundings& around) const {
-        if (around.remainder == 0) return rounded_turns(near);
-        const double raised = turns_of(near) + far_turns(around, sample) + 0.5, whole = std::floor(raised);
-        const double unsure = around.remainder + slack;
+    std::uint32_t number_of(const FilmNodes::Node& node) const {
+        return static_cast<std::uint32_t>(&node - nodes_.all().data());
+    }
+    std::span<const LatticeCorner> corners_of(std::uint32_t leaf) const {
+        const FilmNodes::Node& node = nodes_.all()[leaf];
+        return std::span(corners_).subspan(node.corner, node.corners);
+    }
+
+    /// Adds what is far of a node to the linear function and its change. Whether all of it is near, so that nothing was
+    /// added; else the parts that are near are in inner.nodes.
+    bool is_near(std::uint32_t number, const Block& block, double ball, Surroundings& inner,
+                 WindingChange& change) const {
+        const FilmNodes::Node& node = nodes_.all()[number];
+        if (corners_.size() > most_summed && !is_in_shadow(block, shadows_[number])) {
+            const FilmNodes::Linear far = FilmNodes::linear(node, place_of(inner.centre), ball);
+            if (far.change.beside <= tolerance_of(block.size)) {
+                change.add(far.change);
+                inner.turns += far.turns;
+                for (std::size_t axis = 0; axis < 3; ++axis) inner.gradient[axis] += far.change.gradient[axis];
+                inner.remainder += far.change.beside;
+                return false;
+            }
+        }
+        if (node.is_leaf()) return true;
+        const bool is_first_near = is_near(number + 1, block, ball, inner, change),
+                   is_second_near = is_near(node.second, block, ball, inner, change);
+        if (is_first_near && is_second_near) return true;
+        if (is_first_near) inner.nodes.push_back(number + 1);
+        if (is_second_near) inner.nodes.push_back(node.second);
+        return false;
+    }
+
+    /// Of turns that may be off by `error`; nothing if that leaves a doubt.
+    static std::optional<int> rounded_if_certain(double turns, double error) {
+        const double raised = turns + 0.5, whole = std::floor(raised), unsure = error + slack;
         if (raised - whole > unsure && raised - whole < 1 - unsure) return static_cast<int>(whole);
         return std::nullopt;
+    }
+    std::optional<int> rounded_of(const Turns& near, const HalfSample& sample, const Surroundings& around) const {
+        return rounded_if_certain(turns_of(near) + linear_turns(around, sample), around.remainder);
+    }
+    /// By the tree, at last by the sum over all open edges.
+    int rounded_alone(const HalfSample& sample) const {
+        if (corners_.size() > most_summed)
+            for (const double tolerance : tolerances_of_sample) {
+                Turns near = no_turns();
+                const Block block{sample.x / 2, sample.y / 2, sample.z / 2, 1};
+                const FilmNodes::Sum far = nodes_.sum(
+                    place_of(sample), tolerance,
+                    [&](const FilmNodes::Node& node) { return is_in_shadow(block, shadows_[number_of(node)]); },
+                    [&](const FilmNodes::Node& leaf) { add_turns(corners_of(number_of(leaf)), sample, near); });
+                if (const auto rounded = rounded_if_certain(turns_of(near) + far.turns, far.error)) return *rounded;
+            }
+        Turns turns = no_turns();
+        for (std::size_t loop = 0; loop + 1 < boundary_.begins.size(); ++loop)
+            add_turns(std::span(boundary_.corners)
+                          .subspan(boundary_.begins[loop], boundary_.begins[loop + 1] - boundary_.begins[loop]),
+                      sample, turns);
+        return rounded_turns(turns);
     }
 
     /// A corner from a place, and the offset of the snapped vertex across the row; in the unit of the spacing.
@@ -214,15 +300,14 @@ private:
         return seen_vertex(offset.given[0], offset.given[1], offset.given[2], offset.snapped_y, offset.snapped_z);
     }
 
-    void add_turns(std::uint32_t loop, const HalfSample& from, Turns& turns) const {
-        const std::size_t begin = boundary_.begins[loop], end = boundary_.begins[loop + 1];
-        const SeenVertex first = seen(boundary_.corners[begin], from);
+    void add_turns(std::span<const LatticeCorner> corners, const HalfSample& from, Turns& turns) const {
+        const SeenVertex first = seen(corners[0], from);
         SeenVertex a = first;
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::size_t next = i + 1 < end ? i + 1 : begin;
-            const SeenVertex b = next == begin ? first : seen(boundary_.corners[next], from);
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            const std::size_t next = i + 1 < corners.size() ? i + 1 : 0;
+            const SeenVertex b = next == 0 ? first : seen(corners[next], from);
             const double re = edge_re(a, b), im = edge_im(a, b);
-            const int side = re < 0 ? side_of(boundary_.corners[i].snapped, boundary_.corners[next].snapped,
+            const int side = re < 0 ? side_of(corners[i].snapped, corners[next].snapped,
                                               from.y * (std::int64_t{1} << (boundary_.bits_y - 1)),
                                               from.z * (std::int64_t{1} << (boundary_.bits_z - 1)))
                                     : 0;
@@ -230,24 +315,19 @@ private:
             a = b;
         }
     }
-    Turns turns_at(const HalfSample& from, const Surroundings& around) const {
+    Turns turns_at(const HalfSample& from, std::span<const std::uint32_t> leaves) const {
         Turns turns = no_turns();
-        for (const std::uint32_t loop : around.loops) add_turns(loop, from, turns);
+        for (const std::uint32_t leaf : leaves) add_turns(corners_of(leaf), from, turns);
         return turns;
     }
 
-    double far_turns(const Surroundings& around, const HalfSample& at) const {
+    double linear_turns(const Surroundings& around, const HalfSample& at) const {
         if (around.remainder == 0) return 0;
         const HalfSample& centre = around.centre;
         const Vec3 offset{0.5 * static_cast<double>(at.x - centre.x) * boundary_.spacing[0],
                           0.5 * static_cast<double>(at.y - centre.y) * boundary_.spacing[1],
                           0.5 * static_cast<double>(at.z - centre.z) * boundary_.spacing[2]};
         return around.turns + dot(around.gradient, offset);
-    }
-
-    void keep(std::uint32_t loop, Surroundings& around) const {
-        around.loops.push_back(loop);
-        around.edges += boundary_.begins[loop + 1] - boundary_.begins[loop];
     }
 
     bool is_in_shadow(const Block& block, const Shadow& shadow) const {
@@ -259,55 +339,30 @@ private:
                shadow.low_x <= static_cast<double>(block.x + block.size);
     }
 
-    Loop described(std::size_t loop) const {
-        const std::size_t begin = boundary_.begins[loop], end = boundary_.begins[loop + 1];
-        Loop result{};
-        double high_x = -std::numeric_limits<double>::infinity();
-        for (std::size_t i = begin; i < end; ++i) {
-            result.shadow.add(boundary_.corners[i].snapped);
-            high_x = std::max(high_x, boundary_.corners[i].snapped.x);
-        }
-        const Shadow& box = result.shadow;
-        result.middle = {box.low_y + (box.high_y - box.low_y) / 2, box.low_z + (box.high_z - box.low_z) / 2,
-                         box.low_x + (high_x - box.low_x) / 2};
-        const LatticeCorner middle{result.middle, 0, 0};
-        double perimeter = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3 from = between(middle, boundary_.corners[i]);
-            result.radius = std::max(result.radius, length(from));
-            perimeter += length(between(boundary_.corners[i], boundary_.corners[i + 1 < end ? i + 1 : begin]));
-        }
-        result.radius *= 1 + 1e-9;
-        result.area = film_area(perimeter);
-        return result;
-    }
-    Vec3 between(const LatticeCorner& a, const LatticeCorner& b) const {
-        const auto& [sx, sy, sz] = boundary_.spacing;
-        return {(b.snapped.x - a.snapped.x) * sx,
-                (static_cast<double>(b.snapped.y - a.snapped.y) * per_y_ + (b.rest_y - a.rest_y)) * sy,
-                (static_cast<double>(b.snapped.z - a.snapped.z) * per_z_ + (b.rest_z - a.rest_z)) * sz};
-    }
-
-    /// A loop's turns at a place, and their change within a ball around it.
-    Far look_at(std::uint32_t loop, const HalfSample& from, double ball) const {
-        const Loop& whole = loops_[loop];
-        LoopChange change(length(offset_of({whole.middle, 0, 0}, from).given), whole.radius, whole.area, ball);
-        const std::size_t begin = boundary_.begins[loop], end = boundary_.begins[loop + 1];
-        const Vec3 first = offset_of(boundary_.corners[begin], from).given;
+    /// How a leaf's turns change within a ball around a place.
+    WindingChange change_by(std::uint32_t leaf, const HalfSample& from, double ball) const {
+        const FilmNodes::Node& node = nodes_.all()[leaf];
+        const Vec3 at = place_of(from);
+        LoopChange change(length({node.centre[0] - at[0], node.centre[1] - at[1], node.centre[2] - at[2]}), node.radius,
+                          node.area, ball);
+        const std::span<const LatticeCorner> corners = corners_of(leaf);
+        const Vec3 first = offset_of(corners[0], from).given;
         Vec3 a = first;
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3 b = i + 1 < end ? offset_of(boundary_.corners[i + 1], from).given : first;
+        for (std::size_t i = 1; i <= corners.size(); ++i) {
+            const Vec3 b = i < corners.size() ? offset_of(corners[i], from).given : first;
             change.add_edge(a, b);
             a = b;
         }
-        Turns turns = no_turns();
-        add_turns(loop, from, turns);
-        return {loop, turns_of(turns), change.change()};
+        return change.change();
     }
 
     const LatticeBoundary& boundary_;
     double per_y_, per_z_;
-    std::vector<Loop> loops_;
+    HalfSample origin_;  ///< of nodes_
+    FilmNodes nodes_;
+    std::vector<Shadow> shadows_;         // of nodes
+    std::vector<LatticeCorner> corners_;  // leaf after leaf
+    std::vector<char> is_open_;           // whether an open edge follows a corner, not a chord
     Surroundings all_;
 };
 

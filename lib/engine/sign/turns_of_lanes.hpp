@@ -39,11 +39,14 @@ struct TurnsOfLanes {
 };
 
 /// On which side of the line of snapped corners a place lies: 1 left of it, as the kernels' left_of() has it, or -1.
+/// The other way for the edge from b to a.
 inline int side_of(const SweepVertex& a, const SweepVertex& b, std::int64_t y, std::int64_t z) {
     __extension__ typedef __int128 Wide;
     const Wide value = Wide{b.y - a.y} * (z - a.z) - Wide{b.z - a.z} * (y - a.y);
     if (value != 0) return value > 0 ? 1 : -1;
-    return b.z < a.z || (b.z == a.z && b.y > a.y) ? 1 : -1;
+    if (b.z != a.z) return b.z < a.z ? 1 : -1;
+    if (b.y != a.y) return b.y > a.y ? 1 : -1;
+    return b.x > a.x ? 1 : -1;
 }
 
 /// Adds the turns of a loop of so many corners: seen_vertex() and turned() of solid_angle.h in lanes, with the same

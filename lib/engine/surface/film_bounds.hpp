@@ -91,11 +91,6 @@ private:
     WindingChange change_;
 };
 
-/// The area of a film in a loop of such length, and within any ball around it: an upper bound.
-inline double film_area(double perimeter) {
-    return perimeter * perimeter * (0.25 * std::numbers::inv_pi) * (1 + 1e-9);
-}
-
 /// The distance of the winding number, known up to an integer, from the nearest half integer.
 inline double distance_to_half(double turns) {
     return std::abs(turns - std::floor(turns) - 0.5);

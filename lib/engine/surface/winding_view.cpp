@@ -57,7 +57,7 @@ std::vector<SeenWinding> WindingView::at(std::span<const Vec3> points) const {
         [&](std::size_t i) {
             SeenWinding& one = seen[i];
             if (film_) {
-                const FilmTree::View view = film_->look_by_moments(points[i]);
+                const FilmTree::View view = film_->look_by_tenths(points[i]);
                 one = {view.rounded, view.to_half};
             } else if (!boundary_->empty()) {
                 const SolidAngle angle = angle_of(*boundary_, points[i], unit_);
