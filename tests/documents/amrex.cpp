@@ -106,6 +106,7 @@ clsdf::Grid block_of(const amrex::Geometry& geom, const amrex::Box& nodes) {
     return lattice.block({first[0], first[1], first[2]}, {size[0], size[1], size[2]});
 }
 
+// NOLINTBEGIN(readability-identifier-naming): AMReX's own names
 /// The geometry of a mesh for amrex::EB2::Build: the fluid is outside.
 class MeshShop {
 public:
@@ -189,6 +190,7 @@ public:
 private:
     const clsdf::DistanceTransform* transform_;
 };
+// NOLINTEND(readability-identifier-naming)
 
 /// AMReX's arrays of a box of cells, its types of edges, and what the shop makes of them. How many edges are wrong.
 std::size_t wrong_edges(const clsdf::DistanceTransform& transform, const amrex::Geometry& geom, const amrex::Box& cells,
