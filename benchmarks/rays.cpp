@@ -97,18 +97,18 @@ class Judge {
 public:
     Judge(const Mesh& mesh, const MeasureOptions& options) : mesh_(mesh), options_(options) {}
 
-    void look_at(const Rays& rays, std::span<const double> t, RayCost& cost) const {
+    void look_at(std::span<const Vec3> origins, std::span<const Vec3> directions, std::span<const double> t,
+                 RayCost& cost) const {
         // A ray takes some milliseconds.
         const std::size_t most = std::clamp<std::size_t>(options_.samples_judged, 1, 500);
-        const std::size_t step = std::max<std::size_t>(1, rays.origins.size() / most);
-        const std::size_t count = (rays.origins.size() + step - 1) / step;
+        const std::size_t step = std::max<std::size_t>(1, origins.size() / most);
+        const std::size_t count = (origins.size() + step - 1) / step;
         std::vector<double> expected(count);
         for_each_index(
-            count, [&](std::size_t i) { expected[i] = first_face(rays.origins[i * step], rays.directions[i * step]); },
-            1);
+            count, [&](std::size_t i) { expected[i] = first_face(origins[i * step], directions[i * step]); }, 1);
         for (std::size_t i = 0; i < count; ++i) {
             const double found = t[i * step];
-            const Vec3& d = rays.directions[i * step];
+            const Vec3& d = directions[i * step];
             const double voxels = std::hypot(d[0], d[1], d[2]) / mesh_.box().longest_side() * 256;
             const double error =
                 std::isinf(expected[i]) && std::isinf(found) ? 0 : std::abs(found - expected[i]) * voxels;
@@ -219,7 +219,7 @@ private:
         }
         cost.seconds = spread_of(seconds);
         cost.processor_seconds = spread_of(processor);
-        if (is_judged) judge_.look_at(rays, t_, cost);
+        if (is_judged) judge_.look_at(rays.origins, rays.directions, t_, cost);
         costs_.push_back(std::move(cost));
     }
 
@@ -253,6 +253,11 @@ std::vector<RayCost> measure_rays(const Mesh& mesh, const Device& device, const 
     measurements.add({"random any", "the same, whether there is any face"}, random, {.hits = Hits::faces},
                      {.any = any});
     return measurements.take();
+}
+
+void judge_first_faces(const Mesh& mesh, std::span<const Vec3> origins, std::span<const Vec3> directions,
+                       std::span<const double> t, const MeasureOptions& options, RayCost& cost) {
+    Judge(mesh, options).look_at(origins, directions, t, cost);
 }
 
 }  // namespace clsdf::bench

@@ -1,6 +1,7 @@
 #include "bench.hpp"
 
 #include "benchmarks/calls.hpp"
+#include "benchmarks/links.hpp"
 #include "benchmarks/memory.hpp"
 #include "benchmarks/points.hpp"
 #include "benchmarks/rays.hpp"
@@ -108,34 +109,80 @@ Json run_bench_points(const BenchOptions& options) {
     return result;
 }
 
+namespace {
+
+/// What rays and links have in common: the table and the rows of their costs.
+class RayRows {
+public:
+    RayRows(const char* name, const BenchOptions& options, const clsdf::Device& device)
+        : name_(name),
+          options_(options),
+          result_(describe_run(name, options, device)),
+          table_({name, "method", "mesh", "number", "ms (median)", "processor, ms", "million a second", "limit, ms",
+                  "wrong", "judged", "max error, voxel"}) {
+        result_["rows"] = Json::array();
+    }
+
+    void add(const RayCost& cost, const std::string& mesh) {
+        table_.add({cost.name, cost.method, mesh, fmt::format("{}", cost.rays), milliseconds(cost.seconds.median),
+                    milliseconds(cost.processor_seconds.median), fmt::format("{:.3g}", 1e-6 * cost.rays_per_second()),
+                    cost.limit ? milliseconds(*cost.limit) : "-", fmt::format("{}", cost.wrong),
+                    fmt::format("{}", cost.judged), fmt::format("{:.2g}", cost.max_error_voxels)});
+        Json row{{name_, cost.name},
+                 {"what", cost.what},
+                 {"method", cost.method},
+                 {"mesh", mesh},
+                 {"count", cost.rays},
+                 {"seconds", cost.seconds.median},
+                 {"processor_seconds", cost.processor_seconds.median},
+                 {std::string(name_) + "_per_second", cost.rays_per_second()},
+                 {"wrong", cost.wrong},
+                 {"judged", cost.judged},
+                 {"max_error_voxels", cost.max_error_voxels}};
+        if (cost.limit) row["limit_seconds"] = *cost.limit;
+        result_["rows"].push_back(std::move(row));
+    }
+
+    Json finish() {
+        options_.say('\n' + table_.text());
+        return std::move(result_);
+    }
+
+private:
+    const char* name_;
+    const BenchOptions& options_;
+    Json result_;
+    BenchTable table_;
+};
+
+}  // namespace
+
 Json run_bench_rays(const BenchOptions& options) {
     const std::vector<NamedMesh> meshes =
         options.load_meshes({options.quick ? std::string("sphere4") : std::string("bunny00")});
     const clsdf::Device device = options.open_device();
-    Json result = describe_run("rays", options, device);
-    result["rows"] = Json::array();
-    BenchTable table({"rays", "method", "mesh", "rays", "ms (median)", "processor, ms", "million a second", "wrong",
-                      "judged", "max error, voxel"});
+    RayRows rows("rays", options, device);
     for (const NamedMesh& mesh : meshes)
-        for (const RayCost& cost : measure_rays(mesh.mesh, device, options.measure, options.quick)) {
-            table.add({cost.name, cost.method, mesh.name, fmt::format("{}", cost.rays),
-                       milliseconds(cost.seconds.median), milliseconds(cost.processor_seconds.median),
-                       fmt::format("{:.3g}", 1e-6 * cost.rays_per_second()), fmt::format("{}", cost.wrong),
-                       fmt::format("{}", cost.judged), fmt::format("{:.2g}", cost.max_error_voxels)});
-            result["rows"].push_back({{"rays", cost.name},
-                                      {"what", cost.what},
-                                      {"method", cost.method},
-                                      {"mesh", mesh.name},
-                                      {"count", cost.rays},
-                                      {"seconds", cost.seconds.median},
-                                      {"processor_seconds", cost.processor_seconds.median},
-                                      {"rays_per_second", cost.rays_per_second()},
-                                      {"wrong", cost.wrong},
-                                      {"judged", cost.judged},
-                                      {"max_error_voxels", cost.max_error_voxels}});
+        for (const RayCost& cost : measure_rays(mesh.mesh, device, options.measure, options.quick))
+            rows.add(cost, mesh.name);
+    return rows.finish();
+}
+
+Json run_bench_links(const BenchOptions& options) {
+    const std::vector<NamedMesh> meshes =
+        options.load_meshes({options.quick ? std::string("sphere4") : std::string("bunny00")});
+    const clsdf::Device device = options.open_device();
+    RayRows rows("links", options, device);
+    for (const NamedMesh& mesh : meshes)
+        for (RayCost& cost : measure_links(mesh.mesh, device, options.measure, options.scaled(256))) {
+            // The bars of the bunny.
+            if (mesh.name == "bunny00" && !options.quick && cost.name == "first") cost.limit = 0.11;
+            if (mesh.name == "bunny00" && !options.quick && cost.name == "again") cost.limit = 0.08;
+            rows.add(cost, mesh.name);
         }
-    options.say('\n' + table.text());
-    return result;
+    for (const RayCost& cost : clsdf::bench::measure_links_of_ties(device, options.measure, options.scaled(256)))
+        rows.add(cost, "-");
+    return rows.finish();
 }
 
 Json run_bench_memory(const BenchOptions& options) {

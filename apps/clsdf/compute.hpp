@@ -42,8 +42,8 @@ struct ComputeOptions {
 };
 
 void add_options(Parser& parser, ComputeOptions& options);
-/// Those of the grid alone.
-void add_grid_options(Parser& parser, ComputeOptions& options);
+/// Those of the grid alone. `margin` describes --margin.
+void add_grid_options(Parser& parser, ComputeOptions& options, const std::string& margin);
 
 /// The request of the options, before the mesh is known.
 struct ComputeRequest {

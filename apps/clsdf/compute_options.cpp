@@ -95,15 +95,14 @@ void add_method_options(Parser& parser, ComputeOptions& options) {
 
 }  // namespace
 
-void add_grid_options(Parser& parser, ComputeOptions& options) {
+void add_grid_options(Parser& parser, ComputeOptions& options, const std::string& margin) {
     parser.begin_group("Grid");
     parser.add("--resolution", options.resolution, "samples on the longest side, margin included")
         .takes_whole_number("N", 2, most_samples_on_a_side);
     parser.add("--spacing", options.spacing, "instead: distance of the samples, for all axes or each")
         .takes_text("H[,H,H]")
         .excludes("--resolution");
-    parser.add("--margin", options.margin, "room around the mesh [the band's width outside, 5% without an end]")
-        .takes_text("LENGTH");
+    parser.add("--margin", options.margin, margin).takes_text("LENGTH");
     parser.add("--cubic", options.cubic, "as many samples on every axis");
     parser.add("--size", options.size, "with --origin and --spacing: a grid stated in full")
         .takes_text("NX,NY,NZ")
@@ -136,7 +135,7 @@ void add_options(Parser& parser, ComputeOptions& options) {
     parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf")
         .takes("FIELD")
         .in_usage();  // but for --dry-run
-    add_grid_options(parser, options);
+    add_grid_options(parser, options, "room around the mesh [the band's width outside, 5% without an end]");
     add_field_options(parser, options);
     add_method_options(parser, options);
     parser.begin_group("Options");

@@ -1,4 +1,5 @@
 #include "interruption.hpp"
+#include "option_values.hpp"
 #include "segments.hpp"
 
 #include <clsdf/io.hpp>
@@ -16,12 +17,17 @@ namespace {
 struct LinksOptions : SegmentOptions {
     std::string directions = "D3Q19";
     std::string order = "waLBerla";
-    bool faces = false;
+    std::string hits = "walls";
     bool between = false;
 };
 
+/// Whether the directions are those of a stencil.
+bool is_named(const LinksOptions& options) {
+    return options.directions.starts_with("D3Q");
+}
+
 std::vector<LinkDirection> directions_of(const LinksOptions& options) {
-    if (options.directions.starts_with("D3Q")) return clsdf::stencil(options.directions, options.order);
+    if (is_named(options)) return clsdf::stencil(options.directions, options.order);
     const auto numbers = parse_list<std::int32_t>(options.directions);
     if (!numbers || numbers->size() % 3 != 0)
         throw Error(ErrorCode::invalid_argument,
@@ -33,19 +39,33 @@ std::vector<LinkDirection> directions_of(const LinksOptions& options) {
     return directions;
 }
 
-ExitStatus run(const LinksOptions& options, Report& report) {
+/// Options that others leave without an effect are refused.
+void check_effects(const LinksOptions& options, bool is_order_given) {
+    if (options.between && parse_hits(options.hits) == clsdf::Hits::faces)
+        throw Error(ErrorCode::invalid_argument,
+                    "--between has no effect with --hits faces, which has a row for every link that meets a face, also "
+                    "with a body between its ends; leave out one of the two");
+    if (is_order_given && !is_named(options))
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("--order {} has no effect with --directions {}, whose vectors stay in the order in which "
+                        "they are given; leave it out, or name D3Q15, D3Q19 or D3Q27",
+                        options.order, options.directions));
+}
+
+ExitStatus run(const LinksOptions& options, bool is_order_given, Report& report) {
+    check_effects(options, is_order_given);
     clsdf::check_links_path(options.grid.output);
     const std::vector<LinkDirection> directions = directions_of(options);
     clsdf::Links links;
-    const SegmentRun made = run_segments(
-        options, report,
-        [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid, const clsdf::CallOptions& call,
-            clsdf::TransformStatistics& statistics) {
-            links = transform.links(
-                grid, directions,
-                {.hits = options.faces ? clsdf::Hits::faces : clsdf::Hits::walls, .with_between = options.between},
-                call, &statistics);
-        });
+    const SegmentRun made =
+        run_segments(options, report,
+                     [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid,
+                         const clsdf::CallOptions& call, clsdf::TransformStatistics& statistics) {
+                         links = transform.links(grid, directions,
+                                                 {.hits = parse_hits(options.hits), .with_between = options.between},
+                                                 call, &statistics);
+                     });
     clsdf::write_links(links, made.grid, directions, options.grid.output);
     output_is_written();
     report.print("done    {} links in {:.3f} s\n", links.size(), made.seconds);
@@ -67,8 +87,7 @@ Command add_links(Parser& program) {
         .takes_text("LIST");
     parser.add("--order", options->order, "of the directions of a name: as this code has them")
         .takes_one_of({"OpenLB", "waLBerla", "lbmpy", "Palabos", "XLB"});
-    parser.add("--faces", options->faces,
-               "all faces as given, also of a mesh without a sign; else where the side changes");
+    add_hits_option(parser, options->hits);
     parser.add("--between", options->between, "also links with both ends outside and a body between them");
     parser.set_footer(
         "A link has a row if and only if its ends are on different sides: its sample, which is outside, its\n"
@@ -77,5 +96,5 @@ Command add_links(Parser& program) {
         "  clsdf links bunny.off -o bunny.npz\n"
         "  clsdf links bunny.off -o bunny.h5 --directions D3Q27 --order OpenLB --resolution 128\n"
         "  clsdf links wing.stl -o wing.npy --spacing 0.01 --directions 1,0,0,-1,0,0");
-    return {parser, [options](Report& report) { return run(*options, report); }};
+    return {parser, [options, parser](Report& report) { return run(*options, parser.has("--order"), report); }};
 }

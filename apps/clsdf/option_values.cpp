@@ -100,6 +100,17 @@ void add_group_option(Parser& parser, MeshReading& reading) {
         .takes_text("NAME");
 }
 
+void add_hits_option(Parser& parser, std::string& hits) {
+    parser
+        .add("--hits", hits,
+             "walls, where inside and outside meet, or all faces as given, also of a mesh without a sign")
+        .takes_one_of({"walls", "faces"});
+}
+
+clsdf::Hits parse_hits(const std::string& hits) {
+    return hits == "faces" ? clsdf::Hits::faces : clsdf::Hits::walls;
+}
+
 void add_skip_option(Parser& parser, MeshReading& reading) {
     parser.add("--skip-bad-facets", reading.skip_bad_facets,
                "leave out faces of a vertex that is not finite or does not exist");

@@ -11,6 +11,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/mesh_files.hpp>
 #include <clsdf/outputs.hpp>
+#include <clsdf/segments.hpp>
 #include <clsdf/topology.hpp>
 
 #include <fmt/format.h>
@@ -61,6 +62,10 @@ struct MeshReading {
 void add_placement_options(Parser& parser, MeshReading& reading);
 void add_skip_option(Parser& parser, MeshReading& reading);
 void add_group_option(Parser& parser, MeshReading& reading);
+
+/// Adds --hits, where segments and rays meet the surface: "walls" or "faces".
+void add_hits_option(Parser& parser, std::string& hits);
+clsdf::Hits parse_hits(const std::string& hits);
 
 /// "a.stl + b.stl", with or without folders.
 std::string paths_of(const std::vector<std::string>& files);

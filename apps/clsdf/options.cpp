@@ -56,6 +56,12 @@ std::string check_number_of_0_or_more(const std::string& text) {
     return fmt::format("a finite number, 0 or more, not '{}'", text);
 }
 
+std::string check_number_of_0_to_infinity(const std::string& text) {
+    const auto number = parse_number<double>(text);
+    if (number && *number >= 0) return {};
+    return fmt::format("a number from 0 to inf, not '{}'", text);
+}
+
 std::string check_number_above_0(const std::string& text) {
     const auto number = parse_number<double>(text);
     if (number && std::isfinite(*number) && *number > 0) return {};
@@ -127,6 +133,11 @@ Option& Option::takes_number(const std::string& placeholder) {
 
 Option& Option::takes_number_of_0_or_more(const std::string& placeholder) {
     option_->check(check_number_of_0_or_more);
+    return takes(placeholder);
+}
+
+Option& Option::takes_number_of_0_to_infinity(const std::string& placeholder) {
+    option_->check(check_number_of_0_to_infinity);
     return takes(placeholder);
 }
 

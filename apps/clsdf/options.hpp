@@ -35,6 +35,7 @@ public:
     /// A finite number.
     Option& takes_number(const std::string& placeholder);
     Option& takes_number_of_0_or_more(const std::string& placeholder);
+    Option& takes_number_of_0_to_infinity(const std::string& placeholder);
     Option& takes_number_above_0(const std::string& placeholder);
     /// The value must be one of the words, which become the placeholder. The error for another one names the nearest.
     Option& takes_one_of(const std::vector<std::string>& words);

@@ -71,9 +71,8 @@ void find(const RayCallOptions& options, const clsdf::Device& device, const clsd
     found.sign = transform.sign();
     clsdf::RayTargets targets{.most = options.most, .t = found.t, .triangles = found.triangles};
     if (options.count && count > 0) targets.counts = found.counts;
-    found.statistics = transform.rays(
-        rays.origins, rays.directions,
-        {options.hits == "faces" ? clsdf::Hits::faces : clsdf::Hits::walls, options.limit}, targets, call);
+    found.statistics =
+        transform.rays(rays.origins, rays.directions, {parse_hits(options.hits), options.limit}, targets, call);
     found.seconds = watch.seconds();
 }
 
@@ -145,10 +144,9 @@ Command add_rays(Parser& program) {
     Parser parser = program.add_subcommand("rays", "Find where rays meet the surface");
     add_mesh_and_argument(parser, options->mesh, "RAYS", options->more, "the rays, last: .npy or .csv");
     parser.add("-o,--output", options->output, "a row for each ray: .npy or .csv").takes("RESULT").required();
-    parser.add("--hits", options->hits, "walls, where inside and outside meet, or all faces")
-        .takes_one_of({"walls", "faces"});
+    add_hits_option(parser, options->hits);
     parser.add("--limit", options->limit, "hits beyond are left out, in lengths of the direction")
-        .takes_number_of_0_or_more("T");
+        .takes_number_of_0_to_infinity("T");
     parser.add("--most", options->most, "hits of each ray, the first ones").takes_whole_number("COUNT", 1, 1U << 20);
     parser.add("--count", options->count, "a column with the number of all hits, too");
     add_sign_options(parser, options->sign);

@@ -16,7 +16,7 @@ void add_segment_options(Parser& parser, SegmentOptions& options, const char* ou
     own.margin = "5%";
     add_mesh_argument(parser, own.mesh);
     parser.add("-o,--output", own.output, output).takes("RESULT").required();
-    add_grid_options(parser, own);
+    add_grid_options(parser, own, "room around the mesh");
     parser.begin_group("Options");
     add_sign_options(parser, own.sign);
     add_placement_options(parser, own.reading);

@@ -215,6 +215,31 @@ BOOST_AUTO_TEST_CASE(rays_have_speeds_and_no_errors) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(links_have_speeds_and_no_errors) {
+    const json result = result_of({"links", "sphere4"});
+    std::vector<std::string> names;
+    for (const json& row : result["rows"]) {
+        BOOST_TEST_INFO_SCOPE(row.dump());
+        names.push_back(row["links"]);
+        BOOST_TEST(row["links_per_second"].get<double>() > 0);
+        BOOST_TEST(row["wrong"] == 0);
+        BOOST_TEST((row["judged"].get<int>() > 0) == (row["links"] != "faces"));
+        BOOST_TEST(row["max_error_voxels"].get<double>() < 1e-12);
+    }
+    const std::vector<std::string> expected = {"first",
+                                               "again",
+                                               "count",
+                                               "faces",
+                                               "ball, first",
+                                               "ball, again",
+                                               "cube on planes, first",
+                                               "cube on planes, again"};
+    BOOST_TEST(names == expected, boost::test_tools::per_element());
+    // As many links, within a tenth.
+    const double ratio = result["rows"][7]["count"].get<double>() / result["rows"][5]["count"].get<double>();
+    BOOST_TEST(std::abs(ratio - 1) < 0.1);
+}
+
 BOOST_AUTO_TEST_CASE(points_of_a_file_are_measured_alone) {
     const TemporaryFolder folder;
     const std::string file = folder.file("points.csv", "x,y,z\n0,0,0\n9,9,9\n0.5,1,0.25\n");

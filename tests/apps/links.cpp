@@ -79,3 +79,37 @@ BOOST_AUTO_TEST_CASE(crossings_are_written_and_counted) {
     BOOST_TEST(report["crossed"][2] == 32);
     BOOST_TEST((content_of(inputs.folder.file("edges.npz")).find("x_counts.npy") != std::string::npos));
 }
+
+BOOST_AUTO_TEST_CASE(links_of_faces_are_found_without_a_sign) {
+    const Inputs inputs;
+    const std::string npy = inputs.folder.file("links.npy");
+    const auto count = [&](std::vector<std::string> more) {
+        std::vector<std::string> arguments{"links", inputs.mesh, "-o", npy};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return inputs.run(arguments)["links"].get<std::size_t>();
+    };
+    // From both ends; and 4 diagonal links touch each of 12 edges, where some of the eight looks meet a face.
+    BOOST_TEST(count({"--sign", "none", "--hits", "faces"}) == 2 * (count({"--hits", "walls"}) + 12 * 4));
+}
+
+BOOST_AUTO_TEST_CASE(options_of_links_that_would_have_no_effect_are_refused) {
+    const Inputs inputs;
+    const auto refused = [&](std::vector<std::string> more, const std::vector<std::string>& texts) {
+        std::vector<std::string> arguments{"links", inputs.mesh, "-o", inputs.folder.file("links.npy")};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        check_refused(run_command(arguments), 2, texts);
+    };
+    refused({"--between", "--hits", "faces"}, {"--between", "--hits faces", "leave out"});
+    refused({"--order", "OpenLB", "--directions", "1,0,0,-1,0,0"}, {"--order OpenLB", "1,0,0,-1,0,0", "leave it out"});
+    refused({"--hits", "corners"}, {"--hits", "walls", "faces"});
+    refused({"--faces"}, {"--faces"});
+}
+
+BOOST_AUTO_TEST_CASE(the_margin_of_links_and_crossings_is_that_of_no_band) {
+    for (const char* const subcommand : {"links", "crossings"}) {
+        const std::string help = run_command({subcommand, "--help"}).out;
+        const std::string line = help.substr(std::min(help.size(), help.find("--margin")), 200);
+        BOOST_TEST(line.find("[5%]") != std::string::npos, line);
+        BOOST_TEST(help.find("band") == std::string::npos, help);
+    }
+}

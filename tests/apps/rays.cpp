@@ -102,6 +102,15 @@ BOOST_AUTO_TEST_CASE(rays_are_written_as_a_structured_array) {
     BOOST_TEST(numbers[2] == 2U);
 }
 
+BOOST_AUTO_TEST_CASE(a_limit_may_be_infinite) {
+    const Inputs inputs;
+    const std::string whole = inputs.folder.file("whole.csv"), limited = inputs.folder.file("limited.csv");
+    BOOST_TEST(run_command({"rays", inputs.mesh, inputs.csv, "-o", whole}).status == 0);
+    const Outcome outcome = run_command({"rays", inputs.mesh, inputs.csv, "-o", limited, "--limit", "inf"});
+    BOOST_TEST(outcome.status == 0, outcome.error);
+    BOOST_TEST(content_of(limited) == content_of(whole));
+}
+
 BOOST_AUTO_TEST_CASE(rays_that_cannot_be_are_refused) {
     const Inputs inputs;
     const std::string output = inputs.folder.file("hits.csv");
@@ -116,7 +125,8 @@ BOOST_AUTO_TEST_CASE(rays_that_cannot_be_are_refused) {
     refused({}, 3, {"points.csv", "no column 'dx'", "x,y,z,dx,dy,dz"}, points);
     refused({}, 3, {"three.npy", "(0, 3)", "(n, 6)"}, three);
     refused({"--refuse-unusable-rays"}, 3, {"ray 4", "its direction is 0"}, inputs.csv);
-    refused({"--limit", "-1"}, 2, {"--limit"}, inputs.csv);
+    refused({"--limit", "-1"}, 2, {"--limit", "0 to inf"}, inputs.csv);
+    refused({"--limit", "nan"}, 2, {"--limit", "0 to inf"}, inputs.csv);
     refused({"--hits", "wall"}, 2, {"walls"}, inputs.csv);
     refused({"--sign", "none"}, 2, {"no sign", "faces"}, inputs.csv);
     check_refused(run_command({"rays", inputs.mesh, inputs.csv, "-o", inputs.folder.file("hits.ply")}), 2,

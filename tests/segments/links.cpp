@@ -505,23 +505,6 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_done_is_refused_by_name) {
     BOOST_TEST(fractions.back() == 1);
 }
 
-BOOST_AUTO_TEST_CASE(stencils_have_the_orders_of_their_codes) {
-    for (const auto& [name, count] : {std::pair("D3Q15", 15U), {"D3Q19", 19U}, {"D3Q27", 27U}})
-        for (const char* const code : {"OpenLB", "waLBerla", "lbmpy", "Palabos", "XLB"}) {
-            if (count == 15 && std::string_view(code) == "XLB") continue;
-            std::vector<LinkDirection> directions = stencil(name, code);
-            BOOST_TEST(directions.size() == count);
-            BOOST_TEST((directions[0] == LinkDirection{}));
-            std::ranges::sort(directions);
-            BOOST_TEST((std::ranges::unique(directions).empty()));
-        }
-    BOOST_TEST((stencil("D3Q19", "OpenLB")[10] == LinkDirection{1, 0, 0}));
-    BOOST_TEST((stencil("D3Q15", "Palabos")[7] == LinkDirection{-1, 1, 1}));
-    BOOST_TEST((stencil("D3Q27")[26] == LinkDirection{-1, -1, -1}));
-    BOOST_TEST((stencil("D3Q19")[11] == LinkDirection{0, 1, 1}));
-    BOOST_TEST((stencil("D3Q19", "XLB")[1] == LinkDirection{0, 0, -1}));
-}
-
 BOOST_AUTO_TEST_CASE(crossings_are_the_links_along_the_axes) {
     std::size_t all_crossed = 0;
     for (const Family& family : families()) {
