@@ -309,9 +309,9 @@ public:
     /// A result depends on the ray and the mesh's positions alone. Works on the host, on all cores; any number of
     /// threads may ask at once. Keeps what query() keeps, and 72 bytes a triangle. Throws Error(invalid_argument) for
     /// arrays of different lengths, too small or that overlap, for a negative limit or NaN, and without any array;
-    /// Error(unsupported) for a buffer that the host may not read or write, for a restricted transform, for a mesh with a coordinate out of the
-    /// range of plan_points(), and for walls of a mesh without a sign or whose open edges count; Error(out_of_memory or
-    /// cancelled).
+    /// Error(unsupported) for a buffer that the host may not read or write, for a restricted transform, for a mesh with
+    /// a coordinate out of the range of plan_points(), and for walls of a mesh without a sign or whose open edges
+    /// count; Error(out_of_memory or cancelled).
     TransformStatistics rays(const InputArray& origins, const InputArray& directions, const RayOptions& options,
                              const RayTargets& targets, const CallOptions& call = {}) const;
 
