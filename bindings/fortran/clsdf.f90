@@ -27,13 +27,14 @@ module clsdf
   public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_weld_report, &
       clsdf_transform, &
       clsdf_kept_memory, clsdf_plan, clsdf_point_plan, clsdf_sparse_plan, clsdf_sparse_buffers, clsdf_device_sparse_counts, &
+      clsdf_link_plan, clsdf_link_buffers, clsdf_device_link_count, &
       clsdf_field, clsdf_sparse_field, clsdf_thread_limit
   public :: clsdf_array, clsdf_pinned, clsdf_target, clsdf_output_info, clsdf_box, clsdf_length, clsdf_band, &
       clsdf_grid, clsdf_region, clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, &
       clsdf_slab, clsdf_slab_sink, clsdf_sparse_counts, clsdf_sparse_request, clsdf_sparse_slab, clsdf_sparse_sink, &
-      clsdf_links, clsdf_crossings
+      clsdf_links, clsdf_link_sink, clsdf_crossings
   public :: clsdf_progress_procedure, clsdf_stop_procedure, clsdf_log_procedure, clsdf_slab_procedure, &
-      clsdf_sparse_procedure
+      clsdf_sparse_procedure, clsdf_link_procedure
   public :: clsdf_version, clsdf_version_text, clsdf_last_error, clsdf_last_opencl_error, clsdf_set_last_error, &
       clsdf_status_name, clsdf_type_name, clsdf_sign_name, clsdf_device_kind_name, &
       clsdf_device_source_name, clsdf_output_count, &
@@ -470,6 +471,23 @@ module clsdf
     integer(c_int8_t), allocatable :: inside(:, :, :)  !< of each sample of the grid: 1 if it is inside, else 0
   end type
 
+  !> Takes the links of the slabs of transform%link_slabs(): extend it with the data that it needs.
+  type, abstract :: clsdf_link_sink
+  contains
+    procedure(clsdf_link_procedure), deferred :: take_links
+  end type
+
+  abstract interface
+    !> part: the slab, whole slices of the grid. A status other than 0 ends the call.
+    subroutine clsdf_link_procedure(sink, part, links, status)
+      import :: clsdf_link_sink, clsdf_grid, clsdf_links, c_int32_t
+      class(clsdf_link_sink), intent(inout) :: sink
+      type(clsdf_grid), intent(in) :: part
+      type(clsdf_links), intent(in) :: links
+      integer(c_int32_t), intent(inout) :: status
+    end subroutine
+  end interface
+
   !> Where the edges of a grid along one axis meet walls; there is one less than samples on that axis.
   type :: clsdf_crossings
     real(c_double), allocatable :: coordinates(:, :, :)   !< along the axis; NaN if the sides agree
@@ -483,7 +501,8 @@ module clsdf
   type, bind(C) :: c_link_arrays
     integer(c_int64_t) :: room = 0
     type(c_ptr) :: samples = c_null_ptr, directions = c_null_ptr, q = c_null_ptr, q_floats = c_null_ptr, &
-        triangles = c_null_ptr, counts = c_null_ptr, flags = c_null_ptr, inside = c_null_ptr
+        triangles = c_null_ptr, counts = c_null_ptr, flags = c_null_ptr, inside = c_null_ptr, dense = c_null_ptr, &
+        dense_floats = c_null_ptr
   end type
   type, bind(C) :: c_crossing_arrays
     type(c_ptr) :: coordinates(3) = c_null_ptr, triangles(3) = c_null_ptr, counts(3) = c_null_ptr, inside = c_null_ptr
@@ -516,6 +535,9 @@ module clsdf
     generic :: query => query_targets, query_r4, query_r8, query_xyz_r4, query_xyz_r8
     procedure :: classify => transform_classify
     procedure :: links => transform_links
+    procedure :: link_slabs => transform_link_slabs
+    procedure, private :: links_dense_r4, links_dense_r8
+    generic :: links_dense => links_dense_r4, links_dense_r8
     procedure :: count_links => transform_count_links
     procedure :: crossings => transform_crossings
     procedure, private :: winding_targets, winding_r4, winding_r8
@@ -561,6 +583,41 @@ module clsdf
     procedure, private :: plan_assign
     generic :: assignment(=) => plan_assign
     final :: plan_end
+  end type
+
+  !> The number of links that a run of a clsdf_link_plan writes: that of the grid's links, also with less room.
+  type, bind(C) :: clsdf_device_link_count
+    integer(c_int64_t) :: links = 0
+    integer(c_int64_t) :: is_complete = 0  !< 1: the memory holds all links; 0: there is too little room, and it is as before
+  end type
+
+  !> The memory of the device for links: buffers, of `room` items up to `flags`, as clsdf_array(buffer, type). One without
+  !> a buffer is not wanted. Numbers in these buffers are those of C: they count from 0.
+  type :: clsdf_link_buffers
+    integer(c_int64_t) :: room = 0
+    type(c_ptr) :: count = c_null_ptr      !< a clsdf_device_link_count; may be c_null_ptr
+    integer(c_int64_t) :: count_offset = 0  !< bytes, a multiple of 8
+    type(clsdf_array) :: samples, directions, q, triangles, counts, flags
+    type(clsdf_array) :: inside  !< bytes, one for each sample of the grid
+    type(clsdf_array) :: dense   !< (nx, ny, nz, Q): q, or -1; needs no room here
+  end type
+
+  !> Links of a grid that go to memory of the device again and again.
+  type :: clsdf_link_plan
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure :: create => link_plan_create
+    procedure :: enqueue => link_plan_enqueue
+    procedure, private :: link_plan_update, link_plan_update_grid
+    generic :: update => link_plan_update, link_plan_update_grid
+    procedure :: sign => link_plan_sign
+    procedure :: statistics => link_plan_statistics
+    procedure :: grid => link_plan_grid
+    procedure :: is_set => link_plan_is_set
+    procedure :: release => link_plan_release
+    procedure, private :: link_plan_assign
+    generic :: assignment(=) => link_plan_assign
+    final :: link_plan_end
   end type
 
   !> The counts that a run of a clsdf_sparse_plan writes. They are those of the whole field.
@@ -793,6 +850,13 @@ module clsdf
     integer(c_int64_t) :: inside_offset = 0
     type(c_targets) :: values
   end type
+  type, bind(C) :: c_link_buffers
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: room = 0
+    type(c_ptr) :: count = c_null_ptr
+    integer(c_int64_t) :: count_offset = 0
+    type(clsdf_c_array) :: samples, directions, q, triangles, counts, flags, inside, dense
+  end type
 
   ! What a call hands to C, and keeps for its duration.
   type :: caller
@@ -806,6 +870,9 @@ module clsdf
   type :: sparse_taker
     class(clsdf_sparse_sink), pointer :: sink => null()
     integer(c_int32_t) :: index_base = 1
+  end type
+  type :: link_taker
+    class(clsdf_link_sink), pointer :: sink => null()
   end type
   type :: request_list
     type(c_request), allocatable :: items(:)
@@ -885,7 +952,7 @@ module clsdf
       import
       type(c_ptr), value :: devices
     end subroutine
-    ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan |
+    ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan | device=link_plan |
     !     device=sparse_plan | device=field | device=sparse_field | device=thread_limit
 
     subroutine c_device_retain(device) bind(C, name="clsdf_device_retain")
@@ -933,6 +1000,15 @@ module clsdf
     subroutine c_point_plan_release(point_plan) bind(C, name="clsdf_point_plan_release")
       import
       type(c_ptr), value :: point_plan
+    end subroutine
+
+    subroutine c_link_plan_retain(link_plan) bind(C, name="clsdf_link_plan_retain")
+      import
+      type(c_ptr), value :: link_plan
+    end subroutine
+    subroutine c_link_plan_release(link_plan) bind(C, name="clsdf_link_plan_release")
+      import
+      type(c_ptr), value :: link_plan
     end subroutine
 
     subroutine c_sparse_plan_retain(sparse_plan) bind(C, name="clsdf_sparse_plan_retain")
@@ -1603,6 +1679,17 @@ module clsdf
       type(c_link_arrays), intent(in) :: arrays
       integer(c_int64_t), intent(out) :: count
     end function
+    function c_link_slabs(transform, grid, directions, direction_count, options, sink, user, call, statistics) &
+        bind(C, name="clsdf_link_slabs") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, user, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int32_t), intent(in) :: directions(*)
+      integer(c_int64_t), value :: direction_count
+      type(c_link_options), intent(in) :: options
+      type(c_funptr), value :: sink
+    end function
     function c_count_links(transform, grid, directions, direction_count, options, call, count) &
         bind(C, name="clsdf_count_links") result(value)
       import
@@ -1769,6 +1856,56 @@ module clsdf
       integer(c_int32_t) :: value
       type(c_ptr), value :: plan, transform, call
       type(c_block_set), intent(in) :: blocks
+    end function
+    function c_link_plan_create(transform, grid, directions, direction_count, room, options, call, plan) &
+        bind(C, name="clsdf_link_plan_create") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: transform, call
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int32_t), intent(in) :: directions(*)
+      integer(c_int64_t), value :: direction_count, room
+      type(c_link_options), intent(in) :: options
+      type(c_ptr), intent(out) :: plan
+    end function
+    function c_link_plan_enqueue(plan, queue, buffers, wait_list, wait_count, done) &
+        bind(C, name="clsdf_link_plan_enqueue") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, queue, wait_list, done
+      type(c_link_buffers), intent(in) :: buffers
+      integer(c_int64_t), value :: wait_count
+    end function
+    function c_link_plan_update(plan, transform, call) bind(C, name="clsdf_link_plan_update") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, transform, call
+    end function
+    function c_link_plan_update_grid(plan, transform, grid, room, call) bind(C, name="clsdf_link_plan_update_grid") &
+        result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, transform, call
+      type(clsdf_c_grid), intent(in) :: grid
+      integer(c_int64_t), value :: room
+    end function
+    function c_link_plan_grid(plan, grid, room) bind(C, name="clsdf_link_plan_grid") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan
+      type(clsdf_c_grid), intent(out) :: grid
+      integer(c_int64_t), intent(out) :: room
+    end function
+    function c_link_plan_sign(plan, rule) bind(C, name="clsdf_link_plan_sign") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan
+      integer(c_int32_t), intent(out) :: rule
+    end function
+    function c_link_plan_statistics(plan, statistics) bind(C, name="clsdf_link_plan_statistics") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: plan, statistics
     end function
     function c_sparse_plan_create(transform, request, room, call, plan) bind(C, name="clsdf_sparse_plan_create") &
         result(value)
@@ -2959,6 +3096,42 @@ contains
     slab%index_base = taker%index_base
     status = CLSDF_OK
     call taker%sink%take(slab, status)
+  end function
+
+  function on_link_slab(user, part, arrays, count) bind(C, name="") result(status)
+    type(c_ptr), value :: user
+    type(clsdf_c_grid), intent(in) :: part
+    type(c_link_arrays), intent(in) :: arrays
+    integer(c_int64_t), value :: count
+    integer(c_int32_t) :: status
+    type(link_taker), pointer :: taker
+    type(clsdf_grid) :: of_slab
+    type(clsdf_links) :: links
+    integer(c_int32_t), pointer :: samples(:, :), numbers(:)
+    real(c_double), pointer :: q(:)
+    integer(c_int8_t), pointer :: bytes(:), inside(:, :, :)
+    call c_f_pointer(user, taker)
+    call take_grid(part, of_slab)
+    allocate (links%samples(3, count), links%directions(count), links%q(count), links%triangles(count), &
+        links%counts(count), links%flags(count))
+    if (count > 0) then
+      call c_f_pointer(arrays%samples, samples, [3_c_int64_t, count])
+      links%samples = samples + 1
+      call c_f_pointer(arrays%directions, bytes, [count])
+      links%directions = bytes
+      call c_f_pointer(arrays%q, q, [count])
+      links%q = q
+      call c_f_pointer(arrays%triangles, numbers, [count])
+      links%triangles = numbers
+      call c_f_pointer(arrays%counts, numbers, [count])
+      links%counts = numbers
+      call c_f_pointer(arrays%flags, bytes, [count])
+      links%flags = bytes
+    end if
+    call c_f_pointer(arrays%inside, inside, of_slab%size)
+    links%inside = inside
+    status = CLSDF_OK
+    call taker%sink%take_links(of_slab, links, status)
   end function
 
   function on_sparse_slab(user, slab) bind(C, name="") result(status)
@@ -4910,6 +5083,118 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  !> The links of a grid of any size, slab by slab in the order of z: the rows one after another are those of links().
+  subroutine transform_link_slabs(self, grid, directions, sink, hits, with_between, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    integer(c_int32_t), intent(in), contiguous :: directions(:, :)  !< (3, Q)
+    class(clsdf_link_sink), intent(inout), target :: sink
+    integer(c_int32_t), intent(in), optional :: hits
+    logical, intent(in), optional :: with_between
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(link_taker), target :: taker
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    taker%sink => sink
+    if (size(directions, 1) /= 3) then
+      status = refused('the array of the directions has the shape '//joined(shape(directions, c_int64_t))//'; give it (3, Q)')
+    else
+      status = c_link_slabs(self%handle, clsdf_grid_for_c(grid), directions, size(directions, 2, c_int64_t), &
+          link_options(hits, with_between), c_funloc(on_link_slab), c_loc(taker), options_for_c(given, options), &
+          statistics_for_c(statistics))
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! REPEATED FOR r8
+
+  !> q by sample and direction, dense(nx, ny, nz, Q); -1 where there is no link. inside(nx, ny, nz): 1 or 0.
+  subroutine links_dense_r4(self, grid, directions, dense, inside, hits, with_between, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    integer(c_int32_t), intent(in), contiguous :: directions(:, :)  !< (3, Q)
+    real(c_float), intent(inout), target, contiguous :: dense(:, :, :, :)
+    integer(c_int8_t), intent(inout), target, contiguous, optional :: inside(:, :, :)
+    integer(c_int32_t), intent(in), optional :: hits
+    logical, intent(in), optional :: with_between
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    type(c_link_arrays) :: c
+    integer(c_int64_t) :: count, expected(4)
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    expected = [grid%size, size(directions, 2, c_int64_t)]
+    if (size(directions, 1) /= 3) then
+      status = refused('the array of the directions has the shape '//joined(shape(directions, c_int64_t))//'; give it (3, Q)')
+    else if (any(shape(dense, c_int64_t) /= expected)) then
+      status = refused('the dense array has the shape '//joined(shape(dense, c_int64_t))//'; give it '//joined(expected))
+    else if (present(inside)) then
+      if (any(shape(inside, c_int64_t) /= grid%size)) status = refused('the array of inside has the shape '// &
+          joined(shape(inside, c_int64_t))//'; give it '//joined(grid%size))
+      if (size(inside) > 0) c%inside = c_loc(inside)
+    end if
+    if (status == CLSDF_OK) then
+      if (kind(dense) == c_double) then
+        c%dense = c_loc(dense)
+      else
+        c%dense_floats = c_loc(dense)
+      end if
+      status = c_links(self%handle, clsdf_grid_for_c(grid), directions, size(directions, 2, c_int64_t), &
+          link_options(hits, with_between), c, options_for_c(given, options), statistics_for_c(statistics), count)
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! REPEATED BY repeat.py
+
+  !> q by sample and direction, dense(nx, ny, nz, Q); -1 where there is no link. inside(nx, ny, nz): 1 or 0.
+  subroutine links_dense_r8(self, grid, directions, dense, inside, hits, with_between, options, statistics, stat, errmsg)
+    class(clsdf_transform), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    integer(c_int32_t), intent(in), contiguous :: directions(:, :)  !< (3, Q)
+    real(c_double), intent(inout), target, contiguous :: dense(:, :, :, :)
+    integer(c_int8_t), intent(inout), target, contiguous, optional :: inside(:, :, :)
+    integer(c_int32_t), intent(in), optional :: hits
+    logical, intent(in), optional :: with_between
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    type(c_link_arrays) :: c
+    integer(c_int64_t) :: count, expected(4)
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    expected = [grid%size, size(directions, 2, c_int64_t)]
+    if (size(directions, 1) /= 3) then
+      status = refused('the array of the directions has the shape '//joined(shape(directions, c_int64_t))//'; give it (3, Q)')
+    else if (any(shape(dense, c_int64_t) /= expected)) then
+      status = refused('the dense array has the shape '//joined(shape(dense, c_int64_t))//'; give it '//joined(expected))
+    else if (present(inside)) then
+      if (any(shape(inside, c_int64_t) /= grid%size)) status = refused('the array of inside has the shape '// &
+          joined(shape(inside, c_int64_t))//'; give it '//joined(grid%size))
+      if (size(inside) > 0) c%inside = c_loc(inside)
+    end if
+    if (status == CLSDF_OK) then
+      if (kind(dense) == c_double) then
+        c%dense = c_loc(dense)
+      else
+        c%dense_floats = c_loc(dense)
+      end if
+      status = c_links(self%handle, clsdf_grid_for_c(grid), directions, size(directions, 2, c_int64_t), &
+          link_options(hits, with_between), c, options_for_c(given, options), statistics_for_c(statistics), count)
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! END
+
   !> Where the edges of a grid between neighbouring samples meet walls, along x, y and z. with_counts: their numbers, too.
   subroutine transform_crossings(self, grid, crossings, inside, with_counts, options, statistics, stat, errmsg)
     class(clsdf_transform), intent(in) :: self
@@ -5355,6 +5640,130 @@ contains
     integer(c_int64_t) :: count
     call clsdf_finish(c_plan_request_count(self%handle, count), stat, errmsg)
   end function
+
+  !> Links of a grid in directions (3, Q), whose runs write at most `room` rows.
+  subroutine link_plan_create(self, transform, grid, directions, room, hits, with_between, options, stat, errmsg)
+    class(clsdf_link_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_grid), intent(in) :: grid
+    integer(c_int32_t), intent(in), contiguous :: directions(:, :)
+    integer(c_int64_t), intent(in) :: room
+    integer(c_int32_t), intent(in), optional :: hits
+    logical, intent(in), optional :: with_between
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    call self%release()
+    if (size(directions, 1) /= 3) then
+      status = refused('the array of the directions has the shape '//joined(shape(directions, c_int64_t))//'; give it (3, Q)')
+    else
+      status = c_link_plan_create(transform%handle, clsdf_grid_for_c(grid), directions, size(directions, 2, c_int64_t), &
+          room, link_options(hits, with_between), options_for_c(given, options), self%handle)
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Enqueues the links into these buffers, as plan%enqueue() does. Reads nothing back.
+  subroutine link_plan_enqueue(self, buffers, queue, wait_list, done, stat, errmsg)
+    class(clsdf_link_plan), intent(inout) :: self
+    type(clsdf_link_buffers), intent(in) :: buffers
+    type(c_ptr), intent(in), optional :: queue
+    type(c_ptr), intent(in), target, optional :: wait_list(:)
+    type(c_ptr), intent(out), target, optional :: done
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_ptr), allocatable, target :: events(:)
+    type(clsdf_c_grid) :: grid
+    type(c_link_buffers) :: c
+    integer(c_int64_t) :: room
+    integer(c_int32_t) :: status
+    call list_events(wait_list, events)
+    c%struct_size = c_sizeof(c)
+    c%room = buffers%room
+    c%count = buffers%count
+    c%count_offset = buffers%count_offset
+    status = c_link_plan_grid(self%handle, grid, room)
+    call buffer_for_c(buffers%samples, 'samples', 3_c_int64_t, buffers%room, c%samples, status)
+    call buffer_for_c(buffers%directions, 'directions', 1_c_int64_t, buffers%room, c%directions, status)
+    call buffer_for_c(buffers%q, 'q', 1_c_int64_t, buffers%room, c%q, status)
+    call buffer_for_c(buffers%triangles, 'triangles', 1_c_int64_t, buffers%room, c%triangles, status)
+    call buffer_for_c(buffers%counts, 'counts', 1_c_int64_t, buffers%room, c%counts, status)
+    call buffer_for_c(buffers%flags, 'flags', 1_c_int64_t, buffers%room, c%flags, status)
+    call buffer_for_c(buffers%inside, 'inside', 1_c_int64_t, product(grid%size), c%inside, status)
+    call buffer_for_c(buffers%dense, 'dense fields', 1_c_int64_t, product(grid%size), c%dense, status)
+    if (status == CLSDF_OK) status = c_link_plan_enqueue(self%handle, queue_of(queue), c, first_of(events), &
+        size(events, kind=c_int64_t), place_of(done))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! Of an array without a buffer nothing is set.
+  subroutine buffer_for_c(array, what, components, items, c, status)
+    type(clsdf_array), intent(in) :: array
+    character(*), intent(in) :: what
+    integer(c_int64_t), intent(in) :: components, items
+    type(clsdf_c_array), intent(inout) :: c
+    integer(c_int32_t), intent(inout) :: status
+    if (status /= CLSDF_OK .or. .not. (c_associated(array%device) .or. array%rank > 0)) return
+    call for_c(array, what, components, [items], 1, c, status)
+  end subroutine
+
+  !> Prepares the next runs for the present positions of the transform. Blocks. After an error the plan is as it was.
+  subroutine link_plan_update(self, transform, options, stat, errmsg)
+    class(clsdf_link_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call clsdf_finish(c_link_plan_update(self%handle, transform%handle, options_for_c(given, options)), stat, errmsg)
+  end subroutine
+
+  !> The same with another grid and other room.
+  subroutine link_plan_update_grid(self, transform, grid, room, options, stat, errmsg)
+    class(clsdf_link_plan), intent(inout) :: self
+    type(clsdf_transform), intent(in) :: transform
+    type(clsdf_grid), intent(in) :: grid
+    integer(c_int64_t), intent(in) :: room
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call clsdf_finish(c_link_plan_update_grid(self%handle, transform%handle, clsdf_grid_for_c(grid), room, &
+        options_for_c(given, options)), stat, errmsg)
+  end subroutine
+
+  function link_plan_sign(self, stat, errmsg) result(rule)
+    class(clsdf_link_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: rule
+    call clsdf_finish(c_link_plan_sign(self%handle, rule), stat, errmsg)
+  end function
+
+  !> Of making or updating it.
+  function link_plan_statistics(self, stat, errmsg) result(statistics)
+    class(clsdf_link_plan), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_statistics), target :: statistics
+    call clsdf_finish(c_link_plan_statistics(self%handle, statistics_for_c(statistics)), stat, errmsg)
+  end function
+
+  !> Its grid and the most rows of a run.
+  subroutine link_plan_grid(self, grid, room, stat, errmsg)
+    class(clsdf_link_plan), intent(in) :: self
+    type(clsdf_grid), intent(inout) :: grid
+    integer(c_int64_t), intent(out) :: room
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_grid) :: c
+    integer(c_int32_t) :: status
+    status = c_link_plan_grid(self%handle, c, room)
+    if (status == CLSDF_OK) call take_grid(c, grid)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
 
   !> A sparse field whose runs have room for so many bricks and runs of bricks inside.
   subroutine sparse_plan_create(self, transform, request, room, options, stat, errmsg)
@@ -6217,7 +6626,7 @@ contains
     call self%release()
   end subroutine
 
-  ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan | device=sparse_plan | device=field
+  ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan | device=link_plan | device=sparse_plan | device=field
 
   elemental function device_is_set(self) result(is_set)
     class(clsdf_device), intent(in) :: self
@@ -6251,6 +6660,12 @@ contains
     is_set = c_associated(self%handle)
   end function
 
+  elemental function link_plan_is_set(self) result(is_set)
+    class(clsdf_link_plan), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
   elemental function sparse_plan_is_set(self) result(is_set)
     class(clsdf_sparse_plan), intent(in) :: self
     logical :: is_set
@@ -6265,7 +6680,7 @@ contains
 
   ! END
 
-  ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan |
+  ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan | device=link_plan |
   !     device=sparse_plan | device=field | device=thread_limit
 
   subroutine device_release(self)
@@ -6372,6 +6787,27 @@ contains
 
   impure elemental subroutine point_plan_end(self)
     type(clsdf_point_plan), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  subroutine link_plan_release(self)
+    class(clsdf_link_plan), intent(inout) :: self
+    call c_link_plan_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine link_plan_assign(left, right)
+    class(clsdf_link_plan), intent(inout) :: left
+    type(clsdf_link_plan), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_link_plan_retain(right%handle)
+    left%handle = right%handle
+    call c_link_plan_release(before)
+  end subroutine
+
+  impure elemental subroutine link_plan_end(self)
+    type(clsdf_link_plan), intent(inout) :: self
     call self%release()
   end subroutine
 

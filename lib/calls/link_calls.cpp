@@ -4,18 +4,16 @@
 #include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
 #include "segments/crossings.hpp"
+#include "segments/link_arrays.hpp"
 #include "segments/links.hpp"
-#include "segments/result_arrays.hpp"
 #include "targets/mapped_memory.hpp"
 
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <limits>
-#include <optional>
 #include <utility>
+#include <vector>
 
 namespace clsdf {
 
@@ -31,7 +29,7 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     engine::check_grid(with_margin);
     with_margin.sample_count();
     if (hits == Hits::walls && sign == SignRule::none)
-        throw Error(ErrorCode::invalid_argument,
+        throw Error(ErrorCode::unsupported,
                     fmt::format("walls of {} are asked for, and it has no sign: make the transform of a closed mesh "
                                 "with a sign rule, or ask for the links of its faces",
                                 kept_mesh->name()));
@@ -77,61 +75,6 @@ segments::LinkChoice choice_of(const LinkOptions& options) {
     return {.hits = options.hits, .with_between = options.with_between && options.hits == Hits::walls};
 }
 
-/// The caller's arrays, checked.
-class LinkArrays {
-public:
-    LinkArrays(const LinkTargets& given, const Grid& grid)
-        : room_(given.room),
-          samples_(given.samples, "the array of samples", room_, 3, {ElementType::int32}),
-          directions_(given.directions, "the array of directions", room_, 1, {ElementType::uint8}),
-          q_(given.q, "the array of q", room_, 1, {ElementType::float64, ElementType::float32}),
-          triangles_(given.triangles, "the array of triangles", room_, 1, {ElementType::uint32, ElementType::int32}),
-          counts_(given.counts, "the array of counts", room_, 1, {ElementType::uint32, ElementType::int32}),
-          flags_(given.flags, "the array of flags", room_, 1, {ElementType::uint8}),
-          inside_(given.inside, "the array of inside", given.inside.is_given() ? grid.sample_count() : 0, 1,
-                  {ElementType::uint8}) {
-        std::vector<targets::WrittenArray> written;
-        for (const segments::ResultArray* array : {&samples_, &directions_, &q_, &triangles_, &counts_, &flags_})
-            if (array->is_given() && room_ > 0) written.push_back(array->written());
-        if (inside_.is_given()) written.push_back(inside_.written());
-        targets::refuse_overlap(written);
-    }
-
-    void store(const Links& links) const {
-        if (links.size() > room_)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("there are {} links, and the arrays have room for {}; give them room for as many",
-                                    links.size(), room_));
-        for (std::size_t n = 0; n < links.size(); ++n) {
-            for (std::size_t axis = 0; samples_.is_given() && axis < 3; ++axis)
-                samples_.set(n, axis, links.samples[n][axis]);
-            if (directions_.is_given()) directions_.set(n, 0, links.directions[n]);
-            if (q_.is_given()) store_part(n, links.q[n]);
-            if (triangles_.is_given()) triangles_.set(n, 0, links.triangles[n]);
-            if (counts_.is_given()) counts_.set(n, 0, links.counts[n]);
-            if (flags_.is_given()) flags_.set(n, 0, links.flags[n]);
-        }
-        if (!inside_.is_given()) return;
-        const std::vector<std::uint8_t>& bits = links.inside.bits;
-        const Index3& size = links.inside.size;
-        for (std::size_t n = 0; n < static_cast<std::size_t>(size[0] * size[1] * size[2]); ++n)
-            inside_.set(n, 0, static_cast<std::uint8_t>(bits[n / 8] >> n % 8 & 1U));
-    }
-
-private:
-    /// Neither 0 nor 1 by rounding to a float.
-    void store_part(std::size_t n, double q) const {
-        if (q_.type() == ElementType::float64) return q_.set(n, 0, q);
-        auto single = static_cast<float>(q);
-        if (q > 0 && single == 0) single = std::numeric_limits<float>::denorm_min();
-        if (q < 1 && single == 1) single = std::nextafter(1.0F, 0.0F);
-        q_.set(n, 0, single);
-    }
-
-    std::size_t room_;
-    segments::ResultArray samples_, directions_, q_, triangles_, counts_, flags_, inside_;
-};
-
 }  // namespace
 
 Links DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> directions, const LinkOptions& options,
@@ -151,13 +94,48 @@ TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const L
                                              const LinkTargets& targets, std::size_t& count, const LinkOptions& options,
                                              const CallOptions& call) const {
     count = 0;
-    grid.validate();
-    const LinkArrays arrays(targets, grid);
-    TransformStatistics statistics;
-    const Links found = links(grid, directions, options, call, &statistics);
-    count = found.size();
-    arrays.store(found);
-    return statistics;
+    return with_host_memory("for the links; ask for those of a part of the grid", [&] {
+        grid.validate();
+        segments::check_directions(directions);
+        targets::MappedMemory memory(state().context());
+        segments::LinkArrays arrays(targets, grid, directions.size(), memory);
+        TransformStatistics statistics;
+        const Links found = links(grid, directions, options, call, &statistics);
+        count = found.size();
+        arrays.require_room(count);
+        try {
+            memory.map({});
+            arrays.store(found, memory);
+            memory.unmap();
+        } catch (...) {
+            count = 0;
+            throw;
+        }
+        return statistics;
+    });
+}
+
+TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> directions,
+                                             const LinkSink& sink, const LinkOptions& options,
+                                             const CallOptions& call) const {
+    return with_host_memory("for the slabs; ask for those of a part of the grid", [&] {
+        segments::check_directions(directions);
+        if (!sink) throw Error(ErrorCode::invalid_argument, "links in slabs need a sink, and it is empty");
+        const std::vector<Grid> slabs = slabs_of(grid);
+        CallStatistics made =
+            state().find_links(grid, segments::margin_of(directions), options.hits, call, [&](const auto& inputs) {
+                segments::LinkInputs own = inputs;
+                for (std::size_t n = 0; n < slabs.size(); ++n) {
+                    if (inputs.between)
+                        own.between = [&](double fraction) {
+                            inputs.between((static_cast<double>(n) + fraction) / static_cast<double>(slabs.size()));
+                        };
+                    sink(slabs[n], segments::find_links(own, slabs[n], directions, choice_of(options)));
+                }
+            });
+        made.slabs = slabs.size();
+        return made.published();
+    });
 }
 
 std::size_t DistanceTransform::count_links(const Grid& grid, std::span<const LinkDirection> directions,

@@ -3,6 +3,7 @@
 #include "core/stopwatch.hpp"
 #include "mesh/input_arrays.hpp"
 #include "segments/rays.hpp"
+#include "targets/mapped_memory.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -33,14 +34,14 @@ struct Pairs {
     void check() const {
         check_array(first, ArrayKind::positions, first_name, ErrorCode::invalid_argument);
         check_array(second, ArrayKind::positions, second_name, ErrorCode::invalid_argument);
-        if (first.device != nullptr || second.device != nullptr)
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("the {} are memory of the device, and {}s are looked up by the host; copy them to "
-                                    "memory of the host",
-                                    first.device != nullptr ? first_name : second_name, what));
         if (first.count != second.count)
             throw Error(ErrorCode::invalid_argument, fmt::format("there are {} {} and {} {}; give as many", first.count,
                                                                  first_name, second.count, second_name));
+    }
+
+    void add_to(targets::MappedMemory& memory) const {
+        memory.add_triples(first, first_name);
+        memory.add_triples(second, second_name);
     }
 
     /// Throws Error(invalid_argument) if one of the results lies on another one or on what is read.
@@ -50,7 +51,12 @@ struct Pairs {
             if (result.is_given()) written.push_back(result.written());
         for (const auto& [name, array] : {std::pair(first_name, &first), std::pair(second_name, &second)}) {
             const Steps steps = steps_of(*array);
-            written.push_back({.first = reinterpret_cast<std::uintptr_t>(first_of(*array)),
+            const targets::BufferPlace begin =
+                array->device != nullptr
+                    ? device::guarded([&] { return targets::place_of(array->device, array->offset); })
+                    : targets::BufferPlace{{}, reinterpret_cast<std::uintptr_t>(first_of(*array))};
+            written.push_back({.memory = begin.memory(),
+                               .first = begin.byte,
                                .width = bytes_of(array->type),
                                .size = {static_cast<std::int64_t>(array->count), 1, 1},
                                .strides = {steps.triple, 0, 0},
@@ -166,30 +172,35 @@ TransformStatistics DistanceTransform::rays(const InputArray& origins, const Inp
             throw Error(ErrorCode::invalid_argument, "rays have no array for results; give one");
         if (!has_rows) arrays.most = 0;
         using enum ElementType;
-        arrays.t = {targets.t, "the array t", count, targets.most, {float64, float32}};
-        arrays.triangles = {targets.triangles, "the array triangles", count, targets.most, {uint32, int32}};
-        arrays.counts = {targets.counts, "the array counts", count, 1, {uint32, int32}};
-        arrays.any = {targets.any, "the array any", count, 1, {uint8}};
+        const Index3 row{static_cast<std::int64_t>(count), 1, 1};
+        targets::MappedMemory memory(state.context());
+        pairs.add_to(memory);
+        arrays.t = {targets.t, "the array t", row, targets.most, {float64, float32}, memory};
+        arrays.triangles = {targets.triangles, "the array triangles", row, targets.most, {uint32, int32}, memory};
+        arrays.counts = {targets.counts, "the array counts", row, 1, {uint32, int32}, memory};
+        arrays.any = {targets.any, "the array any", row, 1, {uint8}, memory};
         if (count == 0) {
             calls::RunningCall{call}.report({.fraction = 1});
             return CallStatistics().published();
         }
         pairs.refuse_overlap(std::array{arrays.t, arrays.triangles, arrays.counts, arrays.any});
-        targets::wait_for(state.context(), call.wait_list);
-        const PositionArray from(origins), along(directions);
-        return state
-            .look_up_pairs(
-                count, call, options.hits,
-                [&](const engine::PointMesh& mesh, std::size_t& unusable) {
-                    return warning_of(
-                        pairs, from.get(), along.get(),
-                        [&](const Vec3& a, const Vec3& b) { return segments::why_unusable(mesh, a, b); },
-                        call.refuse_unusable_points, unusable);
-                },
-                [&](const segments::SearchedFaces& searched, std::size_t begin, std::size_t end) {
-                    segments::find_hits(searched, from.get(), along.get(), options, arrays, begin, end);
-                })
-            .published();
+        memory.map(call.wait_list);
+        for (segments::ResultArray* array : {&arrays.t, &arrays.triangles, &arrays.counts, &arrays.any})
+            array->set_mapped(memory);
+        const PositionArray from(memory.mapped(origins)), along(memory.mapped(directions));
+        const CallStatistics statistics = state.look_up_pairs(
+            count, call, options.hits,
+            [&](const engine::PointMesh& mesh, std::size_t& unusable) {
+                return warning_of(
+                    pairs, from.get(), along.get(),
+                    [&](const Vec3& a, const Vec3& b) { return segments::why_unusable(mesh, a, b); },
+                    call.refuse_unusable_points, unusable);
+            },
+            [&](const segments::SearchedFaces& searched, std::size_t begin, std::size_t end) {
+                segments::find_hits(searched, from.get(), along.get(), options, arrays, begin, end);
+            });
+        memory.unmap();
+        return statistics.published();
     });
 }
 
@@ -199,8 +210,10 @@ TransformStatistics DistanceTransform::visible(const InputArray& from, const Inp
         State& state = this->state();
         const Pairs pairs{"pair", "first points", "second points", from, to};
         pairs.check();
-        const segments::ResultArray result(visible, "the array of what is visible", from.count, 1,
-                                           {ElementType::uint8});
+        targets::MappedMemory memory(state.context());
+        pairs.add_to(memory);
+        segments::ResultArray result(visible, "the array of what is visible",
+                                     {static_cast<std::int64_t>(from.count), 1, 1}, 1, {ElementType::uint8}, memory);
         if (!result.is_given() && from.count > 0)
             throw Error(ErrorCode::invalid_argument, "pairs have no array for results; give one");
         if (from.count == 0) {
@@ -208,21 +221,22 @@ TransformStatistics DistanceTransform::visible(const InputArray& from, const Inp
             return CallStatistics().published();
         }
         pairs.refuse_overlap(std::span(&result, 1));
-        targets::wait_for(state.context(), call.wait_list);
-        const PositionArray first(from), second(to);
-        return state
-            .look_up_pairs(
-                from.count, call, hits,
-                [&](const engine::PointMesh& mesh, std::size_t& unusable) {
-                    return warning_of(
-                        pairs, first.get(), second.get(),
-                        [&](const Vec3& a, const Vec3& b) { return segments::why_unusable_pair(mesh, a, b); },
-                        call.refuse_unusable_points, unusable);
-                },
-                [&](const segments::SearchedFaces& searched, std::size_t begin, std::size_t end) {
-                    segments::find_visible(searched, first.get(), second.get(), hits, result, begin, end);
-                })
-            .published();
+        memory.map(call.wait_list);
+        result.set_mapped(memory);
+        const PositionArray first(memory.mapped(from)), second(memory.mapped(to));
+        const CallStatistics statistics = state.look_up_pairs(
+            from.count, call, hits,
+            [&](const engine::PointMesh& mesh, std::size_t& unusable) {
+                return warning_of(
+                    pairs, first.get(), second.get(),
+                    [&](const Vec3& a, const Vec3& b) { return segments::why_unusable_pair(mesh, a, b); },
+                    call.refuse_unusable_points, unusable);
+            },
+            [&](const segments::SearchedFaces& searched, std::size_t begin, std::size_t end) {
+                segments::find_visible(searched, first.get(), second.get(), hits, result, begin, end);
+            });
+        memory.unmap();
+        return statistics.published();
     });
 }
 

@@ -10,6 +10,7 @@
 #include "launch/programs.hpp"
 #include "plan/grid_plan.hpp"
 #include "plan/kept_mesh.hpp"
+#include "plans/link_plan_state.hpp"
 #include "plans/plan_state.hpp"
 #include "plans/point_plan_state.hpp"
 #include "plans/requests.hpp"
@@ -165,6 +166,9 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     void plan(plans::PlanState& plan, plans::AskedBoxes asked, const CallOptions& call);
     void plan(plans::SparsePlanState& plan, const plans::AskedBricks& asked, const CallOptions& call);
     void plan(plans::PointPlanState& plan, const plans::AskedPoints& asked, const CallOptions& call);
+    /// Of links that were found; found: what that took.
+    void plan(plans::LinkPlanState& plan, const plans::AskedLinks& asked, const Links& links,
+              const TransformStatistics& found, const CallOptions& call);
     /// By way of a plan.
     CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
 

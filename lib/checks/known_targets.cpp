@@ -4,6 +4,7 @@
 #include "device/read_back.hpp"
 #include "targets/ordered_bricks.hpp"
 #include "targets/stored_boxes.hpp"
+#include "targets/stored_links.hpp"
 
 #include <algorithm>
 #include <array>
@@ -62,6 +63,80 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
     both.enqueue(chain);
     targets::BoxStore moved(context, program, block, elements, samples, {{memory(), stored[0]}});
     moved.enqueue(chain, std::array{targets::TargetBox{memory(), stored[2]}});
+    device::read_values(context, memory, to);
+    return to == expected;
+}
+
+/// Known links, as rows with strides and as fields of two directions.
+template <typename Part>
+bool stores_links_right(const device::Context& context, const cl::Program& program) {
+    constexpr std::size_t count = 300, width = sizeof(Part);
+    Grid grid;
+    grid.size = {11, 6, 9};
+    grid.first = {-4, 2, 7};
+    std::mt19937 random(5);
+    std::vector<std::array<cl_int, 3>> samples(count);
+    std::vector<cl_uchar> directions(count);
+    std::vector<Part> parts(count);
+    targets::ItemPlace rows{.first = 3 * width,
+                            .strides = {static_cast<std::ptrdiff_t>(5 * width)},
+                            .component_stride = -static_cast<std::ptrdiff_t>(width),
+                            .components = 3,
+                            .width = width};
+    targets::ItemPlace fields{
+        .first = 2000 * width,
+        .strides = {static_cast<std::ptrdiff_t>(2 * width), static_cast<std::ptrdiff_t>(24 * width),
+                    static_cast<std::ptrdiff_t>(150 * width)},
+        .component_stride = static_cast<std::ptrdiff_t>(width),
+        .components = 2,
+        .width = width};
+    std::vector<Part> to(4000, Part{9}), values(3 * count);
+    std::vector<Part> expected = to;
+    const auto place_of = [&](std::int64_t x, std::int64_t y, std::int64_t z, std::size_t field) {
+        return 2000 + static_cast<std::size_t>(2 * x + 24 * y + 150 * z) + field;
+    };
+    for (std::int64_t z = 0; z < grid.size[2]; ++z)
+        for (std::int64_t y = 0; y < grid.size[1]; ++y)
+            for (std::int64_t x = 0; x < grid.size[0]; ++x)
+                for (std::size_t field = 0; field < 2; ++field) expected[place_of(x, y, z, field)] = -1;
+    for (std::size_t n = 0; n < count; ++n) {
+        // Each sample and direction once.
+        const std::size_t number = n * 3 % 1187;
+        directions[n] = static_cast<cl_uchar>(number % 2);
+        const auto sample = static_cast<std::int64_t>(number / 2);
+        const Index3 at{sample % grid.size[0], sample / grid.size[0] % grid.size[1],
+                        sample / grid.size[0] / grid.size[1]};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            samples[n][axis] = static_cast<cl_int>(grid.first[axis] + at[axis]);
+            values[3 * n + axis] = static_cast<Part>(random());
+            expected[3 + 5 * n - axis] = values[3 * n + axis];
+        }
+        parts[n] = static_cast<Part>(n) / 512;
+        expected[place_of(at[0], at[1], at[2], directions[n])] = parts[n];
+    }
+    const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, to.size() * width, to.data());
+    rows.memory = fields.memory = memory();
+    const targets::LinkStore store(context, program);
+    engine::CommandChain chain(context.queue(), {});
+    store.enqueue_items(chain, device::copied(context, values), count, rows);
+    store.enqueue_fields(
+        chain,
+        {count, device::copied(context, samples), device::copied(context, directions), device::copied(context, parts)},
+        grid, fields);
+    device::read_values(context, memory, to);
+    return to == expected;
+}
+
+/// Bytes with a stride, as flags are.
+bool stores_bytes_right(const device::Context& context, const cl::Program& program) {
+    std::vector<cl_uchar> values(200), to(401, 9), expected = to;
+    for (std::size_t n = 0; n < values.size(); ++n)
+        expected[2 * n + 1] = values[n] = static_cast<cl_uchar>(n * 7 % 251);
+    const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, to.size(), to.data());
+    engine::CommandChain chain(context.queue(), {});
+    targets::LinkStore(context, program)
+        .enqueue_items(chain, device::copied(context, values), values.size(),
+                       {.memory = memory(), .first = 1, .strides = {2}, .component_stride = 1, .width = 1});
     device::read_values(context, memory, to);
     return to == expected;
 }
@@ -193,6 +268,20 @@ TestSubject stored_boxes_subject(const Device& device, const engine::Programs& p
             stores_right<std::uint64_t>(context, programs.store))
             return std::nullopt;
         return "elements are stored in wrong places";
+    };
+    return subject;
+}
+
+TestSubject stored_links_subject(const Device& device, const engine::Programs& programs) {
+    TestSubject subject;
+    subject.name = "stored links";
+    subject.build = [&programs](const device::BuildWatch& watch) { return std::vector{programs.store.get(watch)}; };
+    subject.difference = [&device, &programs](const device::BuildWatch&) -> std::optional<std::string> {
+        const device::Context& context = device::context_of(device);
+        if (stores_links_right<float>(context, programs.store) && stores_links_right<double>(context, programs.store) &&
+            stores_bytes_right(context, programs.store))
+            return std::nullopt;
+        return "links are stored in wrong places";
     };
     return subject;
 }

@@ -21,25 +21,7 @@ std::size_t bricks_of(const Grid& part) {
 targets::OrderedTargets::Place place_of(const device::Context& context, const DeviceRange& range, std::size_t bytes,
                                         const char* name, std::vector<targets::WrittenArray>& written) {
     if (bytes == 0) return {};
-    if (range.memory == nullptr)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} has no memory, and a run writes {} bytes there; give it a buffer", name, bytes));
-    const cl::Buffer memory(range.memory, true);
-    targets::require_buffer(context, memory, name);
-    if ((memory.getInfo<CL_MEM_FLAGS>() & CL_MEM_READ_ONLY) != 0)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} is a buffer made with CL_MEM_READ_ONLY; kernels write to it, so make it with "
-                                "CL_MEM_READ_WRITE",
-                                name));
-    if (range.offset % sizeof(std::uint64_t) != 0)
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("{} begins at byte {} of its buffer; let it begin at a multiple of 8", name, range.offset));
-    const std::size_t size = memory.getInfo<CL_MEM_SIZE>();
-    if (range.offset > size || size - range.offset < bytes)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} needs {} bytes from byte {} on, and its buffer has {}; give it a larger one", name,
-                                bytes, range.offset, size));
+    const cl::Buffer memory = targets::checked_range(context, range, bytes, sizeof(std::uint64_t), name);
     const targets::BufferPlace begin = targets::place_of(range.memory, range.offset);
     written.push_back({.memory = begin.memory(), .first = begin.byte, .width = bytes, .name = name});
     return {memory, range.offset};

@@ -41,8 +41,7 @@ Crossings find_crossings(const LinkInputs& inputs, const Grid& grid, bool with_c
         if (!is_forward) --edge[axis];
         if (edge[axis] < 0 || edge[axis] >= edges.size[axis]) return;  // it leads out of the grid
         const auto at = static_cast<std::size_t>((edge[2] * edges.size[1] + edge[1]) * edges.size[0] + edge[0]);
-        constexpr auto equal_sides =
-            static_cast<unsigned>(SegmentFlag::between) | static_cast<unsigned>(SegmentFlag::gap);
+        constexpr auto equal_sides = static_cast<unsigned>(SegmentFlag::between) | static_cast<unsigned>(gap_flag);
         const bool are_equal = (static_cast<unsigned>(links.flags[n]) & equal_sides) != 0;
         if (are_equal && !is_forward) return;  // the same from the other end
         if (with_counts) edges.counts[at] = links.counts[n];

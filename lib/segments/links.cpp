@@ -270,7 +270,7 @@ std::vector<Finder::Extra> Finder::solve_extras() {
                 const bool is_inside = sides_.is_inside(sample);
                 const bool are_equal = is_inside == sides_.is_inside(sum(sample, steps_[direction]));
                 extra.flag = choice_.hits == Hits::faces ? (are_equal ? SegmentFlag::sheet : SegmentFlag::none)
-                             : is_inside                 ? SegmentFlag::gap
+                             : is_inside                 ? gap_flag
                                                          : SegmentFlag::between;
             }
         },

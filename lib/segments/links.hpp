@@ -26,6 +26,9 @@ struct LinkInputs {
     std::function<void(double)> between;
 };
 
+/// Both ends of a link are inside, with space between them: of LinkChoice::with_gaps alone.
+inline constexpr auto gap_flag = static_cast<SegmentFlag>(4);
+
 /// Which links get rows beside those whose ends have different sides.
 struct LinkChoice {
     Hits hits = Hits::walls;
@@ -38,8 +41,8 @@ void check_directions(std::span<const LinkDirection> directions);
 /// The most that components of the directions are, on each axis.
 Place margin_of(std::span<const LinkDirection> directions);
 
-/// The links of a grid. Sample numbers count on the lattice. Throws Error(invalid_argument) for coordinates that are
-/// out of range.
+/// The links of a grid. Sample numbers count on the lattice. Throws Error(invalid_argument) for a grid and
+/// Error(unsupported) for a mesh with coordinates that are out of range.
 Links find_links(const LinkInputs& inputs, const Grid& grid, std::span<const LinkDirection> directions,
                  const LinkChoice& choice);
 /// Their number.

@@ -1,5 +1,6 @@
 #include "segments/result_arrays.hpp"
 
+#include "device/opencl.hpp"
 #include "mesh/input_arrays.hpp"
 
 #include <clsdf/error.hpp>
@@ -11,15 +12,51 @@
 
 namespace clsdf::segments {
 
-ResultArray::ResultArray(const OutputArray& given, const char* name, std::size_t items, std::size_t components,
-                         std::initializer_list<ElementType> types)
-    : items_(items), components_(components), name_(name) {
-    if (!given.is_given()) return;
-    if (given.device != nullptr)
+ResultArray::ResultArray(const OutputArray& given, const char* name, const Index3& size, std::size_t components,
+                         std::initializer_list<ElementType> types, targets::MappedMemory& memory, bool are_fields)
+    : ResultArray(given, name, size, components, types, are_fields) {
+    if (given.device == nullptr || size[0] * size[1] * size[2] == 0) return;
+    memory.add(given.device, range(), targets::MappedMemory::Use::write, std::string("items of ") + name);
+}
+
+ResultArray ResultArray::on_device(const OutputArray& given, const char* name, const Index3& size,
+                                   std::size_t components, std::initializer_list<ElementType> types,
+                                   const device::Context& context, bool are_fields) {
+    if (given.host != nullptr)
         throw Error(ErrorCode::unsupported,
-                    fmt::format("{} is memory of the device, and this call writes to the host's; give it memory of the "
-                                "host",
+                    fmt::format("{} is memory of the host, and a plan writes to the device's; give it a buffer of the "
+                                "device",
                                 name));
+    ResultArray array(given, name, size, components, types, are_fields);
+    if (given.device == nullptr || size[0] * size[1] * size[2] == 0) return array;
+    const ByteRange bytes = array.range();
+    targets::checked_range(context, {given.device, bytes.begin}, bytes.end - bytes.begin, bytes_of(array.type_), name);
+    return array;
+}
+
+ByteRange ResultArray::range() const {
+    ArrayLayout layout;
+    layout.type = type_;
+    layout.offset = offset_;
+    const auto [lowest, highest] = extent_of(layout, {{strides_[0], static_cast<double>(size_[0])},
+                                                      {strides_[1], static_cast<double>(size_[1])},
+                                                      {strides_[2], static_cast<double>(size_[2])},
+                                                      {component_stride_, static_cast<double>(components_)}});
+    if (lowest < 0 || highest > 0x1p62)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{} reaches from byte {} to {}, which no memory has", name_, lowest, highest));
+    return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
+}
+
+ResultArray::ResultArray(const OutputArray& given, const char* name, const Index3& size, std::size_t components,
+                         std::initializer_list<ElementType> types, bool are_fields)
+    : is_given_(given.is_given()),
+      device_(given.device),
+      offset_(given.offset),
+      size_(size),
+      components_(components),
+      name_(name) {
+    if (!is_given_) return;
     type_ = given.type == ElementType::automatic ? *types.begin() : given.type;
     if (std::ranges::find(types, type_) == types.end()) {
         std::string allowed;
@@ -28,25 +65,45 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, std::size_t
         throw Error(ErrorCode::unsupported, fmt::format("{} has the type {}; give {}", name, name_of(type_), allowed));
     }
     const auto width = static_cast<std::ptrdiff_t>(bytes_of(type_));
-    if (given.strides[1] != 0 || given.strides[2] != 0)
+    const auto& strides = given.strides;
+    if (!are_fields && (strides[1] != 0 || strides[2] != 0))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("{} has the strides ({}, {}, {}); it has one row: set strides[0] alone", name,
-                                given.strides[0], given.strides[1], given.strides[2]));
-    if (static_cast<std::ptrdiff_t>(given.offset) % width != 0 || given.strides[0] % width != 0 ||
-        given.component_stride % width != 0)
+                                strides[0], strides[1], strides[2]));
+    if (static_cast<std::ptrdiff_t>(given.offset) % width != 0 || strides[0] % width != 0 || strides[1] % width != 0 ||
+        strides[2] % width != 0 || given.component_stride % width != 0)
         throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{}: the offset {} and the strides {} and {} are not all multiples of its numbers' {} "
-                                "bytes",
-                                name, given.offset, given.strides[0], given.component_stride, width));
-    component_stride_ = given.component_stride != 0 ? given.component_stride : width;
-    stride_ = given.strides[0] != 0                           ? given.strides[0]
-              : component_stride_ == width || components == 1 ? width * static_cast<std::ptrdiff_t>(components)
-                                                              : width;
+                    fmt::format("{}: the offset {} and the strides ({}, {}, {}) and {} are not all multiples of its "
+                                "numbers' {} bytes",
+                                name, given.offset, strides[0], strides[1], strides[2], given.component_stride, width));
+    const bool has_strides = strides[0] != 0 || strides[1] != 0 || strides[2] != 0;
+    const auto packed = [&size](std::ptrdiff_t item) {
+        return std::array<std::ptrdiff_t, 3>{item, item * size[0], item * size[0] * size[1]};
+    };
+    if (are_fields) {
+        if (has_strides && (given.component_stride == 0 || strides[0] == 0 || strides[1] == 0 || strides[2] == 0))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("{} has the strides ({}, {}, {}) and the component_stride {}; give all of them, or "
+                                    "none for a packed array",
+                                    name, strides[0], strides[1], strides[2], given.component_stride));
+        strides_ = has_strides ? strides : packed(width);
+        component_stride_ = given.component_stride != 0 ? given.component_stride : width * size[0] * size[1] * size[2];
+    } else {
+        component_stride_ = given.component_stride != 0 ? given.component_stride : width;
+        strides_ =
+            packed(strides[0] != 0                                 ? strides[0]
+                   : component_stride_ == width || components == 1 ? width * static_cast<std::ptrdiff_t>(components)
+                                                                   : width);
+    }
+    if (device_ != nullptr) return;
     ArrayLayout layout = given;
     layout.type = type_;
-    const auto [lowest, highest] = extent_of(
-        layout, {{stride_, static_cast<double>(items)}, {component_stride_, static_cast<double>(components)}});
-    const bool is_plain = given.offset == 0 && given.strides[0] == 0 && given.component_stride == 0;
+    const auto [lowest, highest] = extent_of(layout, {{strides_[0], static_cast<double>(size[0])},
+                                                      {strides_[1], static_cast<double>(size[1])},
+                                                      {strides_[2], static_cast<double>(size[2])},
+                                                      {component_stride_, static_cast<double>(components)}});
+    const bool is_plain = given.offset == 0 && !has_strides && given.component_stride == 0;
+    const auto items = static_cast<std::size_t>(size[0] * size[1] * size[2]);
     if (items > 0 && given.bytes != ArrayLayout::unknown_size &&
         (lowest < 0 || highest > static_cast<double>(given.bytes) ||
          (is_plain && given.bytes != items * components * static_cast<std::size_t>(width))))
@@ -57,14 +114,25 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, std::size_t
     first_ = static_cast<std::byte*>(given.host) + given.offset;
 }
 
+void ResultArray::set_mapped(const targets::MappedMemory& memory) {
+    if (device_ != nullptr && size_[0] * size_[1] * size_[2] > 0) first_ = memory.at(device_, offset_);
+}
+
 targets::WrittenArray ResultArray::written() const {
-    return {.first = reinterpret_cast<std::uintptr_t>(first_),
-            .width = bytes_of(type_),
-            .size = {static_cast<std::int64_t>(items_), 1, 1},
-            .strides = {stride_, 0, 0},
-            .components = components_,
-            .component_stride = component_stride_,
-            .name = name_};
+    targets::WrittenArray array{.first = reinterpret_cast<std::uintptr_t>(first_),
+                                .width = bytes_of(type_),
+                                .size = size_,
+                                .strides = strides_,
+                                .components = components_,
+                                .component_stride = component_stride_,
+                                .name = name_};
+    if (device_ == nullptr) return array;
+    return device::guarded([&] {
+        const targets::BufferPlace begin = targets::place_of(device_, offset_);
+        array.memory = begin.memory();
+        array.first = begin.byte;
+        return array;
+    });
 }
 
 }  // namespace clsdf::segments

@@ -20,7 +20,7 @@ ScaledFaces::ScaledFaces(const engine::PointMesh& mesh_in, std::span<const std::
         for (const Vec3& p : positions)
             for (const double x : p)
                 if (!engine::is_exact_in_units({x, 0, 0}, scale))
-                    throw Error(ErrorCode::invalid_argument,
+                    throw Error(ErrorCode::unsupported,
                                 fmt::format("{} has the coordinate {}, which in units of {} is smaller than 2^-300 or "
                                             "greater than 2^300: where segments meet the surface cannot be decided "
                                             "then; set such coordinates to 0",

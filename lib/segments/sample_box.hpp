@@ -22,7 +22,7 @@ struct ScaledFaces {
     double scale;
     std::span<const std::uint32_t> numbers{};  ///< of a part's triangles, in the whole mesh; empty for the whole
 
-    /// numbers_in: as above. name: the mesh's. Throws Error(invalid_argument) if a coordinate is out of range.
+    /// numbers_in: as above. name: the mesh's. Throws Error(unsupported) if a coordinate is out of range.
     ScaledFaces(const engine::PointMesh& mesh_in, std::span<const std::uint32_t> numbers_in, const std::string& name);
 
     std::size_t count() const { return mesh.face_count(); }

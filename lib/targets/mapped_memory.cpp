@@ -83,6 +83,28 @@ BufferPlace place_of(cl_mem memory, std::size_t byte) {
     return {buffer, byte};
 }
 
+cl::Buffer checked_range(const device::Context& context, const DeviceRange& range, std::size_t bytes,
+                         std::size_t alignment, const char* name) {
+    const auto misuse = [](const std::string& what) { return Error(ErrorCode::invalid_argument, what); };
+    if (range.memory == nullptr)
+        throw misuse(fmt::format("{} has no memory, and a run writes {} bytes there; give it a buffer", name, bytes));
+    const cl::Buffer memory(range.memory, true);
+    require_buffer(context, memory, name);
+    if ((memory.getInfo<CL_MEM_FLAGS>() & CL_MEM_READ_ONLY) != 0)
+        throw misuse(
+            fmt::format("{} is a buffer made with CL_MEM_READ_ONLY; kernels write to it, so make it with "
+                        "CL_MEM_READ_WRITE",
+                        name));
+    if (range.offset % alignment != 0)
+        throw misuse(fmt::format("{} begins at byte {} of its buffer; let it begin at a multiple of {}", name,
+                                 range.offset, alignment));
+    const std::size_t size = memory.getInfo<CL_MEM_SIZE>();
+    if (range.offset > size || size - range.offset < bytes)
+        throw misuse(fmt::format("{} needs {} bytes from byte {} on, and its buffer has {}; give it a larger one", name,
+                                 bytes, range.offset, size));
+    return memory;
+}
+
 MappedMemory::~MappedMemory() {
     try {
         unmap();

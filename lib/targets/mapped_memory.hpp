@@ -27,6 +27,11 @@ struct BufferPlace {
 /// The place of a byte of a buffer or sub-buffer. Throws cl::Error.
 BufferPlace place_of(cl_mem memory, std::size_t byte);
 
+/// The buffer of a range that commands of the device write so many bytes to, from a multiple of `alignment` on. name:
+/// begins a sentence. Throws Error(invalid_argument).
+cl::Buffer checked_range(const device::Context& context, const DeviceRange& range, std::size_t bytes,
+                         std::size_t alignment, const char* name);
+
 /// Buffers of the caller's in the host's address space for the time of a call. A buffer is mapped once, whatever lies
 /// in it; a sub-buffer counts as a part of its buffer. First add() what is used, then map().
 class MappedMemory {

@@ -77,7 +77,7 @@ list(APPEND known ${public_headers})
 # which the core does not include. Each is in one of the lists.
 set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hpp grid.hpp mesh.hpp output_table.h outputs.hpp
                    segments.hpp sparse.hpp topology.hpp tuning.hpp version.hpp)
-set(face_of_plans plan.hpp point_plan.hpp sparse_plan.hpp)
+set(face_of_plans link_plan.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
 set(face clsdf.hpp distance_transform.hpp)
 set(beside eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp picture.hpp reference.hpp)
 foreach(list public_of_core face_of_plans face beside)

@@ -7,6 +7,7 @@
 #include "support/shared_lists.hpp"
 #include "support/test_meshes.hpp"
 
+#include "checks/known_targets.hpp"
 #include "checks/known_topology.hpp"
 #include "checks/self_test.hpp"
 #include "device/buffer_pool.hpp"
@@ -134,6 +135,14 @@ BOOST_AUTO_TEST_CASE(many_points) {
     const engine::Programs programs(device::context_of(test_device()), KernelBody::by_vector);
     BOOST_TEST(checks::ensure_tested(test_device(),
                                      checks::point_subject(test_device(), programs, checks::PointKernels::of_many)));
+    setenv("CLSDF_SELF_TEST", "0", 1);
+}
+
+// The library's own test of the kernels that store links.
+BOOST_AUTO_TEST_CASE(links_of_a_plan) {
+    unsetenv("CLSDF_SELF_TEST");
+    const engine::Programs programs(device::context_of(test_device()), KernelBody::by_vector);
+    BOOST_TEST(checks::ensure_tested(test_device(), checks::stored_links_subject(test_device(), programs)));
     setenv("CLSDF_SELF_TEST", "0", 1);
 }
 

@@ -7,6 +7,8 @@
 #include "support/queries.hpp"
 #include "support/throws.hpp"
 
+#include "device/opencl.hpp"
+
 #include <tbb/global_control.h>
 
 #include <map>
@@ -352,6 +354,205 @@ BOOST_AUTO_TEST_CASE(links_are_counted_and_written_into_the_callers_arrays) {
     BOOST_TEST(std::ranges::all_of(few, [](float x) { return x == -7; }));
 }
 
+BOOST_AUTO_TEST_CASE(dense_fields_have_the_part_of_each_link) {
+    const Mesh mesh = ball();
+    const DistanceTransform transform(test_device(), mesh);
+    Grid grid = grid_of(mesh, 20);
+    grid.first = {3, -2, 40};
+    grid.origin = grid_of(mesh, 20).position(-3, 2, -40);
+    for (const LinkOptions& options : {LinkOptions{.with_between = true}, LinkOptions{.hits = Hits::faces}}) {
+        const Links links = transform.links(grid, all_directions, options);
+        BOOST_TEST(links.size() > 1000U);
+        const std::size_t samples = grid.sample_count();
+        std::vector<double> expected(27 * samples, -1);
+        for (std::size_t n = 0; n < links.size(); ++n) {
+            const auto& [x, y, z] = links.samples[n];
+            expected[links.directions[n] * samples +
+                     grid.offset(x - grid.first[0], y - grid.first[1], z - grid.first[2])] = links.q[n];
+        }
+        std::size_t count = 0;
+        std::vector<double> dense(27 * samples, 7);
+        transform.links(grid, all_directions, {.dense = dense}, count, options);
+        BOOST_TEST(count == links.size());
+        BOOST_TEST((dense == expected));
+        // With strides: z fastest, a float beside each number, directions side by side.
+        const auto [nx, ny, nz] = grid.size;
+        std::vector<float> strided(2 * 27 * samples, 7);
+        transform.links(grid, all_directions,
+                        {.dense = OutputArray(strided.data(), {8 * 27 * nz * ny, 8 * 27 * nz, 8 * 27}, 8)}, count,
+                        options);
+        std::size_t wrong = 0;
+        for (std::int64_t z = 0; z < nz; ++z)
+            for (std::int64_t y = 0; y < ny; ++y)
+                for (std::int64_t x = 0; x < nx; ++x)
+                    for (std::size_t d = 0; d < 27; ++d) {
+                        const std::size_t at = 2 * (static_cast<std::size_t>((x * ny + y) * nz + z) * 27 + d);
+                        const double q = expected[d * samples + grid.offset(x, y, z)];
+                        wrong += strided[at] != as_float_part(q) || strided[at + 1] != 7;
+                    }
+        BOOST_TEST(wrong == 0);
+    }
+    // With rows: these need room, and without it nothing is written.
+    std::vector<float> dense(27 * grid.sample_count(), 7);
+    std::vector<std::uint8_t> inside(grid.sample_count(), 7);
+    std::vector<double> q(5);
+    std::size_t count = 0;
+    check_throws(ErrorCode::invalid_argument, {"room for 5"}, [&] {
+        transform.links(grid, all_directions, {.room = 5, .q = q, .inside = inside, .dense = dense}, count);
+    });
+    BOOST_TEST(std::ranges::all_of(dense, [](float x) { return x == 7; }));
+    std::vector<float> small(26 * grid.sample_count());
+    check_throws(ErrorCode::invalid_argument, {"dense array", fmt::format("{} are needed", dense.size())},
+                 [&] { transform.links(grid, all_directions, {.dense = small}, count); });
+    check_throws(ErrorCode::invalid_argument, {"dense array", "component_stride 0", "all of them"}, [&] {
+        transform.links(grid, all_directions, {.dense = OutputArray(dense.data(), {4, 80, 1600})}, count);
+    });
+    check_throws(ErrorCode::unsupported, {"dense array", "uint8", "double or float"},
+                 [&] { transform.links(grid, all_directions, {.dense = inside}, count); });
+    check_throws(ErrorCode::invalid_argument, {"dense array", "array of inside", "same bytes"}, [&] {
+        auto* const bytes = reinterpret_cast<std::uint8_t*>(dense.data());
+        transform.links(grid, all_directions, {.inside = OutputArray(bytes), .dense = dense}, count);
+    });
+}
+
+BOOST_AUTO_TEST_CASE(slabs_have_the_rows_of_the_whole) {
+    const Mesh mesh = ball();
+    const DistanceTransform transform(test_device(), mesh);
+    // Slabs of 32 slices.
+    Grid grid{{-3, -2, -1.07}, {0.01, 0.01, 0.03}, {700, 500, 70}, {}};
+    const std::vector<Grid> slabs = DistanceTransform::slabs_of(grid);
+    BOOST_REQUIRE(slabs.size() > 1U);
+    const std::vector<LinkDirection> directions{{0, 0, 1}, {1, 0, -2}, {-1, 3, 1}};
+    const Links whole = transform.links(grid, directions, {.with_between = true});
+    BOOST_TEST(whole.size() > 1000U);
+    Links all;
+    std::size_t count = 0, wrong = 0;
+    std::vector<double> fractions;
+    const TransformStatistics statistics = transform.links(
+        grid, directions,
+        [&](const Grid& part, const Links& links) {
+            wrong += !(part == slabs[count++]);
+            for (std::size_t n = 0; n < links.size(); ++n)
+                wrong += links.samples[n][2] < part.first[2] || links.samples[n][2] >= part.first[2] + part.size[2];
+            const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+            add(all.samples, links.samples);
+            add(all.directions, links.directions);
+            add(all.q, links.q);
+            add(all.triangles, links.triangles);
+            add(all.counts, links.counts);
+            add(all.flags, links.flags);
+            for (std::int64_t z = 0; z < part.size[2]; ++z)
+                for (std::int64_t y = 0; y < part.size[1]; y += 7)
+                    for (std::int64_t x = 0; x < part.size[0]; ++x)
+                        wrong += links.inside.is_inside({x, y, z}) !=
+                                 whole.inside.is_inside({x, y, z + part.first[2] - grid.first[2]});
+            // It may use the transform.
+            wrong += transform.count_links(part, directions, {.with_between = true}) != links.size();
+        },
+        {.with_between = true}, {.progress = [&](const Progress& p) { fractions.push_back(p.fraction); }});
+    all.inside = whole.inside;
+    BOOST_TEST(wrong == 0);
+    BOOST_TEST(is_same(all, whole));
+    BOOST_TEST(count == slabs.size());
+    BOOST_TEST(statistics.slabs == slabs.size());
+    BOOST_TEST(std::ranges::is_sorted(fractions));
+    BOOST_TEST(fractions.size() > 3 * slabs.size());
+    BOOST_TEST(fractions.back() == 1);
+    // An error of the sink, and a stop between slabs.
+    count = 0;
+    const auto taking = [&](const auto& take) {
+        return [&count, take](const Grid&, const Links&) {
+            ++count;
+            take();
+        };
+    };
+    BOOST_CHECK_THROW(transform.links(grid, directions, taking([] { throw std::domain_error("mine"); })),
+                      std::domain_error);
+    BOOST_TEST(count == 1U);
+    check_throws(ErrorCode::out_of_memory, {},
+                 [&] { transform.links(grid, directions, taking([] { throw std::bad_alloc(); })); });
+    count = 0;
+    check_throws(ErrorCode::cancelled, {}, [&] {
+        transform.links(grid, directions, taking([] {}), {}, {.should_stop = [&] { return count > 0; }});
+    });
+    BOOST_TEST(count == 1U);
+    check_throws(ErrorCode::invalid_argument, {"sink", "empty"},
+                 [&] { transform.links(grid, directions, LinkSink()); });
+}
+
+BOOST_AUTO_TEST_CASE(links_are_written_to_memory_of_the_device) {
+    const Mesh mesh = ball();
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_of(mesh, 20);
+    const Links links = transform.links(grid, all_directions);
+    const std::size_t room = links.size() + 2;
+    const cl::Context context(test_device().context(), true);
+    const cl::CommandQueue queue(context, context.getInfo<CL_CONTEXT_DEVICES>().front());
+    const auto filled = [&](std::size_t bytes) {
+        std::vector<std::uint8_t> values(bytes, 77);
+        return cl::Buffer(context, CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, bytes, values.data());
+    };
+    // Rows with a stride and an offset, in one buffer with the sides.
+    const cl::Buffer rows = filled(24 * room + grid.sample_count()), samples = filled(12 * room),
+                     dense = filled(4 * 27 * grid.sample_count());
+    const auto in_rows = [&](ElementType type, std::size_t offset) {
+        OutputArray array(rows(), type);
+        array.offset = offset;
+        array.strides[0] = 24;
+        return array;
+    };
+    OutputArray inside(rows(), ElementType::uint8);
+    inside.offset = 24 * room;
+    std::size_t count = 0;
+    transform.links(grid, all_directions,
+                    {.room = room,
+                     .samples = {samples(), ElementType::int32},
+                     .directions = in_rows(ElementType::uint8, 0),
+                     .q = in_rows(ElementType::float64, 8),
+                     .triangles = in_rows(ElementType::uint32, 16),
+                     .inside = inside,
+                     .dense = {dense(), ElementType::float32}},
+                    count);
+    BOOST_TEST(count == links.size());
+    std::vector<std::uint8_t> read_rows(24 * room + grid.sample_count());
+    std::vector<std::array<std::int32_t, 3>> read_samples(room);
+    std::vector<float> read_dense(27 * grid.sample_count());
+    queue.enqueueReadBuffer(rows, CL_TRUE, 0, read_rows.size(), read_rows.data());
+    queue.enqueueReadBuffer(samples, CL_TRUE, 0, 12 * room, read_samples.data());
+    queue.enqueueReadBuffer(dense, CL_TRUE, 0, 4 * read_dense.size(), read_dense.data());
+    const auto at = [&]<typename T>(std::size_t n, std::size_t offset, T value) {
+        std::memcpy(&value, read_rows.data() + 24 * n + offset, sizeof value);
+        return value;
+    };
+    std::size_t wrong = 0;
+    for (std::size_t n = 0; n < count; ++n)
+        wrong += read_samples[n] != links.samples[n] || read_rows[24 * n] != links.directions[n] ||
+                 at(n, 8, 0.0) != links.q[n] || at(n, 16, 0U) != links.triangles[n] ||
+                 at(n, 20, 0U) != 77U * 0x01010101U;
+    wrong += at(count, 8, std::uint64_t{0}) != 77 * 0x0101010101010101U;  // nothing behind the last row
+    std::vector<float> expected(read_dense.size());
+    transform.links(grid, all_directions, {.dense = expected}, count);
+    BOOST_TEST((read_dense == expected));
+    std::size_t sample = 24 * room;
+    for (std::int64_t z = 0; z < grid.size[2]; ++z)
+        for (std::int64_t y = 0; y < grid.size[1]; ++y)
+            for (std::int64_t x = 0; x < grid.size[0]; ++x)
+                wrong += read_rows[sample++] != (links.inside.is_inside({x, y, z}) ? 1 : 0);
+    BOOST_TEST(wrong == 0);
+    check_throws(ErrorCode::invalid_argument, {"array of samples", "buffer"}, [&] {
+        transform.links(grid, all_directions, {.room = room + 1, .samples = {samples(), ElementType::int32}}, count);
+    });
+    BOOST_TEST(count == 0U);
+    const cl::Buffer closed(context, CL_MEM_READ_WRITE | CL_MEM_HOST_NO_ACCESS, 8 * room);
+    check_throws(ErrorCode::unsupported, {"array of q", "CL_MEM_HOST_NO_ACCESS"},
+                 [&] { transform.links(grid, all_directions, {.room = room, .q = closed()}, count); });
+    OutputArray shifted(rows(), ElementType::uint8);
+    shifted.offset = 23 * room + 1;
+    check_throws(ErrorCode::invalid_argument, {"array of flags", "array of inside", "same bytes"}, [&] {
+        transform.links(grid, all_directions, {.room = room, .flags = shifted, .inside = inside}, count);
+    });
+}
+
 BOOST_AUTO_TEST_CASE(a_part_that_is_not_0_or_1_is_neither_as_a_float) {
     const DistanceTransform transform(test_device(), box_between({0x1p-60, 0, 0}, {3, 1, 1}).mesh("box"));
     std::vector<float> q(1);
@@ -378,7 +579,7 @@ BOOST_AUTO_TEST_CASE(faces_as_given_are_met_without_a_sign) {
         BOOST_TEST((links.flags[n] == SegmentFlag::sheet));
         BOOST_TEST(links.counts[n] == 1U);
     }
-    check_throws(ErrorCode::invalid_argument, {"sheet", "sign", "faces"}, [&] { transform.links(grid, directions); });
+    check_throws(ErrorCode::unsupported, {"sheet", "sign", "faces"}, [&] { transform.links(grid, directions); });
 }
 
 BOOST_AUTO_TEST_CASE(the_film_of_an_open_mesh_is_met) {

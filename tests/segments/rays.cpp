@@ -1,6 +1,7 @@
 // Rays and pairs of points against rational arithmetic, through the public interface. Walls are counted by eight rays
 // that are really moved: on meshes with small whole coordinates a move of 2^-40 is as small as any.
 
+#include "support/device_memory.hpp"
 #include "support/exact_distance.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <string>
@@ -600,8 +602,9 @@ BOOST_AUTO_TEST_CASE(arrays_have_any_type_and_stride_and_what_cannot_be_is_refus
     refused({"array t", "origins", "same bytes"}, {}, {.t = OutputArray(&from[1][0])});
     refused({"array t", "array triangles", "same bytes"}, {},
             {.t = one, .triangles = OutputArray(reinterpret_cast<std::uint32_t*>(one.data()))});
-    check_throws(ErrorCode::unsupported, {"array t", "memory of the device"},
-                 [&] { transform.rays(from, along, {}, {.t = OutputArray(reinterpret_cast<cl_mem>(1))}); });
+    const cl::Buffer closed(device::context_of(test_device()).context(), CL_MEM_READ_WRITE | CL_MEM_HOST_NO_ACCESS, 64);
+    check_throws(ErrorCode::unsupported, {"array t", "CL_MEM_HOST_NO_ACCESS"},
+                 [&] { transform.rays(from, along, {}, {.t = closed()}); });
     check_throws(ErrorCode::unsupported, {"array t", "uint8"}, [&] {
         transform.rays(
             from, along, {},
@@ -652,6 +655,64 @@ BOOST_AUTO_TEST_CASE(threads_and_moved_vertices_give_the_same_bytes) {
         one.add(rays.origins[i], rays.directions[i]);
         BOOST_TEST(answers_of(transform, one, {}, 1).t[0] == expected.t[4 * i]);
     }
+}
+
+BOOST_AUTO_TEST_CASE(rays_and_pairs_lie_in_memory_of_the_device) {
+    const DistanceTransform transform(test_device(), make_shape("sphere3"));
+    const device::Context& context = device::context_of(test_device());
+    // Origins and directions side by side; results with a stride between them.
+    std::vector<std::array<Vec3, 2>> pairs;
+    for (std::size_t i = 0; i < 300; ++i) {
+        const auto x = static_cast<double>(i);
+        pairs.push_back({Vec3{2 * std::sin(x), 2 * std::cos(1.7 * x), 0.01 * x - 1.5},
+                         Vec3{std::cos(2.3 * x), std::sin(0.7 * x), 0.3}});
+    }
+    std::vector<Vec3> from, to;
+    for (const auto& [first, second] : pairs) {
+        from.push_back(first);
+        to.push_back(second);
+    }
+    const auto buffer_of = [&](std::size_t bytes, const void* values) {
+        return cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, bytes,
+                          const_cast<void*>(values));  // which is only read
+    };
+    const cl::Buffer memory = buffer_of(pairs.size() * 48, pairs.data());
+    InputArray first(memory(), ElementType::float64, pairs.size()), second = first;
+    first.strides[0] = second.strides[0] = 48;
+    second.offset = 24;
+    const std::vector<float> sevens(4 * pairs.size(), 7);
+    const cl::Buffer results = buffer_of(sevens.size() * 4, sevens.data());
+    OutputArray t(results(), ElementType::float32), any(results(), ElementType::uint8);
+    t.strides[0] = any.strides[0] = 16;
+    t.offset = 4;
+    any.offset = 12;
+    std::vector<float> expected_t(pairs.size());
+    std::vector<std::uint8_t> expected_any(pairs.size()), visible(pairs.size());
+    transform.rays(from, to, {}, {.t = expected_t, .any = expected_any});
+    transform.visible(from, to, visible);
+    const auto wrong = [&](const std::vector<std::uint8_t>& bytes, bool with_t) {
+        const auto found = read<std::array<float, 4>>(context, results, pairs.size());
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            std::uint8_t byte = 0;
+            std::memcpy(&byte, &found[i][3], 1);
+            count +=
+                found[i][0] != 7 || found[i][1] != (with_t ? expected_t[i] : 7) || found[i][2] != 7 || byte != bytes[i];
+        }
+        return count;
+    };
+    BOOST_TEST(std::ranges::count(visible, 1) > 10);
+    BOOST_TEST(std::ranges::count(visible, 0) > 10);
+    transform.visible(first, second, any);
+    BOOST_TEST(wrong(visible, false) == 0);
+    transform.rays(first, second, {}, {.t = t, .any = any});
+    BOOST_TEST(wrong(expected_any, true) == 0);
+    OutputArray there(memory(), ElementType::uint8);
+    check_throws(ErrorCode::invalid_argument, {"the array any", "origins", "same bytes"},
+                 [&] { transform.rays(first, second, {}, {.any = there}); });
+    first.count = second.count = pairs.size() + 1;
+    check_throws(ErrorCode::invalid_argument, {"origins", "their memory holds"},
+                 [&] { transform.rays(first, second, {}, {.any = any}); });
 }
 
 BOOST_AUTO_TEST_CASE(a_call_of_rays_reports_and_stops) {

@@ -183,6 +183,7 @@ typedef struct clsdf_transform clsdf_transform;       /* the distance to a mesh,
 typedef struct clsdf_plan clsdf_plan;                 /* boxes that are computed again and again */
 typedef struct clsdf_sparse_plan clsdf_sparse_plan;   /* a sparse field that is computed again and again */
 typedef struct clsdf_point_plan clsdf_point_plan;     /* points that are looked up again and again */
+typedef struct clsdf_link_plan clsdf_link_plan;       /* links that go to memory of the device again and again */
 typedef struct clsdf_field clsdf_field;               /* a field in the library's memory */
 typedef struct clsdf_sparse_field clsdf_sparse_field; /* a sparse field in the library's memory */
 typedef struct clsdf_points clsdf_points;             /* points read from a file */
@@ -203,6 +204,8 @@ CLSDF_API void clsdf_sparse_plan_retain(clsdf_sparse_plan* plan);
 CLSDF_API void clsdf_sparse_plan_release(clsdf_sparse_plan* plan);
 CLSDF_API void clsdf_point_plan_retain(clsdf_point_plan* plan);
 CLSDF_API void clsdf_point_plan_release(clsdf_point_plan* plan);
+CLSDF_API void clsdf_link_plan_retain(clsdf_link_plan* plan);
+CLSDF_API void clsdf_link_plan_release(clsdf_link_plan* plan);
 CLSDF_API void clsdf_field_retain(clsdf_field* field);
 CLSDF_API void clsdf_field_release(clsdf_field* field);
 CLSDF_API void clsdf_sparse_field_retain(clsdf_sparse_field* field);
@@ -1052,7 +1055,7 @@ typedef struct clsdf_link_options {
     int32_t with_between; /* 1: also links with both ends outside and a body between them, a row from each end */
 } clsdf_link_options;
 
-/* The caller's arrays for links, packed on the host, of `room` items each; each may be null. */
+/* The caller's arrays for links, packed on the host; each may be null. Those up to `flags` have `room` rows. */
 typedef struct clsdf_link_arrays {
     int64_t room;
     int32_t* samples;    /* [room][3], on the lattice: clsdf_grid.first counts */
@@ -1063,7 +1066,43 @@ typedef struct clsdf_link_arrays {
     uint32_t* counts;    /* walls on the link */
     uint8_t* flags;      /* CLSDF_LINK_FILM ... */
     uint8_t* inside;     /* for each sample of the grid, x fastest: 1 if it is inside, else 0 */
+    double* dense;       /* [direction][z][y][x]: q, or -1 where there is no link; needs no room */
+    float* dense_floats; /* the same in floats; dense or this */
 } clsdf_link_arrays;
+
+/* The links of a slab: those whose samples are in `part`, whole slices of the grid. The library's arrays, with q,
+ * without dense, are there until it returns, and not to be written to. It may use the transform. */
+typedef int32_t (*clsdf_link_function)(void* user, const clsdf_grid* part, const clsdf_link_arrays* links,
+                                       int64_t count);
+
+/* The number of links that a run of a clsdf_link_plan writes: that of the grid's links, also if the memory has less
+ * room. */
+typedef struct clsdf_device_link_count {
+    int64_t links;
+    int64_t is_complete; /* 1: the memory holds all links; 0: there is too little room, and it is as before */
+} clsdf_device_link_count;
+
+/* The caller's memory of the device for links: arrays of any strides, of `room` items up to `flags`. An array without
+ * memory is not wanted; its count is 0 or the number of its items. */
+typedef struct clsdf_link_buffers {
+    size_t struct_size;
+    int64_t room;
+    void* count;            /* a clsdf_device_link_count; may be null */
+    int64_t count_offset;   /* bytes, a multiple of 8 */
+    clsdf_array samples;    /* int32, an item is three */
+    clsdf_array directions; /* uint8, numbers from 0 on */
+    clsdf_array q;          /* float64 or float32 */
+    clsdf_array triangles;  /* uint32 or int32 */
+    clsdf_array counts;     /* uint32 or int32 */
+    clsdf_array flags;      /* uint8 */
+    clsdf_array inside;     /* uint8, for each sample of the grid */
+    clsdf_array dense; /* float64 or float32, [direction][z][y][x], an item a sample: q, or -1; needs no room here */
+} clsdf_link_buffers;
+#define CLSDF_LINK_BUFFERS_INIT                                                                       \
+    {                                                                                                 \
+        sizeof(clsdf_link_buffers), 0, NULL, 0, CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT, \
+            CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT, CLSDF_ARRAY_INIT  \
+    }
 
 /* The caller's arrays for the edges of a grid along x, y and z, packed on the host; each may be null. There is one edge
  * less than samples on the axis; x fastest. */
@@ -1085,6 +1124,12 @@ CLSDF_API clsdf_status clsdf_links(const clsdf_transform* transform, const clsdf
                                    int64_t direction_count, const clsdf_link_options* options,
                                    const clsdf_link_arrays* arrays, const clsdf_call_options* call,
                                    clsdf_statistics* statistics, int64_t* count);
+/* The links of a grid of any size, slab by slab in the order of z, which are those of clsdf_slabs_of(): their rows, one
+ * slab after another, are those of clsdf_links(). */
+CLSDF_API clsdf_status clsdf_link_slabs(const clsdf_transform* transform, const clsdf_grid* grid,
+                                        const int32_t* directions, int64_t direction_count,
+                                        const clsdf_link_options* options, clsdf_link_function sink, void* user,
+                                        const clsdf_call_options* call, clsdf_statistics* statistics);
 /* How many there are. */
 CLSDF_API clsdf_status clsdf_count_links(const clsdf_transform* transform, const clsdf_grid* grid,
                                          const int32_t* directions, int64_t direction_count,
@@ -1095,8 +1140,8 @@ CLSDF_API clsdf_status clsdf_crossings(const clsdf_transform* transform, const c
                                        const clsdf_crossing_arrays* arrays, const clsdf_call_options* call,
                                        clsdf_statistics* statistics);
 
-/* What is asked about rays, and the arrays on the host for the results, an item for each ray. An array without memory
- * is not wanted; what is given decides what is looked for: the first hits alone, whether there is any, or all. */
+/* What is asked about rays, and the arrays for the results, an item for each ray. An array without memory is not
+ * wanted; what is given decides what is looked for: the first hits alone, whether there is any, or all. */
 typedef struct clsdf_ray_request {
     size_t struct_size;
     int32_t hits; /* CLSDF_WALLS or CLSDF_FACES */
@@ -1215,6 +1260,29 @@ CLSDF_API clsdf_status clsdf_sparse_plan_request(const clsdf_sparse_plan* plan, 
 CLSDF_API clsdf_status clsdf_sparse_plan_sign(const clsdf_sparse_plan* plan, int32_t* rule);
 /* Of making or updating it. */
 CLSDF_API clsdf_status clsdf_sparse_plan_statistics(const clsdf_sparse_plan* plan, clsdf_statistics* statistics);
+
+/* A plan of the links of a grid, whose runs write at most `room` rows into memory of the device, with the bytes of
+ * clsdf_links(). The host finds the links when the plan is made or updated; a run reads nothing back. With index base 1
+ * triangles are CLSDF_UNSUPPORTED. */
+CLSDF_API clsdf_status clsdf_link_plan_create(const clsdf_transform* transform, const clsdf_grid* grid,
+                                              const int32_t* directions, int64_t direction_count, int64_t room,
+                                              const clsdf_link_options* options, const clsdf_call_options* call,
+                                              clsdf_link_plan** plan);
+/* As clsdf_plan_enqueue(), into this memory. */
+CLSDF_API clsdf_status clsdf_link_plan_enqueue(clsdf_link_plan* plan, void* queue, const clsdf_link_buffers* buffers,
+                                               void* const* wait_list, int64_t wait_count, void** done);
+/* As clsdf_plan_update(); after an error the plan is as it was. */
+CLSDF_API clsdf_status clsdf_link_plan_update(clsdf_link_plan* plan, const clsdf_transform* transform,
+                                              const clsdf_call_options* call);
+/* The same with another grid and other room. */
+CLSDF_API clsdf_status clsdf_link_plan_update_grid(clsdf_link_plan* plan, const clsdf_transform* transform,
+                                                   const clsdf_grid* grid, int64_t room,
+                                                   const clsdf_call_options* call);
+/* Pointers may be null. */
+CLSDF_API clsdf_status clsdf_link_plan_grid(const clsdf_link_plan* plan, clsdf_grid* grid, int64_t* room);
+CLSDF_API clsdf_status clsdf_link_plan_sign(const clsdf_link_plan* plan, int32_t* rule);
+/* Of making or updating it. */
+CLSDF_API clsdf_status clsdf_link_plan_statistics(const clsdf_link_plan* plan, clsdf_statistics* statistics);
 
 /* A plan of points: at most `count` of them at a time, in memory of the device. Its own memory is about 200 bytes a
  * point, of at most 2^20 points. With index base 1 the triangle is CLSDF_UNSUPPORTED. A mesh with a coordinate that is

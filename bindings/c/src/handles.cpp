@@ -28,6 +28,8 @@ const char* name_of(Kind kind) noexcept {
             return "sparse field";
         case Kind::sparse_writer:
             return "sparse writer";
+        case Kind::link_plan:
+            return "plan of links";
         case Kind::sparse_plan:
             return "sparse plan";
     }

@@ -6,6 +6,7 @@
 #include <clsdf/device.hpp>
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/field.hpp>
+#include <clsdf/link_plan.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/plan.hpp>
 #include <clsdf/point_plan.hpp>
@@ -37,6 +38,7 @@ enum class Kind : std::uint64_t {
     sparse_writer,
     sparse_plan,
     point_plan,
+    link_plan,
 };
 
 const char* name_of(Kind kind) noexcept;
@@ -134,6 +136,10 @@ struct clsdf_sparse_plan : clsdf::c::CountedPlan<clsdf_sparse_plan, clsdf::Spars
 };
 
 struct clsdf_point_plan : clsdf::c::CountedPlan<clsdf_point_plan, clsdf::PointPlan, clsdf::c::Kind::point_plan> {
+    using CountedPlan::CountedPlan;
+};
+
+struct clsdf_link_plan : clsdf::c::CountedPlan<clsdf_link_plan, clsdf::LinkPlan, clsdf::c::Kind::link_plan> {
     using CountedPlan::CountedPlan;
 };
 

@@ -16,18 +16,6 @@ using c::of;
 
 namespace {
 
-std::span<const LinkDirection> directions_of(const std::int32_t* directions, std::int64_t count) {
-    static_assert(sizeof(LinkDirection) == 3 * sizeof(std::int32_t));
-    c::elements(directions, count, "directions");
-    return {reinterpret_cast<const LinkDirection*>(directions), static_cast<std::size_t>(count)};
-}
-
-LinkOptions options_of(const clsdf_link_options* options) {
-    if (options == nullptr) return {};
-    return {c::enumerator(options->hits, Hits::faces, "clsdf_link_options.hits"),
-            c::flag(options->with_between, "clsdf_link_options.with_between")};
-}
-
 template <typename Value>
 OutputArray array_of(Value* first) {
     return first == nullptr ? OutputArray() : OutputArray(first);
@@ -36,6 +24,8 @@ OutputArray array_of(Value* first) {
 LinkTargets targets_of(const clsdf_link_arrays& arrays) {
     if (arrays.q != nullptr && arrays.q_floats != nullptr)
         throw c::misuse("clsdf_link_arrays has q and q_floats; give one of them");
+    if (arrays.dense != nullptr && arrays.dense_floats != nullptr)
+        throw c::misuse("clsdf_link_arrays has dense and dense_floats; give one of them");
     LinkTargets targets;
     targets.room = c::count_of(arrays.room, "clsdf_link_arrays.room");
     targets.samples = array_of(reinterpret_cast<std::array<std::int32_t, 3>*>(arrays.samples));
@@ -45,7 +35,40 @@ LinkTargets targets_of(const clsdf_link_arrays& arrays) {
     targets.counts = array_of(arrays.counts);
     targets.flags = array_of(arrays.flags);
     targets.inside = array_of(arrays.inside);
+    targets.dense = arrays.dense != nullptr ? array_of(arrays.dense) : array_of(arrays.dense_floats);
     return targets;
+}
+
+void set_bytes(const SampleSides& sides, std::uint8_t* bytes) {
+    const auto count = static_cast<std::size_t>(sides.size[0] * sides.size[1] * sides.size[2]);
+    for (std::size_t n = 0; n < count; ++n) bytes[n] = sides.bits[n / 8] >> n % 8 & 1U;
+}
+
+/// Hands slabs on with triangles and directions that count from the mesh's index base.
+LinkSink sink_of(clsdf_link_function sink, void* user, std::int32_t index_base) {
+    return [=, own = Links(), inside = std::vector<std::uint8_t>()](const Grid& part, const Links& links) mutable {
+        own = links;
+        c::set_base(index_base, own.triangles);
+        if (index_base != 0)
+            for (std::uint8_t& direction : own.directions) ++direction;
+        inside.resize(part.sample_count());
+        set_bytes(links.inside, inside.data());
+        const auto count = static_cast<std::int64_t>(own.size());
+        const clsdf_link_arrays arrays{.room = count,
+                                       .samples = own.samples.empty() ? nullptr : own.samples.front().data(),
+                                       .directions = own.directions.data(),
+                                       .q = own.q.data(),
+                                       .q_floats = nullptr,
+                                       .triangles = own.triangles.data(),
+                                       .counts = own.counts.data(),
+                                       .flags = reinterpret_cast<std::uint8_t*>(own.flags.data()),
+                                       .inside = inside.data(),
+                                       .dense = nullptr,
+                                       .dense_floats = nullptr};
+        const clsdf_grid grid = c::as_c(part);
+        clsdf_set_last_error(nullptr);
+        c::check_callback(sink(user, &grid, &arrays, count), "sink");
+    };
 }
 
 void set(const TransformStatistics& from, clsdf_statistics* to) {
@@ -77,8 +100,8 @@ clsdf_status clsdf_links(const clsdf_transform* transform, const clsdf_grid* gri
         const clsdf_link_arrays& to = given(arrays, "arrays");
         std::size_t found = 0;
         try {
-            set(self.transform.links(c::grid_of(grid), directions_of(directions, direction_count), targets_of(to),
-                                     found, options_of(options), caller),
+            set(self.transform.links(c::grid_of(grid), c::directions_of(directions, direction_count), targets_of(to),
+                                     found, c::link_options_of(options), caller),
                 statistics);
         } catch (const Error&) {
             *count = static_cast<std::int64_t>(found);
@@ -92,13 +115,27 @@ clsdf_status clsdf_links(const clsdf_transform* transform, const clsdf_grid* gri
     });
 }
 
+clsdf_status clsdf_link_slabs(const clsdf_transform* transform, const clsdf_grid* grid, const std::int32_t* directions,
+                              std::int64_t direction_count, const clsdf_link_options* options, clsdf_link_function sink,
+                              void* user, const clsdf_call_options* call, clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_transform& self = of(transform);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        if (sink == nullptr) throw c::misuse("sink is null; give a function");
+        set(self.transform.links(c::grid_of(grid), c::directions_of(directions, direction_count),
+                                 sink_of(sink, user, self.index_base), c::link_options_of(options), caller),
+            statistics);
+    });
+}
+
 clsdf_status clsdf_count_links(const clsdf_transform* transform, const clsdf_grid* grid, const std::int32_t* directions,
                                std::int64_t direction_count, const clsdf_link_options* options,
                                const clsdf_call_options* call, std::int64_t* count) {
     return guarded([&] {
         const Call caller(call);
         given(count, "count") = static_cast<std::int64_t>(of(transform).transform.count_links(
-            c::grid_of(grid), directions_of(directions, direction_count), options_of(options), caller));
+            c::grid_of(grid), c::directions_of(directions, direction_count), c::link_options_of(options), caller));
     });
 }
 
@@ -122,10 +159,7 @@ clsdf_status clsdf_crossings(const clsdf_transform* transform, const clsdf_grid*
             std::ranges::copy(edges.triangles, to.triangles[axis]);
             c::set_base(self.index_base, std::span(to.triangles[axis], edges.triangles.size()));
         }
-        const Index3& size = found.inside.size;
-        if (to.inside != nullptr)
-            for (std::size_t n = 0; n < static_cast<std::size_t>(size[0] * size[1] * size[2]); ++n)
-                to.inside[n] = found.inside.bits[n / 8] >> n % 8 & 1U;
+        if (to.inside != nullptr) set_bytes(found.inside, to.inside);
         set(measured, statistics);
     });
 }

@@ -293,6 +293,69 @@ clsdf_status clsdf_sparse_plan_statistics(const clsdf_sparse_plan* plan, clsdf_s
     return guarded([&] { c::write_given(c::as_c(of(plan).plan.statistics()), statistics, "clsdf_statistics"); });
 }
 
+clsdf_status clsdf_link_plan_create(const clsdf_transform* transform, const clsdf_grid* grid,
+                                    const std::int32_t* directions, std::int64_t direction_count, std::int64_t room,
+                                    const clsdf_link_options* options, const clsdf_call_options* call,
+                                    clsdf_link_plan** plan) {
+    return made(plan, "plan", [&] {
+        const clsdf_transform& self = of(transform);
+        const Call caller(call);
+        return new clsdf_link_plan(
+            self.transform.plan_links(c::grid_of(grid), c::directions_of(directions, direction_count),
+                                      c::count_of(room, "room"), c::link_options_of(options), caller),
+            self.index_base);
+    });
+}
+
+clsdf_status clsdf_link_plan_enqueue(clsdf_link_plan* plan, void* queue, const clsdf_link_buffers* buffers,
+                                     void* const* wait_list, std::int64_t wait_count, void** done) {
+    return enqueued(done, [&] {
+        clsdf_link_plan& self = of(plan);
+        const clsdf_link_buffers from = c::read_given(buffers, CLSDF_LINK_BUFFERS_INIT, "clsdf_link_buffers");
+        const LinkTargets targets = c::link_targets_of(from, self.plan.grid().sample_count());
+        if (targets.triangles.is_given()) c::check_base(self.index_base, OutputSet(Output::triangle));
+        const DeviceRange count{static_cast<cl_mem>(from.count),
+                                c::count_of(from.count_offset, "clsdf_link_buffers.count_offset")};
+        enqueue(wait_list, wait_count, done, [&](std::span<const cl_event> events, cl_event* end) {
+            self.plan.enqueue(static_cast<cl_command_queue>(queue), targets, count, events, end);
+        });
+    });
+}
+
+clsdf_status clsdf_link_plan_update(clsdf_link_plan* plan, const clsdf_transform* transform,
+                                    const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        const auto& [self, from] = of_one_base(plan, transform);
+        self.update(from, caller);
+    });
+}
+
+clsdf_status clsdf_link_plan_update_grid(clsdf_link_plan* plan, const clsdf_transform* transform,
+                                         const clsdf_grid* grid, std::int64_t room, const clsdf_call_options* call) {
+    return guarded([&] {
+        const Call caller(call);
+        const auto& [self, from] = of_one_base(plan, transform);
+        self.update(from, c::grid_of(grid), c::count_of(room, "room"), caller);
+    });
+}
+
+clsdf_status clsdf_link_plan_grid(const clsdf_link_plan* plan, clsdf_grid* grid, std::int64_t* room) {
+    return guarded([&] {
+        const LinkPlan& self = of(plan).plan;
+        if (grid != nullptr) *grid = c::as_c(self.grid());
+        if (room != nullptr) *room = static_cast<std::int64_t>(self.room());
+    });
+}
+
+clsdf_status clsdf_link_plan_sign(const clsdf_link_plan* plan, std::int32_t* rule) {
+    return guarded([&] { given(rule, "rule") = static_cast<std::int32_t>(of(plan).plan.sign()); });
+}
+
+clsdf_status clsdf_link_plan_statistics(const clsdf_link_plan* plan, clsdf_statistics* statistics) {
+    return guarded([&] { c::write_given(c::as_c(of(plan).plan.statistics()), statistics, "clsdf_statistics"); });
+}
+
 clsdf_status clsdf_point_plan_create(const clsdf_transform* transform, std::int64_t count, double half_width,
                                      std::uint32_t outputs, const clsdf_call_options* call, clsdf_point_plan** plan) {
     return made(plan, "plan", [&] {

@@ -238,6 +238,7 @@ clsdf_status clsdf_rays(const clsdf_transform* transform, const clsdf_array* ori
         const clsdf_ray_request asked = c::read_given(request, CLSDF_RAY_REQUEST_INIT, "clsdf_ray_request");
         c::check_reserved(asked.reserved, "clsdf_ray_request");
         const RayTargets to = c::ray_targets_of(asked, from.count);
+        if (to.triangles.device != nullptr) c::check_base(self.index_base, OutputSet(Output::triangle));
         const RayOptions options{c::hits_of(asked.hits, "clsdf_ray_request.hits"), asked.limit};
         set(self.transform.rays(from, along, options, to, caller), statistics);
         c::set_base(self.index_base, to.triangles, from.count, to.most);

@@ -180,20 +180,59 @@ Hits hits_of(std::int32_t hits, const char* name) {
     return enumerator(hits, Hits::faces, name);
 }
 
+namespace {
+
+/// An array that may be missing, of so many items. what: of which there are so many.
+OutputArray items_of(const clsdf_array& array, std::size_t items, const char* what, const char* name) {
+    const std::size_t count = count_of(array.count, name);
+    if (array.host == nullptr && array.device == nullptr) return {};
+    if (count != 0 && count != items)
+        throw misuse("there are " + std::to_string(items) + " " + what + ", and " + name + " is " +
+                     std::to_string(count) + "; give it exactly " + std::to_string(items) +
+                     " items, or the count 0 if it is not known");
+    return output_array_of(array);
+}
+
+}  // namespace
+
 RayTargets ray_targets_of(const clsdf_ray_request& request, std::size_t rays) {
     const auto array_of = [rays](const clsdf_array& array, const char* name) {
-        const std::size_t count = count_of(array.count, name);
-        if (array.host == nullptr && array.device == nullptr) return OutputArray();
-        if (count != 0 && count != rays)
-            throw misuse("there are " + std::to_string(rays) + " rays, and " + name + " is " + std::to_string(count) +
-                         "; give it exactly " + std::to_string(rays) + " items, or the count 0 if it is not known");
-        return output_array_of(array);
+        return items_of(array, rays, "rays", name);
     };
     return {.most = count_of(request.most, "clsdf_ray_request.most"),
             .t = array_of(request.t, "clsdf_ray_request.t.count"),
             .triangles = array_of(request.triangles, "clsdf_ray_request.triangles.count"),
             .counts = array_of(request.counts, "clsdf_ray_request.counts.count"),
             .any = array_of(request.any, "clsdf_ray_request.any.count")};
+}
+
+std::span<const LinkDirection> directions_of(const std::int32_t* directions, std::int64_t count) {
+    static_assert(sizeof(LinkDirection) == 3 * sizeof(std::int32_t));
+    elements(directions, count, "directions");
+    return {reinterpret_cast<const LinkDirection*>(directions), static_cast<std::size_t>(count)};
+}
+
+LinkOptions link_options_of(const clsdf_link_options* options) {
+    if (options == nullptr) return {};
+    return {hits_of(options->hits, "clsdf_link_options.hits"),
+            flag(options->with_between, "clsdf_link_options.with_between")};
+}
+
+LinkTargets link_targets_of(const clsdf_link_buffers& buffers, std::size_t samples) {
+    LinkTargets targets;
+    targets.room = count_of(buffers.room, "clsdf_link_buffers.room");
+    const auto rows = [&targets](const clsdf_array& array, const char* name) {
+        return items_of(array, targets.room, "rows", name);
+    };
+    targets.samples = rows(buffers.samples, "clsdf_link_buffers.samples.count");
+    targets.directions = rows(buffers.directions, "clsdf_link_buffers.directions.count");
+    targets.q = rows(buffers.q, "clsdf_link_buffers.q.count");
+    targets.triangles = rows(buffers.triangles, "clsdf_link_buffers.triangles.count");
+    targets.counts = rows(buffers.counts, "clsdf_link_buffers.counts.count");
+    targets.flags = rows(buffers.flags, "clsdf_link_buffers.flags.count");
+    targets.inside = items_of(buffers.inside, samples, "samples", "clsdf_link_buffers.inside.count");
+    targets.dense = items_of(buffers.dense, samples, "samples", "clsdf_link_buffers.dense.count");
+    return targets;
 }
 
 clsdf_target as_c(const OutputTarget& target) {

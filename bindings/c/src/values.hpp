@@ -44,6 +44,11 @@ OutputTargets targets_of(const clsdf_targets& targets, std::size_t points);
 Hits hits_of(std::int32_t hits, const char* name);
 /// Throws Error(invalid_argument) if an array has another count of items than there are rays, unless it is 0.
 RayTargets ray_targets_of(const clsdf_ray_request& request, std::size_t rays);
+/// directions: triples.
+std::span<const LinkDirection> directions_of(const std::int32_t* directions, std::int64_t count);
+LinkOptions link_options_of(const clsdf_link_options* options);
+/// samples: of the grid.
+LinkTargets link_targets_of(const clsdf_link_buffers& buffers, std::size_t samples);
 clsdf_target as_c(const OutputTarget& target);
 /// 0: the distance. Throws Error(invalid_argument) for a bit that is no output's.
 OutputSet outputs_of(std::uint32_t bits);

@@ -85,6 +85,65 @@ static void check_point_plan(const clsdf_transform* transform) {
     clReleaseMemObject(memory);
 }
 
+/* Links that stay on the device have the bytes of those on the host. */
+static void check_link_plan(clsdf_transform* transform, const clsdf_grid* grid) {
+    clsdf_link_arrays links;
+    clsdf_link_buffers buffers = CLSDF_LINK_BUFFERS_INIT;
+    clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
+    clsdf_device_link_count total;
+    clsdf_link_plan* plan;
+    clsdf_grid of_plan, part;
+    const int64_t first[3] = {0, 0, 2}, size[3] = {N, N, N / 2};
+    int32_t directions[27][3], *samples, rule;
+    int64_t direction_count, count, room;
+    double* q;
+    cl_mem memory;
+    cl_event event;
+    void* done;
+    OK(clsdf_stencil("D3Q19", "XLB", &directions[0][0], &direction_count));
+    OK(clsdf_count_links(transform, grid, &directions[0][0], direction_count, NULL, NULL, &count));
+    memset(&links, 0, sizeof links);
+    links.room = count;
+    links.samples = allocate((size_t)count * 12);
+    links.q = allocate((size_t)count * 8);
+    OK(clsdf_links(transform, grid, &directions[0][0], direction_count, NULL, &links, NULL, NULL, &count));
+    samples = allocate((size_t)count * 12);
+    q = allocate((size_t)count * 8);
+    OK(clsdf_link_plan_create(transform, grid, &directions[0][0], direction_count, count, NULL, NULL, &plan));
+    OK(clsdf_link_plan_grid(plan, &of_plan, &room));
+    OK(clsdf_link_plan_sign(plan, &rule));
+    OK(clsdf_link_plan_statistics(plan, &statistics));
+    CHECK(memcmp(&of_plan, grid, sizeof of_plan) == 0 && room == count && rule == CLSDF_SIGN_NONZERO);
+    CHECK(statistics.device_bytes > 30 * count);
+    OK(clsdf_link_plan_update(plan, transform, NULL));
+    memory = buffer_of(16 + (size_t)count * 20, NULL);
+    buffers.room = count;
+    buffers.count = memory;
+    buffers.q = clsdf_buffer_array(CLSDF_FLOAT64, memory, count);
+    buffers.q.offset = 16;
+    buffers.samples = clsdf_buffer_array(CLSDF_INT32, memory, count);
+    buffers.samples.offset = 16 + 8 * count;
+    OK(clsdf_link_plan_enqueue(plan, queue, &buffers, NULL, 0, &done));
+    event = done;
+    CHECK(clWaitForEvents(1, &event) == CL_SUCCESS);
+    clReleaseEvent(event);
+    CHECK(clEnqueueReadBuffer(queue, memory, CL_TRUE, 0, 16, &total, 0, NULL, NULL) == CL_SUCCESS);
+    CHECK(total.links == count && total.is_complete == 1);
+    CHECK(clEnqueueReadBuffer(queue, memory, CL_TRUE, 16, (size_t)count * 8, q, 0, NULL, NULL) == CL_SUCCESS);
+    CHECK(memcmp(q, links.q, (size_t)count * 8) == 0);
+    CHECK(clEnqueueReadBuffer(queue, memory, CL_TRUE, 16 + (size_t)count * 8, (size_t)count * 12, samples, 0, NULL,
+                              NULL) == CL_SUCCESS);
+    CHECK(memcmp(samples, links.samples, (size_t)count * 12) == 0);
+    OK(clsdf_grid_part(grid, first, size, &part));
+    OK(clsdf_link_plan_update_grid(plan, transform, &part, 5, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "room for 5", clsdf_link_plan_enqueue(plan, queue, &buffers, NULL, 0, NULL));
+    buffers.room = 6;
+    FAILS(CLSDF_INVALID_ARGUMENT, "there are 6 rows", clsdf_link_plan_enqueue(plan, queue, &buffers, NULL, 0, NULL));
+    clsdf_link_plan_release(plan);
+    clReleaseMemObject(memory);
+    free(links.samples), free(links.q), free(samples), free(q);
+}
+
 static void check_read(cl_mem memory, size_t offset, const float* expected, size_t count) {
     float* values = allocate(count * sizeof *values);
     CHECK(clEnqueueReadBuffer(queue, memory, CL_TRUE, offset, count * sizeof *values, values, 0, NULL, NULL) ==
@@ -245,6 +304,7 @@ int main(void) {
     target.array.offset = 0;
     OK(clsdf_query(transform, &array, HUGE_VAL, &target, 1, NULL, NULL));
     check_point_plan(transform);
+    check_link_plan(transform, &grid);
 
     /* Index base 1 on the device. */
     arrays.index_base = 1;

@@ -3,6 +3,35 @@
 
 enum { N = 8 };
 
+typedef struct Taken {
+    const clsdf_link_arrays* whole;
+    int64_t links, slabs, end;
+} Taken;
+
+static int32_t take(void* user, const clsdf_grid* part, const clsdf_link_arrays* links, int64_t count) {
+    Taken* taken = user;
+    const clsdf_link_arrays* whole = taken->whole;
+    int64_t n;
+    CHECK(part->first[2] == taken->end && links->room == count && links->dense == NULL);
+    for (n = 0; n < count; ++n) {
+        const int64_t m = taken->links + n;
+        CHECK(memcmp(links->samples + 3 * n, whole->samples + 3 * m, 3 * sizeof(int32_t)) == 0);
+        CHECK(links->directions[n] == whole->directions[m] && links->q[n] == whole->q[m]);
+        CHECK(links->triangles[n] == whole->triangles[m] && links->counts[n] == 1 && links->flags[n] == 0);
+    }
+    CHECK(links->inside[2 + N * (2 + N * 2)] == 1 && links->inside[1] == 0);
+    taken->links += count;
+    taken->end += part->size[2];
+    ++taken->slabs;
+    return CLSDF_OK;
+}
+
+static int32_t stop(void* user, const clsdf_grid* part, const clsdf_link_arrays* links, int64_t count) {
+    (void)user, (void)part, (void)links, (void)count;
+    clsdf_set_last_error("enough");
+    return CLSDF_CANCELLED;
+}
+
 int main(void) {
     static const double vertices[8][3] = {{1.25, 1.25, 1.25}, {5.25, 1.25, 1.25}, {5.25, 5.25, 1.25},
                                           {1.25, 5.25, 1.25}, {1.25, 1.25, 5.25}, {5.25, 1.25, 5.25},
@@ -16,7 +45,9 @@ int main(void) {
     const clsdf_grid grid = {{0, 0, 0}, {1, 1, 1}, {N, N, N}, {0, 0, 0}};
     int32_t directions[27][3];
     int64_t direction_count = 0, count = 0, counted = 0, n, along_x = 0;
-    clsdf_link_arrays links;
+    clsdf_link_arrays links, dense;
+    clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
+    Taken taken = {NULL, 0, 0, 0};
     clsdf_crossing_arrays crossings;
     arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, &vertices[0][0], 8);
     arrays.triangles = clsdf_host_array(CLSDF_UINT32, &triangles[0][0], 12);
@@ -50,6 +81,26 @@ int main(void) {
     }
     CHECK(along_x == 16);
     CHECK(links.inside[2 + N * (2 + N * 2)] == 1 && links.inside[1] == 0);
+    taken.whole = &links;
+    OK(clsdf_link_slabs(transform, &grid, &directions[0][0], direction_count, NULL, take, &taken, NULL, &statistics));
+    CHECK(taken.links == count && taken.slabs == 1 && statistics.slabs == 1);
+    FAILS(CLSDF_CANCELLED, "enough",
+          clsdf_link_slabs(transform, &grid, &directions[0][0], direction_count, NULL, stop, NULL, NULL, NULL));
+    FAILS(CLSDF_INVALID_ARGUMENT, "sink",
+          clsdf_link_slabs(transform, &grid, &directions[0][0], direction_count, NULL, NULL, NULL, NULL, NULL));
+
+    memset(&dense, 0, sizeof dense);
+    dense.dense = allocate(19 * N * N * N * sizeof(double));
+    OK(clsdf_links(transform, &grid, &directions[0][0], direction_count, NULL, &dense, NULL, NULL, &n));
+    CHECK(n == count);
+    CHECK(dense.dense[1 + N * (2 + N * (2 + N * 10))] == 0.25 && dense.dense[2 + N * (2 + N * (2 + N * 10))] == -1);
+    dense.dense_floats = (float*)dense.dense;
+    FAILS(CLSDF_INVALID_ARGUMENT, "dense_floats",
+          clsdf_links(transform, &grid, &directions[0][0], direction_count, NULL, &dense, NULL, NULL, &n));
+    dense.dense = NULL;
+    OK(clsdf_links(transform, &grid, &directions[0][0], direction_count, NULL, &dense, NULL, NULL, &n));
+    CHECK(dense.dense_floats[1 + N * (2 + N * (2 + N * 10))] == 0.25F && dense.dense_floats[0] == -1);
+
     links.room = counted - 1;
     FAILS(CLSDF_INVALID_ARGUMENT, "room",
           clsdf_links(transform, &grid, &directions[0][0], direction_count, NULL, &links, NULL, NULL, &count));
@@ -67,7 +118,7 @@ int main(void) {
 
     free(links.samples), free(links.directions), free(links.q), free(links.triangles), free(links.counts);
     free(links.flags), free(links.inside), free(crossings.coordinates[0]), free(crossings.counts[0]);
-    free(crossings.triangles[2]);
+    free(crossings.triangles[2]), free(dense.dense_floats);
     clsdf_transform_release(transform), clsdf_mesh_release(mesh), clsdf_device_release(device);
     return 0;
 }

@@ -128,6 +128,7 @@ program plans
       clsdf_target(CLSDF_TRIANGLE, buffer, CLSDF_UINT32)], stat=stat, errmsg=errmsg)
   call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'index base')
   call point_plans()
+  call link_plans()
   call plan%release()
   call copy%release()
   call plan%enqueue(stat=stat, errmsg=errmsg)
@@ -242,6 +243,49 @@ contains
         [clsdf_target(CLSDF_DISTANCE, memory, CLSDF_FLOAT32)], stat=stat, errmsg=errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'at most 200 points')
     call point_plan%release()
+    status = release_buffer(memory)
+  end subroutine
+
+  !> Links in one buffer: the count, the parts, and the sides of the samples.
+  subroutine link_plans()
+    integer(4), allocatable :: directions(:, :)
+    type(clsdf_links) :: links
+    type(clsdf_link_plan) :: link_plan
+    type(clsdf_link_buffers) :: buffers
+    type(clsdf_device_link_count), target :: total
+    type(clsdf_grid) :: of_plan
+    real(8), allocatable, target :: q(:)
+    integer(1), allocatable, target :: inside(:)
+    type(c_ptr) :: memory
+    integer(8) :: count, samples, room
+    samples = product(grid%size)
+    call clsdf_stencil('D3Q19', 'OpenLB', directions)
+    call transform%links(grid, directions, links)
+    count = size(links%q, kind=8)
+    call link_plan%create(transform, grid, directions, count)
+    call check(link_plan%is_set() .and. link_plan%sign() == transform%sign(), 'a plan of links')
+    statistics = link_plan%statistics()
+    call check(statistics%device_bytes > 30*count, 'its statistics')
+    call link_plan%grid(of_plan, room)
+    call check(room == count .and. all(of_plan%size == grid%size) .and. all(of_plan%first == grid%first), 'its grid')
+    call link_plan%update(transform)
+    memory = create_buffer(context, 1_8, int(16 + 8*count + samples, c_size_t), c_null_ptr, status)
+    buffers%room = count
+    buffers%count = memory
+    buffers%q = clsdf_array(memory, CLSDF_FLOAT64, offset=16_8)
+    buffers%inside = clsdf_array(memory, CLSDF_UINT8, count=samples, offset=16 + 8*count)
+    call link_plan%enqueue(buffers, queue)
+    allocate (q(count), inside(samples))
+    status = read_buffer(queue, memory, 1, 0_c_size_t, 16_c_size_t, c_loc(total), 0, c_null_ptr, c_null_ptr)
+    status = read_buffer(queue, memory, 1, 16_c_size_t, int(8*count, c_size_t), c_loc(q), 0, c_null_ptr, c_null_ptr)
+    status = read_buffer(queue, memory, 1, int(16 + 8*count, c_size_t), int(samples, c_size_t), c_loc(inside), 0, &
+        c_null_ptr, c_null_ptr)
+    call check(total%links == count .and. total%is_complete == 1 .and. all(q == links%q), 'links of a plan')
+    call check(all(inside == reshape(links%inside, [samples])), 'sides of a plan')
+    call link_plan%update(transform, grid%part([1_8, 1_8, 1_8], [4_8, 4_8, 4_8]), 3_8)
+    call link_plan%enqueue(buffers, queue, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'inside.count is')
+    call link_plan%release()
     status = release_buffer(memory)
   end subroutine
 

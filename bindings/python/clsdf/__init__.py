@@ -23,7 +23,7 @@ from ._field import Field
 from ._files import FieldWriter, read_field, write_field
 from ._links import Crossings, EdgeCrossings, Links, stencil
 from ._pictures import Picture, slice_picture
-from ._plan import Plan, PointPlan, PointStatus, SparsePlan
+from ._plan import LinkPlan, Plan, PointPlan, PointStatus, SparsePlan
 from ._shared import SharedArray
 from ._sparse import SparseField, read_sparse_field
 from ._transform import BoxPlace, Rays, Region, Request, Transform
@@ -57,6 +57,7 @@ __all__ = [
     "Groups",
     "InvalidArgument",
     "InvalidMesh",
+    "LinkPlan",
     "Links",
     "Mesh",
     "MeshWarning",

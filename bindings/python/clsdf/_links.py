@@ -36,13 +36,10 @@ class Links:
 
     FILM, BETWEEN, SHEET = 1, 2, 8
 
-    def __init__(
-        self, grid: Grid, directions: npt.NDArray[np.int32], found: tuple[Any, ...], dtype: npt.DTypeLike = np.float64
-    ) -> None:
+    def __init__(self, grid: Grid, directions: npt.NDArray[np.int32], found: tuple[Any, ...]) -> None:
         self.grid = grid
         self.stencil = directions
-        self.samples, self.directions, q, self.triangles, self.counts, self.flags, bits = found
-        self.q: npt.NDArray[Any] = _as_real(q, dtype)
+        self.samples, self.directions, self.q, self.triangles, self.counts, self.flags, bits = found
         self.inside = _samples_of(bits, grid)
 
     def __len__(self) -> int:
@@ -105,22 +102,16 @@ def directions_of(directions: Any) -> npt.NDArray[np.int32]:
     return np.ascontiguousarray(given, np.int32)
 
 
+def is_in_floats(dtype: npt.DTypeLike) -> bool:
+    if np.dtype(dtype) not in (np.float32, np.float64):
+        raise Error(f"dtype is {np.dtype(dtype)}; q is float32 or float64")
+    return np.dtype(dtype) == np.float32
+
+
 def is_of_faces(hits: str) -> bool:
     if hits not in ("walls", "faces"):
         raise Error(f"hits is {hits!r}; the choices are 'walls' and 'faces'")
     return hits == "faces"
-
-
-def _as_real(q: npt.NDArray[np.float64], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
-    """As floats neither 0 nor 1 by rounding."""
-    if np.dtype(dtype) == np.float64:
-        return q
-    if np.dtype(dtype) != np.float32:
-        raise Error(f"dtype is {np.dtype(dtype)}; q is float32 or float64")
-    single = q.astype(np.float32)
-    single[(q > 0) & (single == 0)] = np.finfo(np.float32).smallest_subnormal
-    single[(q < 1) & (single == 1)] = np.nextafter(np.float32(1), np.float32(0))
-    return single
 
 
 def _samples_of(bits: npt.NDArray[np.uint8], grid: Grid) -> npt.NDArray[np.bool_]:

@@ -193,6 +193,59 @@ class PointPlan:
             self._plan.update(transform._body, show)
 
 
+class LinkPlan:
+    """What Transform.plan_links() made. It may outlive the transform. Threads take turns. Needs pyopencl, but for arrays in
+    memory of CUDA."""
+
+    def __init__(self, plan: _core.PlanOfLinks) -> None:
+        self._plan = plan
+
+    def __repr__(self) -> str:
+        return f"<clsdf.LinkPlan: room for {self.room} links, {self.device_bytes} bytes of the device, sign {self.sign}>"
+
+    @property
+    def room(self) -> int:
+        """The most rows of a run."""
+        return self._plan.room
+
+    @property
+    def grid(self) -> Grid:
+        return self._plan.grid
+
+    @property
+    def device_bytes(self) -> int:
+        """Device memory of the plan."""
+        return self._plan.device_bytes
+
+    @property
+    def sign(self) -> str:
+        """The rule in use: 'nonzero', 'parity', 'solid-angle', 'below' or 'none'."""
+        return self._plan.sign
+
+    def enqueue(self, *, out: Mapping[str, Any], queue: Any = None, wait_for: Iterable[Any] | None = None) -> Any:
+        """Enqueues copies of the links; never blocks and reads nothing back.
+
+        out: arrays of pyopencl, which are packed, or arrays in memory of CUDA (see Plan.enqueue()):
+            'count': int64, (2,): the number of links, and 1 if the arrays hold them all. 0: there is too little room, and
+                rows and 'dense' are as before.
+            'samples': int32, (room, 3); 'directions' and 'flags': uint8; 'q': float64 or float32; 'triangles' and
+                'counts': uint32 or int32, (room,), as Links has them. Rows beyond the number of links stay.
+            'inside': uint8, of the grid's shape. 'dense': float64 or float32, (directions, *grid.shape): q, or -1.
+        queue, wait_for and the result: as of Plan.enqueue(). The arrays must outlive the run.
+        """
+        event = self._plan.enqueue(queue, dict(out), None if wait_for is None else list(wait_for))
+        return _event_of(event)
+
+    def update(
+        self, transform: Transform, *, grid: Grid | None = None, room: int | None = None, progress: Progress = None
+    ) -> None:
+        """Prepares the next runs for the present positions of the transform: of the same grid and room, or of others.
+        Blocks. After an error the plan is as it was."""
+        with shown(progress) as show:
+            own_grid = self.grid if grid is None else grid
+            self._plan.update(transform._body, own_grid, self.room if room is None else room, show)
+
+
 class PointStatus(enum.IntEnum):
     """The outcome of a point in a PointPlan's run."""
 

@@ -24,8 +24,8 @@ from ._points import flat, limit_of, on_surface, pairs_of, rows_of
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
 from ._field import Field
-from ._links import Crossings, Links, directions_of, is_of_faces
-from ._plan import Plan, PointPlan, SparsePlan
+from ._links import Crossings, Links, directions_of, is_in_floats, is_of_faces
+from ._plan import LinkPlan, Plan, PointPlan, SparsePlan
 from ._sparse import SparseField
 
 
@@ -751,13 +751,45 @@ class Transform:
         Raises clsdf.Error (invalid_argument) for directions or a grid out of range, and for walls without a sign.
         """
         own = directions_of(directions)
-        of_faces = is_of_faces(hits)
-        if progress is None:
-            found = _core.links(self._body, grid, own, of_faces, with_between, None)
-        else:
-            with shown(progress) as show:
-                found = _core.links(self._body, grid, own, of_faces, with_between, show)
-        return Links(grid, own, found, dtype)
+        of_faces, in_floats = is_of_faces(hits), is_in_floats(dtype)
+        with shown(progress) as show:
+            return Links(grid, own, _core.links(self._body, grid, own, of_faces, with_between, in_floats, show))
+
+    def link_slabs(
+        self,
+        grid: Grid,
+        directions: Any = "D3Q19",
+        *,
+        hits: str = "walls",
+        with_between: bool = False,
+        dtype: npt.DTypeLike = np.float64,
+    ) -> Iterator[Links]:
+        """The links of a grid of any size as an iterator of those of its slabs, whole slices in the order of z, which are
+        those of slabs(). Options: as of links(). Each slab is computed when it is asked for; the rows, one slab after
+        another, are those of the whole."""
+        own = directions_of(directions)
+        of_faces, in_floats = is_of_faces(hits), is_in_floats(dtype)
+        return (
+            Links(part, own, _core.links(self._body, part, own, of_faces, with_between, in_floats, None))
+            for part in _core.slabs_of(grid)
+        )
+
+    def plan_links(
+        self,
+        grid: Grid,
+        directions: Any = "D3Q19",
+        *,
+        room: int,
+        hits: str = "walls",
+        with_between: bool = False,
+        progress: Progress = None,
+    ) -> LinkPlan:
+        """Prepares the links of a grid for runs that write at most `room` rows into memory of the device, without
+        blocking. Options: as of links(). The host finds the links now, and whenever the plan is updated."""
+        own = directions_of(directions)
+        with shown(progress) as show:
+            plan = _core.plan_of_links(self._body, grid, own, room, is_of_faces(hits), with_between, show)
+            return LinkPlan(plan)
 
     def count_links(
         self, grid: Grid, directions: Any = "D3Q19", *, hits: str = "walls", with_between: bool = False

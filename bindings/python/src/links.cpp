@@ -1,5 +1,6 @@
 #include "body.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -37,8 +38,17 @@ nb::capsule owner_of(std::unique_ptr<Result>& own) {
     return {own.release(), [](void* made) noexcept { delete static_cast<Result*>(made); }};
 }
 
+/// q, as floats if these are asked for.
+nb::object parts_of(std::vector<double>& q, bool in_floats, const nb::capsule& owner) {
+    if (!in_floats) return rows_of<double>(q, owner);
+    auto own = std::make_unique<std::vector<float>>(q.size());
+    std::vector<float>& floats = *own;
+    std::ranges::transform(q, floats.begin(), as_float_part);
+    return rows_of<float>(floats, owner_of(own));
+}
+
 nb::tuple links(const Body& body, const Grid& grid, const Directions& directions, bool of_faces, bool with_between,
-                nb::object progress) {
+                bool in_floats, nb::object progress) {
     const Call call(std::move(progress));
     const std::span all(reinterpret_cast<const LinkDirection*>(directions.data()), directions.shape(0));
     const LinkOptions options{.hits = of_faces ? Hits::faces : Hits::walls, .with_between = with_between};
@@ -48,7 +58,7 @@ nb::tuple links(const Body& body, const Grid& grid, const Directions& directions
     const nb::capsule owner = owner_of(own);
     auto* const flags = reinterpret_cast<std::uint8_t*>(links.flags.data());
     return nb::make_tuple(triples_of(links.samples, owner), rows_of<std::uint8_t>(links.directions, owner),
-                          rows_of<double>(links.q, owner), rows_of<std::uint32_t>(links.triangles, owner),
+                          parts_of(links.q, in_floats, owner), rows_of<std::uint32_t>(links.triangles, owner),
                           rows_of<std::uint32_t>(links.counts, owner),
                           nb::cast(nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>>(static_cast<void*>(flags),
                                                                                      {links.flags.size()}, owner)),
@@ -90,9 +100,9 @@ nb::object stencil_of(const std::string& name, const std::string& code) {
 void add_links(nb::module_& module) {
     module.def(
         "links", &links, nb::arg("body"), nb::arg("grid"), nb::arg("directions"), nb::arg("of_faces"),
-        nb::arg("with_between"), nb::arg("progress").none(),
+        nb::arg("with_between"), nb::arg("in_floats"), nb::arg("progress").none(),
         nb::sig("def links(body: Body, grid: Grid, directions: numpy.typing.NDArray[numpy.int32], of_faces: bool, "
-                "with_between: bool, progress: object | None) -> tuple[typing.Any, ...]"));
+                "with_between: bool, in_floats: bool, progress: object | None) -> tuple[typing.Any, ...]"));
     module.def("count_links", &count_links, nb::arg("body"), nb::arg("grid"), nb::arg("directions"),
                nb::arg("of_faces"), nb::arg("with_between"), nb::arg("progress").none());
     module.def("crossings", &crossings, nb::arg("body"), nb::arg("grid"), nb::arg("with_counts"),

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -87,6 +88,7 @@ private:
 
 using PyPointPlan = PyPlanOf<PointPlan>;
 using PySparsePlan = PyPlanOf<SparsePlan>;
+using PyLinkPlan = PyPlanOf<LinkPlan>;
 
 PyPlan plan_of_grid(const Body& body, const Grid& grid, const Band& band, const std::vector<std::string>& outputs,
                     nb::object progress) {
@@ -225,9 +227,10 @@ PySparsePlan sparse_plan(const Body& body, const Grid& grid, const Band& band, c
     }));
 }
 
-/// An array of 64-bit integers of the device that a run writes; a buffer of pyopencl has no shape. The result has its
-/// place alone.
-InputArray integers(Arrays& arrays, nb::handle array, const std::string& name, const std::vector<std::int64_t>& shape) {
+/// An array of the device that a run writes, packed and of one of the types; a buffer of pyopencl has no type and no
+/// shape. The result has its place and its type.
+InputArray packed(Arrays& arrays, nb::handle array, const std::string& name, const std::vector<std::int64_t>& shape,
+                  std::initializer_list<ElementType> types) {
     InputArray place;
     if (nb::hasattr(array, "int_ptr")) {
         place.device = std::bit_cast<cl_mem>(nb::cast<std::uintptr_t>(array.attr("int_ptr")));
@@ -235,8 +238,8 @@ InputArray integers(Arrays& arrays, nb::handle array, const std::string& name, c
     }
     const std::string what = "out: the array of '" + name + "'";
     const ArrayView seen = arrays.view(array, what, true);
-    if (seen.type != ElementType::int64 && seen.type != ElementType::uint64)
-        refuse(what + " has " + name_of(seen.type) + "; give it int64");
+    if (std::ranges::find(types, seen.type) == types.end())
+        refuse(what + " has " + name_of(seen.type) + "; give it " + name_of(*types.begin()));
     if (seen.shape != shape) {
         std::string expected;
         for (const std::int64_t side : shape) expected += (expected.empty() ? "" : ", ") + std::to_string(side);
@@ -247,6 +250,7 @@ InputArray integers(Arrays& arrays, nb::handle array, const std::string& name, c
         refuse(what + " is in memory of the host, and a plan writes to the device's; pass an array there");
     place.device = seen.device;
     place.offset = seen.offset;
+    place.type = seen.type;
     return place;
 }
 
@@ -261,14 +265,15 @@ std::uintptr_t enqueue_sparse(const PySparsePlan& plan, nb::handle queue, const 
     const auto bricks = static_cast<std::int64_t>(room.bricks), runs = static_cast<std::int64_t>(room.runs);
     nb::dict values;
     InputArray of_counts, of_bricks, of_inside;
+    const auto integers = {ElementType::int64, ElementType::uint64};
     for (const auto& [key, array] : out) {
         const auto name = nb::cast<std::string>(key);
         if (name == "counts")
-            of_counts = integers(arrays, array, name, {3});
+            of_counts = packed(arrays, array, name, {3}, integers);
         else if (name == "bricks")
-            of_bricks = integers(arrays, array, name, {bricks, 3});
+            of_bricks = packed(arrays, array, name, {bricks, 3}, integers);
         else if (name == "inside")
-            of_inside = integers(arrays, array, name, {runs, 4});
+            of_inside = packed(arrays, array, name, {runs, 4}, integers);
         else
             values[key] = array;
     }
@@ -348,6 +353,83 @@ void update_points(PyPointPlan& plan, const Body& body, nb::object progress) {
     });
 }
 
+using Directions = nb::ndarray<const std::int32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+PyLinkPlan plan_of_links(const Body& body, const Grid& grid, const Directions& directions, std::size_t room,
+                         bool of_faces, bool with_between, nb::object progress) {
+    const Call call(std::move(progress));
+    const std::span all(reinterpret_cast<const LinkDirection*>(directions.data()), directions.shape(0));
+    const LinkOptions options{.hits = of_faces ? Hits::faces : Hits::walls, .with_between = with_between};
+    return PyLinkPlan(body.device(), body.read([&](const DistanceTransform& transform) {
+        return transform.plan_links(grid, all, room, options, call.options());
+    }));
+}
+
+/// As enqueue_sparse(). out: by the names of LinkTargets, and "count".
+std::uintptr_t enqueue_links(const PyLinkPlan& plan, nb::handle queue, const ArraysByName& out, nb::handle wait_for) {
+    using enum ElementType;
+    const auto own = handle_of(queue);
+    const std::vector<cl_event> events = events_of(wait_for);
+    Arrays arrays(&plan.device());
+    const auto [room, size, fields] = plan.use([](const LinkPlan& of) {
+        return std::tuple(of.room(), of.grid().size, static_cast<std::int64_t>(of.directions().size()));
+    });
+    const auto rows = static_cast<std::int64_t>(room);
+    LinkTargets targets{.room = room};
+    struct Row {
+        const char* name;
+        OutputArray& target;
+        std::initializer_list<ElementType> types;
+        std::vector<std::int64_t> shape;
+        InputArray place{};
+    };
+    const auto in_q = {float64, float32}, in_numbers = {uint32, int32}, in_bytes = {uint8}, in_samples = {int32},
+               in_count = {int64, uint64};
+    OutputArray of_count;
+    std::array<Row, 9> all{{{"samples", targets.samples, in_samples, {rows, 3}},
+                            {"directions", targets.directions, in_bytes, {rows}},
+                            {"q", targets.q, in_q, {rows}},
+                            {"triangles", targets.triangles, in_numbers, {rows}},
+                            {"counts", targets.counts, in_numbers, {rows}},
+                            {"flags", targets.flags, in_bytes, {rows}},
+                            {"inside", targets.inside, in_bytes, {size[2], size[1], size[0]}},
+                            {"dense", targets.dense, in_q, {fields, size[2], size[1], size[0]}},
+                            {"count", of_count, in_count, {2}}}};
+    for (const auto& [key, array] : out) {
+        const auto name = nb::cast<std::string>(key);
+        const auto row = std::ranges::find(all, name, &Row::name);
+        if (row == all.end())
+            refuse("out has the array '" + name +
+                   "', and a plan of links writes count, samples, directions, q, "
+                   "triangles, counts, flags, inside and dense; leave it out");
+        row->place = packed(arrays, array, name, row->shape, row->types);
+    }
+    arrays.place({&all[0].place, &all[1].place, &all[2].place, &all[3].place, &all[4].place, &all[5].place,
+                  &all[6].place, &all[7].place, &all[8].place},
+                 {});
+    for (Row& row : all) {
+        row.target = OutputArray(row.place.device, row.place.type);
+        row.target.offset = row.place.offset;
+    }
+    const DeviceRange count{of_count.device, of_count.offset};
+    const Owner<cuda::Arrays> of_call(arrays.take_cuda().release());
+    cuda::ClEvent done;
+    const bool is_of_cuda = plan.use([&](LinkPlan& of) {
+        return run_after_streams(of_call.get(), own, events, done, [&](std::span<const cl_event> before) {
+            of.enqueue(own, targets, count, before, done.put());
+        });
+    });
+    return is_of_cuda ? 0 : std::bit_cast<std::uintptr_t>(done.release());
+}
+
+void update_links(PyLinkPlan& plan, const Body& body, const Grid& grid, std::size_t room, nb::object progress) {
+    const Call call(std::move(progress));
+    body.read([&](const DistanceTransform& transform) {
+        const nb::gil_scoped_acquire gil;
+        plan.use([&](LinkPlan& of) { of.update(transform, grid, room, call.options()); });
+    });
+}
+
 }  // namespace
 
 void add_plans(nb::module_& module) {
@@ -397,6 +479,24 @@ void add_plans(nb::module_& module) {
         });
     module.def("sparse_plan", &sparse_plan, nb::arg("body"), nb::arg("grid"), nb::arg("band"), nb::arg("outputs"),
                nb::arg("room"), nb::arg("progress").none());
+    nb::class_<PyLinkPlan>(module, "PlanOfLinks", "A LinkPlan of the library; clsdf.LinkPlan is its Python face.")
+        .def("enqueue", &enqueue_links, nb::arg("queue").none(), nb::arg("out"), nb::arg("wait_for").none())
+        .def("update", &update_links, nb::arg("body"), nb::arg("grid"), nb::arg("room"), nb::arg("progress").none())
+        .def_prop_ro("room",
+                     [](const PyLinkPlan& plan) { return plan.use([](const LinkPlan& of) { return of.room(); }); })
+        .def_prop_ro(
+            "grid", [](const PyLinkPlan& plan) { return plan.use([](const LinkPlan& of) { return Grid(of.grid()); }); })
+        .def_prop_ro("sign",
+                     [](const PyLinkPlan& plan) {
+                         return std::string(name_of(plan.use([](const LinkPlan& of) { return of.sign(); })));
+                     })
+        .def_prop_ro("device_bytes", [](const PyLinkPlan& plan) {
+            return plan.use([](const LinkPlan& of) { return of.statistics().device_bytes; });
+        });
+    module.def("plan_of_links", &plan_of_links, nb::arg("body"), nb::arg("grid"), nb::arg("directions"),
+               nb::arg("room"), nb::arg("of_faces"), nb::arg("with_between"), nb::arg("progress").none(),
+               nb::sig("def plan_of_links(body: Body, grid: Grid, directions: numpy.typing.NDArray[numpy.int32], "
+                       "room: int, of_faces: bool, with_between: bool, progress: object | None) -> PlanOfLinks"));
     nb::class_<PyPointPlan>(module, "PlanOfPoints", "A PointPlan of the library; clsdf.PointPlan is its Python face.")
         .def("enqueue", &enqueue_points, nb::arg("queue").none(), nb::arg("points"), nb::arg("outputs"),
              nb::arg("status").none(), nb::arg("wait_for").none())

@@ -38,6 +38,20 @@ def test_links_are_where_sides_differ(box):
     dense = links.dense()
     assert dense.shape == (19, 8, 8, 8) and dense[10, 3, 3, 1] == 0.25 and (dense[0] == -1).all()
     assert box.links(GRID, [(1, 0, 0)], dtype=np.float32).q.dtype == np.float32
+    # As a float, a q that is not 1 stays below.
+    near = clsdf.Grid((1.25 - 1 + 2.0**-30, 3, 3), (1, 1, 1), (1, 1, 1))
+    for dtype in (np.float32, np.float64):
+        assert 0.999 < box.links(near, [(1, 0, 0)], dtype=dtype).q[0] < 1
+
+
+def test_slabs_have_the_rows_of_the_whole(box):
+    grid = clsdf.Grid((0, 0, 0), (0.008, 0.008, 0.05), (800, 800, 120))
+    whole = box.links(grid, [(0, 0, 1), (1, -1, 0)])
+    parts = list(box.link_slabs(grid, [(0, 0, 1), (1, -1, 0)]))
+    assert len(parts) > 1 and len(whole) > 10000
+    for name in ("samples", "directions", "q", "triangles", "counts", "flags", "inside"):
+        assert np.array_equal(np.concatenate([getattr(part, name) for part in parts]), getattr(whole, name))
+    assert sum(part.grid.shape[0] for part in parts) == 120
 
 
 def test_crossings_are_coordinates(box):

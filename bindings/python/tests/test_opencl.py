@@ -210,6 +210,43 @@ def test_memory_of_the_device_that_cannot_be(there, body, queue):
         there.plan(grid).enqueue(out=[{}, {}])
 
 
+def test_links_stay_on_the_device(solid, queue):
+    moving = clsdf.Transform(solid, device=queue)
+    grid = moving.grid(20)
+    plan = moving.plan_links(grid, ("D3Q19", "OpenLB"), room=10)
+    count = cl.array.zeros(queue, 2, np.int64)
+    types = {"samples": np.int32, "directions": np.uint8, "q": np.float32, "triangles": np.uint32,
+             "counts": np.int32, "flags": np.uint8}  # fmt: skip
+
+    def run():
+        out = {name: cl.array.zeros(queue, (plan.room, 3) if name == "samples" else plan.room, dtype)
+               for name, dtype in types.items()}  # fmt: skip
+        out |= {"count": count, "inside": cl.array.zeros(queue, grid.shape, np.uint8)}
+        plan.enqueue(out=out, queue=queue).wait()
+        return out
+
+    out = run()
+    links = moving.links(grid, ("D3Q19", "OpenLB"), dtype=np.float32)
+    assert count.get().tolist() == [len(links), 0] and not out["q"].get().any()
+    plan.update(moving, room=len(links) + 3)
+    assert plan.room == len(links) + 3 and plan.grid == grid and plan.device_bytes > 30 * len(links)
+    moving.set_positions(moving.vertices[:, [1, 2, 0]])
+    plan.update(moving, room=2 * len(links))
+    links = moving.links(grid, ("D3Q19", "OpenLB"), dtype=np.float32)
+    out = run()
+    assert count.get().tolist() == [len(links), 1]
+    for name in types:
+        assert np.array_equal(out[name].get()[: len(links)], getattr(links, name)), name
+    assert np.array_equal(out["inside"].get(), links.inside)
+    with pytest.raises(clsdf.Error, match="another shape"):
+        plan.enqueue(out={"q": cl.array.zeros(queue, 4, np.float32)})
+    with pytest.raises(clsdf.Error, match="'fields'"):
+        plan.enqueue(out={"fields": cl.array.zeros(queue, (19, *grid.shape), np.float32)})
+    dense = cl.array.zeros(queue, (19, *grid.shape), np.float32)
+    plan.enqueue(out={"dense": dense}, queue=queue).wait()
+    assert np.array_equal(dense.get(), links.dense())
+
+
 def test_a_sparse_field_stays_on_the_device(solid, queue):
     moving = clsdf.Transform(solid, device=queue)
     grid = moving.grid(60)

@@ -188,4 +188,11 @@ struct OutputArray : ArrayLayout {
     bool is_given() const { return host != nullptr || device != nullptr; }
 };
 
+/// Bytes of a buffer of the device, from an offset on that is a multiple of 8. The buffer is one that kernels may
+/// write.
+struct DeviceRange {
+    cl_mem memory = nullptr;
+    std::size_t offset = 0;
+};
+
 }  // namespace clsdf

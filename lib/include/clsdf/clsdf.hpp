@@ -11,6 +11,7 @@
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/grid.hpp>
+#include <clsdf/link_plan.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>

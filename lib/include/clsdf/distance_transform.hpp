@@ -4,6 +4,7 @@
 #include <clsdf/device.hpp>
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
+#include <clsdf/link_plan.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
@@ -258,19 +259,27 @@ public:
     /// directions or threads. Works on the host, on all cores; blocks. Keeps what query() keeps. Of a restricted
     /// transform the grid, with as many samples more on each side as the directions reach, must lie in a region.
     ///
-    /// Throws Error(invalid_argument) for directions out of range or given twice; for a grid out of range, also if the
-    /// last bit of a coordinate is above 2^-22 of the spacing; for a mesh or a grid with a coordinate that is not 0 and
-    /// less than 2^-300 or more than 2^300 units (see plan_points()), and for walls of a mesh without a sign;
-    /// Error(unsupported) with the rule `below` (close_down() makes a closed mesh); Error(out_of_memory or cancelled).
+    /// Throws Error(invalid_argument) for directions out of range or given twice, and for a grid out of range, also if
+    /// the last bit of a coordinate is above 2^-22 of the spacing, or if a coordinate is not 0 and less than 2^-300 or
+    /// more than 2^300 units (see plan_points()); Error(unsupported) for a mesh with such a coordinate, for walls of a
+    /// mesh without a sign and with the rule `below` (close_down() makes a closed mesh); Error(out_of_memory or
+    /// cancelled).
     Links links(const Grid& grid, std::span<const LinkDirection> directions, const LinkOptions& options = {},
                 const CallOptions& call = {}, TransformStatistics* statistics = nullptr) const;
 
-    /// Into the caller's arrays, of host memory. `count` gets how many links there are. If the arrays have less room,
-    /// throws Error(invalid_argument) that names both numbers, `count` has it, and nothing is written. After other
-    /// errors `count` is 0. Also throws Error(invalid_argument) for arrays that are too small or overlap,
-    /// Error(unsupported) for memory of the device and other types.
+    /// Into the caller's arrays. `count` gets how many links there are. If arrays of rows have less room, throws
+    /// Error(invalid_argument) that names both numbers, `count` has it, and nothing is written. After other errors
+    /// `count` is 0. Memory of the device is mapped. Also throws Error(invalid_argument) for arrays that are too small
+    /// or overlap and for memory of another context, Error(unsupported) for other types and for a buffer that the host
+    /// may not write.
     TransformStatistics links(const Grid& grid, std::span<const LinkDirection> directions, const LinkTargets& targets,
                               std::size_t& count, const LinkOptions& options = {}, const CallOptions& call = {}) const;
+
+    /// The links of a grid of any size, slab by slab, which are slabs_of(grid): the rows one after another are those of
+    /// the whole. The memory is that of a slab. The sink is called on the calling thread. After an error it is not
+    /// called again. Also throws what the sink throws, Error(invalid_argument) for an empty sink.
+    TransformStatistics links(const Grid& grid, std::span<const LinkDirection> directions, const LinkSink& sink,
+                              const LinkOptions& options = {}, const CallOptions& call = {}) const;
 
     /// How many links there are. With Hits::walls, and without with_between, from the sides of the samples alone.
     std::size_t count_links(const Grid& grid, std::span<const LinkDirection> directions,
@@ -295,12 +304,14 @@ public:
     /// CallOptions::log gets one warning with their number, which is TransformStatistics::unusable_points. With
     /// CallOptions::refuse_unusable_points they are refused.
     ///
+    /// All arrays may be memory of the host or of the device, which is mapped.
+    ///
     /// A result depends on the ray and the mesh's positions alone. Works on the host, on all cores; any number of
     /// threads may ask at once. Keeps what query() keeps, and 72 bytes a triangle. Throws Error(invalid_argument) for
     /// arrays of different lengths, too small or that overlap, for a negative limit or NaN, and without any array;
-    /// Error(unsupported) for memory of the device, for a restricted transform, for a mesh with a coordinate out of the
-    /// range of plan_points(), and for walls of a mesh without a sign or whose open edges count; Error(out_of_memory or
-    /// cancelled).
+    /// Error(unsupported) for a buffer that the host may not read or write, for a restricted transform, for a mesh with
+    /// a coordinate out of the range of plan_points(), and for walls of a mesh without a sign or whose open edges
+    /// count; Error(out_of_memory or cancelled).
     TransformStatistics rays(const InputArray& origins, const InputArray& directions, const RayOptions& options,
                              const RayTargets& targets, const CallOptions& call = {}) const;
 
@@ -343,6 +354,12 @@ public:
     PointPlan plan_points(std::size_t count, double half_width, OutputSet outputs = Output::distance,
                           const CallOptions& call = {}) const;
 
+    /// A plan of the links of a grid, as links() has them, whose runs write at most `room` rows into memory of the
+    /// device. Blocks; the host finds the links, and the plan holds them: 30 bytes each, and a byte for each sample.
+    /// Throws as links() does, and Error(device_failure).
+    LinkPlan plan_links(const Grid& grid, std::span<const LinkDirection> directions, std::size_t room,
+                        const LinkOptions& options = {}, const CallOptions& call = {}) const;
+
     /// The statistics().device_bytes of such a plan, which is made and given back: takes its time and its memory.
     std::size_t plan_bytes(std::span<const Request> requests, const CallOptions& call = {}) const;
     std::size_t plan_bytes(const BlockSet& blocks, const CallOptions& call = {}) const;
@@ -373,6 +390,7 @@ private:
     friend class Plan;
     friend class SparsePlan;
     friend class PointPlan;
+    friend class LinkPlan;
     friend struct detail::TransformAccess;
     struct State;
     explicit DistanceTransform(std::unique_ptr<State> state);

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -28,7 +29,6 @@ enum class SegmentFlag : std::uint8_t {
     none = 0,
     film = 1,     ///< the sign changes where an open mesh has no face: there is no triangle, and q is known to 2^-30
     between = 2,  ///< both ends are outside, with a body between them
-    gap = 4,      ///< both ends are inside, with space between them
     sheet = 8,    ///< of Hits::faces: the sides of the ends are equal
 };
 
@@ -80,8 +80,20 @@ struct Links {
     std::size_t size() const { return q.size(); }
 };
 
-/// The caller's arrays for links, on the host, of `room` items each; each may be missing. q may be float or double: as
-/// a float, a q that is greater than 0 does not become 0.
+/// A part of a link as a float: 0 and 1 only if the double is.
+inline float as_float_part(double q) {
+    const auto single = static_cast<float>(q);
+    if (q > 0 && single == 0) return std::numeric_limits<float>::denorm_min();
+    return q < 1 && single == 1 ? 1 - std::numeric_limits<float>::epsilon() / 2 : single;
+}
+
+/// Called with the links of a grid slab after slab, which are there until it returns: those whose samples are in
+/// `part`, whole slices of the grid, in the order of z. It may use the transform. Its exceptions are passed on;
+/// std::bad_alloc becomes Error(out_of_memory).
+using LinkSink = std::function<void(const Grid& part, const Links& links)>;
+
+/// The caller's arrays for links, each of which may be missing; all on the host or in buffers of the device. The rows,
+/// up to `flags`, have `room` items. q and dense may be float or double (as_float_part()).
 struct LinkTargets {
     std::size_t room = 0;
     OutputArray samples{};     ///< int32, three components
@@ -91,6 +103,10 @@ struct LinkTargets {
     OutputArray counts{};     ///< uint32
     OutputArray flags{};      ///< uint8
     OutputArray inside{};     ///< uint8, an item for each sample of the grid: 1 if it is inside, else 0
+    /// q by direction and sample; -1 where there is no link. A direction's field is an array of samples with these
+    /// strides, and component_stride leads from a direction's to the next one's. Zeros: packed, field by field
+    /// (direction, z, y, x). It needs no room.
+    OutputArray dense{};
 };
 
 /// Where the edges of a grid along one axis cross the surface. Edge (i, j, k) joins sample (i, j, k) of the grid with
@@ -115,7 +131,7 @@ struct RayOptions {
     double limit = std::numeric_limits<double>::infinity();
 };
 
-/// The caller's arrays for rays, on the host, an item for each ray. What is given decides what is looked for: the first
+/// The caller's arrays for rays, an item for each ray. What is given decides what is looked for: the first
 /// hits alone, whether there is any, or all.
 struct RayTargets {
     /// Numbers of `t` and `triangles` for each ray, as the components of an item: its first hits, ascending. Those that

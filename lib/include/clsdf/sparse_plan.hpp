@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clsdf/arrays.hpp>
 #include <clsdf/calls.hpp>
 #include <clsdf/export.hpp>
 #include <clsdf/sparse.hpp>
@@ -25,13 +26,6 @@ struct DeviceSparseCounts {
     std::uint64_t is_complete = 0;  ///< 1: the arrays hold the field; 0: they had too little room, and are undefined
 
     friend bool operator==(const DeviceSparseCounts&, const DeviceSparseCounts&) = default;
-};
-
-/// Bytes of a buffer of the device, from an offset on that is a multiple of 8. The buffer is one that kernels may
-/// write.
-struct DeviceRange {
-    cl_mem memory = nullptr;
-    std::size_t offset = 0;
 };
 
 /// The caller's memory of the device for a sparse field; none of it overlaps. It needs room for what the plan has room
