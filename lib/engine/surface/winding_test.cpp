@@ -26,7 +26,7 @@ constexpr std::size_t least_places = 8, least_in_box = 16;
 // Points on the rim and places beside the faces of a part that may be a detail.
 constexpr std::size_t points_on_rims = 64, places_on_details = 32;
 // The share of details in the area: of all together, and of each that is in doubt nearly everywhere, as a sheet is.
-constexpr double most_area_of_details = 1.0 / 8, most_area_of_sheet = 1.0 / 256;
+constexpr double most_area_of_details = 1.0 / 8, most_area_of_sheet = 1.0 / 512;
 // The mean distance of a detail's rim from the others, in the detail's longest side and in that of its faces.
 constexpr double most_to_side = 0.25, most_to_faces = 1.5;
 // With more corners of open edges, fewer points are tested.
