@@ -4,9 +4,7 @@
 
 #include "mesh/box_index.hpp"
 
-#include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace clsdf {
