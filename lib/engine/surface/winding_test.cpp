@@ -244,7 +244,8 @@ private:
     }
 
     /// Small parts that are attached to the others are details of these: a lamp on a robot. A person sees them as one
-    /// body, and the clear parts say that there is one.
+    /// body, and the clear parts say that there is one. A part is attached if its rim lies within the others or close
+    /// to them, and not much farther from them than its faces.
     void take_details() {
         std::vector<double> areas(parts_.size());
         double area = 0, area_in_doubt = 0;
@@ -267,27 +268,42 @@ private:
             std::vector<Triangle> faces;
             std::ranges::remove_copy_if(rest, std::back_inserter(faces), has_repeated_vertex);
             const FaceDistances distances(mesh_, faces);
-            is_changed = std::erase_if(unclear_, [&](std::size_t i) {
-                             return may_be_detail(i) && is_attached(parts_[i], view, distances);
-                         }) > 0;
+            // The points of all parts at once: the view looks at all faces.
+            std::vector<Vec3> points;
+            std::vector<PointRange> rims, beside;
+            for (const std::size_t i : unclear_) {
+                const bool is_wanted = may_be_detail(i);
+                const auto append = [&](std::vector<PointRange>& ranges, const std::vector<Vec3>& own) {
+                    ranges.push_back({points.size(), points.size() + own.size()});
+                    points.insert(points.end(), own.begin(), own.end());
+                };
+                append(rims, is_wanted ? points_on_rim(parts_[i]) : std::vector<Vec3>());
+                append(beside, is_wanted ? points_beside(mesh_, triangles_, parts_[i].faces, places_on_details)
+                                         : std::vector<Vec3>());
+            }
+            const std::vector<SeenWinding> seen = view.at(points);
+            std::vector<std::size_t> left;
+            for (std::size_t k = 0; k < unclear_.size(); ++k) {
+                const double side = longest_side(parts_[unclear_[k]]);
+                const auto mean = [&](const PointRange& range) {
+                    double sum = 0;
+                    for (std::size_t n = range.begin; n < range.end; ++n)
+                        sum += seen[n].is_inside() ? 0 : distances.at(points[n], side);
+                    return sum / static_cast<double>(range.end - range.begin);  // not a number if there are none
+                };
+                const double of_rim = mean(rims[k]);
+                if (!(of_rim <= most_to_side && of_rim <= most_to_faces * mean(beside[k]))) left.push_back(unclear_[k]);
+            }
+            is_changed = left.size() < unclear_.size();
+            unclear_ = std::move(left);
         }
     }
 
-    /// Whether a part's rim lies within a surface or close to it, and not much farther from it than the part's faces.
-    bool is_attached(const TestedPart& part, const WindingView& view, const FaceDistances& distances) const {
+    double longest_side(const TestedPart& part) const {
         const Box box = box_of(mesh_, triangles_, part.faces);
         double side = 0;
         for (std::size_t axis = 0; axis < 3; ++axis) side = std::max(side, box.upper[axis] - box.lower[axis]);
-        const auto mean = [&](const std::vector<Vec3>& points) {
-            const std::vector<SeenWinding> seen = view.at(points);
-            double sum = 0;
-            for (std::size_t i = 0; i < points.size(); ++i)
-                sum += seen[i].is_inside() ? 0 : distances.at(points[i], side);
-            return sum / static_cast<double>(points.size());
-        };
-        const double of_rim = mean(points_on_rim(part));
-        return of_rim <= most_to_side &&
-               of_rim <= most_to_faces * mean(points_beside(mesh_, triangles_, part.faces, places_on_details));
+        return side;
     }
 
     /// Points on a part's open edges, at fixed places that are spread by length.
