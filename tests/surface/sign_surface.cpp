@@ -628,4 +628,43 @@ BOOST_AUTO_TEST_CASE(sheets_that_enclose_nothing_are_left_out_beside_bodies) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(small_open_parts_at_a_body_are_details_of_it) {
+    const Mesh body = box({0, 0, 0}, {8, 8, 4});
+    const auto lamp = [](const Vec3& at, double width, double height, std::size_t open_side = 4) {
+        return open_box(at, {at[0] + width, at[1] + width, at[2] + height}, open_side);
+    };
+    // Open towards the body, above a gap; a lamp on a lamp.
+    const Mesh on_body = lamp({1, 1, 4.1}, 1, 2), on_lamp = lamp({1.25, 1.25, 6.1}, 0.5, 1);
+    std::vector<Mesh> buttons{body};  // tiny ones, in doubt everywhere
+    for (int i = 0; i < 6; ++i) buttons.push_back(lamp({i + 0.5, 1, 4.02}, 0.3, 0.06));
+    for (const Mesh& mesh : {together({body, on_body}, "lamp"), together({body, on_body, on_lamp}, "lamps"),
+                             together(buttons, "buttons")}) {
+        BOOST_TEST_CONTEXT(mesh.name()) {
+            const Topology topology = describe_topology(mesh);
+            BOOST_TEST(topology.unclear_parts == 0U);
+            BOOST_TEST(topology.sheet_faces == 0U);
+            BOOST_TEST(topology.enclosing_faces == 0U);
+            BOOST_TEST(has(warning_of(mesh, SignRule::solid_angle), "follows from the winding number"));
+            BOOST_TEST(describe_mesh(mesh).surface.vertices.empty());
+        }
+    }
+    // Open to the other side, as a pot; far away; too large; a dome, in doubt everywhere; a bowl and a trough on a
+    // floor.
+    const Mesh dome = round_mesh(8, 1, {0, 0, 0}, true, "dome"), floor = box({-40, -40, 0}, {40, 40, 4});
+    const auto trough = [&](double length) {
+        std::vector<Vec3> vertices = dome.vertices();
+        for (Vec3& vertex : vertices) vertex = {length * vertex[0], -vertex[1], 5 - vertex[2]};
+        return Mesh(std::move(vertices), dome.triangles(), "trough");
+    };
+    for (const Mesh& mesh :
+         {together({body, lamp({1, 1, 4.1}, 1, 2, 5)}, "pot"), together({body, lamp({1, 1, 6}, 1, 2)}, "lamp apart"),
+          together({body, lamp({1, 1, 4.1}, 3, 6)}, "large lamp"), together({body, shifted(dome, {4, 4, 4})}, "dome"),
+          together({floor, trough(1)}, "bowl"), together({floor, trough(4)}, "trough")}) {
+        BOOST_TEST_CONTEXT(mesh.name()) {
+            BOOST_TEST(describe_topology(mesh).unclear_parts == 1U);
+            BOOST_TEST(has(warning_of(mesh, SignRule::none), "enclose something"));
+        }
+    }
+}
+
 }  // namespace clsdf

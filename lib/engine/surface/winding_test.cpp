@@ -3,12 +3,14 @@
 #include "core/parallel.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/disjoint_sets.hpp"
+#include "mesh/face_distances.hpp"
 #include "surface/edge_counts.hpp"
 #include "surface/local_frame.hpp"
 #include "surface/parts.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -21,6 +23,12 @@ constexpr std::size_t places_beside_faces = 256, points_in_box = 512, points_in_
 // Parts with open edges that are tested one by one: those of the largest areas.
 constexpr std::size_t most_single_parts = 256;
 constexpr std::size_t least_places = 8, least_in_box = 16;
+// Points on the rim and places beside the faces of a part that may be a detail.
+constexpr std::size_t points_on_rims = 64, places_on_details = 32;
+// The share of details in the area: of all together, and of each that is in doubt nearly everywhere, as a sheet is.
+constexpr double most_area_of_details = 1.0 / 8, most_area_of_sheet = 1.0 / 512;
+// The mean distance of a detail's rim from the others, in the detail's longest side and in that of its faces.
+constexpr double most_to_side = 0.25, most_to_faces = 1.5;
 // With more corners of open edges, fewer points are tested.
 constexpr std::size_t very_many_corners = 32768;
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
@@ -157,7 +165,10 @@ public:
         if (!unclear_.empty() && is_clear_in_box(view, mesh_.box())) {
             // A mesh that is clear as a whole may have more doubt beside some parts, and flat sheets.
             std::erase_if(unclear_, [&](std::size_t i) { return tally_of(i).is_nearly_clear() && has_inside(i); });
-            if (may_be_covered) take_covered();
+            if (may_be_covered) {
+                take_covered();
+                take_details();
+            }
             if (unclear_.size() < parts_.size() && are_flat_and_harmless()) unclear_.clear();
         }
         for (const std::size_t i : unclear_)
@@ -232,12 +243,110 @@ private:
         }
     }
 
-    /// Adds points in a part's holes: on a fan around the middle of each loop of open edges.
-    void add_holes(const TestedPart& part, std::vector<Vec3>& points) const {
+    /// Small parts that are attached to the others are details of these: a lamp on a robot. A person sees them as one
+    /// body, and the clear parts say that there is one. A part is attached if its rim lies within the others or close
+    /// to them, and not much farther from them than its faces.
+    void take_details() {
+        std::vector<double> areas(parts_.size());
+        double area = 0, area_in_doubt = 0;
+        const LocalFrame frame(mesh_);
+        for (std::size_t i = 0; i < parts_.size(); ++i) {
+            for (const std::uint32_t face : parts_[i].faces) areas[i] += area_of(frame, triangles_[face]);
+            area += areas[i];
+        }
+        for (const std::size_t i : unclear_) area_in_doubt += areas[i];
+        if (!(area_in_doubt <= most_area_of_details * area)) return;
+        const auto may_be_detail = [&](std::size_t i) {
+            const WindingTally tally = tally_of(i);
+            const bool is_sheet = tally.inside == 0 || 3 * tally.doubtful_inside > 2 * tally.inside;
+            return parts_[i].is_single && (!is_sheet || areas[i] <= most_area_of_sheet * area);
+        };
+        for (bool is_changed = true; is_changed && !unclear_.empty();) {
+            std::vector<Triangle> rest = without(unclear_);
+            const OpenLoops rest_loops = loops_of(count_edges(rest, mesh_.vertices().size()));
+            const WindingView view(mesh_, rest, rest_loops);
+            std::vector<Triangle> faces;
+            std::ranges::remove_copy_if(rest, std::back_inserter(faces), has_repeated_vertex);
+            const FaceDistances distances(mesh_, faces);
+            // The points of all parts at once: the view looks at all faces.
+            std::vector<Vec3> points;
+            std::vector<PointRange> rims, beside;
+            for (const std::size_t i : unclear_) {
+                const bool is_wanted = may_be_detail(i);
+                const auto append = [&](std::vector<PointRange>& ranges, const std::vector<Vec3>& own) {
+                    ranges.push_back({points.size(), points.size() + own.size()});
+                    points.insert(points.end(), own.begin(), own.end());
+                };
+                append(rims, is_wanted ? points_on_rim(parts_[i]) : std::vector<Vec3>());
+                append(beside, is_wanted ? points_beside(mesh_, triangles_, parts_[i].faces, places_on_details)
+                                         : std::vector<Vec3>());
+            }
+            const std::vector<SeenWinding> seen = view.at(points);
+            std::vector<std::size_t> left;
+            for (std::size_t k = 0; k < unclear_.size(); ++k) {
+                const double side = longest_side(parts_[unclear_[k]]);
+                const auto mean = [&](const PointRange& range) {
+                    double sum = 0;
+                    for (std::size_t n = range.begin; n < range.end; ++n)
+                        sum += seen[n].is_inside() ? 0 : distances.at(points[n], side);
+                    return sum / static_cast<double>(range.end - range.begin);  // not a number if there are none
+                };
+                const double of_rim = mean(rims[k]);
+                if (!(of_rim <= most_to_side && of_rim <= most_to_faces * mean(beside[k]))) left.push_back(unclear_[k]);
+            }
+            is_changed = left.size() < unclear_.size();
+            unclear_ = std::move(left);
+        }
+    }
+
+    double longest_side(const TestedPart& part) const {
+        const Box box = box_of(mesh_, triangles_, part.faces);
+        double side = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) side = std::max(side, box.upper[axis] - box.lower[axis]);
+        return side;
+    }
+
+    /// Points on a part's open edges, at fixed places that are spread by length.
+    std::vector<Vec3> points_on_rim(const TestedPart& part) const {
+        const std::vector<std::uint32_t> vertices = vertices_of(part);
+        std::vector<std::pair<Vec3, Vec3>> edges;
+        std::vector<double> ends;  // the length up to the end of each edge
+        for (std::size_t loop = 0; loop + 1 < loops_.begins.size(); ++loop) {
+            const std::size_t begin = loops_.begins[loop], end = loops_.begins[loop + 1];
+            if (!std::ranges::binary_search(vertices, loops_.vertices[begin])) continue;
+            for (std::size_t i = begin; i < end; ++i) {
+                const Vec3 &from = mesh_.vertices()[loops_.vertices[i]],
+                           &to = mesh_.vertices()[loops_.vertices[i + 1 < end ? i + 1 : begin]];
+                edges.emplace_back(from, to);
+                ends.push_back((ends.empty() ? 0 : ends.back()) +
+                               length_of({to[0] - from[0], to[1] - from[1], to[2] - from[2]}));
+            }
+        }
+        std::vector<Vec3> points;
+        for (std::size_t i = 0; i < points_on_rims; ++i) {
+            const double place = (static_cast<double>(i) + 0.5) / points_on_rims * ends.back();
+            const auto edge = static_cast<std::size_t>(std::ranges::lower_bound(ends, place) - ends.begin());
+            const double begin = edge > 0 ? ends[edge - 1] : 0, length = ends[edge] - begin;
+            const double share = length > 0 ? (place - begin) / length : 0;
+            Vec3& point = points.emplace_back();
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                point[axis] = (1 - share) * edges[edge].first[axis] + share * edges[edge].second[axis];
+        }
+        return points;
+    }
+
+    /// Ascending, each as often as it has faces.
+    std::vector<std::uint32_t> vertices_of(const TestedPart& part) const {
         std::vector<std::uint32_t> vertices;
         for (const std::uint32_t face : part.faces)
             vertices.insert(vertices.end(), triangles_[face].begin(), triangles_[face].end());
         std::ranges::sort(vertices);
+        return vertices;
+    }
+
+    /// Adds points in a part's holes: on a fan around the middle of each loop of open edges.
+    void add_holes(const TestedPart& part, std::vector<Vec3>& points) const {
+        const std::vector<std::uint32_t> vertices = vertices_of(part);
         std::vector<Vec3> in_holes;
         for (std::size_t loop = 0; loop + 1 < loops_.begins.size(); ++loop) {
             const std::span<const std::uint32_t> corners =
