@@ -14,6 +14,12 @@ static inline double3 position(__global const double* positions, uint vertex) {
     return vload3(vertex, positions);
 }
 
+// As an integer, of which equal numbers have one: -0.0 becomes 0.0. Compilers have taken x + 0.0 for x.
+static inline ulong bits_of(double x) {
+    const ulong bits = as_ulong(x);
+    return bits == 1ul << 63 ? 0 : bits;
+}
+
 // Joins boxes of the work-items of a group; the first one's becomes that of all. limits: 6 GROUP numbers.
 static inline void join_boxes(__private double* box, __local double* limits) {
     const uint item = get_local_id(0);
@@ -81,7 +87,7 @@ __kernel GROUP_OF_KERNEL void join_group_boxes(uint count, __global const double
         }
     join_boxes(box, limits);
     if (get_local_id(0) == 0)
-        for (uint i = 0; i < 6; ++i) results->box[i] = box[i] + 0.0;  // no negative zeros
+        for (uint i = 0; i < 6; ++i) results->box[i] = as_double(bits_of(box[i]));  // no negative zeros
 }
 
 // Vertices that have moved: takes their positions in the order, and measures a box a group, and whether all are finite.

@@ -41,9 +41,10 @@ __kernel void copy_mesh(TopologySizes sizes, GivenTriples of_positions, __global
 
 // Vertices of equal coordinates. --------------------------------------------------------------------------------------
 
-// The coordinates as integers, which are equal if and only if the coordinates are: adding 0.0 turns -0.0 into 0.0.
+// The coordinates as integers, which are equal if and only if the coordinates are.
 static inline ulong3 key_of(__global const double* positions, uint vertex) {
-    return as_ulong3(position(positions, vertex) + 0.0);
+    const double3 at = position(positions, vertex);
+    return (ulong3)(bits_of(at.x), bits_of(at.y), bits_of(at.z));
 }
 
 static inline bool are_equal(ulong3 a, ulong3 b) {

@@ -21,6 +21,14 @@ BOOST_AUTO_TEST_CASE(pocl_30_is_refused_where_its_compiler_ends_the_process) {
     BOOST_TEST(fault->remedy.find("PoCL 3.1") != std::string_view::npos);
 }
 
+BOOST_AUTO_TEST_CASE(rusticl_is_refused_for_processors_alone) {
+    const device::Implementation llvmpipe{"rusticl", "OpenCL 3.0 ", "llvmpipe (LLVM 19.1.7, 256 bits)", 8};
+    const device::KnownFault* fault = device::known_fault(llvmpipe, KernelBody::by_vector);
+    BOOST_REQUIRE(fault != nullptr);
+    BOOST_TEST(fault->remedy.find("PoCL") != std::string_view::npos);
+    BOOST_TEST(device::known_fault(llvmpipe, KernelBody::by_group) == nullptr);
+}
+
 BOOST_AUTO_TEST_CASE(what_works_is_not_refused) {
     BOOST_TEST(device::known_fault(pocl_30_on_zen_4, KernelBody::by_group) == nullptr);
     device::Implementation other = pocl_30_on_zen_4;

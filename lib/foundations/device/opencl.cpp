@@ -171,6 +171,15 @@ constexpr KnownFault known_faults[] = {
      .remedy =
          "install PoCL 3.1 or later (Debian's pocl-opencl-icd; PyPI's pocl-binary-distribution ends with 3.0), or "
          "choose another device (clsdf devices lists them)"},
+    // Mesa 25.0 on llvmpipe: not compiled after five minutes; slopes of polyhedra are wrong with vectors of doubles. As
+    // a GPU, with a work-item a sample, it computes right fields.
+    {.platform = "rusticl",
+     .version = {},
+     .device = "",
+     .least_float_width = 0,
+     .body = KernelBody::by_vector,
+     .symptom = "does not compile the kernels for processors in some minutes, and makes some of them wrong",
+     .remedy = "install PoCL (Debian's pocl-opencl-icd) for a processor; GPUs are used by rusticl"},
 };
 
 bool has(std::string_view text, std::string_view part) {
