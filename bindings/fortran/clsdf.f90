@@ -105,10 +105,11 @@ module clsdf
     integer(c_int32_t) :: unit = CLSDF_MESH_UNITS, reserved = 0
   end type
 
-  !> clsdf_band(inside, outside): samples with -inside <= distance <= outside carry their distance.
+  !> clsdf_band(inside, outside): samples with -inside <= distance <= outside carry their distance. With exact_signs = 1
+  !> the field is below 0 at exactly those samples that are inside, also on the surface.
   type, bind(C) :: clsdf_band
     real(c_double) :: inside = 0, outside = 0
-    integer(c_int32_t) :: signs_only = 0, reserved = 0
+    integer(c_int32_t) :: signs_only = 0, exact_signs = 0
   end type
 
   !> A box of the domain, and what is asked in it.

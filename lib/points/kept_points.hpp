@@ -20,6 +20,7 @@ namespace clsdf::points {
 /// when it is needed first, and forgotten when the vertices move or memory is short.
 ///
 ///     mesh           of the positions                    once points are asked for
+///     host's mesh    of the positions                    once a field with exact signs is asked for
 ///     wide tree      + positions                         once the host looks for faces, and with the leaves
 ///     leaves         + positions                         once points are asked for that are not scanned, for the body
 ///                                                        by_vector; once few points are asked for
@@ -41,6 +42,9 @@ public:
 
     /// The faces that points are looked up among. Throws Error(invalid_argument, unsupported or out_of_memory).
     std::shared_ptr<const engine::PointMesh> mesh();
+
+    /// Its parts on the host: mesh() if that is kept. Throws as mesh().
+    std::shared_ptr<const engine::PointMesh> host_mesh();
 
     /// The tree in which the host looks for faces. Throws as mesh().
     std::shared_ptr<const engine::WideTree> wide_tree();
@@ -74,6 +78,9 @@ public:
     void remember(const PointInputs& inputs, OutputSet outputs);
 
 private:
+    /// Sets what the kept mesh knows beside faces.
+    void complete(engine::PointMesh& made);
+
     template <class T>
     using Kept = engine::Kept<T>;
     using MadeOf = engine::MadeOf;
@@ -81,6 +88,7 @@ private:
 
     engine::KeptMesh& kept_mesh_;
     Kept<engine::PointMesh> mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<engine::PointMesh> host_mesh_{kept_mesh_.kept(), MadeOf::positions};
     Kept<engine::WideTree> wide_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::WideLeaves> wide_leaves_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::CrossedFaces> crossed_faces_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};

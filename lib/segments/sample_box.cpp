@@ -50,11 +50,12 @@ SampleBox::SampleBox(const Grid& grid_in, const Place& margin_in, double scale_i
         }
         const double last_bit = std::nextafter(greatest, std::numeric_limits<double>::infinity()) - greatest;
         if (!(last_bit <= 0x1p-22 * grid.spacing[axis]))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the grid reaches to {} on axis {} with the spacing {}: links and crossings need "
-                                    "samples whose coordinates' last bit, here {}, is at most 2^-22 of the spacing; "
-                                    "move mesh and grid towards 0, or use a larger spacing",
-                                    greatest, "xyz"[axis], grid.spacing[axis], last_bit));
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("the grid reaches to {} on axis {} with the spacing {}: links, crossings and "
+                            "exact signs need samples whose coordinates' last bit, here {}, is at most 2^-22 of "
+                            "the spacing; move mesh and grid towards 0, or use a larger spacing",
+                            greatest, "xyz"[axis], grid.spacing[axis], last_bit));
         rounding = std::max(rounding, 0.5 * last_bit / grid.spacing[axis]);
     }
 }

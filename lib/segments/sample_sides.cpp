@@ -105,7 +105,8 @@ void set_bits(std::uint64_t* words, std::int32_t begin, std::int32_t end) {
 
 }  // namespace
 
-BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box)
+BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box,
+                   const std::vector<engine::RecordRange>* near)
     : box_(box),
       has_film_(faces.mesh.film != nullptr),
       words_((static_cast<std::size_t>(box.size[0]) + 63) / 64),
@@ -119,18 +120,28 @@ BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box
         std::size_t{1} << 16);
     row_begins_.assign(box.row_count() + 1, 0);
     if (rule == SignRule::none) return;
-    find_changes(faces);
+    find_changes(faces, near != nullptr ? *near : std::vector<engine::RecordRange>{{0, faces.count()}});
     constexpr std::size_t rows_together = 256;
     const FilmTree* const film = faces.mesh.film.get();
     for_each_index(
         box.row_count(), [&](std::size_t row) { sweep(row, rule, film); }, film != nullptr ? 1 : rows_together);
 }
 
-void BoxSides::find_changes(const ScaledFaces& faces) {
-    const std::size_t together = std::clamp<std::size_t>(faces.count() / 64, 1, usual_faces);
-    std::vector<std::vector<Change>> found(chunk_count(faces.count(), together));
-    for_each_chunk(faces.count(), together, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        for (std::size_t face = begin; face < end; ++face) add_changes(faces, face, found[chunk]);
+void BoxSides::find_changes(const ScaledFaces& faces, const std::vector<engine::RecordRange>& ranges) {
+    std::size_t count = 0;
+    std::vector<std::size_t> begins;  // of the ranges, counted in their faces
+    for (const engine::RecordRange& range : ranges) {
+        begins.push_back(count);
+        count += range.end - range.begin;
+    }
+    const std::size_t together = std::clamp<std::size_t>(count / 64, 1, usual_faces);
+    std::vector<std::vector<Change>> found(chunk_count(count, together));
+    for_each_chunk(count, together, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        auto number = static_cast<std::size_t>(std::ranges::upper_bound(begins, begin) - begins.begin() - 1);
+        for (std::size_t at = begin; at < end; ++at) {
+            while (at - begins[number] >= ranges[number].end - ranges[number].begin) ++number;
+            add_changes(faces, ranges[number].begin + (at - begins[number]), found[chunk]);
+        }
     });
     sort_changes(found);
 }

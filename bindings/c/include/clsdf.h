@@ -320,12 +320,14 @@ typedef struct clsdf_length {
 } clsdf_length;
 
 /* Samples with -inside <= distance <= outside carry their distance, others +outside or -inside. Both may be infinite;
- * at least one is > 0. With signs_only both are 0, and the field holds -0.0 inside and +0.0 outside. */
+ * at least one is > 0. With signs_only both are 0, and the field holds -0.0 inside and +0.0 outside. With exact_signs
+ * the field is below 0 at exactly those samples that are inside by the exact sides of links and crossings, on the
+ * surface, too: values inside are then at most minus the least normal float. */
 typedef struct clsdf_band {
     double inside;
     double outside;
-    int32_t signs_only; /* 0 or 1 */
-    int32_t reserved;
+    int32_t signs_only;  /* 0 or 1 */
+    int32_t exact_signs; /* 0 or 1 */
 } clsdf_band;
 
 static inline clsdf_band clsdf_band_symmetric(double half_width) {

@@ -713,6 +713,21 @@ static int32_t take_slab_from_1(void* user, const clsdf_grid* part, const clsdf_
     return 0;
 }
 
+/* Without distances, the field is below 0 inside. */
+static void check_exact_signs(void) {
+    static float values[SAMPLES];
+    clsdf_band exact = clsdf_band_signs_only();
+    clsdf_target target = float_target(values, SAMPLES);
+    int64_t n, inside = 0;
+    exact.exact_signs = 1;
+    OK(clsdf_compute(transform, &grid, &exact, &target, 1, NULL, NULL));
+    for (n = 0; n < SAMPLES; ++n) {
+        CHECK((values[n] < 0) == (distance[n] < 0));
+        inside += values[n] < 0 ? 1 : 0;
+    }
+    CHECK(inside > 0 && inside < SAMPLES);
+}
+
 /* With indices from 1, triangles of outputs count from 1, and 0 is none. */
 static void check_base(void) {
     static uint32_t from_1[SAMPLES], of_query[3];
@@ -951,6 +966,7 @@ int main(void) {
     check_points();
     check_rays();
     check_motion();
+    check_exact_signs();
     check_base();
     check_callbacks();
 

@@ -31,6 +31,27 @@ def test_beyond_the_band_is_its_half_width_with_the_sign(body, brute):
     assert np.allclose(field.distance, np.clip(expected, -0.05, 0.1), atol=1e-6)
 
 
+def test_exact_signs_are_below_0_inside_also_on_a_face_within_the_body():
+    one = [(x, y, z) for z in (2, 5) for y in (2, 5) for x in (2, 4)]
+    faces = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4)]
+    faces += [(2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)]
+    vertices = np.array(one + [(x + 2, y, z) for x, y, z in one], float)
+    both = clsdf.Transform((vertices, np.array(faces + [tuple(v + 8 for v in face) for face in faces])))
+    grid = clsdf.Grid((0, 0, 0), (1, 1, 1), (9, 8, 8))
+    inside = np.zeros(grid.shape, bool)
+    inside[3:5, 3:5, 3:6] = True  # walls are outside
+    usual = both.field(grid, band="2v")
+    assert usual.distance[3, 3, 4] == 0
+    for band in ("2v", 0, "full", clsdf.Band(2)):
+        field = both.field(grid, band=band, exact_signs=True)
+        assert ((field.distance < 0) == inside).all()
+        assert field.band.exact_signs and "exact_signs=True" in repr(field.band)
+        assert pickle.loads(pickle.dumps(field.band)) == field.band
+    assert (both.fields([grid], exact_signs=True)[0].distance[inside] < 0).all()
+    assert (both.sparse(grid, exact_signs=True).distance_at([(4, 3, 3), (3, 4, 4)]) < 0).all()
+    assert not usual.band.exact_signs and usual.band != field.band
+
+
 def test_other_outputs_belong_to_the_nearest_triangle(body, brute, solid):
     field = body.field(resolution=20, band="full", outputs="triangle site closest gradient barycentric offset")
     where = positions(field.grid).reshape(-1, 3)
