@@ -24,8 +24,10 @@ engine::Inputs DistanceTransform::State::SlabPlans::inputs_of(const engine::Job&
 
 engine::WriteSignBits DistanceTransform::State::SlabPlans::exact_signs(const engine::Job& job) const {
     const auto mesh =
-        calls::with_remedies(nullptr, {state_.forgetting()}, [&] { return state_.kept_points->host_mesh(); });
+        calls::with_remedies(nullptr, {state_.forgetting()}, [&] { return state_.kept_points->sign_mesh(); });
     auto near = engine::faces_near_rows(*state_.kept_mesh, job);
+    // The walls of the rule below follow the mesh's faces.
+    if (near) near->faces.push_back({state_.kept_mesh->face_count(), mesh->face_count()});
     return [this, mesh, near, grid = job.grid](const Layout& layout, std::span<std::uint32_t> words) {
         const auto* const restriction = state_.kept_mesh->restriction();
         const auto numbers = restriction != nullptr ? std::span<const std::uint32_t>(restriction->numbers)

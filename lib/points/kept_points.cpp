@@ -38,6 +38,24 @@ void KeptPoints::complete(engine::PointMesh& made) {
     made.has_several_regions = made.is_part && restriction->regions.size() > 1;
 }
 
+std::shared_ptr<const engine::PointMesh> KeptPoints::sign_mesh() {
+    auto mesh = host_mesh();
+    if (!mesh->walls) return mesh;
+    return kept_mesh_.prepare([&] {
+        const auto& closed = closed_mesh_.get_or([&] { return engine::closed_down(*mesh, *kept_mesh_.boundary()); });
+        return std::shared_ptr<const engine::PointMesh>(closed, &closed->mesh);
+    });
+}
+
+std::shared_ptr<const engine::ClosedFaces> KeptPoints::closed_faces() {
+    return kept_mesh_.prepare([&] {
+        return closed_faces_.get_or([&] {
+            const auto mesh = sign_mesh();
+            return engine::ClosedFaces{engine::make_wide_tree(*mesh), engine::make_crossed_faces(*mesh)};
+        });
+    });
+}
+
 std::shared_ptr<const engine::WideTree> KeptPoints::wide_tree() {
     return kept_mesh_.prepare([&] { return wide_tree_.get_or([&] { return engine::make_wide_tree(*mesh()); }); });
 }

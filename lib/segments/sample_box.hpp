@@ -5,6 +5,7 @@
 #include "tree/point_mesh.hpp"
 
 #include <clsdf/grid.hpp>
+#include <clsdf/outputs.hpp>
 
 #include <array>
 #include <cstddef>
@@ -28,10 +29,10 @@ struct ScaledFaces {
     std::size_t count() const { return mesh.face_count(); }
     crossing::Corners sign_corners(std::size_t face) const { return scaled(mesh.sign_corners(face)); }
     crossing::Corners corners(std::size_t face) const { return scaled(mesh.corners(face)); }
-    /// The caller's number.
+    /// The caller's number, or no_triangle.
     std::uint32_t triangle(std::size_t face) const {
         const std::uint32_t number = mesh.topology->order[face];
-        return numbers.empty() ? number : numbers[number];
+        return numbers.empty() || number == no_triangle ? number : numbers[number];
     }
 
 private:

@@ -1044,9 +1044,10 @@ CLSDF_API clsdf_status clsdf_winding(const clsdf_transform* transform, const cls
                                      const clsdf_array* results, const clsdf_call_options* call);
 
 /* Bits that tell of a link. */
-#define CLSDF_LINK_FILM 1    /* the sign changes where an open mesh has no face: no triangle, q to 2^-30 */
-#define CLSDF_LINK_BETWEEN 2 /* both ends are outside, with a body between them */
-#define CLSDF_LINK_SHEET 8   /* of CLSDF_FACES: both ends are on one side */
+#define CLSDF_LINK_FILM 1     /* the sign changes where an open mesh has no face: no triangle, q to 2^-30 */
+#define CLSDF_LINK_BETWEEN 2  /* both ends are outside, with a body between them */
+#define CLSDF_LINK_SHEET 8    /* of CLSDF_FACES: both ends are on one side */
+#define CLSDF_LINK_CLOSING 16 /* the wall is one of the walls or the floor of CLSDF_SIGN_BELOW: no triangle */
 
 /* Which links are asked for. */
 typedef struct clsdf_link_options {
@@ -1061,7 +1062,7 @@ typedef struct clsdf_link_arrays {
     uint8_t* directions; /* the number of the direction, from the mesh's index base on */
     double* q;           /* the part of the link up to the first wall, 0 to 1 */
     float* q_floats;     /* the same in floats: neither 0 nor 1 by rounding; q or this */
-    uint32_t* triangles; /* the lowest of those met first, from the index base on; 0xFFFFFFFF plus the base at a film */
+    uint32_t* triangles; /* the lowest of those met first, from the index base on; 0xFFFFFFFF plus the base: none */
     uint32_t* counts;    /* walls on the link */
     uint8_t* flags;      /* CLSDF_LINK_FILM ... */
     uint8_t* inside;     /* for each sample of the grid, x fastest: 1 if it is inside, else 0 */

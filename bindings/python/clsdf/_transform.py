@@ -824,8 +824,9 @@ class Transform:
 
         A ray whose origin is not finite, or whose direction is 0 or not finite, has t = NaN and no hits. One
         MeshWarning has their number; with refuse_unusable_points they raise clsdf.Error (invalid_argument). Raises
-        clsdf.Error (unsupported) for walls of a mesh without a sign or whose open edges count, for a restricted
-        transform and for memory of a device.
+        clsdf.Error (unsupported) for walls of a mesh without a sign and for memory of a device. A restricted transform
+        needs a limit up to which each ray lies in a region. Walls of the film of an open mesh, and walls and floor of
+        the sign rule below, have t and clsdf.no_triangle.
         """
         from_points, along, shape = pairs_of(origins, directions, "origins", "directions")
         count = _cuda.shape_of(from_points)[0]
