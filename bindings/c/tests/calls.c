@@ -907,6 +907,11 @@ static void check_terrain(void) {
     clsdf_mesh *terrain = NULL, *closed = NULL;
     clsdf_transform* below = NULL;
     float distances[3];
+    const clsdf_grid column = {{1, 2, -1.5}, {1, 1, 1}, {1, 1, 5}, {0, 0, 0}};
+    const int32_t direction[2][3] = {{0, 0, 1}, {0, 0, -1}};
+    clsdf_link_arrays links = {0};
+    uint8_t flags[2];
+    int64_t count;
     int32_t rule;
     arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, corners, 4);
     arrays.triangles = clsdf_host_array(CLSDF_INT32, faces, 2);
@@ -924,6 +929,10 @@ static void check_terrain(void) {
     OK(clsdf_transform_sign(below, &rule));
     OK(clsdf_query_distance(below, points[0], 3, 100, distances));
     CHECK(rule == CLSDF_SIGN_BELOW && distances[0] == -1 && distances[1] == 1 && distances[2] > 1);
+    links.room = 2;
+    links.flags = flags;
+    OK(clsdf_links(below, &column, &direction[0][0], 2, NULL, &links, NULL, NULL, &count));
+    CHECK(count == 2 && flags[0] == CLSDF_LINK_CLOSING && flags[1] == 0);
     clsdf_transform_release(below);
     clsdf_mesh_release(closed);
     clsdf_mesh_release(terrain);

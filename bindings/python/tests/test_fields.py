@@ -435,6 +435,12 @@ def test_a_terrain_has_a_sign_with_a_floor():
     with pytest.warns(clsdf.MeshWarning, match="sign rule below with a floor"):
         assert clsdf.Transform((vertices, faces)).sign == "none"
     body = clsdf.Transform((vertices, faces), sign="below", floor=-1)
+    rays = body.rays([[1, 2, 9], [1, 2, -9], [-3, 2, 0]], [[0, 0, -1], [0, 0, 1], [1, 0, 0]], most=2)
+    assert np.array_equal(rays.t, [[7, 10], [8, 11], [3, 7]])
+    none = clsdf.no_triangle  # of walls and floor
+    assert np.array_equal(rays.triangle, [[1, none], [none, 1], [none, none]])
+    links = body.links(clsdf.Grid((1, 2, -1.5), (1, 1, 1), (1, 1, 5)), [[0, 0, 1], [0, 0, -1]])
+    assert np.array_equal(links.flags, [clsdf.Links.CLOSING, 0]) and np.array_equal(links.q, [0.5, 0.5])
     points = np.array([[2, 2, 1], [2, 2, 3], [5, 2, 1], [2, 2, -2.0]])
     for each in (body, pickle.loads(pickle.dumps(body))):
         assert each.sign == "below" and np.array_equal(each.query(points).distance < 0, [True, False, False, False])
@@ -492,6 +498,9 @@ def test_rays_meet_walls_and_faces():
     with pytest.raises(clsdf.Error, match="no sign"):
         sheet.rays((0, 0, 0), (0, 0, 1))
     assert sheet.rays((0, 0, 0), (0, 0, -1), hits="faces").t == 1
+    # Without its lid the cube has a film, which has no triangle.
+    cup = clsdf.Transform((cube[0], cube[1][:2] + cube[1][4:]), sign="solid-angle").rays((0, 0, -9), (0, 0, 1), most=2)
+    assert cup.t[0] == 8 and abs(cup.t[1] - 10) < 1e-7 and list(cup.triangle) == [0, clsdf.no_triangle]
 
 
 def test_boxes_are_classified():
