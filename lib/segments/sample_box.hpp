@@ -54,6 +54,7 @@ struct SampleBox {
     Place size{};  ///< with the margin
     double scale;
     std::array<UninitializedVector<double>, 3> at;  ///< by axis: scaled
+    std::array<double, 3> per_spacing{};            ///< 1 / the scaled spacing
     double rounding = 0;                            ///< samples are at most that far from the lattice's, in voxels
 
     Vec3 position(const Place& p) const {

@@ -74,27 +74,42 @@ private:
 };
 
 /// The edges of a face seen along x.
-struct Edges {
-    explicit Edges(const crossing::Corners& face) : corners(face) {}
+class Edges {
+public:
+    explicit Edges(const crossing::Corners& face) : corners_(face) {}
 
     /// The looks in which the line along x through (y, z) crosses the face.
     std::uint8_t looks(double y, double z) const {
-        std::array<int, 3> turns{};
-        int least = 1, most = -1;
+        // Mostly as orientation_in_plane(), without branches.
+        int positive = 0, negative = 0;
         for (std::size_t i = 0; i < 3; ++i) {
-            const Vec3 &a = corners[i], &b = corners[(i + 1) % 3];
-            turns[i] = crossing::orientation_in_plane(a[1], a[2], b[1], b[2], y, z);
-            least = std::min(least, turns[i]);
-            most = std::max(most, turns[i]);
-            if (least < 0 && most > 0) return 0;
+            const Vec3 &a = corners_[i], &b = corners_[(i + 1) % 3];
+            const double first = (b[1] - a[1]) * (z - a[2]), second = (b[2] - a[2]) * (y - a[1]);
+            const double rounding = 0x1p-51 * (std::abs(first) + std::abs(second));
+            positive += first - second > rounding ? 1 : 0;
+            negative += first - second < -rounding ? 1 : 0;
         }
+        if (positive * negative > 0) return 0;
+        if (positive == 3 || negative == 3) return all_looks;
+        return looks_at_edge(y, z);
+    }
+
+private:
+    std::uint8_t looks_at_edge(double y, double z) const {
+        std::array<int, 3> turns{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3 &a = corners_[i], &b = corners_[(i + 1) % 3];
+            turns[i] = crossing::orientation_in_plane(a[1], a[2], b[1], b[2], y, z);
+        }
+        const auto [least, most] = std::minmax({turns[0], turns[1], turns[2]});
+        if (least < 0 && most > 0) return 0;
         if (least == most && least != 0) return all_looks;
         ExactVector along{};
         along.x.high = 1;
         std::uint32_t all = all_looks, any = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             const ExactVector edge =
-                crossing::exact_difference(crossing::vector(corners[(i + 1) % 3]), crossing::vector(corners[i]));
+                crossing::exact_difference(crossing::vector(corners_[(i + 1) % 3]), crossing::vector(corners_[i]));
             const std::uint32_t positive = crossing::positive_looks(turns[i], along, edge);
             all &= positive;
             any |= positive;
@@ -102,7 +117,7 @@ struct Edges {
         return static_cast<std::uint8_t>(all | (all_looks & ~any));
     }
 
-    const crossing::Corners& corners;
+    const crossing::Corners& corners_;
 };
 
 /// Sets bits [begin, end).
@@ -181,7 +196,7 @@ void BoxSides::add_changes(const ScaledFaces& faces, std::size_t face, std::vect
     if (ahead == 0) return;
     const Plane plane(corners);
     const Edges edges(corners);
-    const double per_spacing = 1 / (box_.grid.spacing[0] * box_.scale);
+    const double per_spacing = box_.per_spacing[0];
     for (std::int32_t z = begin_z; z < end_z; ++z)
         for (std::int32_t y = begin_y; y < end_y; ++y) {
             const Vec3 first = box_.position({0, y, z});
