@@ -133,11 +133,17 @@ int main() {
                 within += found > -4 * h && found < 4 * h;
             }
         }
-    // A box whose faces are planes of nodes: every node on it is decided by no distance.
-    const clsdf::DistanceTransform aligned(clsdf::Device::automatic(), clsdf::make_shape("cube"));
-    const clsdf::Box cube = aligned.box();
-    const amrex::Geometry of_cube{cube.lower, cube.longest_side() / 8};
-    const amrex::Box bounds{{-2, -2, -2}, {10, 10, 10}};
+    // Two cubes that share a face, on planes of nodes: no distance decides for the nodes there.
+    const clsdf::Mesh cube = clsdf::make_shape("cube");
+    const clsdf::Box extent = cube.box();
+    std::vector<clsdf::Vec3> vertices = cube.vertices();
+    std::vector<clsdf::Triangle> triangles = cube.triangles();
+    for (auto [x, y, z] : cube.vertices()) vertices.push_back({x + extent.longest_side(), y, z});
+    const auto first = static_cast<std::uint32_t>(cube.vertices().size());
+    for (const auto& [a, b, c] : cube.triangles()) triangles.push_back({a + first, b + first, c + first});
+    const clsdf::DistanceTransform aligned(clsdf::Device::automatic(), clsdf::Mesh(vertices, triangles, "cubes"));
+    const amrex::Geometry of_cube{extent.lower, extent.longest_side() / 8};
+    const amrex::Box bounds{{-2, -2, -2}, {18, 10, 10}};
     amrex::FArrayBox fab{bounds, std::vector<double>(2 * bounds.numPts())};
     clsdf::Crossings intercepts;
     set_boundary(aligned, of_cube, fab, intercepts);
