@@ -78,13 +78,13 @@ double guess_of(const UninitializedVector<double>& at, double x, double per_spac
 
 }  // namespace
 
-std::int32_t SampleBox::first_not_below(std::size_t axis, double x) const {
+std::int32_t SampleBox::exact_first_not_below(std::size_t axis, double x) const {
     const UninitializedVector<double>& all = at[axis];
     return first_past(guess_of(all, x, per_spacing[axis]), size[axis],
                       [&](std::int32_t i) { return all[static_cast<std::size_t>(i)] >= x; });
 }
 
-std::int32_t SampleBox::first_above(std::size_t axis, double x) const {
+std::int32_t SampleBox::exact_first_above(std::size_t axis, double x) const {
     const UninitializedVector<double>& all = at[axis];
     return first_past(guess_of(all, x, per_spacing[axis]), size[axis],
                       [&](std::int32_t i) { return all[static_cast<std::size_t>(i)] > x; });

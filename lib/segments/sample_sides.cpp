@@ -167,6 +167,7 @@ void BoxSides::find_changes(const ScaledFaces& faces, const std::vector<engine::
     const std::size_t together = std::clamp<std::size_t>(count / 64, 1, usual_faces);
     std::vector<std::vector<Change>> found(chunk_count(count, together));
     for_each_chunk(count, together, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        found[chunk].reserve(end - begin);
         auto number = static_cast<std::size_t>(std::ranges::upper_bound(begins, begin) - begins.begin() - 1);
         for (std::size_t at = begin; at < end; ++at) {
             while (at - begins[number] >= ranges[number].end - ranges[number].begin) ++number;
