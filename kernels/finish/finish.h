@@ -259,8 +259,7 @@ INLINE double finished_distance(__private const Finishing* finishing, __private 
     const double root = sqrt(squared) * finishing->how.unit;
     const double most = fabs(distance_beyond(finishing, negative));
     const double length = LESSER(root, most), least = finishing->how.least_inside;
-    const double inside = GREATER(length, least);
-    return negative && inside != 0.0 ? -inside : length;
+    return negative ? 0.0 - GREATER(length, least) : length;  // 0 - 0 is +0
 }
 #endif
 
