@@ -268,6 +268,9 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
                           "these are negative inside; leave it out, or give the band a width"
                         : "--positive-inside: the field has no sign, so nothing is inside; leave it "
                           "out, or choose another --sign");
+    if (options.exact_signs && sign.rule == clsdf::SignRule::none)
+        throw Error(ErrorCode::invalid_argument,
+                    "--exact-signs: the field has no sign; leave it out, or choose another --sign");
     warn(report, sign.warning);
     if (sign.rule == clsdf::SignRule::none && !options.band_inside.empty())
         report.warn("--band-inside has no effect, because the field has no sign");

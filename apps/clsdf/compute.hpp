@@ -34,6 +34,7 @@ struct ComputeOptions {
     SignChoice sign;
     std::vector<std::string> with;
     bool positive_inside = false;
+    bool exact_signs = false;
     std::string polyhedra = "leaned";
     std::string scan = "auto";
     std::string device;
@@ -52,6 +53,7 @@ struct ComputeRequest {
     std::optional<clsdf::Grid> stated_grid;
     clsdf::Length band_inside;
     clsdf::Length band_outside;
+    bool exact_signs = false;
     clsdf::SignRule sign = clsdf::SignRule::automatic;
     std::optional<double> floor{};  ///< of the rule `below`
     clsdf::OutputSet outputs;

@@ -76,6 +76,8 @@ void add_field_options(Parser& parser, ComputeOptions& options) {
     parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
     add_sign_options(parser, options.sign);
     add_positive_inside_option(parser, options.positive_inside);
+    parser.add("--exact-signs", options.exact_signs,
+               "the field is below 0 at exactly the samples inside, on the surface, too");
     add_weld_option(parser, options.reading);
     add_outputs_and_groups_option(parser, options.with);
     parser.add("--sparse", options.sparse,
@@ -160,6 +162,7 @@ void add_options(Parser& parser, ComputeOptions& options) {
 ComputeRequest::ComputeRequest(const ComputeOptions& options)
     : band_inside(Length::parse(options.band, "--band")),
       band_outside(band_inside),
+      exact_signs(options.exact_signs),
       sign(parse_sign(options.sign)),
       floor(options.sign.floor),
       outputs(parse_outputs(options.with)),
@@ -175,6 +178,11 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
                         fmt::format("--with: the scan {} does not know the output {}; use --polyhedra leaned and "
                                     "--scan bricks, or leave the output out",
                                     name_of(scan), info.name));
+    if (exact_signs && scan != clsdf::Scan::bricks)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("--exact-signs: the scan {} does not know them; use --polyhedra leaned and --scan "
+                                "bricks, or leave it out",
+                                name_of(scan)));
     if (!options.size.empty() || !options.origin.empty() || !options.box.empty()) {
         stated_grid = options.box.empty() ? parse_stated_grid(options) : parse_box(options);
         return;
@@ -197,6 +205,7 @@ Band ComputeRequest::band_on(const Grid& samples, const Box& box) const {
     const double extent = box.longest_side();
     Band band{band_inside.resolve(samples.voxel(), extent), band_outside.resolve(samples.voxel(), extent)};
     band.has_signs_only = band.inside == 0 && band.outside == 0;
+    band.has_exact_signs = exact_signs;
     for (const auto& [side, half_width] : {std::pair("inside", band.inside), std::pair("outside", band.outside)})
         if (std::isfinite(half_width) && half_width > static_cast<double>(std::numeric_limits<float>::max()))
             throw Error(ErrorCode::invalid_argument,

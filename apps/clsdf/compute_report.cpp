@@ -272,7 +272,8 @@ void print_layout(const ComputeLayout& layout) {
     if (layout.groups) print_text("groups  {}\n", human(*layout.groups));
     print_text("grid    {}\n", human(layout.grid));
     print_text("band    {}\n", human(layout.band, layout.grid.voxel()));
-    print_text("sign    {}{}\n", meaning_of(layout.sign), layout.positive_inside ? "; positive inside" : "");
+    print_text("sign    {}{}{}\n", meaning_of(layout.sign), layout.positive_inside ? "; positive inside" : "",
+               layout.band.has_exact_signs ? "; exact on the surface" : "");
     print_text("method  {} polyhedra, scanned by {}\n", name_of(layout.polyhedra), name_of(layout.scan));
 }
 

@@ -280,8 +280,10 @@ ExitStatus describe_field(const std::string& path, Report& report) {
     if (bricks)
         report.result["bricks"] = {{"values", bricks->values}, {"inside", bricks->inside}, {"all", bricks->all}};
     if (report.quiet) return ExitStatus::done;
-    print_text("grid      {}\nband      {}\nsign      {}{}\n", human(field.grid), human(field.band, field.grid.voxel()),
-               name_of(field.sign), field.positive_inside ? "; positive inside" : "");
+    print_text("grid      {}\nband      {}\nsign      {}{}{}\n", human(field.grid),
+               human(field.band, field.grid.voxel()), name_of(field.sign),
+               field.positive_inside ? "; positive inside" : "",
+               field.band.has_exact_signs ? "; exact on the surface" : "");
     print_text("outputs   {}\n", fmt::format("{}", fmt::join(output_names(outputs), ", ")));
     if (bricks)
         print_text("bricks    {} of {} have values ({:.2f}%), {} are inside\n", bricks->values, bricks->all,

@@ -101,7 +101,9 @@ Json describe(const Grid& grid) {
 
 Json describe(const Band& band) {
     // JSON has no infinity: it becomes null.
-    return {{"inside", band.inside}, {"outside", band.outside}};
+    Json result = {{"inside", band.inside}, {"outside", band.outside}};
+    if (band.has_exact_signs) result["exact_signs"] = true;
+    return result;
 }
 
 std::string human_bytes(double bytes) {

@@ -77,7 +77,8 @@ module clsdf
   !> What counts where a segment meets the surface.
   integer(c_int32_t), parameter, public :: CLSDF_WALLS = 0, CLSDF_FACES = 1
   !> What is said of a link, as bits: the film of an open mesh; a body between both ends; of faces: both on one side.
-  integer(c_int32_t), parameter, public :: CLSDF_LINK_FILM = 1, CLSDF_LINK_BETWEEN = 2, CLSDF_LINK_SHEET = 8
+  integer(c_int32_t), parameter, public :: CLSDF_LINK_FILM = 1, CLSDF_LINK_BETWEEN = 2, CLSDF_LINK_SHEET = 8, &
+    CLSDF_LINK_CLOSING = 16
   !> The outcome of a point in a plan's run.
   integer(c_int32_t), parameter, public :: CLSDF_FOUND = 0, CLSDF_NOT_FINITE = 1, CLSDF_TOO_FAR = 2, CLSDF_SIGN_OPEN = 3
   integer(c_int32_t), parameter, public :: CLSDF_GPU = 0, CLSDF_PROCESSOR = 1, CLSDF_ACCELERATOR = 2, &
@@ -106,10 +107,11 @@ module clsdf
     integer(c_int32_t) :: unit = CLSDF_MESH_UNITS, reserved = 0
   end type
 
-  !> clsdf_band(inside, outside): samples with -inside <= distance <= outside carry their distance.
+  !> clsdf_band(inside, outside): samples with -inside <= distance <= outside carry their distance. With exact_signs = 1
+  !> the field is below 0 at exactly those samples that are inside, also on the surface.
   type, bind(C) :: clsdf_band
     real(c_double) :: inside = 0, outside = 0
-    integer(c_int32_t) :: signs_only = 0, reserved = 0
+    integer(c_int32_t) :: signs_only = 0, exact_signs = 0
   end type
 
   !> A box of the domain, and what is asked in it.

@@ -126,7 +126,8 @@ INLINE void store_distance(__private const Finishing* finishing, __private const
     const longL inside = TO_LONGS(bits_to_lanes(rows->inside)), found = TO_LONGS(bits_to_lanes(rows->found));
     const doubleL fill = select((doubleL)how.outside_fill, (doubleL)how.inside_fill, inside), most = fabs(fill);
     const doubleL root = sqrt(rows->squared) * how.unit, length = LESSER(root, most);
-    const doubleL in_band = select(length, -length, inside & (length != (doubleL)0.0));
+    const doubleL least = (double)how.least_inside;
+    const doubleL in_band = select(length, 0.0 - GREATER(length, least), inside);  // 0 - 0 is +0
     const doubleL distances = select(fill, in_band, found);
 #pragma unroll
     for (int r = 0; r < ROWS_PER_VECTOR; ++r)

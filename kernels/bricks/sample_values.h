@@ -23,15 +23,16 @@ INLINE bool is_inside(__global const uint* row, uint x) {
 }
 
 // Defines a function that returns the distance with its sign if the sample lies in the band, else the fill. negative:
-// the sample is inside; squared: of the distance, in units.
+// the sample is inside; squared: of the distance, in units. A distance of 0 is +0, but negative if signs are exact
+// (layout.least_inside): 0 - 0 is +0.
 #define DEFINE_SIGNED_DISTANCE(signed_distance, Real, Mask)                                            \
     INLINE Real signed_distance(Layout layout, Mask negative, Real squared, __private Mask* in_band) { \
         const Real fill = negative ? (Real)layout.inside_fill : (Real)layout.outside_fill;             \
         const Real limit = negative ? (Real)layout.inside_squared : (Real)layout.outside_squared;      \
         *in_band = squared <= limit;                                                                   \
         const Real root = sqrt(squared) * layout.unit, most = fabs(fill);                              \
-        const Real length = LESSER(root, most);                                                        \
-        return *in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;                   \
+        const Real length = LESSER(root, most), least = (Real)layout.least_inside;                     \
+        return *in_band ? (negative ? 0.0f - GREATER(length, least) : length) : fill;                  \
     }
 DEFINE_SIGNED_DISTANCE(signed_distance, float, bool)
 #if LANES != 1

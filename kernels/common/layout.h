@@ -78,6 +78,7 @@ typedef struct Layout {
     float unit;
     float inside_fill;  // -inside and outside, as written beyond the band, in the mesh's units
     float outside_fill;
+    float least_inside;  // exact signs: the least distance of a sample that is inside, in the mesh's units; else 0
 } Layout;
 
 // The group body looks at so many entries of a list together.
@@ -95,7 +96,7 @@ typedef struct BrickTask {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(BrickTask) == 20);
-static_assert(sizeof(Layout) == 132);
+static_assert(sizeof(Layout) == 136);
 static_assert(offsetof(Layout, sign_words) == 72);
 static_assert(offsetof(Layout, unit) == 120);
 }  // namespace clsdf

@@ -258,8 +258,8 @@ INLINE double finished_distance(__private const Finishing* finishing, __private 
         without_rounding(halves, in_plane.x, in_plane.y, nearest->from.z, scalar_product(nearest->from, nearest->from));
     const double root = sqrt(squared) * finishing->how.unit;
     const double most = fabs(distance_beyond(finishing, negative));
-    const double length = LESSER(root, most);
-    return negative && length != 0.0 ? -length : length;
+    const double length = LESSER(root, most), least = finishing->how.least_inside;
+    return negative ? 0.0 - GREATER(length, least) : length;  // 0 - 0 is +0
 }
 #endif
 

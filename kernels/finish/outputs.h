@@ -36,7 +36,7 @@ typedef struct Finish {
     float outward;            // -1 if pseudonormals point inside: the mesh is inside out
     clsdf_uint32 renumbered;  // triangles of a part of a mesh, whose numbers in the whole follow their sites; else 0
     clsdf_uint32 turned;      // triangles whose directions, 1 or -1, follow their pseudonormals; 0: all are 1
-    clsdf_uint32 reserved;
+    float least_inside;       // of the layout
 } Finish;
 
 #ifndef __OPENCL_VERSION__

@@ -33,12 +33,6 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
                     fmt::format("walls of {} are asked for, and it has no sign: make the transform of a closed mesh "
                                 "with a sign rule, or ask for the links of its faces",
                                 kept_mesh->name()));
-    if (sign == SignRule::below)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("links and crossings do not know the walls and the floor of the sign rule below; make a "
-                        "transform of the closed mesh, close_down({}, floor)",
-                        kept_mesh->name()));
     targets::wait_for(context(), call.wait_list);
     calls::RunningCall running{call};
     running.throw_if_stopped();
@@ -46,6 +40,13 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     if (const auto* restriction = kept_mesh->restriction()) {
         restriction->check(with_margin, Band::signs_only(), sign);
         numbers = restriction->numbers;
+        // The part has not the whole floor.
+        if (const double lowest = with_margin.position(0, 0, 0)[2]; sign == SignRule::below && lowest <= *floor)
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("links or edges reach down to z = {}, and a restricted transform with the sign rule "
+                            "below has none of its floor, at z = {}; ask above it, or the whole transform",
+                            lowest, *floor));
     }
     CallStatistics& statistics = running.statistics;
     const Stopwatch preparing;
@@ -55,6 +56,7 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
         const std::scoped_lock lock(mutex);
         context().begin_call();
         return calls::with_remedies(nullptr, {forgetting()}, [&] {
+            if (sign == SignRule::below) return kept_points->sign_mesh();
             auto made = kept_points->mesh();
             if (made->film) tree = kept_points->wide_tree();
             return made;

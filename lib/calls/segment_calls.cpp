@@ -73,6 +73,29 @@ std::string text_of(const Vec3& p) {
     return fmt::format("({}, {}, {})", p[0], p[1], p[2]);
 }
 
+/// Throws unless each of these segments lies in a region of a restricted transform. end_of(i): its end, and how far off
+/// that may be; NaN if it is not usable.
+void check_in_regions(const engine::Restriction& restriction, std::optional<double> floor, const char* what,
+                      std::span<const Vec3> from, const auto& end_of) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        const std::pair<Vec3, double> found = end_of(i);
+        const Vec3& end = found.first;
+        if (!is_finite(from[i]) || std::ranges::any_of(end, [](double x) { return std::isnan(x); })) continue;
+        Box box{from[i], from[i]};
+        add(box, widened({end, end}, found.second));
+        const auto text = [&] {
+            return fmt::format("{} {} goes from {} to {}", what, i, text_of(from[i]), text_of(end));
+        };
+        if (!is_finite(end) || !restriction.holds(box, 0, 0, 0)) restriction.refuse(text(), box);
+        if (floor && box.lower[2] <= *floor)
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("{}, and a restricted transform with the sign rule below has not the whole floor, at "
+                            "z = {}; ask above it, or the whole transform",
+                            text(), *floor));
+    }
+}
+
 /// Finds the rays or pairs that are not usable, and what to say of them.
 std::string warning_of(const Pairs& pairs, std::span<const Vec3> first, std::span<const Vec3> second, const auto& why,
                        bool are_refused, std::size_t& count) {
@@ -93,10 +116,6 @@ std::string warning_of(const Pairs& pairs, std::span<const Vec3> first, std::spa
 }  // namespace
 
 DistanceTransform::State::SegmentInputs DistanceTransform::State::segment_inputs(Hits hits) {
-    if (kept_mesh->restriction() != nullptr)
-        throw Error(
-            ErrorCode::unsupported,
-            "the transform is restricted and has not all triangles that rays may meet; ask the whole transform");
     if (hits == Hits::walls && sign == SignRule::none)
         throw Error(ErrorCode::unsupported,
                     fmt::format("{} has no sign, and walls are where inside and outside meet; ask for faces",
@@ -106,6 +125,13 @@ DistanceTransform::State::SegmentInputs DistanceTransform::State::segment_inputs
     context().begin_call();
     SegmentInputs inputs;
     calls::with_remedies(nullptr, {forgetting()}, [&] {
+        if (hits == Hits::walls && sign == SignRule::below) {
+            inputs.mesh = kept_points->sign_mesh();
+            const auto closed = kept_points->closed_faces();
+            inputs.tree = {closed, &closed->tree};
+            inputs.faces = {closed, &closed->faces};
+            return;
+        }
         inputs.mesh = kept_points->mesh();
         inputs.tree = kept_points->wide_tree();
         inputs.faces = kept_points->crossed_faces();
@@ -115,16 +141,6 @@ DistanceTransform::State::SegmentInputs DistanceTransform::State::segment_inputs
                     fmt::format("{} has a coordinate that is not 0 and less than 2^-300 or more than 2^300 units of "
                                 "{}, which exact arithmetic cannot take; move or scale the mesh",
                                 kept_mesh->name(), inputs.mesh->lattice.unit));
-    if (hits == Hits::walls && inputs.mesh->walls)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{} has the sign rule below, whose walls and floor have no faces; make a transform of "
-                                "the closed mesh, close_down({}, floor), or ask for faces",
-                                kept_mesh->name(), kept_mesh->name()));
-    if (hits == Hits::walls && inputs.mesh->film)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{} has open edges that count for its sign, and its walls have no faces there; ask for "
-                                "faces",
-                                kept_mesh->name()));
     return inputs;
 }
 
@@ -140,7 +156,8 @@ CallStatistics DistanceTransform::State::look_up_pairs(std::size_t count, const 
     statistics.polyhedra_seconds = watch.seconds();
     const std::string warning = warn(*inputs.mesh, statistics.unusable_points);
     const Stopwatch search_watch;
-    const segments::SearchedFaces searched{*inputs.mesh, *inputs.tree, *inputs.faces, sign};
+    segments::SearchedFaces searched{*inputs.mesh, *inputs.tree, *inputs.faces, sign};
+    if (const auto* restriction = kept_mesh->restriction()) searched.numbers = restriction->numbers;
     const auto between = running.between(0, 1);
     for (std::size_t begin = 0; begin < count; begin += rays_at_once) {
         if (between) between(static_cast<double>(begin) / static_cast<double>(count));
@@ -188,6 +205,29 @@ TransformStatistics DistanceTransform::rays(const InputArray& origins, const Inp
         for (segments::ResultArray* array : {&arrays.t, &arrays.triangles, &arrays.counts, &arrays.any})
             array->set_mapped(memory);
         const PositionArray from(memory.mapped(origins)), along(memory.mapped(directions));
+        if (const auto* restriction = state.kept_mesh->restriction()) {
+            if (options.hits == Hits::walls && state.sign == SignRule::solid_angle)
+                throw Error(
+                    ErrorCode::unsupported,
+                    fmt::format("walls of {} are asked for along rays, its open edges count for its sign, and the "
+                                "transform is restricted; ask the whole transform, or for faces",
+                                state.kept_mesh->name()));
+            if (!std::isfinite(options.limit))
+                throw Error(ErrorCode::invalid_argument,
+                            "the rays have no limit, and the transform is restricted to regions; give a limit up to "
+                            "which each ray lies in a region, or ask the whole transform");
+            check_in_regions(*restriction, state.floor_of(options.hits), "ray", from.get(), [&](std::size_t i) {
+                const Vec3 &origin = from.get()[i], &direction = along.get()[i];
+                Vec3 end{};
+                double greatest = 0;
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const double along_axis = is_finite(direction) ? direction[axis] : std::nan("");
+                    end[axis] = std::fma(options.limit, along_axis, origin[axis]);
+                    greatest = std::max({greatest, std::abs(origin[axis]), std::abs(end[axis])});
+                }
+                return std::pair(end, 0x1p-50 * greatest);
+            });
+        }
         const CallStatistics statistics = state.look_up_pairs(
             count, call, options.hits,
             [&](const engine::PointMesh& mesh, std::size_t& unusable) {
@@ -224,6 +264,11 @@ TransformStatistics DistanceTransform::visible(const InputArray& from, const Inp
         memory.map(call.wait_list);
         result.set_mapped(memory);
         const PositionArray first(memory.mapped(from)), second(memory.mapped(to));
+        if (const auto* restriction = state.kept_mesh->restriction())
+            check_in_regions(*restriction, state.floor_of(hits), "pair", first.get(), [&](std::size_t i) {
+                const Vec3& end = second.get()[i];
+                return std::pair(is_finite(end) ? end : Vec3{std::nan(""), 0, 0}, 0.0);
+            });
         const CallStatistics statistics = state.look_up_pairs(
             from.count, call, hits,
             [&](const engine::PointMesh& mesh, std::size_t& unusable) {

@@ -1,7 +1,11 @@
 #include "calls/slab_plans.hpp"
 
 #include "core/stopwatch.hpp"
+#include "segments/sign_bits.hpp"
 
+#include <memory>
+#include <optional>
+#include <span>
 #include <utility>
 
 namespace clsdf {
@@ -18,6 +22,21 @@ engine::Inputs DistanceTransform::State::SlabPlans::inputs_of(const engine::Job&
     });
 }
 
+engine::WriteSignBits DistanceTransform::State::SlabPlans::exact_signs(const engine::Job& job) const {
+    const auto mesh =
+        calls::with_remedies(nullptr, {state_.forgetting()}, [&] { return state_.kept_points->sign_mesh(); });
+    auto near = engine::faces_near_rows(*state_.kept_mesh, job);
+    // The walls of the rule below follow the mesh's faces.
+    if (near) near->faces.push_back({state_.kept_mesh->face_count(), mesh->face_count()});
+    return [this, mesh, near, grid = job.grid](const Layout& layout, std::span<std::uint32_t> words) {
+        const auto* const restriction = state_.kept_mesh->restriction();
+        const auto numbers = restriction != nullptr ? std::span<const std::uint32_t>(restriction->numbers)
+                                                    : std::span<const std::uint32_t>();
+        segments::write_sign_bits({*mesh, numbers, state_.kept_mesh->name()}, state_.sign, grid, layout,
+                                  near ? &near->faces : nullptr, words);
+    };
+}
+
 std::unique_ptr<engine::GridPlan> DistanceTransform::State::SlabPlans::make(const plans::Slab& slab, bool in_halves) {
     const engine::Job job = slab.batch->job.with_grid(slab.grid);
     if (batch_ != slab.batch) {
@@ -32,6 +51,7 @@ std::unique_ptr<engine::GridPlan> DistanceTransform::State::SlabPlans::make(cons
     }
     engine::Inputs inputs = inputs_;
     if (!slab.is_whole()) engine::select_inputs(*state_.kept_mesh, job, inputs);
+    if (job.band.has_exact_signs) inputs.write_sign_bits = exact_signs(job);
     auto plan = std::make_unique<engine::GridPlan>(
         workshop_, std::move(inputs), job, [&] { running_.throw_if_stopped(); }, in_halves);
     workshop_.pool->trim();

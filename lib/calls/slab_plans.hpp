@@ -24,6 +24,7 @@ public:
 
 private:
     engine::Inputs inputs_of(const engine::Job& job) const;
+    engine::WriteSignBits exact_signs(const engine::Job& job) const;
 
     State& state_;
     engine::Workshop workshop_;

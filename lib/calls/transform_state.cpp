@@ -263,8 +263,17 @@ engine::Job DistanceTransform::State::check(engine::JobKey asked) const {
         throw Error(ErrorCode::invalid_argument,
                     "a field of signs alone is asked for, and the transform has no sign; give the band a width, or "
                     "make the transform of a closed mesh with a sign rule");
+    if (asked.band.has_exact_signs && sign == SignRule::none)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("exact signs of {} are asked for, and it has no sign; make the transform of a closed "
+                                "mesh with a sign rule, or leave exact signs out",
+                                kept_mesh->name()));
     if (method) {
         method->check_outputs(asked.outputs);
+        if (asked.band.has_exact_signs)
+            throw Error(ErrorCode::unsupported,
+                        "exact signs are those of leaned frusta, scanned by bricks, alone; leave exact signs out, or "
+                        "the published method");
         if (asked.outputs.contains(Output::distance))
             throw Error(ErrorCode::unsupported,
                         "distances in double are computed from leaned frusta, scanned by bricks, alone; give the "

@@ -207,6 +207,8 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
         std::shared_ptr<const engine::WideTree> tree;
         std::shared_ptr<const engine::CrossedFaces> faces;
     };
+    /// The floor if walls of the rule `below` are asked for.
+    std::optional<double> floor_of(Hits hits) const { return hits == Hits::walls ? floor : std::nullopt; }
     /// Throws as DistanceTransform::rays() does.
     SegmentInputs segment_inputs(Hits hits);
     /// Looks up rays or pairs of points: warn(mesh, unusable) sets how many are not usable and returns what to say of

@@ -120,8 +120,8 @@ std::ptrdiff_t block_stride(const OutputInfo& info, const OutputArray& array, st
 auto kind_of(const engine::Job& job, const targets::HostArrays& arrays) {
     std::uint32_t in_double = 0;
     for (const OutputInfo& row : extra_outputs()) in_double |= arrays[row.output].in_double ? bit_of(row) : 0;
-    return std::tuple(job.grid.origin, job.grid.spacing, job.band.inside, job.band.outside, job.outputs.bits(),
-                      in_double);
+    return std::tuple(job.grid.origin, job.grid.spacing, job.band.inside, job.band.outside, job.band.has_exact_signs,
+                      job.outputs.bits(), in_double);
 }
 
 }  // namespace

@@ -10,14 +10,48 @@ std::shared_ptr<const engine::PointMesh> KeptPoints::mesh() {
         return mesh_.get_or([&] {
             engine::PointMesh made = engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(),
                                                              kept_mesh_.sign_surface(), kept_mesh_.shared_topology());
-            const engine::Restriction* restriction = kept_mesh_.restriction();
-            if (auto boundary = kept_mesh_.boundary(); boundary && boundary->floor)
-                made.walls = std::make_shared<const Walls>(std::move(boundary));
-            else if (boundary)
-                made.film = std::make_shared<const FilmTree>(std::move(boundary), made.lattice.unit);
-            made.is_part = restriction != nullptr;
-            made.has_several_regions = made.is_part && restriction->regions.size() > 1;
+            complete(made);
             return made;
+        });
+    });
+}
+
+std::shared_ptr<const engine::PointMesh> KeptPoints::host_mesh() {
+    if (mesh_) return mesh();
+    return kept_mesh_.prepare([&] {
+        return host_mesh_.get_or([&] {
+            engine::PointMesh made = engine::make_host_point_mesh(kept_mesh_.mesh(), kept_mesh_.sign_surface(),
+                                                                  kept_mesh_.shared_topology());
+            complete(made);
+            return made;
+        });
+    });
+}
+
+void KeptPoints::complete(engine::PointMesh& made) {
+    const engine::Restriction* restriction = kept_mesh_.restriction();
+    if (auto boundary = kept_mesh_.boundary(); boundary && boundary->floor)
+        made.walls = std::make_shared<const Walls>(std::move(boundary));
+    else if (boundary)
+        made.film = std::make_shared<const FilmTree>(std::move(boundary), made.lattice.unit);
+    made.is_part = restriction != nullptr;
+    made.has_several_regions = made.is_part && restriction->regions.size() > 1;
+}
+
+std::shared_ptr<const engine::PointMesh> KeptPoints::sign_mesh() {
+    auto mesh = host_mesh();
+    if (!mesh->walls) return mesh;
+    return kept_mesh_.prepare([&] {
+        const auto& closed = closed_mesh_.get_or([&] { return engine::closed_down(*mesh, *kept_mesh_.boundary()); });
+        return std::shared_ptr<const engine::PointMesh>(closed, &closed->mesh);
+    });
+}
+
+std::shared_ptr<const engine::ClosedFaces> KeptPoints::closed_faces() {
+    return kept_mesh_.prepare([&] {
+        return closed_faces_.get_or([&] {
+            const auto mesh = sign_mesh();
+            return engine::ClosedFaces{engine::make_wide_tree(*mesh), engine::make_crossed_faces(*mesh)};
         });
     });
 }

@@ -6,6 +6,7 @@
 #include "points/point_scan.hpp"
 #include "points/sign_faces.hpp"
 #include "tree/binary_tree.hpp"
+#include "tree/closed_down.hpp"
 #include "tree/crossed_faces.hpp"
 #include "tree/point_mesh.hpp"
 #include "tree/wide_tree.hpp"
@@ -20,6 +21,7 @@ namespace clsdf::points {
 /// when it is needed first, and forgotten when the vertices move or memory is short.
 ///
 ///     mesh           of the positions                    once points are asked for
+///     host's mesh    of the positions                    once a field with exact signs is asked for
 ///     wide tree      + positions                         once the host looks for faces, and with the leaves
 ///     leaves         + positions                         once points are asked for that are not scanned, for the body
 ///                                                        by_vector; once few points are asked for
@@ -30,6 +32,8 @@ namespace clsdf::points {
 ///     face sides     + sign rule                         once about as many points are asked for
 ///     sign faces     + sign rule                         once points in memory of the device are asked for
 ///     crossed faces  + positions                         once rays are asked for
+///     closed mesh    + positions                         of the rule below, once its walls are asked for
+///     closed faces   + positions                         the same of rays
 ///     scanned mesh   + frusta                            once many points are asked for
 ///
 /// For one thread at a time.
@@ -41,6 +45,14 @@ public:
 
     /// The faces that points are looked up among. Throws Error(invalid_argument, unsupported or out_of_memory).
     std::shared_ptr<const engine::PointMesh> mesh();
+
+    /// Its parts on the host: mesh() if that is kept. Throws as mesh().
+    std::shared_ptr<const engine::PointMesh> host_mesh();
+    /// The faces that decide the sign: host_mesh(), and with the rule `below` its walls and its floor, too. Throws as
+    /// mesh().
+    std::shared_ptr<const engine::PointMesh> sign_mesh();
+    /// The tree and the faces of such a mesh that has walls and a floor. Throws as mesh().
+    std::shared_ptr<const engine::ClosedFaces> closed_faces();
 
     /// The tree in which the host looks for faces. Throws as mesh().
     std::shared_ptr<const engine::WideTree> wide_tree();
@@ -74,6 +86,9 @@ public:
     void remember(const PointInputs& inputs, OutputSet outputs);
 
 private:
+    /// Sets what the kept mesh knows beside faces.
+    void complete(engine::PointMesh& made);
+
     template <class T>
     using Kept = engine::Kept<T>;
     using MadeOf = engine::MadeOf;
@@ -81,9 +96,12 @@ private:
 
     engine::KeptMesh& kept_mesh_;
     Kept<engine::PointMesh> mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<engine::PointMesh> host_mesh_{kept_mesh_.kept(), MadeOf::positions};
     Kept<engine::WideTree> wide_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::WideLeaves> wide_leaves_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::CrossedFaces> crossed_faces_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<engine::ClosedMesh> closed_mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<engine::ClosedFaces> closed_faces_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<device::BufferPool::Lease> triangles_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};
     Kept<engine::DividedFaces> divided_faces_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};
     Kept<engine::FittedTree> fitted_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};

@@ -82,8 +82,7 @@ double Judge::tolerance(double distance) const {
 }
 
 float Judge::fill(bool inside) const {
-    const double width = half_width(field_.band, truth_.is_signed(), inside);
-    return static_cast<float>(truth_.is_signed() && inside ? -width : width);
+    return static_cast<float>(truth_.is_signed() && inside ? field_.band.inside_value() : field_.band.outside);
 }
 
 void Judge::judge(const Index3& index, const TrueSample& truth, Tally& tally) const {

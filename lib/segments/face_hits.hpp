@@ -35,4 +35,7 @@ struct FaceHit {
 /// Whether the line meets the face; sets all of `hit` but the face.
 bool meets(const Line& line, const engine::CrossedFaces::Corners& corners, Hits hits, FaceHit& hit);
 
+/// Whether the line runs in the plane of the face, exactly.
+bool is_in_plane(const Line& line, const engine::CrossedFaces::Corners& corners);
+
 }  // namespace clsdf::segments

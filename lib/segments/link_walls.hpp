@@ -16,6 +16,12 @@ struct Met {
     std::uint32_t triangle = no_triangle;
     std::uint32_t count = 0;  ///< 0: nothing is met
     bool is_film = false;     ///< the first wall is one
+
+    /// What is said of the first wall.
+    SegmentFlag flag() const {
+        if (is_film) return SegmentFlag::film;
+        return triangle == no_triangle ? SegmentFlag::closing : SegmentFlag::none;
+    }
 };
 
 /// Finds the walls on a link from the faces that may cross it. For one thread.

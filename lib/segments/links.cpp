@@ -213,7 +213,7 @@ void Finder::search() {
         [&](std::size_t begin, std::size_t end) {
             Own &own_further = further.local(), &own_extras = extras.local();
             for (std::size_t face = begin; face < end; ++face) {
-                if (!as_given && faces_.mesh.sign_count(face) == 0) continue;
+                if (as_given ? faces_.triangle(face) == no_triangle : faces_.mesh.sign_count(face) == 0) continue;
                 const crossing::Corners corners = as_given ? faces_.corners(face) : faces_.sign_corners(face);
                 raster.visit_links(corners, [&](const Place& from, std::size_t number, bool is_sure) {
                     const Place to = sum(from, steps[number]);
@@ -315,7 +315,7 @@ void Finder::solve_table(Links& links, std::size_t count) {
                     if (++waiting == LinkPlaces::most) compute();
                     links.triangles[n] = faces_.triangle(face);
                     links.counts[n] = 1;
-                    links.flags[n] = SegmentFlag::none;
+                    links.flags[n] = Met{.triangle = links.triangles[n]}.flag();
                     continue;
                 }
                 faces.clear();
@@ -326,7 +326,7 @@ void Finder::solve_table(Links& links, std::size_t count) {
                 links.q[n] = met.q;
                 links.triangles[n] = met.triangle;
                 links.counts[n] = met.count;
-                links.flags[n] = met.is_film ? SegmentFlag::film : SegmentFlag::none;
+                links.flags[n] = met.flag();
             }
             if (waiting > 0) compute();
         },
@@ -348,9 +348,7 @@ void Finder::merge(Links& links, std::size_t count, const std::vector<Extra>& ex
             links.q[to] = met.q;
             links.triangles[to] = met.triangle;
             links.counts[to] = met.count;
-            links.flags[to] =
-                static_cast<SegmentFlag>(static_cast<unsigned>(flag) |
-                                         static_cast<unsigned>(met.is_film ? SegmentFlag::film : SegmentFlag::none));
+            links.flags[to] = static_cast<SegmentFlag>(static_cast<unsigned>(flag) | static_cast<unsigned>(met.flag()));
             continue;
         }
         --table;

@@ -4,6 +4,7 @@
 #include "core/parallel.hpp"
 #include "mesh/mesh_arrays.hpp"
 #include "segments/face_hits.hpp"
+#include "segments/film_walls.hpp"
 #include "segments/walk.hpp"
 #include "tree/ray_walk.hpp"
 
@@ -11,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace clsdf::segments {
@@ -18,6 +20,10 @@ namespace clsdf::segments {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// A wall of a film is found to that part of the diagonal of the mesh's box, or of a shorter line; two that are nearer
+/// to each other than the other part may be missed.
+constexpr double film_places = 0x1p-30, pair_of_films = 0x1p-10;
 
 /// A hit or a wall on a line.
 struct Stop {
@@ -105,10 +111,51 @@ public:
     /// Those of any point.
     Windings windings_at(const Vec3& point) {
         const Box& box = searched_.mesh.box;
-        const Vec3 direction{point[0] - box.lower[0] < box.upper[0] - point[0] ? -0.5 : 0.5, 0, 0};
+        const bool is_below = searched_.mesh.is_part || point[0] - box.lower[0] < box.upper[0] - point[0];
+        const Vec3 direction{is_below ? -0.5 : 0.5, 0, 0};
         find_faces(Line::ray(engine::scaled(point, per_unit_), direction),
                    engine::tree_ray(searched_.mesh, point, direction), infinity);
         return windings_at_begin();
+    }
+
+    /// Those of any point, with the film.
+    Windings windings_with_film(const Vec3& point) {
+        // The part of the open edges fits to rays towards -x in the first look. Other looks differ from it by faces at
+        // the point alone.
+        const Vec3 direction{-0.5, 0, 0};
+        find_faces(Line::ray(engine::scaled(point, per_unit_), direction),
+                   engine::tree_ray(searched_.mesh, point, direction), infinity);
+        Windings windings(searched_.mesh.film->look(point).rounded);
+        for (const FaceHit& hit : found_) {
+            const std::uint32_t looks = hit.place == 0 ? hit.looks : (hit.looks & 1U) != 0 ? CLSDF_ALL_LOOKS : 0;
+            windings.add(looks, -change_of(hit));
+        }
+        return windings;
+    }
+
+    /// The walls among the faces that were found and those of the film, in order, on [first, last] of the line. At most
+    /// `most` walls, and one behind `end`. Windings: of both ends.
+    std::span<const Stop> walls_with_film(const Line& line, const engine::TreeRay& ray, double first, double last,
+                                          const Windings& at, const Windings& at_last, std::size_t most, double end) {
+        stops_.clear();
+        sort_exactly(line);
+        double square = 0;
+        for (const double x : line.along) square += x * x;
+        const double size = std::min(searched_.faces.diagonal / std::sqrt(square), last - first);
+        walk_with_film({{searched_.mesh, searched_.tree},
+                        line.exact,
+                        line.from,
+                        line.along,
+                        first,
+                        last,
+                        film_places * size,
+                        pair_of_films * size,
+                        [&] { return may_be_in_face(line, ray, last); }},
+                       crossed_, searched_.rule, at, at_last, [&](const Wall& wall) {
+                           stops_.push_back({wall.place, 0, wall.triangle, true});
+                           return stops_.size() >= most || wall.place > end;
+                       });
+        return stops_;
     }
 
     /// The walls among the faces that were found, in order. windings: at the line's begin.
@@ -147,10 +194,20 @@ public:
     void restore() { found_.swap(kept_); }
 
 private:
+    bool may_be_in_face(const Line& line, const engine::TreeRay& ray, double end) const {
+        const float bound = ray.end_at(end);
+        return engine::visit_faces(searched_.tree, ray, bound, [&](std::size_t face) {
+            return searched_.mesh.sign_count(face) != 0 && is_in_plane(line, searched_.faces.of_sign(face));
+        });
+    }
     const engine::CrossedFaces::Corners& corners_of(std::size_t face) const {
         return hits_wanted_ == Hits::faces ? searched_.faces.corners[face] : searched_.faces.of_sign(face);
     }
-    std::uint32_t triangle_of(std::size_t face) const { return searched_.mesh.topology->order[face]; }
+    /// The caller's number, or no_triangle.
+    std::uint32_t triangle_of(std::size_t face) const {
+        const std::uint32_t number = searched_.mesh.topology->order[face];
+        return searched_.numbers.empty() || number == no_triangle ? number : searched_.numbers[number];
+    }
     int change_of(const FaceHit& hit) const { return searched_.mesh.sign_count(hit.face) * hit.side; }
     Stop stop_at(const FaceHit& hit) const { return {hit.place, hit.face, triangle_of(hit.face), false}; }
 
@@ -221,7 +278,15 @@ public:
         const double limit = std::ldexp(options_.limit, -exponent_);
         const double end = limit + (limit * 0x1p-49 + std::numeric_limits<double>::denorm_min());
         const bool is_first = arrays_.t.is_given() || arrays_.triangles.is_given();
-        if (options_.hits == Hits::walls) {
+        if (options_.hits == Hits::walls && searched_.mesh.film) {
+            const std::size_t most = arrays_.counts.is_given() ? std::numeric_limits<std::size_t>::max()
+                                                               : std::max<std::size_t>(arrays_.most, 1);
+            store(i, within_limit(line, walls_with_film(line, ray, origin, most, end)));
+        } else if (options_.hits == Hits::walls && searched_.mesh.is_part) {
+            const Windings windings = search_.windings_at(origin);
+            search_.find_faces(line, ray, end);
+            store(i, within_limit(line, search_.walls(line, windings)));
+        } else if (options_.hits == Hits::walls) {
             search_.find_faces(line, ray, infinity);
             const Windings windings = search_.windings_at_begin();
             store(i, within_limit(line, search_.walls(line, windings)));
@@ -242,6 +307,35 @@ public:
     }
 
 private:
+    std::span<const Stop> walls_with_film(const Line& line, const engine::TreeRay& ray, const Vec3& origin,
+                                          std::size_t most, double end) {
+        const auto [first, last] = within_ball(line);
+        if (!(first < last)) return {};
+        const Windings at = first > 0 ? Windings() : search_.windings_with_film(origin);
+        search_.find_faces(line, ray, infinity);
+        return search_.walls_with_film(line, ray, first, last, at, {}, most, end);
+    }
+    /// The part of a ray in the ball beyond which nothing is inside.
+    std::pair<double, double> within_ball(const Line& line) const {
+        double along = 0, across = 0, squared = 0, far = 0;  // from the origin to the centre
+        Vec3 to_centre{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            to_centre[axis] = searched_.faces.centre[axis] - line.from[axis];
+            far = std::max(far, std::abs(to_centre[axis]));
+            along += to_centre[axis] * line.along[axis];
+            squared += line.along[axis] * line.along[axis];
+        }
+        const double nearest = along / squared;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double x = to_centre[axis] - nearest * line.along[axis];
+            across += x * x;
+        }
+        const double radius = searched_.faces.radius + 0x1p-40 * far, rest = radius * radius - across;
+        if (!(rest > 0)) return {0, 0};
+        const double half = std::sqrt(rest / squared);
+        return {std::max(nearest - half, 0.0), nearest + half};
+    }
+
     /// In lengths of the direction.
     double place_on(const Line& line, const Stop& stop) const {
         return std::ldexp(search_.rounded_place(line, stop), exponent_);
@@ -281,11 +375,18 @@ private:
 bool is_visible(const SearchedFaces& searched, Search& search, const Vec3& from, const Vec3& to, Hits hits) {
     if (why_unusable_pair(searched.mesh, from, to)) return false;
     if (from == to) return true;
+    // A pair and its reverse are one segment: what is found of a film depends on its direction.
+    if (hits == Hits::walls && searched.mesh.film && to < from) return is_visible(searched, search, to, from, hits);
     const Line line = search.segment(from, to);
     const int exponent = exponent_of(line.along);
     const engine::TreeRay ray = engine::tree_ray(searched.mesh, from, times_power(line.along, -exponent));
     const double end = std::ldexp(1 + 0x1p-40, exponent);
     if (hits == Hits::faces) return !search.finds_face(line, ray, end, [](const Stop&) { return true; });
+    if (searched.mesh.film) {
+        const Windings at = search.windings_with_film(from), at_last = search.windings_with_film(to);
+        search.find_faces(line, ray, end);
+        return search.walls_with_film(line, ray, 0, 1, at, at_last, 1, 1).empty();
+    }
     if (!search.find_faces(line, ray, end)) return true;
     search.keep();
     const Windings windings = search.windings_at(from);

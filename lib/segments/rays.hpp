@@ -8,6 +8,7 @@
 #include <clsdf/topology.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,12 +16,14 @@
 /// Rays, and segments between pairs of points, by the host.
 namespace clsdf::segments {
 
-/// What is searched. faces: are_exact. rule: that decides walls; with open edges there are none (PointMesh::film).
+/// What is searched. faces: are_exact. rule: that decides walls. numbers: of a part's triangles, in the whole mesh;
+/// empty for the whole. A part has all faces that rays up to their limit meet, and those on rows towards -x.
 struct SearchedFaces {
     const engine::PointMesh& mesh;
     const engine::WideTree& tree;
     const engine::CrossedFaces& faces;
     SignRule rule;
+    std::span<const std::uint32_t> numbers{};
 };
 
 /// The arrays that are asked for. t and triangles have `most` components.

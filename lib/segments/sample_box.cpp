@@ -34,6 +34,7 @@ SampleBox::SampleBox(const Grid& grid_in, const Place& margin_in, double scale_i
         grid.size[axis] += 2 * margin[axis];
         const auto count = static_cast<std::size_t>(grid.size[axis]);
         size[axis] = static_cast<std::int32_t>(count);
+        per_spacing[axis] = 1 / (grid.spacing[axis] * scale);
         at[axis].resize(count);
         double greatest = 0;
         for (std::size_t i = 0; i < count; ++i) {
@@ -50,11 +51,12 @@ SampleBox::SampleBox(const Grid& grid_in, const Place& margin_in, double scale_i
         }
         const double last_bit = std::nextafter(greatest, std::numeric_limits<double>::infinity()) - greatest;
         if (!(last_bit <= 0x1p-22 * grid.spacing[axis]))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the grid reaches to {} on axis {} with the spacing {}: links and crossings need "
-                                    "samples whose coordinates' last bit, here {}, is at most 2^-22 of the spacing; "
-                                    "move mesh and grid towards 0, or use a larger spacing",
-                                    greatest, "xyz"[axis], grid.spacing[axis], last_bit));
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("the grid reaches to {} on axis {} with the spacing {}: links, crossings and "
+                            "exact signs need samples whose coordinates' last bit, here {}, is at most 2^-22 of "
+                            "the spacing; move mesh and grid towards 0, or use a larger spacing",
+                            greatest, "xyz"[axis], grid.spacing[axis], last_bit));
         rounding = std::max(rounding, 0.5 * last_bit / grid.spacing[axis]);
     }
 }
@@ -70,21 +72,21 @@ std::int32_t first_past(double guess, std::int32_t count, const IsPast& is_past)
     return i;
 }
 
-double guess_of(const UninitializedVector<double>& at, double x, double spacing) {
-    return std::ceil((x - at[0]) / spacing);
+double guess_of(const UninitializedVector<double>& at, double x, double per_spacing) {
+    return std::ceil((x - at[0]) * per_spacing);
 }
 
 }  // namespace
 
-std::int32_t SampleBox::first_not_below(std::size_t axis, double x) const {
+std::int32_t SampleBox::exact_first_not_below(std::size_t axis, double x) const {
     const UninitializedVector<double>& all = at[axis];
-    return first_past(guess_of(all, x, grid.spacing[axis] * scale), size[axis],
+    return first_past(guess_of(all, x, per_spacing[axis]), size[axis],
                       [&](std::int32_t i) { return all[static_cast<std::size_t>(i)] >= x; });
 }
 
-std::int32_t SampleBox::first_above(std::size_t axis, double x) const {
+std::int32_t SampleBox::exact_first_above(std::size_t axis, double x) const {
     const UninitializedVector<double>& all = at[axis];
-    return first_past(guess_of(all, x, grid.spacing[axis] * scale), size[axis],
+    return first_past(guess_of(all, x, per_spacing[axis]), size[axis],
                       [&](std::int32_t i) { return all[static_cast<std::size_t>(i)] > x; });
 }
 

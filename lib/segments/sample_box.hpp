@@ -5,7 +5,9 @@
 #include "tree/point_mesh.hpp"
 
 #include <clsdf/grid.hpp>
+#include <clsdf/outputs.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -28,10 +30,10 @@ struct ScaledFaces {
     std::size_t count() const { return mesh.face_count(); }
     crossing::Corners sign_corners(std::size_t face) const { return scaled(mesh.sign_corners(face)); }
     crossing::Corners corners(std::size_t face) const { return scaled(mesh.corners(face)); }
-    /// The caller's number.
+    /// The caller's number, or no_triangle.
     std::uint32_t triangle(std::size_t face) const {
         const std::uint32_t number = mesh.topology->order[face];
-        return numbers.empty() ? number : numbers[number];
+        return numbers.empty() || number == no_triangle ? number : numbers[number];
     }
 
 private:
@@ -53,6 +55,7 @@ struct SampleBox {
     Place size{};  ///< with the margin
     double scale;
     std::array<UninitializedVector<double>, 3> at;  ///< by axis: scaled
+    std::array<double, 3> per_spacing{};            ///< 1 / the scaled spacing
     double rounding = 0;                            ///< samples are at most that far from the lattice's, in voxels
 
     Vec3 position(const Place& p) const {
@@ -76,8 +79,29 @@ struct SampleBox {
         return is_in;
     }
     /// The first sample on an axis whose coordinate is not below x, or above x; `size` if there is none.
-    std::int32_t first_not_below(std::size_t axis, double x) const;
-    std::int32_t first_above(std::size_t axis, double x) const;
+    std::int32_t first_not_below(std::size_t axis, double x) const {
+        const Steps steps = steps_to(axis, x);
+        return steps.is_between ? steps.next : exact_first_not_below(axis, x);
+    }
+    std::int32_t first_above(std::size_t axis, double x) const {
+        const Steps steps = steps_to(axis, x);
+        return steps.is_between ? steps.next : exact_first_above(axis, x);
+    }
+
+private:
+    struct Steps {
+        std::int32_t next;  ///< the first sample behind, or `size`
+        bool is_between;    ///< no sample is so near that roundings matter
+    };
+    Steps steps_to(std::size_t axis, double x) const {
+        const double steps = (x - at[axis][0]) * per_spacing[axis], count = size[axis];
+        const double limited = std::clamp(steps, -1.0, count);
+        const auto next = static_cast<std::int32_t>(limited + 1);  // rounded down
+        const double before = next - limited, off = 2 * rounding + 0x1p-50 * count;
+        return {std::min(next, size[axis]), limited != steps || (before > off && 1 - before > off)};
+    }
+    std::int32_t exact_first_not_below(std::size_t axis, double x) const;
+    std::int32_t exact_first_above(std::size_t axis, double x) const;
 };
 
 }  // namespace clsdf::segments

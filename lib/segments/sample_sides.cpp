@@ -26,16 +26,18 @@ constexpr std::uint8_t all_looks = CLSDF_ALL_LOOKS;
 /// The plane of a face: on which side of it points are, mostly by a plain determinant as in orientation_in_space().
 class Plane {
 public:
-    explicit Plane(const crossing::Corners& face)
-        : a_(face[0]),
-          ab_(crossing::exact_difference(crossing::vector(face[1]), crossing::vector(a_))),
-          ac_(crossing::exact_difference(crossing::vector(face[2]), crossing::vector(a_))) {
-        const std::array<double, 3> u{ab_.x.high, ab_.y.high, ab_.z.high}, v{ac_.x.high, ac_.y.high, ac_.z.high};
+    explicit Plane(const crossing::Corners& face) : face_(face), a_(face[0]) {
+        Vec3 u{}, v{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            u[axis] = face[1][axis] - a_[axis];
+            v[axis] = face[2][axis] - a_[axis];
+        }
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
             normal_[axis] = u[i] * v[j] - u[j] * v[i];
             size_[axis] = std::abs(u[i] * v[j]) + std::abs(u[j] * v[i]);
         }
+        per_normal_ = 1 / normal_[0];
     }
 
     int side(const Vec3& p) const {
@@ -47,38 +49,67 @@ public:
         }
         if (std::abs(value) > 0x1p-50 * size) return value > 0 ? 1 : -1;
         if (size == 0) return 0;
-        return crossing::sign_of_determinant(ab_, ac_,
-                                             crossing::exact_difference(crossing::vector(p), crossing::vector(a_)));
+        const crossing::double3 a = crossing::vector(a_);
+        return crossing::sign_of_determinant(crossing::exact_difference(crossing::vector(face_[1]), a),
+                                             crossing::exact_difference(crossing::vector(face_[2]), a),
+                                             crossing::exact_difference(crossing::vector(p), a));
     }
-    /// About where the line along x through (y, z) meets the plane.
-    double place(double y, double z) const {
-        return a_[0] - (normal_[1] * (y - a_[1]) + normal_[2] * (z - a_[2])) / normal_[0];
+
+    /// Where the line along x through (y, z) meets the plane: within `error`, which may be infinite or NaN.
+    struct Place {
+        double x, error;
+    };
+    Place place(double y, double z) const {
+        const double of_y = y - a_[1], of_z = z - a_[2];
+        const double offset = (normal_[1] * of_y + normal_[2] * of_z) * per_normal_;
+        const double size = size_[1] * std::abs(of_y) + size_[2] * std::abs(of_z) + size_[0] * std::abs(offset);
+        return {a_[0] - offset, 0x1p-48 * (size * std::abs(per_normal_) + std::abs(offset) + std::abs(a_[0]))};
     }
 
 private:
+    const crossing::Corners& face_;
     Vec3 a_;
-    ExactVector ab_, ac_;
     Vec3 normal_{}, size_{};
+    double per_normal_;
 };
 
 /// The edges of a face seen along x.
-struct Edges {
-    explicit Edges(const crossing::Corners& face) : corners(face) { along.x.high = 1; }
+class Edges {
+public:
+    explicit Edges(const crossing::Corners& face) : corners_(face) {}
 
     /// The looks in which the line along x through (y, z) crosses the face.
     std::uint8_t looks(double y, double z) const {
+        // Mostly as orientation_in_plane(), without branches.
+        int positive = 0, negative = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3 &a = corners_[i], &b = corners_[(i + 1) % 3];
+            const double first = (b[1] - a[1]) * (z - a[2]), second = (b[2] - a[2]) * (y - a[1]);
+            const double rounding = 0x1p-51 * (std::abs(first) + std::abs(second));
+            positive += first - second > rounding ? 1 : 0;
+            negative += first - second < -rounding ? 1 : 0;
+        }
+        if (positive * negative > 0) return 0;
+        if (positive == 3 || negative == 3) return all_looks;
+        return looks_at_edge(y, z);
+    }
+
+private:
+    std::uint8_t looks_at_edge(double y, double z) const {
         std::array<int, 3> turns{};
         for (std::size_t i = 0; i < 3; ++i) {
-            const Vec3 &a = corners[i], &b = corners[(i + 1) % 3];
+            const Vec3 &a = corners_[i], &b = corners_[(i + 1) % 3];
             turns[i] = crossing::orientation_in_plane(a[1], a[2], b[1], b[2], y, z);
         }
         const auto [least, most] = std::minmax({turns[0], turns[1], turns[2]});
         if (least < 0 && most > 0) return 0;
         if (least == most && least != 0) return all_looks;
+        ExactVector along{};
+        along.x.high = 1;
         std::uint32_t all = all_looks, any = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             const ExactVector edge =
-                crossing::exact_difference(crossing::vector(corners[(i + 1) % 3]), crossing::vector(corners[i]));
+                crossing::exact_difference(crossing::vector(corners_[(i + 1) % 3]), crossing::vector(corners_[i]));
             const std::uint32_t positive = crossing::positive_looks(turns[i], along, edge);
             all &= positive;
             any |= positive;
@@ -86,8 +117,7 @@ struct Edges {
         return static_cast<std::uint8_t>(all | (all_looks & ~any));
     }
 
-    crossing::Corners corners;
-    ExactVector along{};
+    const crossing::Corners& corners_;
 };
 
 /// Sets bits [begin, end).
@@ -105,7 +135,8 @@ void set_bits(std::uint64_t* words, std::int32_t begin, std::int32_t end) {
 
 }  // namespace
 
-BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box)
+BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box,
+                   const std::vector<engine::RecordRange>* near)
     : box_(box),
       has_film_(faces.mesh.film != nullptr),
       words_((static_cast<std::size_t>(box.size[0]) + 63) / 64),
@@ -119,18 +150,29 @@ BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box
         std::size_t{1} << 16);
     row_begins_.assign(box.row_count() + 1, 0);
     if (rule == SignRule::none) return;
-    find_changes(faces);
+    find_changes(faces, near != nullptr ? *near : std::vector<engine::RecordRange>{{0, faces.count()}});
     constexpr std::size_t rows_together = 256;
     const FilmTree* const film = faces.mesh.film.get();
     for_each_index(
         box.row_count(), [&](std::size_t row) { sweep(row, rule, film); }, film != nullptr ? 1 : rows_together);
 }
 
-void BoxSides::find_changes(const ScaledFaces& faces) {
-    const std::size_t together = std::clamp<std::size_t>(faces.count() / 64, 1, usual_faces);
-    std::vector<std::vector<Change>> found(chunk_count(faces.count(), together));
-    for_each_chunk(faces.count(), together, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        for (std::size_t face = begin; face < end; ++face) add_changes(faces, face, found[chunk]);
+void BoxSides::find_changes(const ScaledFaces& faces, const std::vector<engine::RecordRange>& ranges) {
+    std::size_t count = 0;
+    std::vector<std::size_t> begins;  // of the ranges, counted in their faces
+    for (const engine::RecordRange& range : ranges) {
+        begins.push_back(count);
+        count += range.end - range.begin;
+    }
+    const std::size_t together = std::clamp<std::size_t>(count / 64, 1, usual_faces);
+    std::vector<std::vector<Change>> found(chunk_count(count, together));
+    for_each_chunk(count, together, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        found[chunk].reserve(end - begin);
+        auto number = static_cast<std::size_t>(std::ranges::upper_bound(begins, begin) - begins.begin() - 1);
+        for (std::size_t at = begin; at < end; ++at) {
+            while (at - begins[number] >= ranges[number].end - ranges[number].begin) ++number;
+            add_changes(faces, ranges[number].begin + (at - begins[number]), found[chunk]);
+        }
     });
     sort_changes(found);
 }
@@ -145,16 +187,17 @@ void BoxSides::add_changes(const ScaledFaces& faces, std::size_t face, std::vect
     if (box.lower[0] > box_.at[0].back() || box.upper[1] < box_.at[1].front() || box.lower[1] > box_.at[1].back() ||
         box.upper[2] < box_.at[2].front() || box.lower[2] > box_.at[2].back())
         return;
+    const std::int32_t begin_y = box_.first_not_below(1, box.lower[1]), end_y = box_.first_above(1, box.upper[1]);
+    if (begin_y >= end_y) return;
+    const std::int32_t begin_z = box_.first_not_below(2, box.lower[2]), end_z = box_.first_above(2, box.upper[2]);
+    if (begin_z >= end_z) return;
     // The side of points far ahead. A face that is parallel to x is not crossed in any look.
     const auto& [a, b, c] = corners;
     const int ahead = crossing::orientation_in_plane(a[1], a[2], b[1], b[2], c[1], c[2]);
     if (ahead == 0) return;
-    const std::int32_t begin_y = box_.first_not_below(1, box.lower[1]), end_y = box_.first_above(1, box.upper[1]),
-                       begin_z = box_.first_not_below(2, box.lower[2]), end_z = box_.first_above(2, box.upper[2]);
-    if (begin_y >= end_y || begin_z >= end_z) return;
     const Plane plane(corners);
     const Edges edges(corners);
-    const double spacing = box_.grid.spacing[0] * box_.scale;
+    const double per_spacing = box_.per_spacing[0];
     for (std::int32_t z = begin_z; z < end_z; ++z)
         for (std::int32_t y = begin_y; y < end_y; ++y) {
             const Vec3 first = box_.position({0, y, z});
@@ -163,13 +206,19 @@ void BoxSides::add_changes(const ScaledFaces& faces, std::size_t face, std::vect
             const auto is_behind = [&](std::int32_t sample) {
                 return plane.side({box_.at[0][static_cast<std::size_t>(sample)], first[1], first[2]}) == ahead;
             };
-            const double place = std::clamp(plane.place(first[1], first[2]), box.lower[0], box.upper[0]);
-            const double guess = std::ceil((place - box_.at[0][0]) / spacing);
+            const Plane::Place place = plane.place(first[1], first[2]);
+            const double steps = (std::clamp(place.x, box.lower[0], box.upper[0]) - box_.at[0][0]) * per_spacing;
+            const double guess = std::isfinite(steps) ? std::ceil(steps) : 0;
             auto sample = static_cast<std::int32_t>(std::clamp(guess, 0.0, static_cast<double>(samples)));
-            while (sample > 0 && is_behind(sample - 1)) --sample;
-            while (sample < samples && !is_behind(sample)) ++sample;
-            const bool is_tie =
-                sample > 0 && plane.side({box_.at[0][static_cast<std::size_t>(sample - 1)], first[1], first[2]}) == 0;
+            // Beside samples, by more than roundings, the place decides.
+            const double off = place.error * per_spacing + 2 * box_.rounding + 0x1p-48 * std::abs(steps);
+            bool is_tie = false;
+            if (!(guess - steps > off && steps - (guess - 1) > off)) {
+                while (sample > 0 && is_behind(sample - 1)) --sample;
+                while (sample < samples && !is_behind(sample)) ++sample;
+                is_tie = sample > 0 &&
+                         plane.side({box_.at[0][static_cast<std::size_t>(sample - 1)], first[1], first[2]}) == 0;
+            }
             const auto change = static_cast<std::int8_t>(-count * ahead);
             const auto push = [&](std::int32_t at, unsigned of_looks, int by, bool is_local = false) {
                 if (of_looks != 0 && at < samples)

@@ -589,6 +589,29 @@ BOOST_AUTO_TEST_CASE(state_a_grid_by_its_box) {
     refuses({"--cells", "4"}, "--box");
 }
 
+BOOST_AUTO_TEST_CASE(have_exact_signs_and_files_say_so) {
+    const TemporaryFolder folder;
+    // The cube from 0 to 1, with samples on its faces.
+    const std::string shape = folder.file("shape.off");
+    run_well({"shape", "cube", "-o", shape});
+    for (const std::string ending : {".nrrd", ".npy", ".vti", ".h5"}) BOOST_TEST_CONTEXT(ending) {
+            const std::string path = folder.file("field" + ending);
+            const Outcome computed = run_command({"compute", shape, "-o", path, "--box", "-2,-2,-2,2,2,2", "--cells",
+                                                  "16", "--band", "0", "--exact-signs", "--json"});
+            BOOST_TEST(computed.status == 0, computed.error);
+            BOOST_TEST(json::parse(computed.out)["band"]["exact_signs"] == true);
+            const clsdf::Field field = clsdf::read_field(path);
+            BOOST_TEST(field.band.has_exact_signs);
+            BOOST_TEST(std::ranges::count_if(field.distance(), [](float value) { return value < 0; }) == 27);
+            BOOST_TEST(run_command({"check", shape, path, "--complete"}).status == 0);
+        }
+    const std::string path = folder.file("a.nrrd");
+    check_refused(run_command({"compute", shape, "-o", path, "--sign", "none", "--exact-signs"}), 2,
+                  {"--exact-signs", "no sign"});
+    check_refused(run_command({"compute", shape, "-o", path, "--scan", "slices", "--exact-signs"}), 2,
+                  {"--exact-signs", "slices"});
+}
+
 BOOST_AUTO_TEST_CASE(make_the_inside_positive_and_files_say_so) {
     const TemporaryFolder folder;
     // The cube from 0 to 1, with samples on its faces.

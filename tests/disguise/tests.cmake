@@ -139,6 +139,7 @@ clsdf_disguised(sparse_plans)
 clsdf_disguised(calls_same_bytes)
 clsdf_disguised(frusta_kernel_frusta)
 clsdf_disguised(targets_callers_memory)
+clsdf_disguised(segments_exact_signs)
 
 # Kernels that only a GPU runs, on oclgrind, which calls itself a processor (tests/races).
 if(TARGET test_races AND CLSDF_OCLGRIND_DRIVER)

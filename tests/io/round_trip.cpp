@@ -66,6 +66,15 @@ BOOST_AUTO_TEST_CASE(says_where_the_floor_of_a_terrain_is) {
     });
 }
 
+BOOST_AUTO_TEST_CASE(says_that_its_signs_are_exact) {
+    for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
+        Field written = example_field(format);
+        written.band = written.band.with_exact_signs();
+        write_field(written, folder.file("field" + format.ending));
+        BOOST_CHECK(read_field(folder.file("field" + format.ending)).band == written.band);
+    });
+}
+
 BOOST_AUTO_TEST_CASE(says_that_it_is_positive_inside_or_is_refused) {
     for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
         const std::string path = folder.file("field" + format.ending);

@@ -632,24 +632,6 @@ BOOST_AUTO_TEST_CASE(the_film_of_an_open_mesh_is_met) {
     BOOST_TEST(worst < 1e-8);
 }
 
-BOOST_AUTO_TEST_CASE(terrains_are_refused_with_the_closed_mesh_as_remedy) {
-    const Mesh terrain(std::vector<Vec3>{{0, 0, 2}, {4, 0, 2}, {0, 4, 2}}, std::vector<Triangle>{{0, 1, 2}}, "hill");
-    const DistanceTransform below(test_device(), terrain, {.sign = SignRule::below, .floor = 0.5});
-    const Grid grid{{0.5, 0.5, 0}, {1, 1, 1}, {2, 2, 4}, {}};
-    const std::vector<Vec3> origins{{1, 1, 5}}, directions{{0, 0, -1}};
-    std::vector<double> t(1);
-    check_throws(ErrorCode::unsupported, {"below", "close_down(hill, floor)"},
-                 [&] { below.links(grid, all_directions); });
-    check_throws(ErrorCode::unsupported, {"below", "close_down(hill, floor)"}, [&] { below.crossings(grid); });
-    check_throws(ErrorCode::unsupported, {"below", "close_down(hill, floor)"},
-                 [&] { below.rays(origins, directions, {}, {.t = t}); });
-    below.rays(origins, directions, {.hits = Hits::faces}, {.t = t});
-    BOOST_TEST(t[0] == 3);
-    const Crossings closed = DistanceTransform(test_device(), close_down(terrain, 0.5)).crossings(grid);
-    BOOST_TEST(closed.axes[2].coordinates[0] == 0.5);  // the floor
-    BOOST_TEST(closed.axes[2].coordinates[4] == 2);    // the sample on the terrain is outside
-}
-
 // All eight looks at the edge of a groove along y are inside.
 BOOST_AUTO_TEST_CASE(a_sample_at_the_bottom_of_a_groove_may_be_inside_and_links_agree) {
     const std::vector<Vec3> profile{{-4, 0, -4}, {4, 0, -4}, {4, 0, 1}, {0, 0, 0}, {-4, 0, 1}};

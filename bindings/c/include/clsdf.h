@@ -323,12 +323,14 @@ typedef struct clsdf_length {
 } clsdf_length;
 
 /* Samples with -inside <= distance <= outside carry their distance, others +outside or -inside. Both may be infinite;
- * at least one is > 0. With signs_only both are 0, and the field holds -0.0 inside and +0.0 outside. */
+ * at least one is > 0. With signs_only both are 0, and the field holds -0.0 inside and +0.0 outside. With exact_signs
+ * the field is below 0 at exactly those samples that are inside by the exact sides of links and crossings, on the
+ * surface, too: values inside are then at most minus the least normal float. */
 typedef struct clsdf_band {
     double inside;
     double outside;
-    int32_t signs_only; /* 0 or 1 */
-    int32_t reserved;
+    int32_t signs_only;  /* 0 or 1 */
+    int32_t exact_signs; /* 0 or 1 */
 } clsdf_band;
 
 static inline clsdf_band clsdf_band_symmetric(double half_width) {
@@ -1045,9 +1047,10 @@ CLSDF_API clsdf_status clsdf_winding(const clsdf_transform* transform, const cls
                                      const clsdf_array* results, const clsdf_call_options* call);
 
 /* Bits that tell of a link. */
-#define CLSDF_LINK_FILM 1    /* the sign changes where an open mesh has no face: no triangle, q to 2^-30 */
-#define CLSDF_LINK_BETWEEN 2 /* both ends are outside, with a body between them */
-#define CLSDF_LINK_SHEET 8   /* of CLSDF_FACES: both ends are on one side */
+#define CLSDF_LINK_FILM 1     /* the sign changes where an open mesh has no face: no triangle, q to 2^-30 */
+#define CLSDF_LINK_BETWEEN 2  /* both ends are outside, with a body between them */
+#define CLSDF_LINK_SHEET 8    /* of CLSDF_FACES: both ends are on one side */
+#define CLSDF_LINK_CLOSING 16 /* the wall is one of the walls or the floor of CLSDF_SIGN_BELOW: no triangle */
 
 /* Which links are asked for. */
 typedef struct clsdf_link_options {
@@ -1062,7 +1065,7 @@ typedef struct clsdf_link_arrays {
     uint8_t* directions; /* the number of the direction, from the mesh's index base on */
     double* q;           /* the part of the link up to the first wall, 0 to 1 */
     float* q_floats;     /* the same in floats: neither 0 nor 1 by rounding; q or this */
-    uint32_t* triangles; /* the lowest of those met first, from the index base on; 0xFFFFFFFF plus the base at a film */
+    uint32_t* triangles; /* the lowest of those met first, from the index base on; 0xFFFFFFFF plus the base: none */
     uint32_t* counts;    /* walls on the link */
     uint8_t* flags;      /* CLSDF_LINK_FILM ... */
     uint8_t* inside;     /* for each sample of the grid, x fastest: 1 if it is inside, else 0 */

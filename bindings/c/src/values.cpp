@@ -89,12 +89,12 @@ clsdf_box as_c(const Box& box) {
 
 Band band_of(const clsdf_band* band) {
     const clsdf_band& from = given(band, "band");
-    check_reserved(from.reserved, "clsdf_band");
-    return {from.inside, from.outside, flag(from.signs_only, "clsdf_band.signs_only")};
+    return {from.inside, from.outside, flag(from.signs_only, "clsdf_band.signs_only"),
+            flag(from.exact_signs, "clsdf_band.exact_signs")};
 }
 
 clsdf_band as_c(const Band& band) {
-    return {band.inside, band.outside, band.has_signs_only ? 1 : 0, 0};
+    return {band.inside, band.outside, band.has_signs_only ? 1 : 0, band.has_exact_signs ? 1 : 0};
 }
 
 Grid grid_of(const clsdf_grid* grid) {

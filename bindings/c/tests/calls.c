@@ -713,6 +713,21 @@ static int32_t take_slab_from_1(void* user, const clsdf_grid* part, const clsdf_
     return 0;
 }
 
+/* Without distances, the field is below 0 inside. */
+static void check_exact_signs(void) {
+    static float values[SAMPLES];
+    clsdf_band exact = clsdf_band_signs_only();
+    clsdf_target target = float_target(values, SAMPLES);
+    int64_t n, inside = 0;
+    exact.exact_signs = 1;
+    OK(clsdf_compute(transform, &grid, &exact, &target, 1, NULL, NULL));
+    for (n = 0; n < SAMPLES; ++n) {
+        CHECK((values[n] < 0) == (distance[n] < 0));
+        inside += values[n] < 0 ? 1 : 0;
+    }
+    CHECK(inside > 0 && inside < SAMPLES);
+}
+
 /* With indices from 1, triangles of outputs count from 1, and 0 is none. */
 static void check_base(void) {
     static uint32_t from_1[SAMPLES], of_query[3];
@@ -892,6 +907,11 @@ static void check_terrain(void) {
     clsdf_mesh *terrain = NULL, *closed = NULL;
     clsdf_transform* below = NULL;
     float distances[3];
+    const clsdf_grid column = {{1, 2, -1.5}, {1, 1, 1}, {1, 1, 5}, {0, 0, 0}};
+    const int32_t direction[2][3] = {{0, 0, 1}, {0, 0, -1}};
+    clsdf_link_arrays links = {0};
+    uint8_t flags[2];
+    int64_t count;
     int32_t rule;
     arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, corners, 4);
     arrays.triangles = clsdf_host_array(CLSDF_INT32, faces, 2);
@@ -909,6 +929,10 @@ static void check_terrain(void) {
     OK(clsdf_transform_sign(below, &rule));
     OK(clsdf_query_distance(below, points[0], 3, 100, distances));
     CHECK(rule == CLSDF_SIGN_BELOW && distances[0] == -1 && distances[1] == 1 && distances[2] > 1);
+    links.room = 2;
+    links.flags = flags;
+    OK(clsdf_links(below, &column, &direction[0][0], 2, NULL, &links, NULL, NULL, &count));
+    CHECK(count == 2 && flags[0] == CLSDF_LINK_CLOSING && flags[1] == 0);
     clsdf_transform_release(below);
     clsdf_mesh_release(closed);
     clsdf_mesh_release(terrain);
@@ -951,6 +975,7 @@ int main(void) {
     check_points();
     check_rays();
     check_motion();
+    check_exact_signs();
     check_base();
     check_callbacks();
 

@@ -341,6 +341,9 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     targets[0].array.offset = 0;
     band.signs_only = 3;
     FAILS(CLSDF_INVALID_ARGUMENT, "signs_only is 3", clsdf_compute(transform, &grid, &band, targets, 1, NULL, NULL));
+    band = clsdf_band_full();
+    band.exact_signs = 2;
+    FAILS(CLSDF_INVALID_ARGUMENT, "exact_signs is 2", clsdf_compute(transform, &grid, &band, targets, 1, NULL, NULL));
     band = clsdf_band_symmetric(-1);
     FAILS(CLSDF_INVALID_ARGUMENT, "band", clsdf_compute(transform, &grid, &band, targets, 1, NULL, NULL));
     band = clsdf_band_full();

@@ -43,7 +43,7 @@ int main(void) {
     MEMBER(clsdf_band, inside);
     MEMBER(clsdf_band, outside);
     MEMBER(clsdf_band, signs_only);
-    MEMBER(clsdf_band, reserved);
+    MEMBER(clsdf_band, exact_signs);
     SIZE(clsdf_grid);
     MEMBER(clsdf_grid, origin);
     MEMBER(clsdf_grid, spacing);

@@ -576,6 +576,8 @@ contains
     call check(abs(box%upper(3) - maxval(vertices(3, :))) < 1d-6, 'new positions (n, 3)')
     call transform%compute(grid, clsdf_band_signs_only(), phi)
     call check(all((sign(1.0, phi) < 0) .eqv. (sign(1.0, expected) < 0)), 'signs only')
+    call transform%compute(grid, clsdf_band(0, 0, 1, 1), phi)
+    call check(all((phi < 0) .eqv. (expected < 0)) .and. any(phi < 0), 'exact signs only')
     call transform%compute(grid, clsdf_band_full(), phi)
     call check(maxval(phi) > 0.3 .and. clsdf_infinity() > huge(1d0), 'a full band')
   end subroutine

@@ -110,7 +110,7 @@ class _Signature:
 
 
 setattr(Grid, "__signature__", _Signature(lambda origin, spacing, size, first=(0, 0, 0): 0))
-setattr(Band, "__signature__", _Signature(lambda inside, outside=None: 0))
+setattr(Band, "__signature__", _Signature(lambda inside, outside=None, *, exact_signs=False: 0))
 # Classes are those of the package, and its files are not beside them.
 for _name in __all__:
     if isinstance(globals()[_name], type):

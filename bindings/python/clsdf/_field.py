@@ -84,6 +84,8 @@ class Field(Values):
             dimensions = ("z", "y", "x") if array.ndim == 3 else ("z", "y", "x", f"component{array.shape[3]}")
             data[name] = (dimensions, array)
         attributes: dict[str, Any] = {"sign": self.sign, "band_inside": self.band.inside, "band_outside": self.band.outside}
+        if self.band.exact_signs:
+            attributes["exact_signs"] = 1
         if self.positive_inside:
             attributes["inside"] = "positive"
         return xarray.Dataset(data, coords={"z": z, "y": y, "x": x}, attrs=attributes)

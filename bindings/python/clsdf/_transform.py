@@ -312,6 +312,7 @@ class Transform:
         margin: LengthLike | None = None,
         cubic: bool = False,
         cell_centred: bool = False,
+        exact_signs: bool = False,
     ) -> tuple[Grid, Band]:
         """A grid that is given, or one around the mesh; and its band."""
         if grid is None:
@@ -322,7 +323,10 @@ class Transform:
             raise Error(f"grid: {grid!r} is not a clsdf.Grid; resolution= takes a number of samples")
         elif any(value not in (None, False) for value in (resolution, spacing, margin, cubic, cell_centred)):
             raise Error("a grid that is given excludes resolution=, spacing=, margin=, cubic= and cell_centred=")
-        return grid, self._band_on(grid, band)
+        own_band = self._band_on(grid, band)
+        if exact_signs and not own_band.exact_signs:
+            own_band = Band(own_band.inside, own_band.outside, exact_signs=True)
+        return grid, own_band
 
     def _band_on(self, grid: Grid, band: BandLike) -> Band:
         if isinstance(band, Band):
@@ -356,6 +360,7 @@ class Transform:
         cell_centred: bool = False,
         band: BandLike | None = None,
         outputs: Outputs | None = None,
+        exact_signs: bool = False,
         out: Any = None,
         positive_inside: bool = False,
         progress: Progress = None,
@@ -376,6 +381,8 @@ class Transform:
             grid.shape (vectors: one axis more) and any strides. Types: those of a new field; distance, gradient,
             barycentric and offset may also be float64, triangle int32 (-1 beyond the band). They may be pyopencl arrays
             of the device's context.
+        exact_signs: the field is below 0 at exactly those samples that are inside, on the surface, too: a level set and
+            the links and crossings of its grid agree. A Band has it, too.
         dtype: "float64" for distance, gradient, barycentric and offset in double, instead of `out`.
         positive_inside: distances and gradients are negated, also zeros and what lies beyond the band; files record it.
 
@@ -386,7 +393,9 @@ class Transform:
             grid = out.grid
         if band is None:
             band = out.band if isinstance(out, Field) else "10%"
-        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
+        grid, own_band = self._grid_and_band(
+            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
+        )
         if out is not None and dtype is not None:
             raise Error("dtype= and out= exclude each other: arrays that are given have a type")
         arrays = new_samples(wanted(outputs or ()), grid.shape, dtype) if out is None else given(out, outputs)
@@ -445,6 +454,7 @@ class Transform:
         *,
         band: BandLike = "10%",
         outputs: Outputs = "distance",
+        exact_signs: bool = False,
         positive_inside: bool = False,
         progress: Progress = None,
     ) -> list[Field]:
@@ -455,7 +465,7 @@ class Transform:
         fields = []
         outputs = wanted(outputs)
         for grid in grids:
-            grid, own_band = self._grid_and_band(grid, band)
+            grid, own_band = self._grid_and_band(grid, band, exact_signs=exact_signs)
             arrays = new_samples(outputs, grid.shape)
             fields.append(Field(grid, own_band, self.sign, self.mesh_name, arrays, positive_inside))
             if positive_inside:
@@ -482,6 +492,7 @@ class Transform:
         *,
         band: BandLike = "10%",
         outputs: Outputs | None = None,
+        exact_signs: bool = False,
         out: Any = None,
         progress: Progress = None,
         wait_for: Any = None,
@@ -492,7 +503,7 @@ class Transform:
         block on the lattice. size: samples (nx, ny, nz) of each block. band, outputs, out: as of field(), with arrays
         of the shape (n, nz, ny, nx).
         """
-        _, own_band = self._grid_and_band(lattice, band)
+        _, own_band = self._grid_and_band(lattice, band, exact_signs=exact_signs)
         rows = np.asarray(first)
         if rows.size == 0:
             rows = np.zeros((0, 3), np.int64)
@@ -518,12 +529,15 @@ class Transform:
         cell_centred: bool = False,
         band: BandLike = "10%",
         outputs: Outputs = "distance",
+        exact_signs: bool = False,
         positive_inside: bool = False,
     ) -> Iterator[Field]:
         """A field of any size as an iterator of its slabs: Fields of whole slices, in the order of z, at most about 16
         million samples at a time. Options: as of field(). Each slab is computed when it is asked for; the bytes are
         those of the whole."""
-        whole, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
+        whole, own_band = self._grid_and_band(
+            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
+        )
         outputs = wanted(outputs)
         self._warn_of_narrow(whole, own_band)
         return (
@@ -542,6 +556,7 @@ class Transform:
         cell_centred: bool = False,
         band: BandLike = "3v",
         outputs: Outputs = "distance",
+        exact_signs: bool = False,
         positive_inside: bool = False,
         progress: Progress = None,
         wait_for: Any = None,
@@ -552,7 +567,9 @@ class Transform:
         Options: as of field(), with a band of three voxels. It must have an end; a field of signs alone is dense. A
         restricted transform needs regions that hold whole bricks: the box of grid.in_whole_bricks().
         """
-        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
+        grid, own_band = self._grid_and_band(
+            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
+        )
         names = wanted(outputs)
         if positive_inside:
             self._check_negatable({}, own_band)
@@ -567,6 +584,7 @@ class Transform:
         *,
         band: BandLike = "3v",
         outputs: Outputs = "distance",
+        exact_signs: bool = False,
         positive_inside: bool = False,
         progress: Progress = None,
     ) -> list[SparseField]:
@@ -574,7 +592,7 @@ class Transform:
         the bytes of a call of its own. Options: as of sparse()."""
         if isinstance(grids, Grid):
             raise Error("grids: one clsdf.Grid is given; pass a list of grids, or use sparse() for one")
-        requests = [self._grid_and_band(grid, band) for grid in grids]
+        requests = [self._grid_and_band(grid, band, exact_signs=exact_signs) for grid in grids]
         names = wanted(outputs)
         for _, own_band in requests if positive_inside else ():
             self._check_negatable({}, own_band)
@@ -599,12 +617,15 @@ class Transform:
         cell_centred: bool = False,
         band: BandLike = "3v",
         outputs: Outputs = "distance",
+        exact_signs: bool = False,
         progress: Progress = None,
     ) -> None:
         """Computes a sparse field of any size into a .nvdb, .npy, .h5 or, if OpenVDB is built in, .vdb: a few layers of
         bricks are in memory at a time (a .vdb keeps the bricks). The file is that of sparse().write(path). Options: as
         of sparse(). Raises clsdf.Error as both do; no file stays then."""
-        grid, own_band = self._grid_and_band(grid, band, resolution, spacing, margin, cubic, cell_centred)
+        grid, own_band = self._grid_and_band(
+            grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
+        )
         self._warn_of_narrow(grid, own_band)
         with shown(progress) as show:
             _core.compute_sparse_file(
@@ -612,10 +633,16 @@ class Transform:
             )
 
     def compile(
-        self, grid: Grid, *, band: BandLike = "10%", outputs: Outputs = "distance", progress: Progress = None
+        self,
+        grid: Grid,
+        *,
+        band: BandLike = "10%",
+        outputs: Outputs = "distance",
+        exact_signs: bool = False,
+        progress: Progress = None,
     ) -> None:
         """Builds and tests the programs that such a field needs. Calls do it by themselves; this is to choose when."""
-        grid, own_band = self._grid_and_band(grid, band)
+        grid, own_band = self._grid_and_band(grid, band, exact_signs=exact_signs)
         with shown(progress) as show:
             self._body.compile(grid, own_band, wanted(outputs), show)
 
@@ -829,8 +856,9 @@ class Transform:
 
         A ray whose origin is not finite, or whose direction is 0 or not finite, has t = NaN and no hits. One
         MeshWarning has their number; with refuse_unusable_points they raise clsdf.Error (invalid_argument). Raises
-        clsdf.Error (unsupported) for walls of a mesh without a sign or whose open edges count, for a restricted
-        transform and for memory of a device.
+        clsdf.Error (unsupported) for walls of a mesh without a sign and for memory of a device. A restricted transform
+        needs a limit up to which each ray lies in a region. Walls of the film of an open mesh, and walls and floor of
+        the sign rule below, have t and clsdf.no_triangle.
         """
         from_points, along, shape = pairs_of(origins, directions, "origins", "directions")
         count = _cuda.shape_of(from_points)[0]
@@ -898,6 +926,7 @@ class Transform:
         *,
         band: BandLike = "10%",
         outputs: Outputs = "distance",
+        exact_signs: bool = False,
         progress: Progress = None,
     ) -> Plan:
         """Prepares boxes that are computed again and again into the memory of the device, without blocking.
@@ -907,7 +936,7 @@ class Transform:
         """
         with shown(progress) as show:
             if isinstance(what, Grid):
-                grid, own_band = self._grid_and_band(what, band)
+                grid, own_band = self._grid_and_band(what, band, exact_signs=exact_signs)
                 return Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show))
             return Plan(_core.plan_of_requests(self._body, self._requests(what), show))
 
@@ -918,6 +947,7 @@ class Transform:
         *,
         band: BandLike = "3v",
         outputs: Outputs = "distance",
+        exact_signs: bool = False,
         progress: Progress = None,
     ) -> SparsePlan:
         """Prepares a sparse field that is computed again and again into memory of the device, and stays there.
@@ -925,7 +955,7 @@ class Transform:
         room: how many bricks and runs of bricks inside its runs have room for. grid, band and outputs: as of sparse().
         """
         with shown(progress) as show:
-            own_grid, own_band = self._grid_and_band(grid, band)
+            own_grid, own_band = self._grid_and_band(grid, band, exact_signs=exact_signs)
             bricks, runs = room
             return SparsePlan(
                 _core.sparse_plan(self._body, own_grid, own_band, wanted(outputs), (bricks, runs), show)

@@ -100,7 +100,11 @@ std::pair<Vec3, Vec3> pair_of(const Box& box) {
 }
 
 auto state_of_band(const Band& band) {
-    return std::pair(band.inside, band.outside);
+    return std::tuple(band.inside, band.outside, band.has_exact_signs);
+}
+
+Band band_of(double inside, double outside, bool exact_signs) {
+    return {inside, outside, inside == 0 && outside == 0, exact_signs};
 }
 
 auto state_of_grid(const Grid& grid) {
@@ -133,30 +137,37 @@ void add_bands(nb::module_& module) {
         "The half widths of a band around the surface, in the mesh's units. A sample with\n"
         "-inside <= distance <= outside has its exact distance; every other one has +outside or -inside.\n"
         "Both are 0 for the signs alone: -0.0 inside, +0.0 outside. outside: as wide as inside if it is not\n"
-        "given. Raises clsdf.Error for a negative or NaN width.")
+        "given. exact_signs: the field is below 0 at exactly those samples that are inside, on the surface,\n"
+        "too, as links and crossings see them. Raises clsdf.Error for a negative or NaN width.")
         .def(
             "__init__",
-            [](Band* band, nb::handle inside_width, nb::handle outside_width) {
+            [](Band* band, nb::handle inside_width, nb::handle outside_width, bool exact_signs) {
                 const double inside = width_of(inside_width, "inside");
                 const double outside = outside_width.is_none() ? inside : width_of(outside_width, "outside");
-                Band made{inside, outside, inside == 0 && outside == 0};
+                const Band made = band_of(inside, outside, exact_signs);
                 made.validate();
                 new (band) Band(made);
             },
-            nb::arg("inside") = nb::none(), nb::arg("outside") = nb::none(),
-            nb::sig("def __init__(self, inside: float, outside: float | None = None) -> None"))
+            nb::arg("inside") = nb::none(), nb::arg("outside") = nb::none(), nb::kw_only(),
+            nb::arg("exact_signs") = false,
+            nb::sig("def __init__(self, inside: float, outside: float | None = None, *, exact_signs: bool = False) "
+                    "-> None"))
         .def_ro("inside", &Band::inside, "Half width inside, in the mesh's units.")
         .def_ro("outside", &Band::outside, "Half width outside, in the mesh's units.")
+        .def_ro("exact_signs", &Band::has_exact_signs, "Whether the field is below 0 at exactly the samples inside.")
         .def(
             "__eq__", [](const Band& a, const Band& b) { return a == b; }, nb::arg("other"), nb::is_operator(),
             nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__hash__", [](const Band& band) { return hash_of(state_of_band(band)); })
         .def("__getstate__", &state_of_band)
         .def("__setstate__",
-             [](Band& band, const std::pair<double, double>& state) {
-                 new (&band) Band{state.first, state.second, state.first == 0 && state.second == 0};
+             [](Band& band, const std::tuple<double, double, bool>& state) {
+                 new (&band) Band(std::apply(band_of, state));
              })
-        .def("__repr__", [](const Band& band) { return fmt::format("clsdf.Band({}, {})", band.inside, band.outside); });
+        .def("__repr__", [](const Band& band) {
+            return fmt::format("clsdf.Band({}, {}{})", band.inside, band.outside,
+                               band.has_exact_signs ? ", exact_signs=True" : "");
+        });
 }
 
 }  // namespace

@@ -31,6 +31,27 @@ def test_beyond_the_band_is_its_half_width_with_the_sign(body, brute):
     assert np.allclose(field.distance, np.clip(expected, -0.05, 0.1), atol=1e-6)
 
 
+def test_exact_signs_are_below_0_inside_also_on_a_face_within_the_body():
+    one = [(x, y, z) for z in (2, 5) for y in (2, 5) for x in (2, 4)]
+    faces = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4)]
+    faces += [(2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)]
+    vertices = np.array(one + [(x + 2, y, z) for x, y, z in one], float)
+    both = clsdf.Transform((vertices, np.array(faces + [tuple(v + 8 for v in face) for face in faces])))
+    grid = clsdf.Grid((0, 0, 0), (1, 1, 1), (9, 8, 8))
+    inside = np.zeros(grid.shape, bool)
+    inside[3:5, 3:5, 3:6] = True  # walls are outside
+    usual = both.field(grid, band="2v")
+    assert usual.distance[3, 3, 4] == 0
+    for band in ("2v", 0, "full", clsdf.Band(2)):
+        field = both.field(grid, band=band, exact_signs=True)
+        assert ((field.distance < 0) == inside).all()
+        assert field.band.exact_signs and "exact_signs=True" in repr(field.band)
+        assert pickle.loads(pickle.dumps(field.band)) == field.band
+    assert (both.fields([grid], exact_signs=True)[0].distance[inside] < 0).all()
+    assert (both.sparse(grid, exact_signs=True).distance_at([(4, 3, 3), (3, 4, 4)]) < 0).all()
+    assert not usual.band.exact_signs and usual.band != field.band
+
+
 def test_other_outputs_belong_to_the_nearest_triangle(body, brute, solid):
     field = body.field(resolution=20, band="full", outputs="triangle site closest gradient barycentric offset")
     where = positions(field.grid).reshape(-1, 3)
@@ -414,6 +435,12 @@ def test_a_terrain_has_a_sign_with_a_floor():
     with pytest.warns(clsdf.MeshWarning, match="sign rule below with a floor"):
         assert clsdf.Transform((vertices, faces)).sign == "none"
     body = clsdf.Transform((vertices, faces), sign="below", floor=-1)
+    rays = body.rays([[1, 2, 9], [1, 2, -9], [-3, 2, 0]], [[0, 0, -1], [0, 0, 1], [1, 0, 0]], most=2)
+    assert np.array_equal(rays.t, [[7, 10], [8, 11], [3, 7]])
+    none = clsdf.no_triangle  # of walls and floor
+    assert np.array_equal(rays.triangle, [[1, none], [none, 1], [none, none]])
+    links = body.links(clsdf.Grid((1, 2, -1.5), (1, 1, 1), (1, 1, 5)), [[0, 0, 1], [0, 0, -1]])
+    assert np.array_equal(links.flags, [clsdf.Links.CLOSING, 0]) and np.array_equal(links.q, [0.5, 0.5])
     points = np.array([[2, 2, 1], [2, 2, 3], [5, 2, 1], [2, 2, -2.0]])
     for each in (body, pickle.loads(pickle.dumps(body))):
         assert each.sign == "below" and np.array_equal(each.query(points).distance < 0, [True, False, False, False])
@@ -471,6 +498,9 @@ def test_rays_meet_walls_and_faces():
     with pytest.raises(clsdf.Error, match="no sign"):
         sheet.rays((0, 0, 0), (0, 0, 1))
     assert sheet.rays((0, 0, 0), (0, 0, -1), hits="faces").t == 1
+    # Without its lid the cube has a film, which has no triangle.
+    cup = clsdf.Transform((cube[0], cube[1][:2] + cube[1][4:]), sign="solid-angle").rays((0, 0, -9), (0, 0, 1), most=2)
+    assert cup.t[0] == 8 and abs(cup.t[1] - 10) < 1e-7 and list(cup.triangle) == [0, clsdf.no_triangle]
 
 
 def test_boxes_are_classified():

@@ -40,8 +40,9 @@ Finishing::Finishing(const Grid& grid, const Band& band, const Layout& layout, s
                      bool is_inside_out)
     : sites_(std::move(sites)) {
     finish_.unit = static_cast<double>(layout.unit);
-    finish_.inside_fill = -std::abs(band.inside);
+    finish_.inside_fill = band.inside_value();
     finish_.outside_fill = std::abs(band.outside);
+    finish_.least_inside = layout.least_inside;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         finish_.origin[axis] = grid.origin[axis];
         finish_.spacing[axis] = grid.spacing[axis];

@@ -134,8 +134,9 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
 
     for (std::size_t axis = 0; axis < 3; ++axis) layout.spacing[axis] = static_cast<float>(grid.spacing[axis] / unit);
     layout.unit = static_cast<float>(unit);
-    layout.inside_fill = -static_cast<float>(std::abs(band.inside));  // which may be -0
+    layout.inside_fill = static_cast<float>(band.inside_value());
     layout.outside_fill = static_cast<float>(std::abs(band.outside));
+    layout.least_inside = band.has_exact_signs ? std::numeric_limits<float>::min() : 0.0F;
     return layout;
 }
 

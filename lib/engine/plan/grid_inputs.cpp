@@ -61,6 +61,14 @@ public:
         if (inputs.sweep_mesh && inputs.sweep_mesh == lattice_.sweep_mesh) select_triangles(near_rows(), inputs);
     }
 
+    std::optional<NearRecords> near_rows() {
+        if (!kept_mesh_.has_frusta()) return std::nullopt;
+        Box box = box_near_rows(job_);
+        if (const double gap = kept_mesh_.sign_surface_gap(); gap > 0) box = widened(box, gap);
+        auto near = near_box(box, all_faces());
+        return near && is_within_sweep(kept_mesh_.box(), job_.grid, job_.lattice) ? std::move(near) : std::nullopt;
+    }
+
 private:
     static double count(std::size_t faces) { return static_cast<double>(faces); }
 
@@ -99,13 +107,6 @@ private:
         if (!box) return std::nullopt;
         return near_box(*box, kept_mesh_.restriction() != nullptr ? kept_ranges().face_count : all_faces());
     }
-    std::optional<NearRecords> near_rows() {
-        if (!kept_mesh_.has_frusta()) return std::nullopt;
-        Box box = box_near_rows(job_);
-        if (const double gap = kept_mesh_.sign_surface_gap(); gap > 0) box = widened(box, gap);
-        auto near = near_box(box, all_faces());
-        return near && is_within_sweep(kept_mesh_.box(), job_.grid, job_.lattice) ? std::move(near) : std::nullopt;
-    }
 
     KeptMesh& kept_mesh_;
     const Job& job_;
@@ -122,10 +123,14 @@ Inputs grid_inputs(KeptMesh& kept_mesh, const Job& job, SignRule sign, bool lone
         if (method && sign == SignRule::none) return inputs;
         GridInputs of_grid(kept_mesh, job);
         if (!method) of_grid.set_records(lone, inputs);
-        if (sign != SignRule::none) of_grid.set_sweep_mesh(lone, inputs);
+        if (sign != SignRule::none && !job.band.has_exact_signs) of_grid.set_sweep_mesh(lone, inputs);
         if (!method && takes_normals(job.outputs)) of_grid.set_needs_normals(inputs);
         return inputs;
     });
+}
+
+std::optional<NearRecords> faces_near_rows(KeptMesh& kept_mesh, const Job& job) {
+    return kept_mesh.prepare([&] { return GridInputs(kept_mesh, job).near_rows(); });
 }
 
 void select_inputs(KeptMesh& kept_mesh, const Job& part, Inputs& inputs) {

@@ -41,12 +41,13 @@ public:
     void check(std::span<const Vec3> points, double half_width, std::size_t first = 0) const;
     void check(std::span<const Box> boxes, double half_width) const;
 
-private:
-    BoxIndex index_;  // of the regions
-
     /// Whether a region with such lengths holds the box. slack: of its limits.
     bool holds(const Box& box, double half_width, double spacing, double slack) const;
+    /// Throws Error(invalid_argument). what: a clause that says what is asked for.
     [[noreturn]] void refuse(const std::string& what, const Box& box) const;
+
+private:
+    BoxIndex index_;  // of the regions
 };
 
 }  // namespace clsdf::engine

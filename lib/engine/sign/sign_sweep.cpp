@@ -218,7 +218,14 @@ SignSweep::SignSweep(const SweepInputs& inputs) : inputs_(inputs) {
     device::guarded([&] {
         const std::size_t bytes =
             sign_row_count(inputs.layout) * static_cast<std::size_t>(inputs.layout.sign_words) * sizeof(cl_uint);
-        bits_ = inputs.tools.pool->lease(bytes, "sign bits");
+        constexpr const char* purpose = "sign bits";
+        if (inputs.write_bits) {
+            device::HostFilling filling(inputs.tools.context, inputs.tools.pool, bytes, purpose);
+            inputs.write_bits(inputs.layout, {static_cast<cl_uint*>(filling.memory()), bytes / sizeof(cl_uint)});
+            bits_ = filling.finish();
+            return;
+        }
+        bits_ = inputs.tools.pool->lease(bytes, purpose);
         if (inputs.mesh != nullptr && inputs.mesh->boundary) {
             const LatticeBoundary& boundary = *inputs.mesh->boundary;
             film_ = (boundary.floor ? wall_crossings : film_crossings)(

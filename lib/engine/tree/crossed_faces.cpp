@@ -4,6 +4,8 @@
 #include "mesh/expansions.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <span>
 
 namespace clsdf::engine {
@@ -29,6 +31,33 @@ UninitializedVector<CrossedFaces::Corners> corners_of(std::size_t count, double 
     return result;
 }
 
+/// The area of a face.
+double area_of(const CrossedFaces::Corners& corners) {
+    Vec3 cross{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
+        cross[axis] = (corners[1][i] - corners[0][i]) * (corners[2][j] - corners[0][j]) -
+                      (corners[1][j] - corners[0][j]) * (corners[2][i] - corners[0][i]);
+    }
+    return 0.5 * std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
+}
+
+/// A face of the area A turns the winding number of a point that is d away by at most A / (4 pi d^2). So where d^2 is
+/// greater than the whole area / (2 pi), the winding number is less than 1/2.
+void set_ball(const PointMesh& mesh, double per_unit, CrossedFaces& faces) {
+    double square = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double lower = mesh.box.lower[axis] * per_unit, upper = mesh.box.upper[axis] * per_unit;
+        faces.centre[axis] = 0.5 * (lower + upper);
+        square += (upper - lower) * (upper - lower);
+    }
+    faces.diagonal = std::sqrt(square);
+    double area = 0;
+    for (std::size_t face = 0; face < mesh.face_count(); ++face)
+        if (mesh.sign_count(face) != 0) area += area_of(faces.of_sign(face));
+    faces.radius = 0.51 * faces.diagonal + 1.1 * std::sqrt(area / (2 * std::numbers::pi));
+}
+
 }  // namespace
 
 bool is_exact_in_units(const Vec3& p, double per_unit) {
@@ -47,6 +76,7 @@ CrossedFaces make_crossed_faces(const PointMesh& mesh) {
     if (!mesh.sign_positions.empty())
         faces.sign_corners =
             corners_of(mesh.face_count(), per_unit, [&](std::size_t face) { return mesh.sign_corners(face); });
+    if (mesh.film) set_ball(mesh, per_unit, faces);
     return faces;
 }
 

@@ -19,6 +19,11 @@ struct CrossedFaces {
     UninitializedVector<Corners> corners;       ///< by face
     UninitializedVector<Corners> sign_corners;  ///< those that decide the sign; empty: the same
 
+    // Of the mesh, in units; beyond a ball around its centre nothing is inside, also not by the film.
+    Vec3 centre{};
+    double diagonal = 0;
+    double radius = 0;  ///< of the ball
+
     const Corners& of_sign(std::size_t face) const { return sign_corners.empty() ? corners[face] : sign_corners[face]; }
     std::size_t host_bytes() const { return (corners.size() + sign_corners.size()) * sizeof(Corners); }
 };

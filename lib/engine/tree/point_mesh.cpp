@@ -104,8 +104,8 @@ LatticeView lattice_for_points(const Mesh& mesh) {
     return lattice;
 }
 
-PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
-                          std::shared_ptr<const MeshTopology> topology) {
+PointMesh make_host_point_mesh(const Mesh& mesh, const SignSurface& surface,
+                               std::shared_ptr<const MeshTopology> topology) {
     PointMesh result;
     result.lattice = lattice_for_points(mesh);
     result.box = mesh.box();
@@ -115,7 +115,12 @@ PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const Sign
     for_each_index(vertices.size(), [&](std::size_t i) { result.positions[i] = mesh.vertices()[vertices[i]]; });
 
     set_sign_surface(result, mesh, surface);
+    return result;
+}
 
+PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
+                          std::shared_ptr<const MeshTopology> topology) {
+    PointMesh result = make_host_point_mesh(mesh, surface, std::move(topology));
     device::HostFilling records(tools.context, tools.pool, result.face_count() * sizeof(Polyhedron), "polyhedra");
     device::HostFilling faces(tools.context, tools.pool, result.face_count() * sizeof(PointFace),
                               "faces of the points' tree");

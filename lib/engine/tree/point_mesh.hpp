@@ -94,7 +94,10 @@ struct PointMesh {
     std::size_t device_bytes() const { return polyhedra.bytes() + faces.bytes(); }
 };
 
-/// Throws Error(invalid_argument or out_of_memory).
+/// What the host reads of it: without polyhedra, faces and film. Throws Error(invalid_argument).
+PointMesh make_host_point_mesh(const Mesh& mesh, const SignSurface& surface,
+                               std::shared_ptr<const MeshTopology> topology);
+/// Without film. Throws Error(invalid_argument or out_of_memory).
 PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
                           std::shared_ptr<const MeshTopology> topology);
 

@@ -48,6 +48,11 @@ Band Band::full() {
     return symmetric(std::numeric_limits<double>::infinity());
 }
 
+double Band::inside_value() const {
+    constexpr auto least = static_cast<double>(std::numeric_limits<float>::min());
+    return -std::max(std::abs(inside), has_exact_signs ? least : 0.0);
+}
+
 void Band::validate() const {
     if (std::isnan(inside) || std::isnan(outside))
         throw Error(ErrorCode::invalid_argument,

@@ -58,7 +58,7 @@ float SparseSlab::distance_at(const Index3& sample, const Band& band) const {
     // The last run that does not begin behind the brick.
     const auto behind = std::ranges::upper_bound(inside, brick, is_before, &BrickRun::first);
     const bool is_inside = behind != inside.begin() && std::prev(behind)->holds(brick);
-    return static_cast<float>(is_inside ? -band.inside : band.outside);
+    return static_cast<float>(is_inside ? band.inside_value() : band.outside);
 }
 
 Grid in_whole_bricks(const Grid& grid) {

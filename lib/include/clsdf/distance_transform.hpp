@@ -253,17 +253,18 @@ public:
     /// Hits::walls a link has a row if and only if its ends are on different sides; see LinkOptions for others. q is
     /// within 0.51 ulp of the exact place for the doubles of Grid::position(), and from both ends of a link with one
     /// wall adds up to 1 within an ulp. With the rule solid_angle a link may meet the film of an open mesh
-    /// (SegmentFlag::film). Hits::faces counts the places of the faces as given.
+    /// (SegmentFlag::film), with the rule `below` walls and floor (SegmentFlag::closing). Hits::faces counts the places
+    /// of the faces as given.
     ///
     /// A row depends on the lattice, the direction and the mesh's positions: not on the block of the lattice, other
     /// directions or threads. Works on the host, on all cores; blocks. Keeps what query() keeps. Of a restricted
-    /// transform the grid, with as many samples more on each side as the directions reach, must lie in a region.
+    /// transform the grid, with as many samples more on each side as the directions reach, must lie in a region, and
+    /// with the rule `below` above the floor.
     ///
     /// Throws Error(invalid_argument) for directions out of range or given twice, and for a grid out of range, also if
     /// the last bit of a coordinate is above 2^-22 of the spacing, or if a coordinate is not 0 and less than 2^-300 or
-    /// more than 2^300 units (see plan_points()); Error(unsupported) for a mesh with such a coordinate, for walls of a
-    /// mesh without a sign and with the rule `below` (close_down() makes a closed mesh); Error(out_of_memory or
-    /// cancelled).
+    /// more than 2^300 units (see plan_points()); Error(unsupported) for a mesh with such a coordinate and for walls of
+    /// a mesh without a sign; Error(out_of_memory or cancelled).
     Links links(const Grid& grid, std::span<const LinkDirection> directions, const LinkOptions& options = {},
                 const CallOptions& call = {}, TransformStatistics* statistics = nullptr) const;
 
@@ -295,8 +296,10 @@ public:
     ///
     /// Hits::walls: where inside and outside meet, by the sign rule; a point on a wall is outside, but at the bottom of
     /// some grooves. A wall is no face within the body, nor what a ray only touches. Their number up to infinity is
-    /// odd if and only if the origin is inside. Hits::faces: the places where a ray has a point of a closed triangle
-    /// that it is not parallel to, also at the origin. Faces at exactly equal t are one hit.
+    /// odd if and only if the origin is inside. Walls of the film of an open mesh, which are found to 2^-30 of the
+    /// diagonal of the mesh's box, and walls and floor of the rule `below` have no triangle. Hits::faces: the places
+    /// where a ray has a point of a closed triangle that it is not parallel to, also at the origin. Faces at exactly
+    /// equal t are one hit.
     ///
     /// A ray whose origin is not finite, or whose direction is 0 or not finite, is not usable, nor is one that exact
     /// arithmetic cannot take: with a coordinate or a component that is not 0 but less than 2^-300 (coordinates: or
@@ -308,10 +311,11 @@ public:
     ///
     /// A result depends on the ray and the mesh's positions alone. Works on the host, on all cores; any number of
     /// threads may ask at once. Keeps what query() keeps, and 72 bytes a triangle. Throws Error(invalid_argument) for
-    /// arrays of different lengths, too small or that overlap, for a negative limit or NaN, and without any array;
-    /// Error(unsupported) for a buffer that the host may not read or write, for a restricted transform, for a mesh with
-    /// a coordinate out of the range of plan_points(), and for walls of a mesh without a sign or whose open edges
-    /// count; Error(out_of_memory or cancelled).
+    /// arrays of different lengths, too small or that overlap, for a negative limit or NaN, and without any array, and,
+    /// of a restricted transform, for a ray that does not lie in one region up to its limit, with the rule `below`
+    /// above the floor; Error(unsupported) for a buffer that the host may not read or write, for a mesh with a
+    /// coordinate out of the range of plan_points(), for walls of a mesh without a sign and for those of a restricted
+    /// one whose open edges count; Error(out_of_memory or cancelled).
     TransformStatistics rays(const InputArray& origins, const InputArray& directions, const RayOptions& options,
                              const RayTargets& targets, const CallOptions& call = {}) const;
 

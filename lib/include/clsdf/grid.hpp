@@ -43,6 +43,12 @@ struct CLSDF_EXPORT Band {
     double outside = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not set
     /// No distances: the field holds -0.0 inside and +0.0 outside. Both half widths are 0.
     bool has_signs_only = false;
+    /// The field is below 0 at exactly those samples that are inside by the exact sides that links and crossings
+    /// return, which off the surface are those of queries. On the surface, too: a sample on a wall is outside, one on a
+    /// face within the body is inside. Values inside are then at most minus the least normal float (1.2e-38), also
+    /// where the distance is 0, where the half width is 0 and in arrays of doubles. Refused without a sign. The host
+    /// makes the sides: docs/grids-and-bands.md.
+    bool has_exact_signs = false;
 
     static Band symmetric(double half_width) { return {half_width, half_width}; }
     /// Every sample of the grid carries its distance.
@@ -50,7 +56,16 @@ struct CLSDF_EXPORT Band {
     /// No sample carries its distance, and each its sign.
     static Band signs_only() { return {0, 0, true}; }
 
+    /// The same band with exact signs.
+    Band with_exact_signs() const {
+        Band result = *this;
+        result.has_exact_signs = true;
+        return result;
+    }
+
     double widest() const { return inside > outside ? inside : outside; }
+    /// The value of samples inside, beyond the band: -inside; with exact signs at most minus the least normal float.
+    double inside_value() const;
 
     /// Throws Error(invalid_argument) if a half width is NaN or negative, or if both are 0 but for signs_only().
     /// Computations refuse finite ones > 1e15 voxel.

@@ -27,9 +27,11 @@ enum class Hits : std::int32_t {
 /// What is said of a link or a crossing, as bits. The values of the enumerators never change.
 enum class SegmentFlag : std::uint8_t {
     none = 0,
-    film = 1,     ///< the sign changes where an open mesh has no face: there is no triangle, and q is known to 2^-30
-    between = 2,  ///< both ends are outside, with a body between them
-    sheet = 8,    ///< of Hits::faces: the sides of the ends are equal
+    film = 1,      ///< the sign changes where an open mesh has no face: there is no triangle, and q is known to 2^-30
+    between = 2,   ///< both ends are outside, with a body between them
+    sheet = 8,     ///< of Hits::faces: the sides of the ends are equal
+    closing = 16,  ///< the wall is one of those from the rim of a terrain down to its floor, or the floor (the rule
+                   ///< below): there is no triangle
 };
 
 /// A step on the lattice, in samples.
@@ -137,10 +139,12 @@ struct RayTargets {
     /// Numbers of `t` and `triangles` for each ray, as the components of an item: its first hits, ascending. Those that
     /// are missing are infinity and no_triangle.
     std::size_t most = 1;
-    OutputArray t{};          ///< float or double: in lengths of the direction; NaN of a ray that is not usable
-    OutputArray triangles{};  ///< uint32 or int32 (then -1 for none); of several at equal t the lowest
-    OutputArray counts{};     ///< uint32 or int32: all hits up to the limit
-    OutputArray any{};        ///< uint8: 1 if there is a hit up to the limit, else 0
+    OutputArray t{};  ///< float or double: in lengths of the direction; NaN of a ray that is not usable
+    /// uint32 or int32 (then -1 for none); of several at equal t the lowest. A wall without a triangle is one of the
+    /// film of an open mesh, or of the walls and the floor of the rule below: it has a finite t.
+    OutputArray triangles{};
+    OutputArray counts{};  ///< uint32 or int32: all hits up to the limit
+    OutputArray any{};     ///< uint8: 1 if there is a hit up to the limit, else 0
 };
 
 }  // namespace clsdf

@@ -51,6 +51,13 @@ public:
         return value->get<std::string>();
     }
 
+    bool flag(const json::json_pointer& member) const {
+        const json* value = find(member);
+        if (value == nullptr) return false;
+        if (!value->is_boolean()) fail(member, *value, "expected true or false");
+        return value->get<bool>();
+    }
+
     bool has(const json::json_pointer& member) const { return find(member) != nullptr; }
 
     bool has_object(const json::json_pointer& member) const {
@@ -109,7 +116,8 @@ Description describe(const DescriptionReader& reader, const Grid& stated) {
                                   reader.triple<std::int64_t>(member("lattice/first")));
     field.band = Band::full();
     if (reader.has_object(member("band")))
-        field.band = band_of(reader.width(member("band/inside")), reader.width(member("band/outside")));
+        field.band = band_of(reader.width(member("band/inside")), reader.width(member("band/outside")),
+                             reader.flag(member("band/exact_signs")));
     field.band.validate();
     field.mesh_name = reader.text(member("mesh"));
     field.sign = reader.has(member("sign")) ? sign_rule_of(reader.text(member("sign"))) : SignRule::automatic;
@@ -140,6 +148,7 @@ std::string description_text(const FieldDescription& field, const std::map<std::
         {"sign", name_of(field.sign)},
     };
     if (field.floor) object["floor"] = *field.floor;
+    if (field.band.has_exact_signs) object["band"]["exact_signs"] = true;
     if (field.positive_inside) object["inside"] = "positive";
     for (const auto& [output, file] : files) object[output] = file;
     // A name of a mesh need not be UTF-8.
@@ -155,8 +164,8 @@ void check_utf8(const std::string& path, std::string_view reader) {
     }
 }
 
-Band band_of(double inside, double outside) {
-    return inside == 0 && outside == 0 ? Band::signs_only() : Band{inside, outside};
+Band band_of(double inside, double outside, bool has_exact_signs) {
+    return {inside, outside, inside == 0 && outside == 0, has_exact_signs};
 }
 
 SignRule sign_rule_of(const std::string& text) {

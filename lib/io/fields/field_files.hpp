@@ -166,7 +166,7 @@ Description parse_description(const std::string& source, const std::string& text
 Description parse_description(const std::string& source, const std::string& text);
 
 /// The band of these half widths. If both are 0, the field has signs alone.
-Band band_of(double inside, double outside);
+Band band_of(double inside, double outside, bool has_exact_signs);
 
 /// The rule of that name. Throws Error(invalid_argument) that lists the names.
 SignRule sign_rule_of(const std::string& text);

@@ -20,7 +20,7 @@ struct Fill {
     float inside;
 
     explicit Fill(const Band& band)
-        : outside(static_cast<float>(band.outside)), inside(-static_cast<float>(band.inside)) {}
+        : outside(static_cast<float>(band.outside)), inside(static_cast<float>(band.inside_value())) {}
 
     static bool is_same(float one, float other) {
         return std::isfinite(one) && std::bit_cast<std::uint32_t>(one) == std::bit_cast<std::uint32_t>(other);

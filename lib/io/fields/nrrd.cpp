@@ -322,7 +322,9 @@ Field read_nrrd(const std::string& path, OutputSet wanted) {
 
     Field field;
     field.grid = read_grid(header, {size[0], size[1], size[2]});
-    field.band = band_of(read_half_width(header, "clsdf_band_inside"), read_half_width(header, "clsdf_band_outside"));
+    const std::string* signs = header.find_pair("clsdf_band_signs");
+    field.band = band_of(read_half_width(header, "clsdf_band_inside"), read_half_width(header, "clsdf_band_outside"),
+                         signs != nullptr && *signs == "exact");
     field.band.validate();
     if (const std::string* mesh = header.find_pair("clsdf_mesh")) field.mesh_name = *mesh;
     const std::string* sign = header.find_pair("clsdf_sign");
@@ -389,12 +391,14 @@ std::string pairs(const FieldDescription& field) {
         "{}{}"
         "clsdf_band_inside:={}\n"
         "clsdf_band_outside:={}\n"
+        "{}"
         "clsdf_lattice_origin:={}\n"
         "clsdf_lattice_first:={}\n",
         version(), escaped(field.mesh_name), name_of(field.sign),
         field.floor ? fmt::format("clsdf_floor:={}\n", *field.floor) : "",
         field.positive_inside ? "clsdf_inside:=positive\n" : "", field.band.inside, field.band.outside,
-        fmt::join(field.grid.origin, " "), fmt::join(field.grid.first, " "));
+        field.band.has_exact_signs ? "clsdf_band_signs:=exact\n" : "", fmt::join(field.grid.origin, " "),
+        fmt::join(field.grid.first, " "));
 }
 
 class NrrdWriter : public FormatWriter {

@@ -57,7 +57,7 @@ Field to_dense(const SparseField& field) {
     const Grid& grid = field.grid;
     Field dense(field, field.outputs() | Output::distance);
     const float sign = field.positive_inside ? -1.0F : 1.0F;
-    const float inside = -sign * static_cast<float>(field.band.inside);
+    const float inside = sign * static_cast<float>(field.band.inside_value());
     const float outside = sign * static_cast<float>(field.band.outside);
     const auto rows = static_cast<std::size_t>(grid.size[1] * grid.size[2]);
     const auto length = static_cast<std::size_t>(grid.size[0]);

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "surface/open_edges.hpp"
+#include "tree/crossed_faces.hpp"
+#include "tree/point_mesh.hpp"
+#include "tree/wide_tree.hpp"
+
+#include <cstddef>
+
+namespace clsdf::engine {
+
+/// The closed surface that decides the sign with the rule `below`, for the host: behind the faces of a mesh those of
+/// the walls, then those of the floor, which is a copy of the mesh. These have no number (no_triangle in
+/// MeshTopology::order). mesh: with walls. boundary: with a floor. Of a part of a mesh the walls are whole, and the
+/// floor is that below the part.
+struct ClosedMesh {
+    PointMesh mesh;
+
+    std::size_t host_bytes() const { return mesh.host_bytes() + mesh.topology->host_bytes(); }
+};
+ClosedMesh closed_down(const PointMesh& mesh, const OpenBoundary& boundary);
+
+/// How the host finds and reads its faces.
+struct ClosedFaces {
+    WideTree tree;
+    CrossedFaces faces;
+
+    std::size_t host_bytes() const { return tree.host_bytes() + faces.host_bytes(); }
+};
+
+}  // namespace clsdf::engine

@@ -1,0 +1,121 @@
+#include "segments/film_walls.hpp"
+
+#include "points/signs_by_host.hpp"
+
+#include <clsdf/outputs.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace clsdf::segments {
+
+namespace {
+
+/// Between faces the winding number changes where it passes a half integer. There it is asked for at points.
+class FilmWalk {
+public:
+    FilmWalk(const FilmLine& line, SignRule rule, const Windings& at, const std::function<bool(const Wall&)>& visit)
+        : line_(line),
+          film_(*line.searched.mesh.film),
+          rule_(rule),
+          visit_(visit),
+          unit_(line.searched.mesh.lattice.unit),
+          at_(at),
+          is_inside_(at.are_inside(rule)) {
+        double square = 0;
+        for (const double x : line.along) square += x * x;
+        length_ = std::sqrt(square);
+    }
+
+    void walk(std::span<const Crossed> crossed, const Windings& at_last) {
+        double low = line_.first;
+        if (crossed.empty() || crossed[0].place > low) agree(low);
+        while (!crossed.empty() && !is_done_) {
+            const std::size_t count = count_at_first_place(line_.exact, crossed);
+            const double place = std::clamp(crossed[0].place, low, line_.last);
+            find_to_face(low, place);
+            for (const Crossed& face : crossed.first(count)) at_.add(face.looks, face.change);
+            low = place;
+            update(crossed[0].place, crossed[0].triangle);
+            agree(low);
+            crossed = crossed.subspan(count);
+        }
+        // Looks differ at the end alone; the last wall is there then.
+        find(low, line_.last, at_last.of_looks[0]);
+        at_ = at_last;
+        update(line_.last, no_triangle);
+    }
+
+private:
+    /// In the caller's coordinates.
+    Vec3 point(double place) const {
+        Vec3 p{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            p[axis] = std::fma(place, line_.along[axis], line_.from[axis]) * unit_;
+        return p;
+    }
+    int winding_at(double place) const { return points::rounded_winding_number(line_.searched, point(place)); }
+    /// Whether open edges do not change the winding number there.
+    bool is_without_film(double low, double high) const {
+        const Vec3 middle = point(0.5 * (low + high));
+        const double change = film_.change_within(middle, 0.5 * (high - low) * length_ * (1 + 1e-9));
+        return change < 0.5 && change < film_.look(middle, change).to_half;
+    }
+    /// Whether a part of the line is so short that it is not divided.
+    bool is_short(double low, double high) const {
+        const double middle = 0.5 * (low + high);
+        return high - low <= line_.resolution || middle <= low || middle >= high;
+    }
+
+    /// Behind open edges all looks see what the first one sees, to which the film fits.
+    void agree(double place) {
+        const bool do_agree =
+            std::ranges::all_of(at_.of_looks, [&](std::int32_t winding) { return winding == at_.of_looks[0]; });
+        if (do_agree || place >= line_.last || line_.may_be_in_face()) return;
+        at_ = Windings(at_.of_looks[0]);
+        update(place, no_triangle);
+    }
+    void update(double place, std::uint32_t triangle) {
+        if (is_done_ || at_.are_inside(rule_) == is_inside_) return;
+        is_inside_ = !is_inside_;
+        is_done_ = visit_({place, triangle, is_inside_});
+    }
+    /// From `low` on, where the winding number is that of at_, to `high`, where it is `winding`.
+    void find(double low, double high, int winding) {
+        if (is_done_) return;
+        if (winding == at_.of_looks[0] && (high - low <= line_.pair || is_without_film(low, high))) return;
+        const double middle = 0.5 * (low + high);
+        if (is_short(low, high)) {
+            at_.add(CLSDF_ALL_LOOKS, winding - at_.of_looks[0]);
+            update(middle, no_triangle);
+            return;
+        }
+        find(low, middle, winding_at(middle));
+        find(middle, high, winding);
+    }
+    /// The same to a face, where the winding number is not known.
+    void find_to_face(double low, double high) {
+        while (!is_done_ && !is_short(low, high) && !is_without_film(low, high)) {
+            const double middle = 0.5 * (low + high);
+            find(low, middle, winding_at(middle));
+            low = middle;
+        }
+    }
+
+    const FilmLine& line_;
+    const FilmTree& film_;
+    SignRule rule_;
+    const std::function<bool(const Wall&)>& visit_;
+    double unit_, length_ = 0;
+    Windings at_;
+    bool is_inside_, is_done_ = false;
+};
+
+}  // namespace
+
+void walk_with_film(const FilmLine& line, std::span<const Crossed> crossed, SignRule rule, const Windings& at,
+                    const Windings& at_last, const std::function<bool(const Wall&)>& visit) {
+    FilmWalk(line, rule, at, visit).walk(crossed, at_last);
+}
+
+}  // namespace clsdf::segments
