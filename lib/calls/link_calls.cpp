@@ -62,11 +62,12 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
             return made;
         });
     }();
+    if (!engine::are_exact(*mesh)) engine::refuse_inexact(*mesh, kept_mesh->name());
     statistics.triangles = mesh->face_count();
     statistics.polyhedra_seconds = preparing.seconds();
     const Stopwatch finding;
     const DefaultFloatingPoint usual;
-    find(segments::LinkInputs{*mesh, tree.get(), numbers, kept_mesh->name(), sign, running.between(0, 1)});
+    find(segments::LinkInputs{{*mesh, numbers}, tree.get(), sign, running.between(0, 1)});
     statistics.field_seconds = finding.seconds();
     return running.finish();
 }
@@ -74,7 +75,11 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
 namespace {
 
 segments::LinkChoice choice_of(const LinkOptions& options) {
-    return {.hits = options.hits, .with_between = options.with_between && options.hits == Hits::walls};
+    if (options.with_between && options.hits == Hits::faces)
+        throw Error(ErrorCode::invalid_argument,
+                    "links with a body between their ends are asked for, and hits are faces, whose links are all there "
+                    "are; leave out with_between, or ask for walls");
+    return {.hits = options.hits, .with_between = options.with_between};
 }
 
 }  // namespace
@@ -83,10 +88,11 @@ Links DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> 
                                const CallOptions& call, TransformStatistics* statistics) const {
     return with_host_memory("for the links; ask for those of a part of the grid", [&] {
         segments::check_directions(directions);
+        const segments::LinkChoice choice = choice_of(options);
         Links links;
         const CallStatistics made = state().find_links(
             grid, segments::margin_of(directions), options.hits, call,
-            [&](const auto& inputs) { links = segments::find_links(inputs, grid, directions, choice_of(options)); });
+            [&](const auto& inputs) { links = segments::find_links(inputs, grid, directions, choice); });
         if (statistics != nullptr) *statistics = made.published();
         return links;
     });
@@ -123,6 +129,7 @@ TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const L
     return with_host_memory("for the slabs; ask for those of a part of the grid", [&] {
         segments::check_directions(directions);
         if (!sink) throw Error(ErrorCode::invalid_argument, "links in slabs need a sink, and it is empty");
+        const segments::LinkChoice choice = choice_of(options);
         const std::vector<Grid> slabs = slabs_of(grid);
         CallStatistics made =
             state().find_links(grid, segments::margin_of(directions), options.hits, call, [&](const auto& inputs) {
@@ -132,7 +139,7 @@ TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const L
                         own.between = [&](double fraction) {
                             inputs.between((static_cast<double>(n) + fraction) / static_cast<double>(slabs.size()));
                         };
-                    sink(slabs[n], segments::find_links(own, slabs[n], directions, choice_of(options)));
+                    sink(slabs[n], segments::find_links(own, slabs[n], directions, choice));
                 }
             });
         made.slabs = slabs.size();
@@ -144,9 +151,10 @@ std::size_t DistanceTransform::count_links(const Grid& grid, std::span<const Lin
                                            const LinkOptions& options, const CallOptions& call) const {
     return with_host_memory("to count links; count those of a part of the grid", [&] {
         segments::check_directions(directions);
+        const segments::LinkChoice choice = choice_of(options);
         std::size_t count = 0;
         state().find_links(grid, segments::margin_of(directions), options.hits, call, [&](const auto& inputs) {
-            count = segments::count_links(inputs, grid, directions, choice_of(options));
+            count = segments::count_links(inputs, grid, directions, choice);
         });
         return count;
     });

@@ -129,18 +129,14 @@ DistanceTransform::State::SegmentInputs DistanceTransform::State::segment_inputs
             inputs.mesh = kept_points->sign_mesh();
             const auto closed = kept_points->closed_faces();
             inputs.tree = {closed, &closed->tree};
-            inputs.faces = {closed, &closed->faces};
+            inputs.extent = {closed, &closed->extent};
             return;
         }
         inputs.mesh = kept_points->mesh();
         inputs.tree = kept_points->wide_tree();
-        inputs.faces = kept_points->crossed_faces();
+        inputs.extent = kept_points->crossed_extent();
     });
-    if (!inputs.faces->are_exact)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("{} has a coordinate that is not 0 and less than 2^-300 or more than 2^300 units of "
-                                "{}, which exact arithmetic cannot take; move or scale the mesh",
-                                kept_mesh->name(), inputs.mesh->lattice.unit));
+    if (!inputs.extent->are_exact) engine::refuse_inexact(*inputs.mesh, kept_mesh->name());
     return inputs;
 }
 
@@ -156,8 +152,8 @@ CallStatistics DistanceTransform::State::look_up_pairs(std::size_t count, const 
     statistics.polyhedra_seconds = watch.seconds();
     const std::string warning = warn(*inputs.mesh, statistics.unusable_points);
     const Stopwatch search_watch;
-    segments::SearchedFaces searched{*inputs.mesh, *inputs.tree, *inputs.faces, sign};
-    if (const auto* restriction = kept_mesh->restriction()) searched.numbers = restriction->numbers;
+    segments::SearchedFaces searched{{*inputs.mesh}, *inputs.tree, *inputs.extent, sign};
+    if (const auto* restriction = kept_mesh->restriction()) searched.faces.numbers = restriction->numbers;
     const auto between = running.between(0, 1);
     for (std::size_t begin = 0; begin < count; begin += rays_at_once) {
         if (between) between(static_cast<double>(begin) / static_cast<double>(count));

@@ -25,6 +25,7 @@ engine::Inputs DistanceTransform::State::SlabPlans::inputs_of(const engine::Job&
 engine::WriteSignBits DistanceTransform::State::SlabPlans::exact_signs(const engine::Job& job) const {
     const auto mesh =
         calls::with_remedies(nullptr, {state_.forgetting()}, [&] { return state_.kept_points->sign_mesh(); });
+    if (!engine::are_exact(*mesh)) engine::refuse_inexact(*mesh, state_.kept_mesh->name());
     auto near = engine::faces_near_rows(*state_.kept_mesh, job);
     // The walls of the rule below follow the mesh's faces.
     if (near) near->faces.push_back({state_.kept_mesh->face_count(), mesh->face_count()});
@@ -32,8 +33,7 @@ engine::WriteSignBits DistanceTransform::State::SlabPlans::exact_signs(const eng
         const auto* const restriction = state_.kept_mesh->restriction();
         const auto numbers = restriction != nullptr ? std::span<const std::uint32_t>(restriction->numbers)
                                                     : std::span<const std::uint32_t>();
-        segments::write_sign_bits({*mesh, numbers, state_.kept_mesh->name()}, state_.sign, grid, layout,
-                                  near ? &near->faces : nullptr, words);
+        segments::write_sign_bits({*mesh, numbers}, state_.sign, grid, layout, near ? &near->faces : nullptr, words);
     };
 }
 

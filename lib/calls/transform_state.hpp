@@ -205,7 +205,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     struct SegmentInputs {
         std::shared_ptr<const engine::PointMesh> mesh;
         std::shared_ptr<const engine::WideTree> tree;
-        std::shared_ptr<const engine::CrossedFaces> faces;
+        std::shared_ptr<const engine::CrossedExtent> extent;
     };
     /// The floor if walls of the rule `below` are asked for.
     std::optional<double> floor_of(Hits hits) const { return hits == Hits::walls ? floor : std::nullopt; }

@@ -51,7 +51,7 @@ std::shared_ptr<const engine::ClosedFaces> KeptPoints::closed_faces() {
     return kept_mesh_.prepare([&] {
         return closed_faces_.get_or([&] {
             const auto mesh = sign_mesh();
-            return engine::ClosedFaces{engine::make_wide_tree(*mesh), engine::make_crossed_faces(*mesh)};
+            return engine::ClosedFaces{engine::make_wide_tree(*mesh), engine::crossed_extent(*mesh)};
         });
     });
 }
@@ -60,9 +60,8 @@ std::shared_ptr<const engine::WideTree> KeptPoints::wide_tree() {
     return kept_mesh_.prepare([&] { return wide_tree_.get_or([&] { return engine::make_wide_tree(*mesh()); }); });
 }
 
-std::shared_ptr<const engine::CrossedFaces> KeptPoints::crossed_faces() {
-    return kept_mesh_.prepare(
-        [&] { return crossed_faces_.get_or([&] { return engine::make_crossed_faces(*mesh()); }); });
+std::shared_ptr<const engine::CrossedExtent> KeptPoints::crossed_extent() {
+    return kept_mesh_.prepare([&] { return crossed_extent_.get_or([&] { return engine::crossed_extent(*mesh()); }); });
 }
 
 std::shared_ptr<const engine::WideLeaves> KeptPoints::wide_leaves() {

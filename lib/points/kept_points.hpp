@@ -58,7 +58,7 @@ public:
     std::shared_ptr<const engine::WideTree> wide_tree();
 
     /// The faces as exact predicates of the host read them. Throws as mesh().
-    std::shared_ptr<const engine::CrossedFaces> crossed_faces();
+    std::shared_ptr<const engine::CrossedExtent> crossed_extent();
 
     /// The tree of wide_tree() with what the body by_vector and the host search for the nearest face. Throws as mesh().
     std::shared_ptr<const engine::WideLeaves> wide_leaves();
@@ -99,7 +99,7 @@ private:
     Kept<engine::PointMesh> host_mesh_{kept_mesh_.kept(), MadeOf::positions};
     Kept<engine::WideTree> wide_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::WideLeaves> wide_leaves_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
-    Kept<engine::CrossedFaces> crossed_faces_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
+    Kept<engine::CrossedExtent> crossed_extent_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::ClosedMesh> closed_mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::ClosedFaces> closed_faces_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<device::BufferPool::Lease> triangles_{kept_mesh_.kept(), MadeOf::triangles, UsedBy::points};

@@ -29,10 +29,11 @@ struct FaceHit {
     std::uint32_t face;
     std::int8_t side;     ///< 1: the line comes from the face's front, -1: from its back
     std::uint8_t looks;   ///< in which it is crossed
+    std::int8_t change;   ///< of the winding number along the line
     double place, error;  ///< within `error`, which may be infinite
 };
 
-/// Whether the line meets the face; sets all of `hit` but the face.
+/// Whether the line meets the face; sets all of `hit` but the face and the change.
 bool meets(const Line& line, const engine::CrossedFaces::Corners& corners, Hits hits, FaceHit& hit);
 
 /// Whether the line runs in the plane of the face, exactly.

@@ -30,16 +30,15 @@ public:
     void walk(std::span<const Crossed> crossed, const Windings& at_last) {
         double low = line_.first;
         if (crossed.empty() || crossed[0].place > low) agree(low);
-        while (!crossed.empty() && !is_done_) {
-            const std::size_t count = count_at_first_place(line_.exact, crossed);
-            const double place = std::clamp(crossed[0].place, low, line_.last);
+        for_each_place(crossed, by_place(line_.exact), [&](std::span<const Crossed> faces) {
+            const double place = std::clamp(faces[0].place, low, line_.last);
             find_to_face(low, place);
-            for (const Crossed& face : crossed.first(count)) at_.add(face.looks, face.change);
+            for (const Crossed& face : faces) at_.add(face.looks, face.change);
             low = place;
-            update(crossed[0].place, crossed[0].triangle);
+            update(faces[0].place, faces[0].triangle);
             agree(low);
-            crossed = crossed.subspan(count);
-        }
+            return is_done_;
+        });
         // Looks differ at the end alone; the last wall is there then.
         find(low, line_.last, at_last.of_looks[0]);
         at_ = at_last;
@@ -78,7 +77,7 @@ private:
     void update(double place, std::uint32_t triangle) {
         if (is_done_ || at_.are_inside(rule_) == is_inside_) return;
         is_inside_ = !is_inside_;
-        is_done_ = visit_({place, triangle, is_inside_});
+        is_done_ = visit_({place, triangle});
     }
     /// From `low` on, where the winding number is that of at_, to `high`, where it is `winding`.
     void find(double low, double high, int winding) {

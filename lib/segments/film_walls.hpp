@@ -3,11 +3,18 @@
 #include "segments/walk.hpp"
 #include "tree/wide_tree.hpp"
 
+#include <cstdint>
 #include <functional>
 #include <span>
 
 /// Walls on a segment or a ray that meets an open mesh whose open edges count for the sign.
 namespace clsdf::segments {
+
+/// Where the side changes.
+struct Wall {
+    double place;
+    std::uint32_t triangle;  ///< the lowest of those that are crossed there
+};
 
 /// The part [first, last] of a segment or a ray, in places on it.
 struct FilmLine {

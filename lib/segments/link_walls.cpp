@@ -31,12 +31,11 @@ Met LinkWalls::walls(const Place& from, const Place& to, std::span<const std::ui
     if (faces_.mesh.film) return walls_with_film(from, to, segment);
     Met met;
     Windings at = sides_.windings(from);
-    walk(segment, crossed_, inputs_.rule, at, [&](const Wall& wall) {
+    walk(std::span<const Crossed>(crossed_), by_place(segment), inputs_.rule, at, [&](const Crossed& face) {
         if (met.count++ == 0) {
-            met.q = wall.place;
-            met.triangle = wall.triangle;
+            met.q = face.place;
+            met.triangle = face.triangle;
         }
-        return false;
     });
     return met;
 }
@@ -45,12 +44,13 @@ Met LinkWalls::faces(const Place& from, const Place& to, std::span<const std::ui
     const crossing::Segment segment = crossing::segment(box_.position(from), box_.position(to));
     cross(segment, faces, true);
     Met met;
-    for (std::span<const Crossed> rest = crossed_; !rest.empty();
-         rest = rest.subspan(count_at_first_place(segment, rest)))
+    for_each_place(std::span<const Crossed>(crossed_), by_place(segment), [&](std::span<const Crossed> faces_there) {
         if (met.count++ == 0) {
-            met.q = rest[0].place;
-            met.triangle = rest[0].triangle;
+            met.q = faces_there[0].place;
+            met.triangle = faces_there[0].triangle;
         }
+        return false;
+    });
     return met;
 }
 

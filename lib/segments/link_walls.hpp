@@ -27,7 +27,7 @@ struct Met {
 /// Finds the walls on a link from the faces that may cross it. For one thread.
 class LinkWalls {
 public:
-    LinkWalls(const LinkInputs& inputs, const ScaledFaces& faces, const SampleBox& box, const BoxSides& sides)
+    LinkWalls(const LinkInputs& inputs, const engine::CrossedFaces& faces, const SampleBox& box, const BoxSides& sides)
         : inputs_(inputs), faces_(faces), box_(box), sides_(sides) {}
 
     /// faces: those that may be crossed, and no other face is.
@@ -41,7 +41,7 @@ private:
     Met walls_with_film(const Place& from, const Place& to, const crossing::Segment& segment);
 
     const LinkInputs& inputs_;
-    const ScaledFaces& faces_;
+    const engine::CrossedFaces& faces_;
     const SampleBox& box_;
     const BoxSides& sides_;
     std::vector<Crossed> crossed_;

@@ -59,8 +59,8 @@ public:
            const LinkChoice& choice)
         : inputs_(inputs),
           choice_(choice),
-          faces_(inputs.mesh, inputs.numbers, inputs.name),
-          box_(grid, margin_of(directions), faces_.scale),
+          faces_(inputs.faces),
+          box_(grid, margin_of(directions), faces_.per_unit),
           sides_(faces_, inputs.rule, box_),
           steps_(directions.begin(), directions.end()) {
         report(0.2);
@@ -155,7 +155,7 @@ private:
 
     const LinkInputs& inputs_;
     const LinkChoice choice_;
-    ScaledFaces faces_;
+    const engine::CrossedFaces& faces_;
     SampleBox box_;
     BoxSides sides_;
     std::vector<Place> steps_;

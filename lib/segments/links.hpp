@@ -17,10 +17,8 @@ namespace clsdf::segments {
 
 /// What links are made of.
 struct LinkInputs {
-    const engine::PointMesh& mesh;
-    const engine::WideTree* tree;            ///< of a mesh whose open edges count; else null
-    std::span<const std::uint32_t> numbers;  ///< of a part's triangles, in the whole mesh; empty for the whole
-    const std::string& name;                 ///< of the mesh
+    engine::CrossedFaces faces;
+    const engine::WideTree* tree;  ///< of a mesh whose open edges count; else null
     SignRule rule;
     /// Called between stages with the fraction done; may be empty, and may throw.
     std::function<void(double)> between;

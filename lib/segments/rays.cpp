@@ -47,7 +47,7 @@ Vec3 times_power(const Vec3& v, int exponent) {
 class Search {
 public:
     Search(const SearchedFaces& searched, Hits hits)
-        : searched_(searched), hits_wanted_(hits), per_unit_(1 / searched.mesh.lattice.unit) {}
+        : searched_(searched), hits_wanted_(hits), per_unit_(1 / searched.mesh().lattice.unit) {}
 
     /// The first ones, as real numbers; of those at one place the lowest triangle. `end`: of the line; what lies
     /// farther may be missing.
@@ -62,7 +62,7 @@ public:
             return false;
         });
         if (!best) return std::nullopt;
-        return Stop{best->place, best->face, triangle_of(best->face), false};
+        return Stop{best->place, best->face, searched_.faces.triangle(best->face), false};
     }
 
     /// Whether is_within(stop) holds for any face.
@@ -95,26 +95,26 @@ public:
             return stops_;
         }
         sort_exactly(line);
-        for (std::span<const Crossed> left = crossed_; !left.empty();) {
-            stops_.push_back({left[0].place, 0, left[0].triangle, true});
-            left = left.subspan(count_at_first_place(line.exact, left));
-        }
+        for_each_place(std::span<const Crossed>(crossed_), by_place(line.exact), [&](std::span<const Crossed> faces) {
+            stops_.push_back(stop_at(faces[0]));
+            return false;
+        });
         return stops_;
     }
 
     /// The winding numbers at the begin of a line without an end, whose faces were found.
     Windings windings_at_begin() const {
         Windings windings;
-        for (const FaceHit& hit : found_) windings.add(hit.looks, -change_of(hit));
+        for (const FaceHit& hit : found_) windings.add(hit.looks, -hit.change);
         return windings;
     }
     /// Those of any point.
     Windings windings_at(const Vec3& point) {
-        const Box& box = searched_.mesh.box;
-        const bool is_below = searched_.mesh.is_part || point[0] - box.lower[0] < box.upper[0] - point[0];
+        const Box& box = searched_.mesh().box;
+        const bool is_below = searched_.mesh().is_part || point[0] - box.lower[0] < box.upper[0] - point[0];
         const Vec3 direction{is_below ? -0.5 : 0.5, 0, 0};
         find_faces(Line::ray(engine::scaled(point, per_unit_), direction),
-                   engine::tree_ray(searched_.mesh, point, direction), infinity);
+                   engine::tree_ray(searched_.mesh(), point, direction), infinity);
         return windings_at_begin();
     }
 
@@ -124,11 +124,11 @@ public:
         // the point alone.
         const Vec3 direction{-0.5, 0, 0};
         find_faces(Line::ray(engine::scaled(point, per_unit_), direction),
-                   engine::tree_ray(searched_.mesh, point, direction), infinity);
-        Windings windings(searched_.mesh.film->look(point).rounded);
+                   engine::tree_ray(searched_.mesh(), point, direction), infinity);
+        Windings windings(searched_.mesh().film->look(point).rounded);
         for (const FaceHit& hit : found_) {
             const std::uint32_t looks = hit.place == 0 ? hit.looks : (hit.looks & 1U) != 0 ? CLSDF_ALL_LOOKS : 0;
-            windings.add(looks, -change_of(hit));
+            windings.add(looks, -hit.change);
         }
         return windings;
     }
@@ -141,8 +141,8 @@ public:
         sort_exactly(line);
         double square = 0;
         for (const double x : line.along) square += x * x;
-        const double size = std::min(searched_.faces.diagonal / std::sqrt(square), last - first);
-        walk_with_film({{searched_.mesh, searched_.tree},
+        const double size = std::min(searched_.extent.diagonal / std::sqrt(square), last - first);
+        walk_with_film({{searched_.mesh(), searched_.tree},
                         line.exact,
                         line.from,
                         line.along,
@@ -161,21 +161,13 @@ public:
     /// The walls among the faces that were found, in order. windings: at the line's begin.
     std::span<const Stop> walls(const Line& line, Windings windings) {
         stops_.clear();
-        if (!sort()) {
-            sort_exactly(line);
-            walk(line.exact, crossed_, searched_.rule, windings, [&](const Wall& wall) {
-                stops_.push_back({wall.place, 0, wall.triangle, true});
-                return false;
-            });
+        const auto keep = [&](const auto& face) { stops_.push_back(stop_at(face)); };
+        if (sort()) {
+            walk(std::span<const FaceHit>(found_), one_by_one, searched_.rule, windings, keep);
             return stops_;
         }
-        bool is_inside = windings.are_inside(searched_.rule);
-        for (const FaceHit& hit : found_) {
-            windings.add(hit.looks, change_of(hit));
-            if (windings.are_inside(searched_.rule) == is_inside) continue;
-            is_inside = !is_inside;
-            stops_.push_back(stop_at(hit));
-        }
+        sort_exactly(line);
+        walk(std::span<const Crossed>(crossed_), by_place(line.exact), searched_.rule, windings, keep);
         return stops_;
     }
 
@@ -197,30 +189,27 @@ private:
     bool may_be_in_face(const Line& line, const engine::TreeRay& ray, double end) const {
         const float bound = ray.end_at(end);
         return engine::visit_faces(searched_.tree, ray, bound, [&](std::size_t face) {
-            return searched_.mesh.sign_count(face) != 0 && is_in_plane(line, searched_.faces.of_sign(face));
+            return searched_.mesh().sign_count(face) != 0 && is_in_plane(line, searched_.faces.sign_corners(face));
         });
     }
-    const engine::CrossedFaces::Corners& corners_of(std::size_t face) const {
-        return hits_wanted_ == Hits::faces ? searched_.faces.corners[face] : searched_.faces.of_sign(face);
+    engine::CrossedFaces::Corners corners_of(std::size_t face) const {
+        return hits_wanted_ == Hits::faces ? searched_.faces.corners(face) : searched_.faces.sign_corners(face);
     }
-    /// The caller's number, or no_triangle.
-    std::uint32_t triangle_of(std::size_t face) const {
-        const std::uint32_t number = searched_.mesh.topology->order[face];
-        return searched_.numbers.empty() || number == no_triangle ? number : searched_.numbers[number];
-    }
-    int change_of(const FaceHit& hit) const { return searched_.mesh.sign_count(hit.face) * hit.side; }
-    Stop stop_at(const FaceHit& hit) const { return {hit.place, hit.face, triangle_of(hit.face), false}; }
+    Stop stop_at(const FaceHit& hit) const { return {hit.place, hit.face, searched_.faces.triangle(hit.face), false}; }
+    static Stop stop_at(const Crossed& face) { return {face.place, 0, face.triangle, true}; }
 
     bool is_hit(const Line& line, std::size_t face, FaceHit& hit) const {
-        if (hits_wanted_ == Hits::walls && searched_.mesh.sign_count(face) == 0) return false;
+        if (hits_wanted_ == Hits::walls && searched_.mesh().sign_count(face) == 0) return false;
+        if (!meets(line, corners_of(face), hits_wanted_, hit)) return false;
         hit.face = static_cast<std::uint32_t>(face);
-        return meets(line, corners_of(face), hits_wanted_, hit);
+        hit.change = static_cast<std::int8_t>(searched_.mesh().sign_count(face) * hit.side);
+        return true;
     }
 
     Crossed crossed_at(const Line& line, const FaceHit& hit) const {
-        const engine::CrossedFaces::Corners& corners = corners_of(hit.face);
-        return {corners, crossing::place_of(corners, line.exact), triangle_of(hit.face), hit.looks,
-                static_cast<std::int8_t>(change_of(hit))};
+        const engine::CrossedFaces::Corners corners = corners_of(hit.face);
+        return {corners, crossing::place_of(corners, line.exact), searched_.faces.triangle(hit.face), hit.looks,
+                hit.change};
     }
 
     /// Exactly; of two at one place the lower triangle.
@@ -228,7 +217,7 @@ private:
         if (std::abs(a.place - b.place) > a.error + b.error) return a.place < b.place;
         std::array<Crossed, 2> both{crossed_at(line, a), crossed_at(line, b)};
         sort_by_place(line.exact, both);
-        return both[0].triangle == triangle_of(a.face);
+        return both[0].triangle == searched_.faces.triangle(a.face);
     }
 
     /// Sorts the faces that were found. Returns false if their places are too near each other for that.
@@ -261,11 +250,11 @@ public:
         : searched_(searched),
           options_(options),
           arrays_(arrays),
-          unit_exponent_(std::ilogb(searched.mesh.lattice.unit)),
+          unit_exponent_(std::ilogb(searched.mesh().lattice.unit)),
           search_(searched, options.hits) {}
 
     void find(std::size_t i, const Vec3& origin, const Vec3& given_direction) {
-        if (why_unusable(searched_.mesh, origin, given_direction)) {
+        if (why_unusable(searched_.mesh(), origin, given_direction)) {
             store(i, {}, std::numeric_limits<double>::quiet_NaN());
             return;
         }
@@ -274,15 +263,15 @@ public:
         const Vec3 direction = times_power(given_direction, -exponent);
         exponent_ = unit_exponent_ - exponent;
         const Line line = search_.ray(origin, direction);
-        const engine::TreeRay ray = engine::tree_ray(searched_.mesh, origin, direction);
+        const engine::TreeRay ray = engine::tree_ray(searched_.mesh(), origin, direction);
         const double limit = std::ldexp(options_.limit, -exponent_);
         const double end = limit + (limit * 0x1p-49 + std::numeric_limits<double>::denorm_min());
         const bool is_first = arrays_.t.is_given() || arrays_.triangles.is_given();
-        if (options_.hits == Hits::walls && searched_.mesh.film) {
+        if (options_.hits == Hits::walls && searched_.mesh().film) {
             const std::size_t most = arrays_.counts.is_given() ? std::numeric_limits<std::size_t>::max()
                                                                : std::max<std::size_t>(arrays_.most, 1);
             store(i, within_limit(line, walls_with_film(line, ray, origin, most, end)));
-        } else if (options_.hits == Hits::walls && searched_.mesh.is_part) {
+        } else if (options_.hits == Hits::walls && searched_.mesh().is_part) {
             const Windings windings = search_.windings_at(origin);
             search_.find_faces(line, ray, end);
             store(i, within_limit(line, search_.walls(line, windings)));
@@ -320,7 +309,7 @@ private:
         double along = 0, across = 0, squared = 0, far = 0;  // from the origin to the centre
         Vec3 to_centre{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            to_centre[axis] = searched_.faces.centre[axis] - line.from[axis];
+            to_centre[axis] = searched_.extent.centre[axis] - line.from[axis];
             far = std::max(far, std::abs(to_centre[axis]));
             along += to_centre[axis] * line.along[axis];
             squared += line.along[axis] * line.along[axis];
@@ -330,7 +319,7 @@ private:
             const double x = to_centre[axis] - nearest * line.along[axis];
             across += x * x;
         }
-        const double radius = searched_.faces.radius + 0x1p-40 * far, rest = radius * radius - across;
+        const double radius = searched_.extent.radius + 0x1p-40 * far, rest = radius * radius - across;
         if (!(rest > 0)) return {0, 0};
         const double half = std::sqrt(rest / squared);
         return {std::max(nearest - half, 0.0), nearest + half};
@@ -373,16 +362,16 @@ private:
 };
 
 bool is_visible(const SearchedFaces& searched, Search& search, const Vec3& from, const Vec3& to, Hits hits) {
-    if (why_unusable_pair(searched.mesh, from, to)) return false;
+    if (why_unusable_pair(searched.mesh(), from, to)) return false;
     if (from == to) return true;
     // A pair and its reverse are one segment: what is found of a film depends on its direction.
-    if (hits == Hits::walls && searched.mesh.film && to < from) return is_visible(searched, search, to, from, hits);
+    if (hits == Hits::walls && searched.mesh().film && to < from) return is_visible(searched, search, to, from, hits);
     const Line line = search.segment(from, to);
     const int exponent = exponent_of(line.along);
-    const engine::TreeRay ray = engine::tree_ray(searched.mesh, from, times_power(line.along, -exponent));
+    const engine::TreeRay ray = engine::tree_ray(searched.mesh(), from, times_power(line.along, -exponent));
     const double end = std::ldexp(1 + 0x1p-40, exponent);
     if (hits == Hits::faces) return !search.finds_face(line, ray, end, [](const Stop&) { return true; });
-    if (searched.mesh.film) {
+    if (searched.mesh().film) {
         const Windings at = search.windings_with_film(from), at_last = search.windings_with_film(to);
         search.find_faces(line, ray, end);
         return search.walls_with_film(line, ray, 0, 1, at, at_last, 1, 1).empty();

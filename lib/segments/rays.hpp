@@ -16,14 +16,15 @@
 /// Rays, and segments between pairs of points, by the host.
 namespace clsdf::segments {
 
-/// What is searched. faces: are_exact. rule: that decides walls. numbers: of a part's triangles, in the whole mesh;
-/// empty for the whole. A part has all faces that rays up to their limit meet, and those on rows towards -x.
+/// What is searched. extent: are_exact. rule: that decides walls. A part has all faces that rays up to their limit
+/// meet, and those on rows towards -x.
 struct SearchedFaces {
-    const engine::PointMesh& mesh;
+    engine::CrossedFaces faces;
     const engine::WideTree& tree;
-    const engine::CrossedFaces& faces;
+    const engine::CrossedExtent& extent;
     SignRule rule;
-    std::span<const std::uint32_t> numbers{};
+
+    const engine::PointMesh& mesh() const { return faces.mesh; }
 };
 
 /// The arrays that are asked for. t and triangles have `most` components.

@@ -1,8 +1,5 @@
 #include "segments/sample_box.hpp"
 
-#include "mesh/segment_crossings.hpp"
-#include "tree/crossed_faces.hpp"
-
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
@@ -12,20 +9,6 @@
 #include <limits>
 
 namespace clsdf::segments {
-
-ScaledFaces::ScaledFaces(const engine::PointMesh& mesh_in, std::span<const std::uint32_t> numbers_in,
-                         const std::string& name)
-    : mesh(mesh_in), scale(1 / mesh_in.lattice.unit), numbers(numbers_in) {
-    for (const auto& positions : {std::span<const Vec3>(mesh.positions), std::span<const Vec3>(mesh.sign_positions)})
-        for (const Vec3& p : positions)
-            for (const double x : p)
-                if (!engine::is_exact_in_units({x, 0, 0}, scale))
-                    throw Error(ErrorCode::unsupported,
-                                fmt::format("{} has the coordinate {}, which in units of {} is smaller than 2^-300 or "
-                                            "greater than 2^300: where segments meet the surface cannot be decided "
-                                            "then; set such coordinates to 0",
-                                            name, x, mesh.lattice.unit));
-}
 
 SampleBox::SampleBox(const Grid& grid_in, const Place& margin_in, double scale_in)
     : grid(grid_in), margin(margin_in), scale(scale_in) {

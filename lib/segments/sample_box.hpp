@@ -2,7 +2,7 @@
 
 #include "core/large_memory.hpp"
 #include "mesh/segment_crossings.hpp"
-#include "tree/point_mesh.hpp"
+#include "tree/crossed_faces.hpp"
 
 #include <clsdf/grid.hpp>
 #include <clsdf/outputs.hpp>
@@ -16,33 +16,6 @@ namespace clsdf::segments {
 
 /// A place in a box of samples, counted from its first one.
 using Place = std::array<std::int32_t, 3>;
-
-/// The faces of a mesh as segments see them: coordinates times a power of two, by which those of most meshes are in the
-/// range of expansions.h.
-struct ScaledFaces {
-    const engine::PointMesh& mesh;
-    double scale;
-    std::span<const std::uint32_t> numbers{};  ///< of a part's triangles, in the whole mesh; empty for the whole
-
-    /// numbers_in: as above. name: the mesh's. Throws Error(unsupported) if a coordinate is out of range.
-    ScaledFaces(const engine::PointMesh& mesh_in, std::span<const std::uint32_t> numbers_in, const std::string& name);
-
-    std::size_t count() const { return mesh.face_count(); }
-    crossing::Corners sign_corners(std::size_t face) const { return scaled(mesh.sign_corners(face)); }
-    crossing::Corners corners(std::size_t face) const { return scaled(mesh.corners(face)); }
-    /// The caller's number, or no_triangle.
-    std::uint32_t triangle(std::size_t face) const {
-        const std::uint32_t number = mesh.topology->order[face];
-        return numbers.empty() || number == no_triangle ? number : numbers[number];
-    }
-
-private:
-    crossing::Corners scaled(crossing::Corners corners) const {
-        for (Vec3& corner : corners)
-            for (double& x : corner) x *= scale;
-        return corners;
-    }
-};
 
 /// The samples of a grid and of a margin around it: the doubles of Grid::position(), scaled as the faces are.
 struct SampleBox {

@@ -135,7 +135,7 @@ void set_bits(std::uint64_t* words, std::int32_t begin, std::int32_t end) {
 
 }  // namespace
 
-BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box,
+BoxSides::BoxSides(const engine::CrossedFaces& faces, SignRule rule, const SampleBox& box,
                    const std::vector<engine::RecordRange>* near)
     : box_(box),
       has_film_(faces.mesh.film != nullptr),
@@ -157,7 +157,7 @@ BoxSides::BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box
         box.row_count(), [&](std::size_t row) { sweep(row, rule, film); }, film != nullptr ? 1 : rows_together);
 }
 
-void BoxSides::find_changes(const ScaledFaces& faces, const std::vector<engine::RecordRange>& ranges) {
+void BoxSides::find_changes(const engine::CrossedFaces& faces, const std::vector<engine::RecordRange>& ranges) {
     std::size_t count = 0;
     std::vector<std::size_t> begins;  // of the ranges, counted in their faces
     for (const engine::RecordRange& range : ranges) {
@@ -177,7 +177,7 @@ void BoxSides::find_changes(const ScaledFaces& faces, const std::vector<engine::
     sort_changes(found);
 }
 
-void BoxSides::add_changes(const ScaledFaces& faces, std::size_t face, std::vector<Change>& changes) const {
+void BoxSides::add_changes(const engine::CrossedFaces& faces, std::size_t face, std::vector<Change>& changes) const {
     const int count = faces.mesh.sign_count(face);
     if (count == 0) return;
     const crossing::Corners corners = faces.sign_corners(face);

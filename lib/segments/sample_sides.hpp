@@ -20,7 +20,7 @@ class BoxSides {
 public:
     /// rule: none makes all outside. near: all faces that rows of the box cross before their samples, and maybe others;
     /// null: all. The box must outlive this.
-    BoxSides(const ScaledFaces& faces, SignRule rule, const SampleBox& box,
+    BoxSides(const engine::CrossedFaces& faces, SignRule rule, const SampleBox& box,
              const std::vector<engine::RecordRange>* near = nullptr);
 
     /// The words of a row of samples, the lowest bit first; bits beyond the last sample are 0, and so are the words
@@ -43,8 +43,8 @@ private:
         bool is_local;  ///< of a surface with open edges: for that sample alone
     };
 
-    void find_changes(const ScaledFaces& faces, const std::vector<engine::RecordRange>& ranges);
-    void add_changes(const ScaledFaces& faces, std::size_t face, std::vector<Change>& changes) const;
+    void find_changes(const engine::CrossedFaces& faces, const std::vector<engine::RecordRange>& ranges);
+    void add_changes(const engine::CrossedFaces& faces, std::size_t face, std::vector<Change>& changes) const;
     void sort_changes(std::vector<std::vector<Change>>& found);
     void sweep(std::size_t row, SignRule rule, const FilmTree* film);
     void sweep_with_film(std::size_t row, SignRule rule, const FilmTree& film, double unit);

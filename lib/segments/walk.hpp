@@ -43,33 +43,42 @@ struct Crossed {
     std::int8_t change;         ///< of the winding number along the segment
 };
 
-/// Where the side changes.
-struct Wall {
-    double place;
-    std::uint32_t triangle;  ///< the lowest of those that are crossed there
-    bool enters;             ///< from outside to inside
-};
-
 /// Sorts by place, exactly: faces at one place, as real numbers, follow each other by triangle.
 void sort_by_place(const crossing::Segment& segment, std::span<Crossed> crossed);
 /// The number of faces at the place of the first one. crossed: sorted, not empty.
 std::size_t count_at_first_place(const crossing::Segment& segment, std::span<const Crossed> crossed);
 
-/// Calls visit(wall) for the walls in order until it returns true. `at`: the windings at the segment's begin; then
-/// those behind the last place that was looked at. crossed: sorted. Faces at one place change the side together.
-template <typename Visit>
-void walk(const crossing::Segment& segment, std::span<const Crossed> crossed, SignRule rule, Windings& at,
-          const Visit& visit) {
-    bool is_inside = at.are_inside(rule);
-    while (!crossed.empty()) {
-        const std::size_t count = count_at_first_place(segment, crossed);
-        for (const Crossed& face : crossed.first(count)) at.add(face.looks, face.change);
-        const Wall wall{crossed[0].place, crossed[0].triangle, !is_inside};
-        crossed = crossed.subspan(count);
-        if (at.are_inside(rule) == is_inside) continue;
-        is_inside = !is_inside;
-        if (visit(wall)) return;
+/// That number, for the functions below.
+inline auto by_place(const crossing::Segment& segment) {
+    return [&segment](std::span<const Crossed> sorted) { return count_at_first_place(segment, sorted); };
+}
+/// Of faces that all have places of their own.
+inline constexpr auto one_by_one = [](const auto&) { return std::size_t{1}; };
+
+/// Calls visit(faces) for the faces of each place, in order, until it returns true. count_at_first(sorted): how many
+/// are at the place of the first one.
+template <typename Face, typename Count, typename Visit>
+void for_each_place(std::span<const Face> sorted, const Count& count_at_first, const Visit& visit) {
+    while (!sorted.empty()) {
+        const std::size_t count = count_at_first(sorted);
+        if (visit(sorted.first(count))) return;
+        sorted = sorted.subspan(count);
     }
+}
+
+/// Calls visit(face) for the first face of each wall, in order. `at`: the windings at the segment's begin; then those
+/// behind the last place. Faces at one place change the side together.
+template <typename Face, typename Count, typename Visit>
+void walk(std::span<const Face> sorted, const Count& count_at_first, SignRule rule, Windings& at, const Visit& visit) {
+    bool is_inside = at.are_inside(rule);
+    for_each_place(sorted, count_at_first, [&](std::span<const Face> faces) {
+        for (const Face& face : faces) at.add(face.looks, face.change);
+        if (at.are_inside(rule) != is_inside) {
+            is_inside = !is_inside;
+            visit(faces[0]);
+        }
+        return false;
+    });
 }
 
 }  // namespace clsdf::segments

@@ -657,6 +657,8 @@ BOOST_AUTO_TEST_CASE(a_sample_at_the_bottom_of_a_groove_may_be_inside_and_links_
 BOOST_AUTO_TEST_CASE(what_cannot_be_done_is_refused_by_name) {
     const DistanceTransform transform(test_device(), ball());
     const Grid grid{{0, 0, 0}, {1, 1, 1}, {4, 4, 4}, {}};
+    check_throws(ErrorCode::invalid_argument, {"with_between", "faces"},
+                 [&] { transform.count_links(grid, stencil("D3Q19"), {.hits = Hits::faces, .with_between = true}); });
     check_throws(ErrorCode::invalid_argument, {"direction 1", "17"}, [&] {
         transform.links(grid, std::vector<LinkDirection>{{1, 0, 0}, {17, 0, 0}});
     });

@@ -150,9 +150,9 @@ FilmNodes::Linear FilmNodes::linear(const Node& node, const Vec3& point, double 
     const double along = dot(r, moved), level = dot(node.normal, r) + xx + yy + zz;
     Linear result{per_sphere * (level * per_3 - 3 * along * per_5), {}};
     for (std::size_t axis = 0; axis < 3; ++axis)
-        result.change.gradient[axis] = -per_sphere * (node.normal[axis] * per_3 -
-                                                      (3 * level * r[axis] + 6 * moved[axis]) * per_5 +
-                                                      15 * along * r[axis] * per_5 * per * per);
+        result.change.gradient[axis] =
+            -per_sphere * (node.normal[axis] * per_3 - (3 * level * r[axis] + 6 * moved[axis]) * per_5 +
+                           15 * along * r[axis] * per_5 * per * per);
     const double per_gap = node.radius / (gap * gap);
     const double left_out = 3 * per_sphere * node.area * per_gap * per_gap;
     const double most = film_change(node.area, away, ball);

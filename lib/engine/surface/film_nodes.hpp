@@ -63,9 +63,7 @@ public:
     /// there may meet it. Their change is infinite if the ball is too near.
     static Linear linear(const Node& node, const Vec3& point, double ball);
 
-    std::size_t host_bytes() const {
-        return corners_.size() * sizeof(corners_[0]) + nodes_.size() * sizeof(nodes_[0]);
-    }
+    std::size_t host_bytes() const { return corners_.size() * sizeof(corners_[0]) + nodes_.size() * sizeof(nodes_[0]); }
 
 private:
     static constexpr double per_sphere = 0.25 * std::numbers::inv_pi;

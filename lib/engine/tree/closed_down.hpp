@@ -20,12 +20,12 @@ struct ClosedMesh {
 };
 ClosedMesh closed_down(const PointMesh& mesh, const OpenBoundary& boundary);
 
-/// How the host finds and reads its faces.
+/// How the host finds its faces.
 struct ClosedFaces {
     WideTree tree;
-    CrossedFaces faces;
+    CrossedExtent extent;
 
-    std::size_t host_bytes() const { return tree.host_bytes() + faces.host_bytes(); }
+    std::size_t host_bytes() const { return tree.host_bytes() + CrossedExtent::host_bytes(); }
 };
 
 }  // namespace clsdf::engine

@@ -3,10 +3,13 @@
 #include "core/parallel.hpp"
 #include "mesh/expansions.hpp"
 
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 namespace clsdf::engine {
 
@@ -22,16 +25,6 @@ bool are_exact(std::span<const Vec3> positions, double per_unit) {
         [](bool a, bool b) { return a && b; });
 }
 
-UninitializedVector<CrossedFaces::Corners> corners_of(std::size_t count, double per_unit, const auto& corners_of_face) {
-    UninitializedVector<CrossedFaces::Corners> result(count);
-    for_each_index(count, [&](std::size_t face) {
-        const CrossedFaces::Corners corners = corners_of_face(face);
-        for (std::size_t k = 0; k < 3; ++k) result[face][k] = scaled(corners[k], per_unit);
-    });
-    return result;
-}
-
-/// The area of a face.
 double area_of(const CrossedFaces::Corners& corners) {
     Vec3 cross{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -40,22 +33,6 @@ double area_of(const CrossedFaces::Corners& corners) {
                       (corners[1][j] - corners[0][j]) * (corners[2][i] - corners[0][i]);
     }
     return 0.5 * std::sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
-}
-
-/// A face of the area A turns the winding number of a point that is d away by at most A / (4 pi d^2). So where d^2 is
-/// greater than the whole area / (2 pi), the winding number is less than 1/2.
-void set_ball(const PointMesh& mesh, double per_unit, CrossedFaces& faces) {
-    double square = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double lower = mesh.box.lower[axis] * per_unit, upper = mesh.box.upper[axis] * per_unit;
-        faces.centre[axis] = 0.5 * (lower + upper);
-        square += (upper - lower) * (upper - lower);
-    }
-    faces.diagonal = std::sqrt(square);
-    double area = 0;
-    for (std::size_t face = 0; face < mesh.face_count(); ++face)
-        if (mesh.sign_count(face) != 0) area += area_of(faces.of_sign(face));
-    faces.radius = 0.51 * faces.diagonal + 1.1 * std::sqrt(area / (2 * std::numbers::pi));
 }
 
 }  // namespace
@@ -67,17 +44,43 @@ bool is_exact_in_units(const Vec3& p, double per_unit) {
     });
 }
 
-CrossedFaces make_crossed_faces(const PointMesh& mesh) {
+bool are_exact(const PointMesh& mesh) {
     const double per_unit = 1 / mesh.lattice.unit;
-    CrossedFaces faces;
-    faces.are_exact = are_exact(mesh.positions, per_unit) && are_exact(mesh.sign_positions, per_unit);
-    if (!faces.are_exact) return faces;
-    faces.corners = corners_of(mesh.face_count(), per_unit, [&](std::size_t face) { return mesh.corners(face); });
-    if (!mesh.sign_positions.empty())
-        faces.sign_corners =
-            corners_of(mesh.face_count(), per_unit, [&](std::size_t face) { return mesh.sign_corners(face); });
-    if (mesh.film) set_ball(mesh, per_unit, faces);
-    return faces;
+    return are_exact(mesh.positions, per_unit) && are_exact(mesh.sign_positions, per_unit);
+}
+
+void refuse_inexact(const PointMesh& mesh, const std::string& name) {
+    for (const auto& positions : {std::span<const Vec3>(mesh.positions), std::span<const Vec3>(mesh.sign_positions)})
+        for (const Vec3& p : positions)
+            for (const double x : p)
+                if (!is_exact_in_units({x, 0, 0}, 1 / mesh.lattice.unit))
+                    throw Error(ErrorCode::unsupported,
+                                fmt::format("{} has the coordinate {}, which in units of {} is smaller than 2^-300 or "
+                                            "greater than 2^300: where segments meet the surface cannot be decided "
+                                            "then; set such coordinates to 0",
+                                            name, x, mesh.lattice.unit));
+    throw Error(ErrorCode::wrong_results, name + " has no coordinate out of range, and one was found");
+}
+
+// A face of the area A turns the winding number of a point that is d away by at most A / (4 pi d^2). So where d^2 is
+// greater than the whole area / (2 pi), the winding number is less than 1/2.
+CrossedExtent crossed_extent(const PointMesh& mesh) {
+    CrossedExtent extent;
+    extent.are_exact = are_exact(mesh);
+    if (!extent.are_exact || !mesh.film) return extent;
+    const CrossedFaces faces{mesh};
+    const Vec3 lower = scaled(mesh.box.lower, faces.per_unit), upper = scaled(mesh.box.upper, faces.per_unit);
+    double square = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        extent.centre[axis] = 0.5 * (lower[axis] + upper[axis]);
+        square += (upper[axis] - lower[axis]) * (upper[axis] - lower[axis]);
+    }
+    extent.diagonal = std::sqrt(square);
+    double area = 0;
+    for (std::size_t face = 0; face < faces.count(); ++face)
+        if (mesh.sign_count(face) != 0) area += area_of(faces.sign_corners(face));
+    extent.radius = 0.51 * extent.diagonal + 1.1 * std::sqrt(area / (2 * std::numbers::pi));
+    return extent;
 }
 
 }  // namespace clsdf::engine

@@ -310,7 +310,7 @@ public:
     /// All arrays may be memory of the host or of the device, which is mapped.
     ///
     /// A result depends on the ray and the mesh's positions alone. Works on the host, on all cores; any number of
-    /// threads may ask at once. Keeps what query() keeps, and 72 bytes a triangle. Throws Error(invalid_argument) for
+    /// threads may ask at once. Keeps what query() keeps. Throws Error(invalid_argument) for
     /// arrays of different lengths, too small or that overlap, for a negative limit or NaN, and without any array, and,
     /// of a restricted transform, for a ray that does not lie in one region up to its limit, with the rule `below`
     /// above the floor; Error(unsupported) for a buffer that the host may not read or write, for a mesh with a

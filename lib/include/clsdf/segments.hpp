@@ -44,7 +44,7 @@ CLSDF_EXPORT std::vector<LinkDirection> stencil(std::string_view name, std::stri
 
 struct LinkOptions {
     Hits hits = Hits::walls;
-    /// Also links with both ends outside and a body between them: two rows each, one from each end.
+    /// Also links with both ends outside and a body between them: two rows each, one from each end. With Hits::walls.
     bool with_between = false;
 };
 
