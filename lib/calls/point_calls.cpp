@@ -103,14 +103,11 @@ DistanceTransform::State::WindingInputs DistanceTransform::State::winding_inputs
     return inputs;
 }
 
-points::PointInputs DistanceTransform::State::inputs_of_few(points::UsablePoints& asked, double half_width,
-                                                            OutputSet outputs, calls::RunningCall& running) {
+points::PointInputs DistanceTransform::State::inputs_of_few(OutputSet outputs, std::size_t count,
+                                                            calls::RunningCall& running,
+                                                            const std::function<void(const Box&)>& check) {
     mutex.check_thread();
     context().require_usable();
-    const auto check = [&](const Box& box) {
-        running.throw_if_stopped();
-        find_usable(asked, box, half_width);
-    };
     if (std::optional<points::PointInputs> inputs = kept_points->inputs_of_few(outputs)) {
         check(inputs->mesh->box);
         return std::move(*inputs);
@@ -121,7 +118,7 @@ points::PointInputs DistanceTransform::State::inputs_of_few(points::UsablePoints
     context().begin_call();
     pool->restart_peak();
     const Stopwatch watch;
-    points::PointInputs inputs = point_inputs(outputs, asked.points().size(), true);
+    points::PointInputs inputs = point_inputs(outputs, count, true);
     kept_points->remember(inputs, outputs);
     running.statistics.polyhedra_seconds = watch.seconds();
     pool->trim();
@@ -133,7 +130,10 @@ CallStatistics DistanceTransform::State::query_few(points::UsablePoints& asked, 
                                                    const targets::HostTargets& targets, const CallOptions& call) {
     calls::RunningCall running{call};
     CallStatistics& statistics = running.statistics;
-    const points::PointInputs inputs = inputs_of_few(asked, half_width, outputs, running);
+    const points::PointInputs inputs = inputs_of_few(outputs, asked.points().size(), running, [&](const Box& box) {
+        running.throw_if_stopped();
+        find_usable(asked, box, half_width);
+    });
     const std::span<const Vec3> all = asked.points();
     statistics.triangles = inputs.mesh->face_count();
     statistics.device_bytes =

@@ -14,6 +14,8 @@ struct CLSDF_EXPORT detail::TransformAccess {
     /// A transform with another method than leaned frusta by bricks.
     static DistanceTransform make(Device device, const Mesh& mesh, std::shared_ptr<const FieldMethod> method,
                                   const TransformOptions& options, const CallOptions& call);
+    /// For scenes.
+    static DistanceTransform::State& state(const DistanceTransform& transform) { return transform.state(); }
 };
 
 }  // namespace clsdf

@@ -186,6 +186,11 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     CallStatistics query_on_device(const InputArray& points, double half_width, OutputSet outputs,
                                    const OutputTargets& targets, const CallOptions& call, std::string& warning);
 
+    /// What the host answers few points with. Waits for other calls only if something is to be made; check(box), which
+    /// may throw, is called before with the mesh's box.
+    points::PointInputs inputs_of_few(OutputSet outputs, std::size_t count, calls::RunningCall& running,
+                                      const std::function<void(const Box&)>& check);
+
     struct WindingInputs {
         std::shared_ptr<const engine::PointMesh> mesh;
         std::shared_ptr<const engine::WideTree> tree;
@@ -273,9 +278,6 @@ private:
     points::PointInputs planned_point_inputs(OutputSet outputs);
     /// For queries by the device, whose search is tested.
     points::PointInputs inputs_of_many(OutputSet outputs, std::size_t count, calls::RunningCall& running);
-    /// The same for the host, after the checks of the call. Waits for other calls only if something is to be made.
-    points::PointInputs inputs_of_few(points::UsablePoints& asked, double half_width, OutputSet outputs,
-                                      calls::RunningCall& running);
     /// Finds the points that are not usable. Throws if they, or points beyond the regions, are refused.
     void find_usable(points::UsablePoints& asked, const Box& box, double half_width) const;
 };

@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <span>
 
 namespace clsdf::checks {
@@ -87,7 +88,8 @@ std::string KnownOutputs::difference_from(std::uint32_t face, const HostArrays& 
         },
         expected);
     points::finish_on_host({how_, polyhedra_.data(), sites_.data(), normals_.data()}, sample.index, face,
-                           sample.distance < 0, expected);
+                           sample.distance < 0 ? CLSDF_POINT_INSIDE : CLSDF_POINT_OUTSIDE,
+                           std::numeric_limits<double>::infinity(), expected);
 
     double& distance = room[0];
     if (!(std::abs(distance - sample.distance) <= error))

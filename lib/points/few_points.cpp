@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <numeric>
 
 // Inlines all that a function calls, for CLSDF_SEVERAL_TARGETS.
@@ -40,10 +39,9 @@ one_lane::PointMesh sources_of(const PointInputs& inputs) {
 /// As the kernel nearest_of_points does.
 CLSDF_SEVERAL_TARGETS CLSDF_FLATTEN void find_nearest(const PointInputs& inputs,
                                                       std::span<const one_lane::double3> points, double most,
-                                                      std::uint32_t* faces, double* squared) {
+                                                      std::uint32_t& near, std::uint32_t* faces, double* squared) {
     const one_lane::PointMesh sources = sources_of(inputs);
     const PointTree& tree = inputs.leaves->tree->shape;
-    std::uint32_t near = CLSDF_NO_FACE;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const one_lane::NearestFace found = one_lane::nearest_face(tree, sources, points[i], most, near);
         faces[i] = one_lane::lowest_face(sources.faces, found.face);
@@ -95,7 +93,8 @@ PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points
         const auto& [x, y, z] = mesh.in_units(points[i]);
         in_units[i] = {x, y, z};
     }
-    find_nearest(inputs, std::span(in_units).first(points.size()), search_limit(mesh, half_width), faces.data(),
+    std::uint32_t near = CLSDF_NO_FACE;
+    find_nearest(inputs, std::span(in_units).first(points.size()), search_limit(mesh, half_width), near, faces.data(),
                  squared.data());
     std::iota(order.begin(), order.begin() + points.size(), 0U);
     std::fill_n(signs.begin(), points.size(), std::uint8_t{CLSDF_POINT_UNDECIDED});
@@ -103,24 +102,32 @@ PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points
     find_signs({mesh, *inputs.leaves->tree}, inputs.sign,
                {points, std::span(order).first(points.size()), std::span(squared).first(points.size())}, signs);
     const double sign_seconds = sign_watch.seconds();
-    const one_lane::Finishing finishing = finishing_of(
-        {engine::Finishing(mesh.lattice, inputs.sites, inputs.is_inside_out), values_of<Polyhedron>(mesh.polyhedra),
-         values_of<TriangleSites>(inputs.sites->names), values_of<float>(inputs.sites->normals)},
-        arrays);
+    const one_lane::Finishing finishing = finishing_of(finishing_sources(inputs), arrays);
     auto* const distance = reinterpret_cast<float*>(arrays[Output::distance].data);
     for (std::size_t i = 0; i < points.size(); ++i)
         one_lane::finish_point(&finishing, distance, in_units[i], faces[i], signs[i], nullptr, half_width, i);
     return {watch.seconds() - sign_seconds, sign_seconds};
 }
 
-void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, bool is_inside,
-                    const targets::HostArrays& arrays) {
+FinishingSources finishing_sources(const PointInputs& inputs) {
+    const engine::PointMesh& mesh = *inputs.mesh;
+    return {engine::Finishing(mesh.lattice, inputs.sites, inputs.is_inside_out), values_of<Polyhedron>(mesh.polyhedra),
+            values_of<TriangleSites>(inputs.sites->names), values_of<float>(inputs.sites->normals)};
+}
+
+void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, std::uint8_t sign,
+                    double half_width, const targets::HostArrays& arrays) {
     const DefaultFloatingPoint as_kernels;
     const one_lane::Finishing finishing = finishing_of(sources, arrays);
     one_lane::finish_point(&finishing, reinterpret_cast<float*>(arrays[Output::distance].data),
-                           {sample[0], sample[1], sample[2]}, polyhedron,
-                           is_inside ? CLSDF_POINT_INSIDE : CLSDF_POINT_OUTSIDE, nullptr,
-                           std::numeric_limits<double>::infinity(), 0);
+                           {sample[0], sample[1], sample[2]}, polyhedron, sign, nullptr, half_width, 0);
+}
+
+NearestOfPoint find_nearest(const PointInputs& inputs, const Vec3& in_units, double most, std::uint32_t& near) {
+    const one_lane::double3 point{in_units[0], in_units[1], in_units[2]};
+    NearestOfPoint found{};
+    find_nearest(inputs, std::span(&point, 1), most, near, &found.face, &found.squared);
+    return found;
 }
 
 }  // namespace clsdf::points

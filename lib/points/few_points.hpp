@@ -29,9 +29,22 @@ struct FinishingSources {
     const float* normals = nullptr;
 };
 
+/// Those of inputs of bring_to_host(), which must outlive them.
+FinishingSources finishing_sources(const PointInputs& inputs);
+
 /// The outputs of one sample or point whose nearest polyhedron is known, by the code of the kernels. sample: in samples
-/// of the lattice of `how`.
-void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, bool is_inside,
-                    const targets::HostArrays& arrays);
+/// of the lattice of `how`. sign: CLSDF_POINT_INSIDE, _OUTSIDE or _ON_SURFACE.
+void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, std::uint8_t sign,
+                    double half_width, const targets::HostArrays& arrays);
+
+/// The nearest face of a point, and its squared distance in units. If no face is within the limit, the face is
+/// CLSDF_NO_FACE, and the squared distance is the limit.
+struct NearestOfPoint {
+    std::uint32_t face;
+    double squared;
+};
+/// inputs: of bring_to_host(). most: of search_limit(), or less. near: a face that is likely to be near, or
+/// CLSDF_NO_FACE; set to the face that is found. For callers that have made a DefaultFloatingPoint.
+NearestOfPoint find_nearest(const PointInputs& inputs, const Vec3& in_units, double most, std::uint32_t& near);
 
 }  // namespace clsdf::points

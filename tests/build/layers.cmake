@@ -39,7 +39,7 @@ set(folders foundations/core foundations/device)
 foreach(stage launch homes mesh surface topology lattice frusta tree lists sign finish bricks plan)
   list(APPEND folders engine/${stage})
 endforeach()
-list(APPEND folders targets points segments checks plans calls)
+list(APPEND folders targets points scenes segments checks plans calls)
 
 # What is in lib, and the folders beside the core.
 file(GLOB all RELATIVE ${SOURCE}/lib LIST_DIRECTORIES true ${SOURCE}/lib/* ${SOURCE}/lib/foundations/* ${SOURCE}/lib/engine/*)
@@ -78,7 +78,7 @@ list(APPEND known ${public_headers})
 set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hpp grid.hpp mesh.hpp output_table.h outputs.hpp
                    segments.hpp sparse.hpp topology.hpp tuning.hpp version.hpp)
 set(face_of_plans link_plan.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
-set(face clsdf.hpp distance_transform.hpp)
+set(face clsdf.hpp distance_transform.hpp scene.hpp)
 set(beside eigen.hpp io.hpp mesh_files.hpp openvdb.hpp papers.hpp picture.hpp reference.hpp)
 foreach(list public_of_core face_of_plans face beside)
   list(TRANSFORM ${list} PREPEND clsdf/)
@@ -111,7 +111,7 @@ endforeach()
 
 # The engine's face: plans and calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid,
 # and GridPlan, which plans and runs.
-set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh surface targets points segments checks plans)
+set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh surface targets points scenes segments checks plans)
 allow_kernels(targets)
 check_folder(${SOURCE}/lib/plans)
 list(APPEND allowed ${face} calls)

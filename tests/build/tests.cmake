@@ -54,9 +54,9 @@ set_tests_properties(licences citations layers labels simd joins slow_headers ne
 set_tests_properties(release PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
 
 # Enumerations and plain structs of the public headers have counterparts in C. The headers left out are Eigen's, and those
-# of libraries that a C interface would not have.
+# of libraries that a C interface would not have; and that of scenes, which C++ alone has.
 if(CLSDF_TEST_PYTHON)
   add_test(NAME c_names COMMAND ${CLSDF_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/c_names.py ${PROJECT_SOURCE_DIR}/lib/include/clsdf
-                                ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp openvdb.hpp)
+                                ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp openvdb.hpp scene.hpp)
   set_tests_properties(c_names PROPERTIES LABELS bindings)
 endif()

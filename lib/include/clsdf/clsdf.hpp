@@ -16,6 +16,7 @@
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
 #include <clsdf/point_plan.hpp>
+#include <clsdf/scene.hpp>
 #include <clsdf/segments.hpp>
 #include <clsdf/sparse.hpp>
 #include <clsdf/sparse_plan.hpp>

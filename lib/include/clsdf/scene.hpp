@@ -1,0 +1,143 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+#include <clsdf/export.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+namespace clsdf {
+
+/// Where a body is: its points x are at R x + t. `rotation` has the rows of R.
+struct Pose {
+    std::array<Vec3, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    Vec3 translation{};
+};
+
+/// What a scene keeps between calls.
+struct SceneOptions {
+    /// Limit of the memory that is kept of each mesh: see TransformOptions::kept_bytes.
+    std::optional<std::size_t> kept_bytes{};
+};
+
+/// The number of a body that there is none of.
+inline constexpr std::uint32_t no_body = 0xFFFFFFFFU;
+
+/// A point and the body that it is looked up in, by their numbers.
+struct PointOfBody {
+    std::uint32_t point = 0;
+    std::uint32_t body = 0;
+};
+
+/// The arrays to which Scene::query() writes: those of DistanceTransform::query(), and two of its own, packed and on
+/// the host, with an item for each point. Arrays that are empty are left out.
+struct SceneTargets {
+    OutputTargets outputs;
+    std::span<std::uint32_t> bodies{};  ///< that of the nearest triangle; beyond the half width no_body
+    /// 1 if the distance is that of the union of the bodies, or the half width and the union's is not less, else 0:
+    /// then the union's surface may be farther away (docs/scenes.md).
+    std::span<std::uint8_t> is_own{};
+};
+
+/// Many bodies, each a mesh with its own sign rule and pose, and points among them.
+///
+/// A body is added, gets a number, counted from 0, and keeps it. Bodies may share a mesh (instances): then they share
+/// its prepared data, too. Points are looked up in the body's own coordinates, so nothing is prepared again when poses
+/// change.
+///
+/// The distance is the least of the bodies' signed distances. Outside all bodies it is the distance to their union.
+/// Inside it is the depth in the deepest body: the union's surface is at least as far away. A body without a sign
+/// counts with its distance. docs/scenes.md has the proof and a picture, docs/accuracy.md what poses cost.
+///
+/// Members that are const may be called from several threads at once; the others, assignment and the destructor need
+/// the scene for themselves. After an error the scene is that of before. Once moved from, every member but assignment
+/// and the destructor throws Error(invalid_argument). Works on the host, on all cores.
+class CLSDF_EXPORT Scene {
+public:
+    /// Without bodies. device: whose memory points and results may be in.
+    explicit Scene(Device device, const SceneOptions& options = {});
+    Scene(Scene&&) noexcept;
+    Scene& operator=(Scene&&) noexcept;
+    ~Scene();
+
+    // Bodies.
+
+    /// Adds a mesh, which is copied, and returns the body's number. Throws what the constructor of DistanceTransform
+    /// throws; Error(invalid_argument) for a pose that set_poses() refuses; Error(unsupported) for the sign rule
+    /// `below`, whose walls do not turn with a body: close_down() makes a closed mesh.
+    std::uint32_t add(const Mesh& mesh, const Pose& pose = {}, SignRule sign = SignRule::automatic,
+                      const CallOptions& call = {});
+    std::uint32_t add(const MeshView& mesh, const Pose& pose = {}, SignRule sign = SignRule::automatic,
+                      const CallOptions& call = {});
+    /// Adds a body that has the mesh and the sign rule of another one.
+    std::uint32_t add_instance(std::uint32_t of, const Pose& pose = {});
+
+    /// Moves all bodies, from the positions that their meshes have. Elements of R R^T may differ from the identity's by
+    /// 1e-5, so that rotations may be rounded to floats: each is replaced by the nearest rotation. Throws
+    /// Error(invalid_argument) that names the body if its matrix is no rotation or its translation is not finite, and
+    /// unless there are as many poses as bodies.
+    void set_poses(std::span<const Pose> poses);
+    /// Moves some bodies. Also throws Error(invalid_argument) if a body is not there or is named twice.
+    void set_poses(std::span<const std::uint32_t> bodies, std::span<const Pose> poses);
+    /// Gives the mesh of a body, and so all its instances, new positions before their poses; throws as
+    /// DistanceTransform::set_positions().
+    void set_positions(std::uint32_t body, const InputArray& positions, const CallOptions& call = {});
+    /// Switches a body off, as if it were not there, or on again.
+    void set_active(std::uint32_t body, bool is_active);
+
+    std::size_t size() const;
+    bool is_active(std::uint32_t body) const;
+    /// With the rotation that is used.
+    Pose pose(std::uint32_t body) const;
+    /// Never `automatic`.
+    SignRule sign(std::uint32_t body) const;
+    /// Whether a body that is on has a sign.
+    bool has_sign() const;
+    /// What is kept of all meshes.
+    KeptMemory memory() const;
+
+    // Points. All throw Error(invalid_argument) if there is no body that is on.
+
+    /// As DistanceTransform::query(), of the body whose signed distance is the least. If several have exactly that, in
+    /// double, the lowest number wins. Triangles and sites are those of its mesh; closest points, gradients and offsets
+    /// are in the scene's coordinates. Beyond the half width there is no body, and the distance is the half width,
+    /// negative if the point is inside a body; so also where the surface of another body is near, in the depth of one.
+    ///
+    /// A result depends on the point, the half width, and the bodies, their positions and poses, alone. A point is not
+    /// usable if it is not finite, or if a body that may be nearest is too far for DistanceTransform::query().
+    ///
+    /// Throws what that throws, and Error(invalid_argument) if `bodies` or `is_own` has another length than the points.
+    TransformStatistics query(const InputArray& points, double half_width, const SceneTargets& targets,
+                              const CallOptions& call = {}) const;
+
+    /// The outputs of each pair of a point and a body, by that body alone. An array has an item for each pair. Throws
+    /// as query(), and Error(invalid_argument) that names a pair whose point or body is not there, or whose body is
+    /// off.
+    TransformStatistics query_pairs(const InputArray& points, std::span<const PointOfBody> pairs, double half_width,
+                                    const OutputTargets& targets, const CallOptions& call = {}) const;
+
+    /// 1 for each point that is inside a body, else 0; a point on the surface of a body is not inside this one. A point
+    /// that is not finite has 0.
+    void contains(const InputArray& points, std::span<std::uint8_t> is_inside, const CallOptions& call = {}) const;
+
+    /// The sum of the bodies' winding numbers, in their order: see DistanceTransform::winding(). Adds doubles, each as
+    /// exact as an array of doubles has it.
+    void winding(const InputArray& points, std::span<double> results, const CallOptions& call = {}) const;
+
+    /// The place of each box: inside if it is inside one of the bodies, `outside` (`beyond` if no body has a sign) if
+    /// it is that of all of them, else within. As DistanceTransform::classify(); in addition, a box may be within that
+    /// is farther from a body which is turned, by less than the box is large: the smallest box around it in the body's
+    /// coordinates decides.
+    void classify(std::span<const Box> boxes, double half_width, std::span<BoxPlace> places) const;
+
+private:
+    struct State;
+    State& state() const;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace clsdf

@@ -1,0 +1,415 @@
+#include "scenes/scene_points.hpp"
+
+#include "core/floating_point.hpp"
+#include "core/outputs.hpp"
+#include "core/parallel.hpp"
+#include "points/point_run.hpp"
+#include "points/signs_by_host.hpp"
+#include "tree/wide_tree.hpp"
+
+#include "point_order.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <mutex>
+
+namespace clsdf::scenes {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t most_in_chunk = 64;
+
+bool is_finite(const Vec3& p) {
+    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/// What is known of a point.
+struct Found {
+    /// The least signed distance so far, squared, with its sign, in the scene's units: infinite beyond the half width.
+    double value = infinity;
+    std::uint32_t body = no_body;  ///< whose value is the least, or inside which the point lies beyond the half width
+    std::uint32_t face = CLSDF_NO_FACE;
+    std::uint8_t sign = CLSDF_POINT_OUTSIDE;
+    double not_searched = infinity;  ///< the least distance from the box of a body that is too far to be searched
+
+    bool is_inside() const { return sign == CLSDF_POINT_INSIDE; }
+};
+
+/// The squared distance with its sign, in the scene's units. A unit is a power of two, so the product is exact.
+double value_of(const points::NearestOfPoint& nearest, std::uint8_t sign, double unit) {
+    if (sign == CLSDF_POINT_ON_SURFACE) return 0;
+    // Rounding may leave nothing of the distance of a point beside the surface.
+    const double squared = nearest.face == CLSDF_NO_FACE
+                               ? infinity
+                               : std::max(nearest.squared * (unit * unit), std::numeric_limits<double>::denorm_min());
+    return sign == CLSDF_POINT_INSIDE ? -squared : squared;
+}
+
+/// Takes what a body says of a point: the least pair (value, body).
+void take(const points::NearestOfPoint& nearest, std::uint8_t sign, double unit, std::uint32_t body, Found& found) {
+    const double value = value_of(nearest, sign, unit);
+    if (value == infinity || value > found.value || (value == found.value && body > found.body)) return;
+    found.value = value;
+    found.body = body;
+    found.face = nearest.face;
+    found.sign = sign;
+}
+
+const engine::PointMesh& mesh_of(const SearchedBody& body) {
+    return *body.shape->inputs.mesh;
+}
+
+bool is_usable(const SearchedBody& body, const Vec3& in_body) {
+    return engine::contains(body.shape->usable.limits, in_body);
+}
+
+/// A search within a half width in a body that need not decide signs.
+points::NearestOfPoint nearest_within(const SearchedBody& body, const Vec3& in_body, double half_width,
+                                      std::uint32_t& near) {
+    const engine::PointMesh& mesh = mesh_of(body);
+    return points::find_nearest(body.shape->inputs, mesh.in_units(in_body), points::search_limit(mesh, half_width),
+                                near);
+}
+
+/// The signs of points in a body.
+void find_signs(const SearchedBody& body, std::span<const Vec3> in_body, std::span<const double> squared,
+                std::span<std::uint8_t> signs) {
+    std::array<std::uint32_t, most_in_chunk> order;
+    for (std::size_t i = 0; i < in_body.size(); ++i) order[i] = static_cast<std::uint32_t>(i);
+    std::ranges::fill(signs, std::uint8_t{CLSDF_POINT_UNDECIDED});
+    points::find_signs({mesh_of(body), *body.shape->inputs.leaves->tree}, body.shape->inputs.sign,
+                       {in_body, std::span(order).first(in_body.size()), squared}, signs);
+}
+
+/// Looks up points, at most most_in_chunk, in one body and calls use(i, nearest, sign) for each.
+template <typename PointOf, typename Use>
+void look_up(const SearchedBody& body, std::size_t count, double half_width, const PointOf& point_of, const Use& use) {
+    std::array<Vec3, most_in_chunk> in_body;
+    std::array<points::NearestOfPoint, most_in_chunk> nearest;
+    std::array<double, most_in_chunk> squared;
+    std::array<std::uint8_t, most_in_chunk> signs;
+    std::uint32_t near = CLSDF_NO_FACE;
+    for (std::size_t i = 0; i < count; ++i) {
+        in_body[i] = body.frame->to_body(point_of(i));
+        nearest[i] = nearest_within(body, in_body[i], half_width, near);
+        squared[i] = nearest[i].squared;
+    }
+    find_signs(body, std::span(in_body).first(count), std::span(squared).first(count), std::span(signs).first(count));
+    for (std::size_t i = 0; i < count; ++i) use(i, nearest[i], signs[i]);
+}
+
+/// Calls visit(body, first, count) for the runs of equal bodies in a list that is sorted by them.
+template <typename Visit>
+void for_each_body(std::span<const Asked> asked, const Visit& visit) {
+    for (std::size_t begin = 0, end = 0; begin < asked.size(); begin = end) {
+        while (end < asked.size() && asked[end].body == asked[begin].body) ++end;
+        visit(asked[begin].body, begin, end - begin);
+    }
+}
+
+/// The outputs of one point by one body, in double, and then in the scene's coordinates.
+class Outputs {
+public:
+    /// wanted: the outputs of all points.
+    explicit Outputs(const targets::HostArrays& wanted) : wanted_(wanted) {
+        std::size_t used = 0;
+        for_each_output(
+            [&](const OutputInfo& info, targets::HostArray& array, const targets::HostArray& asked) {
+                // The distance is NaN unless it is written, and the closest point beyond the half width.
+                array.is_wanted = asked.is_wanted || info.output == Output::distance || info.output == Output::closest;
+                array.in_double = may_be_double(info);
+                array.data = reinterpret_cast<std::byte*>(room_.data() + used);
+                used += info.components;
+            },
+            arrays_, wanted);
+    }
+
+    Vec3 closest() const {
+        Vec3 result;
+        std::memcpy(result.data(), arrays_[Output::closest].data, sizeof result);
+        return result;
+    }
+
+    /// Stores the outputs of a point at its place among all. Returns whether it is within the half width, and has set
+    /// closest() then, in the scene's coordinates.
+    bool store(const SearchedBody* body, const Found& found, const Vec3& point, double half_width, std::size_t at) {
+        bool is_within = false;
+        if (found.face != CLSDF_NO_FACE) {
+            const Vec3 in_units = mesh_of(*body).in_units(body->frame->to_body(point));
+            points::finish_on_host(points::finishing_sources(body->shape->inputs), in_units, found.face, found.sign,
+                                   half_width, arrays_);
+            is_within = is_finite(closest());
+        }
+        if (is_within) {
+            turn(Output::closest, *body->frame);
+            if (wanted_[Output::gradient].is_wanted) turn(Output::gradient, *body->frame);
+            if (wanted_[Output::offset].is_wanted) turn(Output::offset, *body->frame);
+            copy(at);
+        } else {
+            leave(found.is_inside() ? -half_width : half_width, at);
+        }
+        return is_within;
+    }
+
+    /// Stores those of a point beyond the half width.
+    void leave(double distance, std::size_t at) const {
+        for_each_output(
+            [&](const OutputInfo& info, const targets::HostArray& to) {
+                if (to.data == nullptr) return;
+                const std::size_t bytes = sample_bytes(info, to.in_double);
+                if (info.output != Output::distance)
+                    std::memset(to.data + at * bytes, 0xFF, bytes);
+                else
+                    store_numbers(&distance, 1, to, at);
+            },
+            wanted_);
+    }
+
+private:
+    static void store_numbers(const double* numbers, std::size_t components, const targets::HostArray& to,
+                              std::size_t at) {
+        for (std::size_t c = 0; c < components; ++c) {
+            const std::size_t place = at * components + c;
+            const auto rounded = static_cast<float>(numbers[c]);
+            if (to.in_double)
+                std::memcpy(to.data + place * sizeof(double), numbers + c, sizeof(double));
+            else
+                std::memcpy(to.data + place * sizeof(float), &rounded, sizeof(float));
+        }
+    }
+
+    void turn(Output output, const Frame& frame) {
+        Vec3 vector;
+        std::memcpy(vector.data(), arrays_[output].data, sizeof vector);
+        vector = output == Output::closest ? frame.to_scene(vector) : frame.turned(vector);
+        std::memcpy(arrays_[output].data, vector.data(), sizeof vector);
+    }
+
+    void copy(std::size_t at) const {
+        for_each_output(
+            [&](const OutputInfo& info, const targets::HostArray& from, const targets::HostArray& to) {
+                if (to.data == nullptr) return;
+                if (!may_be_double(info)) {
+                    const std::size_t bytes = sample_bytes(info, true);
+                    std::memcpy(to.data + at * bytes, from.data, bytes);
+                    return;
+                }
+                std::array<double, 3> numbers;
+                std::memcpy(numbers.data(), from.data, info.components * sizeof(double));
+                // As finish_point() rounds: a distance that is not 0 stays so.
+                constexpr double least = std::numeric_limits<float>::denorm_min();
+                if (info.output == Output::distance && !to.in_double && numbers[0] != 0 &&
+                    static_cast<float>(numbers[0]) == 0)
+                    numbers[0] = std::copysign(least, numbers[0]);
+                store_numbers(numbers.data(), info.components, to, at);
+            },
+            arrays_, wanted_);
+    }
+
+    const targets::HostArrays& wanted_;
+    targets::HostArrays arrays_;
+    std::array<double, 3 * CLSDF_OUTPUT_COUNT> room_{};
+};
+
+/// The points of a chunk.
+class Chunk {
+public:
+    Chunk(const SearchedScene& scene, std::span<const Vec3> points, double half_width)
+        : scene_(scene), points_(points), half_width_(half_width) {}
+
+    void search() {
+        for (std::uint32_t i = 0; i < points_.size(); ++i)
+            if (is_finite(points_[i])) {
+                for (const std::uint32_t body : scene_.with_films) ask(i, body);
+                scene_.tree.visit_holding(points_[i], [&](std::uint32_t body) {
+                    if (!scene_.bodies[body].shape->has_film) ask(i, body);
+                });
+            }
+        std::ranges::sort(asked_, {}, [](const Asked& asked) { return std::pair(asked.body, asked.point); });
+        for_each_body(asked_, [&](std::uint32_t body, std::size_t first, std::size_t count) {
+            const SearchedBody& searched = scene_.bodies[body];
+            look_up(
+                searched, count, half_width_, [&](std::size_t i) { return points_[asked_[first + i].point]; },
+                [&](std::size_t i, const points::NearestOfPoint& nearest, std::uint8_t sign) {
+                    take(nearest, sign, mesh_of(searched).lattice.unit, body, found_[asked_[first + i].point]);
+                });
+        });
+        for (std::uint32_t i = 0; i < points_.size(); ++i)
+            if (found_[i].value > 0 && is_finite(points_[i])) search_outside(i);
+    }
+
+    const Found& found(std::size_t i) const { return found_[i]; }
+
+    /// Whether the point has a value: it is finite, and no body that may be nearest is too far to be searched.
+    bool is_usable(std::size_t i) const {
+        const double distance = std::min(std::sqrt(std::max(found_[i].value, 0.0)), half_width_);
+        return is_finite(points_[i]) &&
+               (found_[i].not_searched == infinity || found_[i].value <= 0 || found_[i].not_searched > distance);
+    }
+
+    /// Whether the value of a point is the distance to the union: closest: of its body.
+    bool is_own(std::size_t i, const Vec3& closest) const {
+        const Found& found = found_[i];
+        if (found.value > 0) return true;
+        const SearchedBody& own = scene_.bodies[found.body];
+        double largest = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            largest = std::max({largest, std::abs(closest[axis]), std::abs(points_[i][axis])});
+        // Above the rounding of the closest point.
+        const double rounding = 1e-9 * mesh_of(own).lattice.unit + 1e-13 * largest;
+        bool is_alone = true;
+        const auto look = [&](std::uint32_t body) {
+            const SearchedBody& other = scene_.bodies[body];
+            if (!is_alone || body == found.body || other.shape->inputs.sign == SignRule::none) return;
+            is_alone = !is_in_or_on(other, closest, rounding);
+        };
+        for (const std::uint32_t body : scene_.with_films) look(body);
+        scene_.tree.visit_near(closest, rounding, [&](std::uint32_t body) {
+            if (!scene_.bodies[body].shape->has_film) look(body);
+            return is_alone ? rounding : -1;
+        });
+        return is_alone;
+    }
+
+private:
+    /// The body has to tell the sign if its box holds the point.
+    void ask(std::uint32_t point, std::uint32_t body) {
+        const SearchedBody& searched = scene_.bodies[body];
+        const Vec3 in_body = searched.frame->to_body(points_[point]);
+        if (!searched.shape->has_film && !engine::contains(searched.shape->sign_box, in_body)) return;
+        if (scenes::is_usable(searched, in_body))
+            asked_.push_back({point, body});
+        else
+            leave_out(searched, in_body, found_[point]);
+    }
+
+    static void leave_out(const SearchedBody& body, const Vec3& in_body, Found& found) {
+        found.not_searched = std::min(found.not_searched, distance_to(mesh_of(body).box, in_body) * (1 - 1e-9));
+    }
+
+    /// The bodies whose boxes do not hold the point.
+    void search_outside(std::uint32_t point) {
+        Found& found = found_[point];
+        const auto bound = [&] { return std::min(half_width_, std::sqrt(found.value)); };
+        scene_.tree.visit_near(points_[point], bound(), [&](std::uint32_t body) {
+            const SearchedBody& searched = scene_.bodies[body];
+            const Vec3 in_body = searched.frame->to_body(points_[point]);
+            const double most = bound();
+            if (searched.shape->has_film || engine::contains(searched.shape->sign_box, in_body) ||
+                distance_to(searched.shape->sign_box, in_body) * (1 - 1e-13) > most)
+                return most;
+            if (!scenes::is_usable(searched, in_body)) {
+                leave_out(searched, in_body, found);
+                return most;
+            }
+            std::uint32_t near = CLSDF_NO_FACE;
+            take(nearest_within(searched, in_body, most, near), CLSDF_POINT_OUTSIDE, mesh_of(searched).lattice.unit,
+                 body, found);
+            return bound();
+        });
+    }
+
+    static bool is_in_or_on(const SearchedBody& body, const Vec3& point, double rounding) {
+        const Vec3 in_body = body.frame->to_body(point);
+        if (!scenes::is_usable(body, in_body)) return false;
+        std::uint32_t near = CLSDF_NO_FACE;
+        const points::NearestOfPoint nearest = nearest_within(body, in_body, rounding, near);
+        if (nearest.face != CLSDF_NO_FACE) return true;
+        std::uint8_t sign = CLSDF_POINT_UNDECIDED;
+        find_signs(body, std::span(&in_body, 1), std::span(&nearest.squared, 1), std::span(&sign, 1));
+        return sign != CLSDF_POINT_OUTSIDE;
+    }
+
+    const SearchedScene& scene_;
+    std::span<const Vec3> points_;
+    double half_width_;
+    std::vector<Asked> asked_;
+    std::array<Found, most_in_chunk> found_;
+};
+
+/// Those of all chunks.
+class Unusable {
+public:
+    void add(std::size_t index, bool is_finite) {
+        const std::scoped_lock lock(mutex_);
+        if (all_.count++ > 0 && all_.first < index) return;
+        all_.first = index;
+        all_.is_finite = is_finite;
+    }
+    const UnusableOfScene& all() const { return all_; }
+
+private:
+    std::mutex mutex_;
+    UnusableOfScene all_;
+};
+
+/// The distance of a point that is not usable.
+double distance_of_unusable(bool is_finite, double half_width) {
+    return is_finite && std::isfinite(half_width) ? half_width : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> points, double half_width,
+                              const SceneArrays& results) {
+    Unusable unusable;
+    for_each_chunk(points.size(), most_in_chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        const DefaultFloatingPoint as_kernels;
+        Chunk chunk(scene, points.subspan(begin, end - begin), half_width);
+        chunk.search();
+        Outputs outputs(results.arrays);
+        for (std::size_t i = begin; i < end; ++i) {
+            const Found& found = chunk.found(i - begin);
+            if (results.is_inside != nullptr) results.is_inside[i] = found.is_inside() ? 1 : 0;
+            bool is_within = false, is_own = false;
+            if (!chunk.is_usable(i - begin)) {
+                unusable.add(i, is_finite(points[i]));
+                outputs.leave(distance_of_unusable(is_finite(points[i]), half_width), i);
+            } else if (results.arrays[Output::distance].data != nullptr) {
+                const SearchedBody* body = found.body == no_body ? nullptr : &scene.bodies[found.body];
+                is_within = outputs.store(body, found, points[i], half_width, i);
+                is_own = results.is_own != nullptr && (!is_within || chunk.is_own(i - begin, outputs.closest()));
+            }
+            if (results.bodies != nullptr) results.bodies[i] = is_within ? found.body : no_body;
+            if (results.is_own != nullptr) results.is_own[i] = is_own ? 1 : 0;
+        }
+    });
+    return unusable.all();
+}
+
+UnusableOfScene answer_pairs(const SearchedScene& scene, std::span<const Vec3> points, std::span<const Asked> pairs,
+                             double half_width, const targets::HostArrays& arrays) {
+    Unusable unusable;
+    for_each_chunk(pairs.size(), most_in_chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        const DefaultFloatingPoint as_kernels;
+        Outputs outputs(arrays);
+        std::vector<Asked> usable;  // whose points are places among the pairs
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec3& point = points[pairs[i].point];
+            const SearchedBody& body = scene.bodies[pairs[i].body];
+            if (is_finite(point) && is_usable(body, body.frame->to_body(point))) {
+                usable.push_back({static_cast<std::uint32_t>(i - begin), pairs[i].body});
+            } else {
+                unusable.add(i, is_finite(point));
+                outputs.leave(distance_of_unusable(is_finite(point), half_width), i);
+            }
+        }
+        std::ranges::sort(usable, {}, [](const Asked& asked) { return std::pair(asked.body, asked.point); });
+        for_each_body(usable, [&](std::uint32_t number, std::size_t first, std::size_t count) {
+            const SearchedBody& body = scene.bodies[number];
+            const auto place = [&](std::size_t i) { return begin + usable[first + i].point; };
+            const auto point_of = [&](std::size_t i) { return points[pairs[place(i)].point]; };
+            look_up(body, count, half_width, point_of,
+                    [&](std::size_t i, const points::NearestOfPoint& nearest, std::uint8_t sign) {
+                        outputs.store(&body, {.face = nearest.face, .sign = sign}, point_of(i), half_width, place(i));
+                    });
+        });
+    });
+    return unusable.all();
+}
+
+}  // namespace clsdf::scenes

@@ -1,0 +1,74 @@
+#pragma once
+
+#include "points/few_points.hpp"
+#include "points/usable_points.hpp"
+#include "scenes/body_tree.hpp"
+#include "scenes/frame.hpp"
+#include "targets/host_arrays.hpp"
+
+#include <clsdf/mesh.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+/// Points among many bodies, by the host.
+///
+/// The value of a point is the least of the bodies' signed distances. First the bodies whose boxes hold the point are
+/// asked, for their sign and their distance: no other body can have the point inside. If it is in none of them, the
+/// others are searched, the nearest box first, within the least distance so far.
+namespace clsdf::scenes {
+
+inline constexpr std::uint32_t no_body = 0xFFFFFFFFU;
+
+/// The mesh of one or more bodies.
+struct SearchedShape {
+    points::PointInputs inputs;  ///< of points::bring_to_host()
+    Box sign_box;                ///< around all that is inside
+    points::UsableRange usable;
+    bool has_film = false;  ///< points outside the box may be inside
+};
+
+struct SearchedBody {
+    const SearchedShape* shape = nullptr;  ///< null: the body is switched off
+    const Frame* frame = nullptr;
+};
+
+struct SearchedScene {
+    std::span<const SearchedBody> bodies;
+    const BodyTree& tree;                       ///< of those that are on
+    std::span<const std::uint32_t> with_films;  ///< the same, which have films; ascending
+};
+
+/// Packed results.
+struct SceneArrays {
+    targets::HostArrays arrays;  ///< the distance may have none
+    std::uint32_t* bodies = nullptr;
+    std::uint8_t* is_own = nullptr;
+    std::uint8_t* is_inside = nullptr;
+};
+
+/// The points that are not usable.
+struct UnusableOfScene {
+    std::size_t count = 0;
+    std::size_t first = 0;
+    bool is_finite = false;  ///< the first
+};
+
+/// A point and the body that it is looked up in.
+struct Asked {
+    std::uint32_t point;
+    std::uint32_t body;
+};
+
+/// The outputs of points. Results do not depend on other points or on threads.
+UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> points, double half_width,
+                              const SceneArrays& results);
+
+/// The outputs of pairs: those of the body alone. All of the bodies are on. Of the points that are not usable, `first`
+/// is a pair.
+UnusableOfScene answer_pairs(const SearchedScene& scene, std::span<const Vec3> points, std::span<const Asked> pairs,
+                             double half_width, const targets::HostArrays& arrays);
+
+}  // namespace clsdf::scenes

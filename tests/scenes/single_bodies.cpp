@@ -1,0 +1,237 @@
+#include "random_scenes.hpp"
+
+#include <boost/test/unit_test.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+struct RandomScene {
+    explicit RandomScene(std::uint64_t seed) : random(seed), meshes(meshes_of_bodies(random)) {
+        const std::size_t count = seed % 10 == 0 ? 60 : 1 + random.index(8);
+        const double apart = std::array{0.0, 0.5, 2.0, 30.0}[random.index(4)];
+        const Vec3 all_at = random.index(4) == 0 ? random.point(-1e6, 1e6) : Vec3{};
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::uint32_t number = random.index(meshes.size());
+            const bool is_none = random.index(6) == 0;
+            Pose pose;
+            if (random.index(3) != 0) pose.rotation = random_rotation(random);
+            if (random.index(5) != 0 || all_at != Vec3{})
+                pose.translation = along(all_at, apart * random.uniform(0, 1), random.direction());
+            const auto same = std::ranges::find_if(
+                bodies, [&](const BodyOfTest& body) { return body.mesh == &meshes[number] && random.index(2) == 0; });
+            const bool is_instance = same != bodies.end();
+            const SignRule sign = is_instance ? same->sign : is_none ? SignRule::none : SignRule::automatic;
+            if (is_instance)
+                scene.add_instance(static_cast<std::uint32_t>(same - bodies.begin()), pose);
+            else
+                scene.add(meshes[number], pose, sign);
+            pose = scene.pose(static_cast<std::uint32_t>(i));
+            bodies.push_back({&meshes[number], sign, pose});
+            transforms.emplace_back(test_device(), meshes[number], TransformOptions{.sign = sign});
+            transforms.back().set_motion(pose.rotation, pose.translation);
+        }
+        for (int i = 0; i < 40; ++i) {
+            const std::uint32_t body = random.index(count);
+            const Mesh& mesh = *bodies[body].mesh;
+            const Pose& pose = bodies[body].pose;
+            const Vec3 p = along(mesh.vertices()[random.index(mesh.vertices().size())],
+                                 std::array{0.0, 0.01, 0.3, 1.0, 50.0}[random.index(5)], random.direction());
+            Vec3 moved = pose.translation;
+            for (std::size_t a = 0; a < 3; ++a)
+                for (std::size_t b = 0; b < 3; ++b) moved[a] += pose.rotation[a][b] * p[b];
+            points.push_back(i % 8 == 7 ? pose.translation : moved);
+        }
+        double largest = 1;
+        for (const Vec3& p : points)
+            for (const double x : p) largest = std::max(largest, std::abs(x));
+        tolerance = 2e-14 * largest;
+        for (const DistanceTransform& transform : transforms) of_bodies.push_back(distances(transform, points));
+    }
+
+    double least(std::size_t point) const {
+        double result = of_bodies[0][point];
+        for (const std::vector<double>& of_body : of_bodies) result = std::min(result, of_body[point]);
+        return result;
+    }
+
+    Random random;
+    std::vector<Mesh> meshes;
+    Scene scene{test_device()};
+    std::vector<BodyOfTest> bodies;
+    std::vector<DistanceTransform> transforms;
+    std::vector<Vec3> points;
+    std::vector<std::vector<double>> of_bodies;
+    double tolerance = 0;
+};
+
+double length(const Vec3& a, const Vec3& b) {
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+template <typename T>
+bool have_same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+constexpr std::uint64_t first_seed = 1, last_seed = 300;
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_scene_has_the_least_of_the_distances_of_its_bodies) {
+    std::size_t wrong = 0, own = 0, not_own = 0, inside = 0;
+    for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
+        const RandomScene random(seed);
+        const double tolerance = random.tolerance;
+        for (const double half_width : {no_limit, 0.2}) {
+            const PointValues found = query(random.scene, random.points, half_width);
+            std::vector<std::uint8_t> is_inside(random.points.size());
+            random.scene.contains(random.points, is_inside);
+            for (std::size_t i = 0; i < random.points.size(); ++i) {
+                const double least = random.least(i);
+                const double expected = std::clamp(least, -half_width, half_width);
+                bool is_right = std::abs(found.distance[i] - expected) <= tolerance;
+                if (least < -tolerance) is_right = is_right && is_inside[i] == 1;
+                if (least > tolerance) is_right = is_right && is_inside[i] == 0;
+                const std::uint32_t body = found.body[i];
+                if (std::abs(least) > half_width + tolerance)
+                    is_right = is_right && body == no_body && found.triangle[i] == no_triangle && found.is_own[i] == 1;
+                if (std::abs(least) < half_width - tolerance) is_right = is_right && body < random.bodies.size();
+                if (is_right && body != no_body) {
+                    is_right =
+                        std::abs(random.of_bodies[body][i] - least) <= 2 * tolerance &&
+                        std::abs(length(found.closest[i], random.points[i]) - std::abs(least)) <= 2 * tolerance &&
+                        found.triangle[i] < random.bodies[body].mesh->triangles().size();
+                    for (std::size_t a = 0; a < 3; ++a)
+                        is_right =
+                            is_right &&
+                            std::abs(random.points[i][a] + found.offset[i][a] - found.closest[i][a]) <= 2 * tolerance &&
+                            (std::abs(least) < 1e-3 ||
+                             std::abs(found.gradient[i][a] * found.distance[i] + found.offset[i][a]) <= 4 * tolerance);
+                    // The closest point of another body may be where this one's is: then none is the union's for sure.
+                    double of_others = no_limit;
+                    for (std::size_t other = 0; other < random.bodies.size(); ++other)
+                        if (other != body && random.transforms[other].sign() != SignRule::none)
+                            of_others = std::min(
+                                of_others, distances(random.transforms[other], std::span(&found.closest[i], 1))[0]);
+                    if (found.is_own[i] == 1)
+                        is_right = is_right && (least > -tolerance || of_others > 0);
+                    else
+                        is_right = is_right && least < tolerance && of_others <= 1e-5;
+                    inside += least < 0 ? 1U : 0U;
+                    (found.is_own[i] == 1 ? own : not_own) += 1;
+                }
+                wrong += is_right ? 0U : 1U;
+                if (!is_right && wrong < 5)
+                    BOOST_TEST_MESSAGE("seed " << seed << ", point " << i << " within " << half_width << ": found "
+                                               << found.distance[i] << " of body " << body << ", expected " << expected
+                                               << ", own " << int{found.is_own[i]});
+            }
+        }
+    }
+    BOOST_TEST(wrong == 0U, wrong << " points are wrong; seeds " << first_seed << " to " << last_seed);
+    BOOST_TEST(inside > 1000U);
+    BOOST_TEST(own > 1000U);
+    BOOST_TEST(not_own > 100U);
+}
+
+BOOST_AUTO_TEST_CASE(neither_order_nor_other_points_nor_bodies_that_are_off_change_a_value) {
+    std::size_t wrong = 0;
+    for (std::uint64_t seed = 1001; seed <= 1060; ++seed) {
+        RandomScene random(seed);
+        const PointValues found = query(random.scene, random.points);
+        for (std::size_t i = 0; i < random.points.size(); i += 7) {
+            const PointValues alone = query(random.scene, std::span(random.points).subspan(i, 1));
+            wrong += alone.distance[0] != found.distance[i] || alone.body[0] != found.body[i] ||
+                             std::memcmp(alone.gradient.data(), &found.gradient[i], sizeof(Vec3)) != 0
+                         ? 1U
+                         : 0U;
+        }
+        Scene reversed(test_device());
+        const auto last = static_cast<std::uint32_t>(random.bodies.size() - 1);
+        for (std::uint32_t i = 0; i <= last; ++i) {
+            const BodyOfTest& body = random.bodies[last - i];
+            reversed.add(*body.mesh, body.pose, body.sign);
+        }
+        const PointValues other = query(reversed, random.points);
+        for (std::size_t i = 0; i < random.points.size(); ++i)
+            wrong += other.distance[i] != found.distance[i] ||
+                             (other.body[i] != last - found.body[i] &&
+                              random.of_bodies[last - other.body[i]][i] > random.least(i) + random.tolerance)
+                         ? 1U
+                         : 0U;
+        if (last == 0) continue;
+        Scene without(test_device());
+        for (std::uint32_t i = 0; i < last; ++i)
+            without.add(*random.bodies[i].mesh, random.scene.pose(i), random.bodies[i].sign);
+        random.scene.set_active(last, false);
+        const PointValues off = query(random.scene, random.points), absent = query(without, random.points);
+        wrong += have_same_bytes(off.distance, absent.distance) && have_same_bytes(off.body, absent.body) &&
+                         have_same_bytes(off.closest, absent.closest) && have_same_bytes(off.is_own, absent.is_own)
+                     ? 0U
+                     : 1U;
+    }
+    BOOST_TEST(wrong == 0U, "seeds 1001 to 1060");
+}
+
+BOOST_AUTO_TEST_CASE(pairs_have_the_distances_of_one_body_and_winding_numbers_add_up) {
+    std::size_t wrong = 0;
+    for (std::uint64_t seed = 2001; seed <= 2060; ++seed) {
+        RandomScene random(seed);
+        std::vector<PointOfBody> pairs;
+        for (std::uint32_t i = 0; i < 200; ++i)
+            pairs.push_back({random.random.index(random.points.size()), random.random.index(random.bodies.size())});
+        std::vector<double> found(pairs.size());
+        random.scene.query_pairs(random.points, pairs, no_limit, found);
+        for (std::size_t i = 0; i < pairs.size(); ++i)
+            wrong += std::abs(found[i] - random.of_bodies[pairs[i].body][pairs[i].point]) <= random.tolerance ? 0U : 1U;
+        std::vector<double> sums(random.points.size()), expected(random.points.size()), of_body(random.points.size());
+        random.scene.winding(random.points, sums);
+        for (const DistanceTransform& transform : random.transforms) {
+            transform.winding(random.points, of_body);
+            for (std::size_t i = 0; i < sums.size(); ++i) expected[i] += of_body[i];
+        }
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            double nearest = no_limit;
+            for (const std::vector<double>& of_one : random.of_bodies) nearest = std::min(nearest, std::abs(of_one[i]));
+            wrong += nearest < 1e-6 || std::abs(sums[i] - expected[i]) <= 1e-6 ? 0U : 1U;
+        }
+    }
+    BOOST_TEST(wrong == 0U, "seeds 2001 to 2060");
+}
+
+BOOST_AUTO_TEST_CASE(boxes_are_inside_one_body_or_outside_all_of_them) {
+    std::size_t wrong = 0, inside = 0, outside = 0;
+    for (std::uint64_t seed = 3001; seed <= 3080; ++seed) {
+        RandomScene random(seed);
+        std::vector<Box> boxes;
+        for (const Vec3& p : random.points) {
+            const double size = random.random.uniform(0, 0.3);
+            boxes.push_back({{p[0] - size, p[1] - size, p[2] - size}, {p[0] + size, p[1] + size, p[2] + size}});
+        }
+        const double half_width = random.random.uniform(0, 0.1);
+        std::vector<BoxPlace> places(boxes.size());
+        random.scene.classify(boxes, half_width, places);
+        for (std::size_t i = 0; i < boxes.size(); ++i) {
+            const double size = (boxes[i].upper[0] - boxes[i].lower[0]) / 2, least = random.least(i);
+            if (places[i] == BoxPlace::inside) wrong += least > -half_width - size + random.tolerance ? 1U : 0U;
+            if (places[i] == BoxPlace::outside || places[i] == BoxPlace::beyond)
+                wrong += least < half_width + size - random.tolerance ? 1U : 0U;
+            // Boxes are taken for larger ones if a body is turned, and triangles for the boxes around them.
+            if (std::abs(least) > half_width + 6 * size + 4) wrong += places[i] == BoxPlace::within ? 1U : 0U;
+            if (random.scene.has_sign()) wrong += places[i] == BoxPlace::beyond ? 1U : 0U;
+            inside += places[i] == BoxPlace::inside ? 1U : 0U;
+            outside += places[i] == BoxPlace::outside ? 1U : 0U;
+        }
+    }
+    BOOST_TEST(wrong == 0U, "seeds 3001 to 3080");
+    BOOST_TEST(inside > 10U);
+    BOOST_TEST(outside > 100U);
+}

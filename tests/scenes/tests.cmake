@@ -1,0 +1,1 @@
+clsdf_field_test(points single_bodies.cpp LABELS scenes points)
