@@ -5,6 +5,7 @@
 #include "mesh/mesh_arrays.hpp"
 #include "segments/face_hits.hpp"
 #include "segments/film_walls.hpp"
+#include "segments/open_edges_of_rows.hpp"
 #include "segments/walk.hpp"
 #include "tree/ray_walk.hpp"
 
@@ -120,16 +121,17 @@ public:
 
     /// Those of any point, with the film.
     Windings windings_with_film(const Vec3& point) {
-        // The part of the open edges fits to rays towards -x in the first look. Other looks differ from it by faces at
-        // the point alone.
-        const Vec3 direction{-0.5, 0, 0};
-        find_faces(Line::ray(engine::scaled(point, per_unit_), direction),
-                   engine::tree_ray(searched_.mesh(), point, direction), infinity);
-        Windings windings(searched_.mesh().film->look(point).rounded);
-        for (const FaceHit& hit : found_) {
-            const std::uint32_t looks = hit.place == 0 ? hit.looks : (hit.looks & 1U) != 0 ? CLSDF_ALL_LOOKS : 0;
-            windings.add(looks, -hit.change);
-        }
+        // The part of the open edges fits to rays towards -x.
+        const Vec3 direction{-0.5, 0, 0}, at = engine::scaled(point, per_unit_);
+        find_faces(Line::ray(at, direction), engine::tree_ray(searched_.mesh(), point, direction), infinity);
+        Windings windings = windings_at_begin();
+        const FilmTree& film = *searched_.mesh().film;
+        windings.add(CLSDF_ALL_LOOKS, film.look(point).rounded);
+        for_each_open_edge(film.boundary(), per_unit_, [&](const Vec3& a, const Vec3& b) {
+            if (is_on_row(a, b, at[1], at[2]) && is_beyond(a, b, at))
+                visit_looks_of_edge(a, b, at[1], at[2],
+                                    [&](std::uint32_t looks, std::int32_t change) { windings.add(looks, change); });
+        });
         return windings;
     }
 

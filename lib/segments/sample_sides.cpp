@@ -3,6 +3,7 @@
 #include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
 #include "mesh/box_index.hpp"
+#include "segments/open_edges_of_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -174,6 +175,7 @@ void BoxSides::find_changes(const engine::CrossedFaces& faces, const std::vector
             add_changes(faces, ranges[number].begin + (at - begins[number]), found[chunk]);
         }
     });
+    if (has_film_) add_changes_of_edges(faces, found.emplace_back());
     sort_changes(found);
 }
 
@@ -220,23 +222,54 @@ void BoxSides::add_changes(const engine::CrossedFaces& faces, std::size_t face, 
                          plane.side({box_.at[0][static_cast<std::size_t>(sample - 1)], first[1], first[2]}) == 0;
             }
             const auto change = static_cast<std::int8_t>(-count * ahead);
-            const auto push = [&](std::int32_t at, unsigned of_looks, int by, bool is_local = false) {
+            const auto push = [&](std::int32_t at, unsigned of_looks) {
                 if (of_looks != 0 && at < samples)
                     changes.push_back({static_cast<std::uint32_t>(box_.row({0, y, z})), at,
-                                       static_cast<std::uint8_t>(of_looks), static_cast<std::int8_t>(by), is_local});
+                                       static_cast<std::uint8_t>(of_looks), change});
             };
-            if (!has_film_) {
-                push(is_tie ? sample - 1 : sample, is_tie ? looks & forward_looks : looks, change);
-                if (is_tie) push(sample, looks & ~unsigned{forward_looks} & all_looks, change);
+            push(is_tie ? sample - 1 : sample, is_tie ? looks & forward_looks : looks);
+            if (is_tie) push(sample, looks & ~unsigned{forward_looks} & all_looks);
+        }
+}
+
+void BoxSides::add_changes_of_edges(const engine::CrossedFaces& faces, std::vector<Change>& changes) const {
+    const OpenBoundary& boundary = faces.mesh.film->boundary();
+    const auto add_of_row = [&](const Vec3& a, const Vec3& b, std::int32_t y, std::int32_t z, double about_x) {
+        Vec3 point = box_.position({0, y, z});
+        if (!is_on_row(a, b, point[1], point[2])) return;
+        const auto is_past = [&](std::int32_t x) {
+            point[0] = box_.at[0][static_cast<std::size_t>(x)];
+            return is_beyond(a, b, point);
+        };
+        std::int32_t sample = box_.first_not_below(0, about_x);
+        while (sample > 0 && is_past(sample - 1)) --sample;
+        while (sample < box_.size[0] && !is_past(sample)) ++sample;
+        if (sample == box_.size[0]) return;
+        visit_looks_of_edge(a, b, point[1], point[2], [&](std::uint32_t looks, std::int32_t change) {
+            changes.push_back({static_cast<std::uint32_t>(box_.row({0, y, z})), sample,
+                               static_cast<std::uint8_t>(looks), static_cast<std::int8_t>(change)});
+        });
+    };
+    for_each_open_edge(boundary, faces.per_unit, [&](const Vec3& a, const Vec3& b) {
+        const auto [low_y, high_y] = std::minmax(a[1], b[1]);
+        const auto [low_z, high_z] = std::minmax(a[2], b[2]);
+        const std::int32_t begin_y = box_.first_not_below(1, low_y), end_y = box_.first_above(1, high_y),
+                           begin_z = box_.first_not_below(2, low_z), end_z = box_.first_above(2, high_z);
+        for (std::int32_t z = begin_z; z < end_z; ++z) {
+            if (low_z == high_z) {
+                for (std::int32_t y = begin_y; y < end_y; ++y) {
+                    const double share = (box_.at[1][static_cast<std::size_t>(y)] - a[1]) / (b[1] - a[1]);
+                    add_of_row(a, b, y, z, a[0] + share * (b[0] - a[0]));
+                }
                 continue;
             }
-            // The part of the open edges is that of look 0. Others differ from it by faces at the sample alone.
-            const bool is_crossed = (looks & 1U) != 0;
-            if (is_crossed) push(is_tie ? sample - 1 : sample, all_looks, change);
-            if (!is_tie) continue;
-            const unsigned crossed = looks & forward_looks;
-            push(sample - 1, is_crossed ? all_looks & ~crossed : crossed, is_crossed ? -change : change, true);
+            // The one row that the edge may meet: its y is off by far less than half a spacing.
+            const double share = (box_.at[2][static_cast<std::size_t>(z)] - a[2]) / (b[2] - a[2]);
+            const double steps = (a[1] + share * (b[1] - a[1]) - box_.at[1][0]) * box_.per_spacing[1];
+            if (!(steps > -0.5 && steps < box_.size[1] - 0.5)) continue;
+            add_of_row(a, b, static_cast<std::int32_t>(std::lround(steps)), z, a[0] + share * (b[0] - a[0]));
         }
+    });
 }
 
 void BoxSides::sort_changes(std::vector<std::vector<Change>>& found) {
@@ -309,19 +342,9 @@ void BoxSides::sweep_with_film(std::size_t row, SignRule rule, const FilmTree& f
     for (std::uint32_t i = row_begins_[row]; i < row_begins_[row + 1];) {
         const std::int32_t sample = changes_[i].sample;
         set_range(set_range, begin, sample);
-        Windings local;
-        bool has_local = false;
-        for (; i < row_begins_[row + 1] && changes_[i].sample == sample; ++i) {
-            (changes_[i].is_local ? local : at).add(changes_[i].looks, changes_[i].change);
-            has_local = has_local || changes_[i].is_local;
-        }
+        for (; i < row_begins_[row + 1] && changes_[i].sample == sample; ++i)
+            at.add(changes_[i].looks, changes_[i].change);
         begin = sample;
-        if (!has_local) continue;
-        const Windings before = at;
-        for (std::size_t look = 0; look < 8; ++look) at.of_looks[look] += local.of_looks[look];
-        set_range(set_range, sample, sample + 1);
-        at = before;
-        begin = sample + 1;
     }
     set_range(set_range, begin, box_.size[0]);
 }
@@ -330,7 +353,7 @@ Windings BoxSides::windings(const Place& p) const {
     Windings at;
     const std::size_t row = box_.row(p);
     for (std::uint32_t i = row_begins_[row]; i < row_begins_[row + 1] && changes_[i].sample <= p[0]; ++i)
-        if (!changes_[i].is_local || changes_[i].sample == p[0]) at.add(changes_[i].looks, changes_[i].change);
+        at.add(changes_[i].looks, changes_[i].change);
     return at;
 }
 

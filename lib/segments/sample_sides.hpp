@@ -40,11 +40,12 @@ private:
         std::int32_t sample;
         std::uint8_t looks;
         std::int8_t change;
-        bool is_local;  ///< of a surface with open edges: for that sample alone
     };
 
     void find_changes(const engine::CrossedFaces& faces, const std::vector<engine::RecordRange>& ranges);
     void add_changes(const engine::CrossedFaces& faces, std::size_t face, std::vector<Change>& changes) const;
+    /// Of open edges, beside the part that all looks have.
+    void add_changes_of_edges(const engine::CrossedFaces& faces, std::vector<Change>& changes) const;
     void sort_changes(std::vector<std::vector<Change>>& found);
     void sweep(std::size_t row, SignRule rule, const FilmTree* film);
     void sweep_with_film(std::size_t row, SignRule rule, const FilmTree& film, double unit);

@@ -131,6 +131,56 @@ BOOST_AUTO_TEST_CASE(walls_of_open_meshes_are_the_changes_of_the_side) {
         }
 }
 
+BOOST_AUTO_TEST_CASE(a_lamp_changes_no_side_of_the_body_that_it_stands_on) {
+    constexpr std::uint64_t seed = 31;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    constexpr std::size_t none = 6;
+    const Mesh body = open_box({0, 0, 0}, {10, 10, 10}, none);
+    // Open edges lie on rows of samples, and so do walls that are parallel to x; winding numbers are 1 or 2.
+    const std::array<Mesh, 3> bodies{body, together({body, open_box({1, -1, -1}, {12, 11, 11}, none)}, "two boxes"),
+                                     together({body, open_box({-3, -1, -1}, {9, 11, 11}, none)}, "two other boxes")};
+    const Grid grid{{-2, -2, -2}, {1, 0.5, 0.5}, {16, 31, 29}, {}};
+    std::size_t different = 0, odd = 0, on_walls = 0;
+    for (const Mesh& alone : bodies) {
+        const SampleSides sides = DistanceTransform(test_device(), alone).crossings(grid).inside;
+        for (std::size_t lamp_side = 0; lamp_side < 6; ++lamp_side) {
+            const std::size_t axis = lamp_side / 2;
+            Vec3 lower{4, 4, 4}, upper{5, 5, 5};
+            lower[axis] = lamp_side % 2 == 0 ? 10 : -1;
+            upper[axis] = lower[axis] + 1;
+            const Mesh mesh = together({alone, open_box(lower, upper, lamp_side)}, alone.name() + " with a lamp");
+            const DistanceTransform transform(test_device(), mesh, {.sign = SignRule::solid_angle});
+            const SampleSides with_lamp = transform.crossings(grid).inside;
+            std::vector<Vec3> origins, directions;
+            std::vector<bool> are_inside;
+            for (std::int64_t k = 0; k < grid.size[2]; ++k)
+                for (std::int64_t j = 0; j < grid.size[1]; ++j)
+                    for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+                        const Vec3 at = grid.position(i, j, k);
+                        bool is_in_lamp = true, is_on_wall = false;
+                        for (std::size_t n = 0; n < 3; ++n) {
+                            is_in_lamp = is_in_lamp && at[n] >= lower[n] && at[n] <= upper[n];
+                            is_on_wall = is_on_wall || at[n] == 0 || at[n] == 10;
+                        }
+                        if (is_in_lamp) continue;
+                        different += sides.is_inside({i, j, k}) != with_lamp.is_inside({i, j, k}) ? 1U : 0U;
+                        if (!is_on_wall || random.index(8) != 0) continue;
+                        origins.push_back(at);
+                        directions.push_back(random.direction());
+                        are_inside.push_back(with_lamp.is_inside({i, j, k}));
+                    }
+            std::vector<std::uint32_t> counts(origins.size());
+            transform.rays(origins, directions, {}, {.counts = counts});
+            for (std::size_t n = 0; n < counts.size(); ++n) odd += (counts[n] % 2 == 1) != are_inside[n] ? 1U : 0U;
+            on_walls += origins.size();
+        }
+    }
+    BOOST_TEST(different == 0U);
+    BOOST_TEST(odd == 0U);
+    BOOST_TEST(on_walls > 1000U);
+}
+
 BOOST_AUTO_TEST_CASE(pairs_see_each_other_without_a_wall_of_faces_or_film_between) {
     const std::uint64_t seed = std::random_device{}();
     BOOST_TEST_MESSAGE("seed " << seed);

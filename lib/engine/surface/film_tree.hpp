@@ -29,6 +29,7 @@ public:
     /// How much the winding number changes in a ball around a point, at most. radius: in the unit.
     double change_within(const Vec3& centre, double radius) const;
 
+    const OpenBoundary& boundary() const { return *boundary_; }
     /// Without the boundary.
     std::size_t host_bytes() const { return nodes_.host_bytes(); }
 

@@ -40,6 +40,7 @@ private:
 };
 
 std::uint32_t with_crc(std::uint32_t crc, std::span<const std::byte> bytes) {
+    if (bytes.empty()) return crc;  // crc32_z(crc, null, 0) is 0
     return static_cast<std::uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
