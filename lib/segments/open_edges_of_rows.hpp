@@ -18,8 +18,8 @@ namespace clsdf::segments {
 /// Calls visit(looks, change) for an open edge from a to b that the row along x through (y, z) meets at an x below the
 /// point's. Looks move the point by (e, e^2, e^3). From there a path goes along y to greater y, and at last along z to
 /// where that of the first look ends. It meets the edge's halves that lie on the side of z to which the look has moved
-/// the point, if it was moved to lesser y; and then level ones at greater y. To the left of an edge, seen against x, the
-/// part is one more.
+/// the point, if it was moved to lesser y; and then level ones at greater y. To the left of an edge, seen against x,
+/// the part is one more.
 template <typename Visit>
 void visit_looks_of_edge(const Vec3& a, const Vec3& b, double y, double z, const Visit& visit) {
     constexpr std::uint32_t upper_of_lesser_y = 0x0C, lower_of_lesser_y = 0xC0, lower = 0xF0;
@@ -45,7 +45,9 @@ void for_each_open_edge(const OpenBoundary& boundary, double per_unit, const Vis
 
 /// Whether the row along x through (y, z) meets an edge that is not parallel to it.
 inline bool is_on_row(const Vec3& a, const Vec3& b, double y, double z) {
-    const auto is_between = [](double from, double to, double x) { return x >= std::min(from, to) && x <= std::max(from, to); };
+    const auto is_between = [](double from, double to, double x) {
+        return x >= std::min(from, to) && x <= std::max(from, to);
+    };
     return is_between(a[1], b[1], y) && is_between(a[2], b[2], z) && (a[1] != b[1] || a[2] != b[2]) &&
            crossing::orientation_in_plane(a[1], a[2], b[1], b[2], y, z) == 0;
 }
