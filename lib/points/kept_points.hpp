@@ -31,7 +31,7 @@ namespace clsdf::points {
 ///     GPUs' tree     + positions                         the same
 ///     face sides     + sign rule                         once about as many points are asked for
 ///     sign faces     + sign rule                         once points in memory of the device are asked for
-///     crossed faces  + positions                         once rays are asked for
+///     crossed extent + positions                         once rays are asked for
 ///     closed mesh    + positions                         of the rule below, once its walls are asked for
 ///     closed faces   + positions                         the same of rays
 ///     scanned mesh   + frusta                            once many points are asked for
@@ -57,7 +57,7 @@ public:
     /// The tree in which the host looks for faces. Throws as mesh().
     std::shared_ptr<const engine::WideTree> wide_tree();
 
-    /// The faces as exact predicates of the host read them. Throws as mesh().
+    /// What rays need of the faces beside their corners. Throws as mesh().
     std::shared_ptr<const engine::CrossedExtent> crossed_extent();
 
     /// The tree of wide_tree() with what the body by_vector and the host search for the nearest face. Throws as mesh().

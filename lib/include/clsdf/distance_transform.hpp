@@ -359,7 +359,7 @@ public:
                           const CallOptions& call = {}) const;
 
     /// A plan of the links of a grid, as links() has them, whose runs write at most `room` rows into memory of the
-    /// device. Blocks; the host finds the links, and the plan holds them: 30 bytes each, and a byte for each sample.
+    /// device. Blocks; the host finds the links, and the plan holds them: 34 bytes each, and a byte for each sample.
     /// Throws as links() does, and Error(device_failure).
     LinkPlan plan_links(const Grid& grid, std::span<const LinkDirection> directions, std::size_t room,
                         const LinkOptions& options = {}, const CallOptions& call = {}) const;

@@ -51,7 +51,8 @@ public:
     /// context, in order or not: runs of a plan follow one another.
     ///
     /// targets: of any offset and strides; targets.room may be less than room(). Rows beyond the number of links stay
-    /// as they are; `dense` needs the plan's room alone. count: gets a DeviceLinkCount; may be missing.
+    /// as they are; `dense` without arrays of rows needs the plan's room alone. count: gets a DeviceLinkCount; may be
+    /// missing.
     ///
     /// Throws Error(invalid_argument) for memory that is read-only, too small, of another context or no buffer, for
     /// arrays that overlap and for more room than the plan has; Error(unsupported) for memory of the host and other
