@@ -249,7 +249,7 @@ def test_looks(body, tmp_path):
     assert repr(clsdf.slice_picture(field)).startswith("<clsdf.Picture: ")
     assert repr(clsdf.trimesh.ProximityQuery("mesh")) == "<clsdf.trimesh.ProximityQuery: 'mesh'>"
     assert str(inspect.signature(clsdf.Grid)) == "(origin, spacing, size, first=(0, 0, 0))"
-    assert str(inspect.signature(clsdf.Band)) == "(inside, outside=None)"
+    assert str(inspect.signature(clsdf.Band)) == "(inside, outside=None, *, exact_signs=False)"
 
 
 def test_completion_shows_what_is_public():
