@@ -483,7 +483,7 @@ FilmCrossings film_crossings(const LatticeBoundary& boundary, const Layout& layo
                     .walk(boundary.first_x);
             },
             1);
-        for (const auto& some : records) crossings.records.insert(crossings.records.end(), some.begin(), some.end());
+        for (const auto& found : records) crossings.records.insert(crossings.records.end(), found.begin(), found.end());
     }
     if (crossings.records.empty()) crossings.row_counts.clear();
     return crossings;

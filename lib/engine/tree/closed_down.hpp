@@ -11,8 +11,8 @@ namespace clsdf::engine {
 
 /// The closed surface that decides the sign with the rule `below`, for the host: behind the faces of a mesh those of
 /// the walls, then those of the floor, which is a copy of the mesh. These have no number (no_triangle in
-/// MeshTopology::order). mesh: with walls. boundary: with a floor. Of a part of a mesh the walls are whole, and the
-/// floor is that below the part.
+/// MeshTopology::order). mesh: with walls. boundary: with a floor. A part of a mesh has all walls, and the
+/// floor below it.
 struct ClosedMesh {
     PointMesh mesh;
 
