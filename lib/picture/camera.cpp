@@ -1,6 +1,7 @@
 #include "picture/camera.hpp"
 
 #include "core/real_numbers.hpp"
+#include "core/vectors.hpp"
 #include "mesh/box_index.hpp"
 
 #include <clsdf/error.hpp>
@@ -19,14 +20,6 @@ namespace {
 
 constexpr double room = 0.03;  // of the longer side, around what is seen
 constexpr double degree = 0.017453292519943295;
-
-double dot(const Vec3& a, const Vec3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 Vec3 sum(double p, const Vec3& a, double q, const Vec3& b) {
     return {p * a[0] + q * b[0], p * a[1] + q * b[1], p * a[2] + q * b[2]};

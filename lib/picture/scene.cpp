@@ -1,5 +1,6 @@
 #include "picture/scene.hpp"
 
+#include "core/vectors.hpp"
 #include "mesh/box_index.hpp"
 #include "picture/camera.hpp"
 
@@ -30,13 +31,9 @@ Parts to_light(const Colour& colour) {
     return {to_light(colour[0]), to_light(colour[1]), to_light(colour[2])};
 }
 
-double dot(const Vec3& a, const Vec3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 Vec3 unit(const Vec3& v) {
-    const double length = std::sqrt(dot(v, v));
-    return {v[0] / length, v[1] / length, v[2] / length};
+    const double size = length(v);
+    return {v[0] / size, v[1] / size, v[2] / size};
 }
 
 Vec3 in(const ViewFrame& frame, double right, double up, double back) {
@@ -99,7 +96,7 @@ Parts SurfaceShading::opened(const RenderHit& hit, double pixel) const {
     // Along the opened face alone: across it the gradient does not move the lines.
     Vec3 gradient = vector_of(hit.gradient);
     gradient[static_cast<std::size_t>((hit.kind - CLSDF_RENDER_CUT) % 3)] = 0;
-    const double slope = std::max(0.3, std::sqrt(dot(gradient, gradient)));
+    const double slope = std::max(0.3, length(gradient));
     const auto away = [&](double level) { return std::abs(distance - level) / (slope * pixel); };
     for (const double level : manner_.levels.values) {
         if (level == 0 && !manner_.zero_line) continue;

@@ -10,6 +10,9 @@
 /// Walls on a segment or a ray that meets an open mesh whose open edges count for the sign.
 namespace clsdf::segments {
 
+/// Walls of a film are found to that part of a link, or of the diagonal of the mesh's box, or of a shorter ray.
+constexpr double film_places = 0x1p-30;
+
 /// Where the side changes.
 struct Wall {
     double place;

@@ -6,8 +6,8 @@ namespace clsdf::segments {
 
 namespace {
 
-/// A film is found to that part of a link; two films nearer to each other than this part may be missed.
-constexpr double film_places = 0x1p-30, pair_of_films = 0x1p-6;
+/// Two films nearer to each other than this part of a link may be missed.
+constexpr double pair_of_films = 0x1p-6;
 
 }  // namespace
 

@@ -22,9 +22,9 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A wall of a film is found to that part of the diagonal of the mesh's box, or of a shorter line; two that are nearer
-/// to each other than the other part may be missed.
-constexpr double film_places = 0x1p-30, pair_of_films = 0x1p-10;
+/// Two films nearer to each other than this part of the diagonal of the mesh's box, or of a shorter line, may be
+/// missed.
+constexpr double pair_of_films = 0x1p-10;
 
 /// A hit or a wall on a line.
 struct Stop {

@@ -1,5 +1,7 @@
 #include "tools/shape_builders.hpp"
 
+#include "core/vectors.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -20,12 +22,8 @@ Vec3 sum(const Vec3& a, const Vec3& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 Vec3 unit(const Vec3& a) {
-    return scaled(a, 1 / std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]));
+    return scaled(a, 1 / length(a));
 }
 
 /// Splits every triangle into four and moves the new vertices onto the unit sphere.

@@ -1,5 +1,7 @@
 #include "mesh/face_distances.hpp"
 
+#include "core/vectors.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,18 +9,6 @@
 namespace clsdf {
 
 namespace {
-
-double dot(const Vec3& a, const Vec3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vec3 difference(const Vec3& a, const Vec3& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 /// Of the origin and a segment.
 double squared_distance(const Vec3& a, const Vec3& b) {

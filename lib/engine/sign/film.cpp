@@ -22,8 +22,6 @@ namespace {
 // Blocks of samples: the largest ones lie in columns, and the smallest ones are searched sample by sample.
 constexpr int largest_block = 32;
 constexpr int smallest_block = lanes;
-// Above the rounding of the winding number, and of its bounds.
-constexpr double slack = 1e-6;
 // Fewer open edges are summed one by one. Of more, pieces far from a block are taken as a linear function,
 constexpr std::size_t most_summed = 48;
 // which may be off by that for each piece. Small blocks may be off by more: there each sample that is left in doubt is
@@ -31,8 +29,6 @@ constexpr std::size_t most_summed = 48;
 double tolerance_of(int block) {
     return 1.0 / 512 / block;
 }
-// The same for a sample alone: first a rough sum, then better ones, at last all open edges.
-constexpr std::array<double, 3> tolerances_of_sample{1.0 / 1024, 1.0 / 16384, 1.0 / 524288};
 
 /// A sample, or a place halfway between two: twice the indices in the lattice, x from LatticeBoundary::first_x.
 struct HalfSample {
@@ -169,7 +165,7 @@ public:
         const double bound = change.bound(ball);
         if (!(bound < 0.5)) return {std::move(inner), true};
         const double turns = inner.turns + turns_of(turns_at(inner.centre, inner.leaves));
-        return {std::move(inner), !(bound < distance_to_half(turns) - slack)};
+        return {std::move(inner), !(bound < distance_to_half(turns) - film_slack)};
     }
 
     /// The turns at a sample, rounded.
@@ -254,7 +250,7 @@ private:
 
     /// Of turns that may be off by `error`; nothing if that leaves a doubt.
     static std::optional<int> rounded_if_certain(double turns, double error) {
-        const double raised = turns + 0.5, whole = std::floor(raised), unsure = error + slack;
+        const double raised = turns + 0.5, whole = std::floor(raised), unsure = error + film_slack;
         if (raised - whole > unsure && raised - whole < 1 - unsure) return static_cast<int>(whole);
         return std::nullopt;
     }
@@ -264,7 +260,7 @@ private:
     /// By the tree, at last by the sum over all open edges.
     int rounded_alone(const HalfSample& sample) const {
         if (corners_.size() > most_summed)
-            for (const double tolerance : tolerances_of_sample) {
+            for (const double tolerance : film_tolerances) {
                 Turns near = no_turns();
                 const Block block{sample.x / 2, sample.y / 2, sample.z / 2, 1};
                 const FilmNodes::Sum far = nodes_.sum(

@@ -2,7 +2,10 @@
 
 #include <clsdf/mesh.hpp>
 
+#include "core/vectors.hpp"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -12,12 +15,11 @@
 /// of open meshes'. Lengths are in any unit.
 namespace clsdf {
 
-inline double dot(const Vec3& a, const Vec3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-inline double length(const Vec3& a) {
-    return std::sqrt(dot(a, a));
-}
+/// In turns: above the rounding of all sums, and of their bounds.
+constexpr double film_slack = 1e-6;
+/// The most that the moments of one node may be off by, in turns: first a rough sum, then better ones; at last all open
+/// edges are summed.
+constexpr std::array<double, 3> film_tolerances{1.0 / 1024, 1.0 / 16384, 1.0 / 524288};
 
 struct WindingChange {
     double most = 0;

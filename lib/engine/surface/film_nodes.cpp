@@ -13,10 +13,6 @@ namespace {
 constexpr std::size_t most_corners = 12;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-Vec3 difference(const Vec3& a, const Vec3& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 /// Half the cross product.
 Vec3 area_vector(const Vec3& a, const Vec3& b) {
     return {0.5 * (a[1] * b[2] - a[2] * b[1]), 0.5 * (a[2] * b[0] - a[0] * b[2]), 0.5 * (a[0] * b[1] - a[1] * b[0])};

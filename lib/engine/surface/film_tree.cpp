@@ -11,19 +11,6 @@
 
 namespace clsdf {
 
-namespace {
-
-// The most that the moments of one node may be off by, in turns: first a rough sum, then better ones.
-constexpr std::array<double, 3> tolerances{1.0 / 1024, 1.0 / 16384, 1.0 / 524288};
-// Above the rounding of all sums.
-constexpr double slack = 1e-6;
-
-Vec3 difference(const Vec3& a, const Vec3& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-}  // namespace
-
 FilmTree::FilmTree(std::shared_ptr<const OpenBoundary> boundary, double unit)
     : boundary_(std::move(boundary)), unit_(unit) {
     std::vector<Vec3> positions;
@@ -57,26 +44,26 @@ FilmTree::Sum FilmTree::sum(const Vec3& point, double tolerance) const {
 }
 
 FilmTree::View FilmTree::look_by_tenths(const Vec3& point) const {
-    for (const double tolerance : std::span(tolerances).first(2)) {
+    for (const double tolerance : std::span(film_tolerances).first(2)) {
         const Sum seen = sum(point, tolerance);
-        const double turns = turns_of(seen.near) + seen.far.turns, error = seen.far.error + slack;
+        const double turns = turns_of(seen.near) + seen.far.turns, error = seen.far.error + film_slack;
         const double to_half = distance_to_half(turns) - error;
         const bool is_one_tenth = std::floor(10 * (turns - error)) == std::floor(10 * (turns + error));
-        if (is_one_tenth || (tolerance == tolerances[1] && to_half > 0))
+        if (is_one_tenth || (tolerance == film_tolerances[1] && to_half > 0))
             return {static_cast<int>(std::floor(turns + 0.5)), to_half};
     }
     return look(point);
 }
 
 FilmTree::View FilmTree::look(const Vec3& point, double least_to_half) const {
-    for (const double tolerance : tolerances) {
+    for (const double tolerance : film_tolerances) {
         const Sum seen = sum(point, tolerance);
         const double turns = turns_of(seen.near) + seen.far.turns;
-        const double to_half = distance_to_half(turns) - seen.far.error - slack;
+        const double to_half = distance_to_half(turns) - seen.far.error - film_slack;
         if (to_half > least_to_half) return {static_cast<int>(std::floor(turns + 0.5)), to_half};
     }
     const SolidAngle angle = angle_of(*boundary_, point, unit_);
-    return {angle.rounded, distance_to_half(angle.turns) - slack};
+    return {angle.rounded, distance_to_half(angle.turns) - film_slack};
 }
 
 double FilmTree::change_within(const Vec3& centre, double radius) const {
