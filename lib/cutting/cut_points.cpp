@@ -1,0 +1,298 @@
+#include "cutting/cut_points.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace clsdf::cutting {
+
+namespace {
+
+template <typename Number>
+using Vector = std::array<Number, 3>;
+
+int sign_of(const Exact& number) {
+    return static_cast<int>(CGAL::sign(number));
+}
+
+template <typename Number>
+Vector<Number> difference(const Vec3& a, const Vec3& b) {
+    return {Number(a[0]) - Number(b[0]), Number(a[1]) - Number(b[1]), Number(a[2]) - Number(b[2])};
+}
+
+template <typename Number>
+Vector<Number> cross(const Vector<Number>& a, const Vector<Number>& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+template <typename Number>
+Number dot(const Vector<Number>& a, const Vector<Number>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+template <typename Number>
+struct Plane {
+    Vec3 at;
+    Vector<Number> normal;
+};
+
+template <typename Number>
+Plane<Number> plane_of(const Triangle& face, std::span<const Vec3> vertices) {
+    const Vec3 &a = vertices[face[0]], &b = vertices[face[1]], &c = vertices[face[2]];
+    return {a, cross(difference<Number>(b, a), difference<Number>(c, a))};
+}
+
+/// The place with w > 0. Nothing is known of it if the sign of w is not.
+Place<Near> made_positive(Place<Near> place) {
+    const std::optional<int> sign = place.w.sign();
+    if (!sign || *sign == 0) return {{Near::unknown(), Near::unknown(), Near::unknown()}, Near::unknown()};
+    if (*sign > 0) return place;
+    return {{-place.at[0], -place.at[1], -place.at[2]}, -place.w};
+}
+
+Place<Exact> made_positive(Place<Exact> place) {
+    if (sign_of(place.w) > 0) return place;
+    return {{-place.at[0], -place.at[1], -place.at[2]}, -place.w};
+}
+
+template <typename Number>
+Number determinant(const std::array<const Place<Number>*, 3>& p, std::size_t u, std::size_t v) {
+    const auto minor = [&](std::size_t i, std::size_t j) {
+        return p[i]->at[u] * p[j]->at[v] - p[i]->at[v] * p[j]->at[u];
+    };
+    return minor(0, 1) * p[2]->w + minor(1, 2) * p[0]->w + minor(2, 0) * p[1]->w;
+}
+
+/// The double nearest to x / w, of even ones in a tie. `near`: within few ulp of it.
+double nearest_double(const Exact& x, const Exact& w, double near) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    // Whether x / w is above the middle of two doubles (1), below (-1) or there.
+    const auto beside_middle = [&](double a, double b) { return sign_of(Exact(2) * x - (Exact(a) + Exact(b)) * w); };
+    double value = near;
+    for (;;) {
+        const double above = std::nextafter(value, infinity), below = std::nextafter(value, -infinity);
+        const int over = beside_middle(value, above), under = beside_middle(below, value);
+        const bool is_even = (std::bit_cast<std::uint64_t>(value) & 1) == 0;
+        if (over > 0 || (over == 0 && !is_even))
+            value = above;
+        else if (under < 0 || (under == 0 && !is_even))
+            value = below;
+        else
+            return value + 0.0;
+    }
+}
+
+/// The quotient, and a bound of its error.
+std::pair<double, double> quotient(const Near& x, const Near& w) {
+    const double first = x.high / w.high;
+    const Near rest = x - Near(first) * w;
+    const double second = (rest.high + rest.low) / (w.high + w.low);
+    const double least = std::abs(w.high) - std::abs(w.low) - w.error;
+    if (!(least > 0)) return {first, std::numeric_limits<double>::infinity()};
+    // x / w = first + rest / w
+    const double error = rest.error / least + std::abs(second) * (w.error / least + 0x1p-50);
+    const double sum = first + second;
+    return {sum, std::abs(second - (sum - first)) + error};
+}
+
+/// The double nearest to x / w, if that is certain.
+std::optional<double> nearest_double(const Near& x, const Near& w) {
+    if (const std::optional<int> sign = x.sign(); sign && *sign == 0) return 0.0;
+    const auto [value, off] = quotient(x, w);
+    const double smaller = std::nextafter(std::abs(value), 0.0);
+    if (!(std::abs(value) > 0x1p-900)) return std::nullopt;
+    return off < 0.49 * (std::abs(value) - smaller) ? std::optional<double>(value) : std::nullopt;
+}
+
+std::uint64_t hash_of(const Vec3& position) {
+    std::uint64_t hash = 0x9E3779B97F4A7C15U;
+    for (const double coordinate : position) {
+        hash ^= std::bit_cast<std::uint64_t>(coordinate + 0.0);
+        hash *= 0xD6E8FEB86659FD93U;
+        hash ^= hash >> 32U;
+    }
+    return hash;
+}
+
+}  // namespace
+
+Source Source::of_planes(std::array<Cutter, 3> cutters) {
+    std::ranges::sort(cutters);
+    return {planes, {}, cutters};
+}
+
+CutPoints::CutPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles)
+    : vertices_(vertices), triangles_(triangles) {
+    points_.reserve(vertices.size());
+    by_rounded_.reserve(vertices.size());
+    for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+        const Vec3& at = vertices[v];
+        points_.push_back(
+            {Source::of_vertex(v), {{at[0], at[1], at[2]}, 1.0}, {at[0] + 0.0, at[1] + 0.0, at[2] + 0.0}});
+        by_rounded_.emplace(hash_of(at), v);
+    }
+}
+
+template <typename Number>
+Place<Number> CutPoints::place(const Source& source) const {
+    const Vec3& from = vertices_[source.vertices[0]];
+    if (source.kind == Source::vertex) return {{Number(from[0]), Number(from[1]), Number(from[2])}, Number(1)};
+    const auto plane = [&](const Cutter& cutter) -> Plane<Number> {
+        if (cutter.axis == Cutter::of_face) return plane_of<Number>(triangles_[cutter.first], vertices_);
+        const Vec3 &a = vertices_[cutter.first], &b = vertices_[cutter.second];
+        Vec3 along{};
+        along[cutter.axis] = 1;
+        return {a, cross(difference<Number>(b, a), difference<Number>(along, {}))};
+    };
+    if (source.kind == Source::edge) {
+        const auto [at, normal] = plane(source.cutters[0]);
+        const Vector<Number> along = difference<Number>(vertices_[source.vertices[1]], from);
+        const Number w = dot(normal, along), way = dot(normal, difference<Number>(at, from));
+        Place<Number> place{{}, w};
+        for (std::size_t axis = 0; axis < 3; ++axis) place.at[axis] = Number(from[axis]) * w + along[axis] * way;
+        return made_positive(place);
+    }
+    const std::array<Plane<Number>, 3> planes{plane(source.cutters[0]), plane(source.cutters[1]),
+                                              plane(source.cutters[2])};
+    const Vec3& origin = planes[0].at;  // on the first plane
+    const Vector<Number> first = cross(planes[2].normal, planes[0].normal),
+                         second = cross(planes[0].normal, planes[1].normal);
+    const Number w = dot(planes[2].normal, second),
+                 of_first = dot(planes[1].normal, difference<Number>(planes[1].at, origin)),
+                 of_second = dot(planes[2].normal, difference<Number>(planes[2].at, origin));
+    Place<Number> place{{}, w};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        place.at[axis] = Number(origin[axis]) * w + first[axis] * of_first + second[axis] * of_second;
+    return made_positive(place);
+}
+
+CutPoints::Found CutPoints::find(const Source& source) const {
+    Found found{source, place<Near>(source), {}};
+    std::optional<Place<Exact>> exact;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        std::optional<double> value = nearest_double(found.near.at[axis], found.near.w);
+        if (!value) {
+            if (!exact) exact = place<Exact>(source);
+            const double near = CGAL::to_double(exact->at[axis]) / CGAL::to_double(exact->w);
+            value = nearest_double(exact->at[axis], exact->w, near);
+        }
+        found.rounded[axis] = *value + 0.0;
+    }
+    return found;
+}
+
+std::uint32_t CutPoints::number(const Found& found) {
+    const std::uint64_t hash = hash_of(found.rounded);
+    const auto [first, last] = by_rounded_.equal_range(hash);
+    std::optional<Place<Exact>> exact_found;
+    for (auto known = first; known != last; ++known) {
+        const Found& other = points_[known->second];
+        if (other.source == found.source) return known->second;
+        if (other.rounded != found.rounded) continue;
+        bool are_equal = true;
+        for (std::size_t axis = 0; axis < 3 && are_equal; ++axis) {
+            const Near apart = other.near.at[axis] * found.near.w - found.near.at[axis] * other.near.w;
+            std::optional<int> sign = apart.sign();
+            if (!sign) {
+                if (!exact_found) exact_found = place<Exact>(found.source);
+                const Place<Exact> exact_other = place<Exact>(other.source);
+                sign = sign_of(exact_other.at[axis] * exact_found->w - exact_found->at[axis] * exact_other.w);
+            }
+            are_equal = *sign == 0;
+        }
+        if (are_equal) return known->second;
+    }
+    const auto number = static_cast<std::uint32_t>(points_.size());
+    points_.push_back(found);
+    by_rounded_.emplace(hash, number);
+    return number;
+}
+
+const Place<Exact>& CutPoints::exact(std::uint32_t point, Cache& cache) const {
+    const auto known = cache.find(point);
+    if (known != cache.end()) return known->second;
+    return cache.emplace(point, place<Exact>(points_[point].source)).first->second;
+}
+
+int CutPoints::orientation(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::size_t axis, Cache& cache) const {
+    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const Near near = determinant<Near>({&points_[a].near, &points_[b].near, &points_[c].near}, u, v);
+    if (const std::optional<int> sign = near.sign()) return *sign;
+    return sign_of(determinant<Exact>({&exact(a, cache), &exact(b, cache), &exact(c, cache)}, u, v));
+}
+
+int CutPoints::compare(std::uint32_t a, std::uint32_t b, std::size_t axis, Cache& cache) const {
+    if (a == b) return 0;
+    const double first = points_[a].rounded[axis], second = points_[b].rounded[axis];
+    if (first != second) return first > second ? 1 : -1;
+    const Near near = points_[a].near.at[axis] * points_[b].near.w - points_[b].near.at[axis] * points_[a].near.w;
+    if (const std::optional<int> sign = near.sign()) return *sign;
+    const Place<Exact>&p = exact(a, cache), &q = exact(b, cache);
+    return sign_of(p.at[axis] * q.w - q.at[axis] * p.w);
+}
+
+CutPoints::Inner::Inner(const CutPoints& points, const std::array<std::uint32_t, 3>& corners, const Vec3& weights)
+    : points_(points), corners_(corners), weights_(weights), near_(made_positive(place<Near>())) {}
+
+Box CutPoints::Inner::box() const {
+    const double all = weights_[0] + weights_[1] + weights_[2];
+    Box box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        double middle = 0, largest = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double coordinate = points_.rounded(corners_[i])[axis];
+            middle += weights_[i] / all * coordinate;
+            largest = std::max(largest, std::abs(coordinate));
+        }
+        const double off = 0x1p-48 * largest + std::numeric_limits<double>::min();
+        box.lower[axis] = middle - off;
+        box.upper[axis] = middle + off;
+    }
+    return box;
+}
+
+template <typename Number>
+Place<Number> CutPoints::Inner::place() const {
+    std::array<Place<Number>, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i)
+        corners[i] = points_.template place<Number>(points_.points_[corners_[i]].source);
+    Place<Number> place{{Number(0), Number(0), Number(0)}, Number(0)};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Number share = Number(weights_[i]) * corners[(i + 1) % 3].w * corners[(i + 2) % 3].w;
+        for (std::size_t axis = 0; axis < 3; ++axis) place.at[axis] = place.at[axis] + share * corners[i].at[axis];
+        place.w = place.w + share * corners[i].w;
+    }
+    return place;
+}
+
+const Place<Exact>& CutPoints::Inner::exact() {
+    if (exact_.empty()) exact_.push_back(place<Exact>());
+    return exact_.front();
+}
+
+int CutPoints::Inner::orientation(std::uint32_t a, std::uint32_t b, std::size_t axis) {
+    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const auto value = [&]<typename Number>(const Place<Number>& point) {
+        const Vec3 &from = points_.vertex(a), &to = points_.vertex(b);
+        return (Number(to[u]) - Number(from[u])) * (point.at[v] - Number(from[v]) * point.w) -
+               (Number(to[v]) - Number(from[v])) * (point.at[u] - Number(from[u]) * point.w);
+    };
+    if (const std::optional<int> sign = value(near_).sign()) return *sign;
+    return sign_of(value(exact()));
+}
+
+int CutPoints::Inner::side(const Triangle& face) {
+    const auto value = [&]<typename Number>(const Place<Number>& point) {
+        const auto [at, normal] = plane_of<Number>(face, points_.vertices());
+        Vector<Number> from;
+        for (std::size_t axis = 0; axis < 3; ++axis) from[axis] = point.at[axis] - Number(at[axis]) * point.w;
+        return dot(normal, from);
+    };
+    if (const std::optional<int> sign = value(near_).sign()) return *sign;
+    return sign_of(value(exact()));
+}
+
+}  // namespace clsdf::cutting

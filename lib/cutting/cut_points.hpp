@@ -1,0 +1,130 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include "cutting/near.hpp"
+#include "mesh/mesh_arrays.hpp"
+
+#include <CGAL/MP_Float.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+/// The points at which faces of a mesh are cut: exact, and numbered so that equal points are one.
+namespace clsdf::cutting {
+
+using Exact = CGAL::MP_Float;
+
+/// What cuts a face: the plane of another face, or that through an edge in the face's own plane, along an axis.
+struct Cutter {
+    static constexpr std::uint8_t of_face = 3;
+
+    std::uint32_t first = 0;      ///< the face, or a vertex of the edge,
+    std::uint32_t second = 0;     ///< and its other vertex
+    std::uint8_t axis = of_face;  ///< along which the plane of an edge runs
+
+    static Cutter face(std::uint32_t face) { return {face, 0, of_face}; }
+    static Cutter edge(std::uint32_t a, std::uint32_t b, std::size_t along) {
+        return {std::min(a, b), std::max(a, b), static_cast<std::uint8_t>(along)};
+    }
+    friend auto operator<=>(const Cutter&, const Cutter&) = default;
+};
+
+/// How a point comes about: a vertex; an edge and a plane; three planes.
+struct Source {
+    enum Kind : std::uint8_t { vertex, edge, planes };
+
+    Kind kind = vertex;
+    std::array<std::uint32_t, 2> vertices{};  ///< the vertex; the edge's, the lower number first
+    std::array<Cutter, 3> cutters{};          ///< one; three, ascending
+
+    static Source of_vertex(std::uint32_t v) { return {vertex, {v, v}, {}}; }
+    static Source of_edge(std::uint32_t a, std::uint32_t b, const Cutter& cutter) {
+        return {edge, {std::min(a, b), std::max(a, b)}, {cutter}};
+    }
+    static Source of_planes(std::array<Cutter, 3> cutters);
+
+    friend bool operator==(const Source&, const Source&) = default;
+};
+
+/// Homogeneous coordinates: a point (x / w, y / w, z / w), w > 0.
+template <typename Number>
+struct Place {
+    std::array<Number, 3> at;
+    Number w;
+};
+
+/// Mesh, and the points on it.
+class CutPoints {
+public:
+    /// Exact places that are needed more than once. For one thread.
+    using Cache = std::unordered_map<std::uint32_t, Place<Exact>>;
+
+    /// A point that has no number yet.
+    struct Found {
+        Source source;
+        Place<Near> near;
+        Vec3 rounded;  ///< to the nearest doubles
+    };
+
+    /// Vertices have the first numbers; equal ones must be one. triangles: those that are cut.
+    CutPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+
+    std::span<const Vec3> vertices() const { return vertices_; }
+    std::span<const Triangle> triangles() const { return triangles_; }
+    const Vec3& vertex(std::uint32_t v) const { return vertices_[v]; }
+
+    /// May run beside itself.
+    Found find(const Source& source) const;
+    /// The number of a point: that of an equal one, or a new one.
+    std::uint32_t number(const Found& found);
+
+    std::size_t size() const { return points_.size(); }
+    /// Nearest to the point on each axis.
+    const Vec3& rounded(std::uint32_t point) const { return points_[point].rounded; }
+
+    /// 1: a, b, c run counterclockwise, seen along the axis from its positive end.
+    int orientation(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::size_t axis, Cache& cache) const;
+    /// 1: a's coordinate is greater.
+    int compare(std::uint32_t a, std::uint32_t b, std::size_t axis, Cache& cache) const;
+
+    /// A point within a triangle of points: their mean with such weights.
+    class Inner {
+    public:
+        Inner(const CutPoints& points, const std::array<std::uint32_t, 3>& corners, const Vec3& weights);
+
+        /// Around the point; small.
+        Box box() const;
+        /// 1: vertices a, b and the point run counterclockwise, seen along the axis.
+        int orientation(std::uint32_t a, std::uint32_t b, std::size_t axis);
+        /// 1: the point is on the side of the face to which its normal points.
+        int side(const Triangle& face);
+
+    private:
+        template <typename Number>
+        Place<Number> place() const;
+        const Place<Exact>& exact();
+
+        const CutPoints& points_;
+        std::array<std::uint32_t, 3> corners_;
+        Vec3 weights_;
+        Place<Near> near_;
+        std::vector<Place<Exact>> exact_;  // none or one
+    };
+
+private:
+    template <typename Number>
+    Place<Number> place(const Source& source) const;
+    const Place<Exact>& exact(std::uint32_t point, Cache& cache) const;
+
+    std::span<const Vec3> vertices_;
+    std::span<const Triangle> triangles_;
+    std::vector<Found> points_;
+    std::unordered_multimap<std::uint64_t, std::uint32_t> by_rounded_;  // points by the hash of their coordinates
+};
+
+}  // namespace clsdf::cutting

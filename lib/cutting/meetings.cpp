@@ -1,0 +1,241 @@
+#include "cutting/meetings.hpp"
+
+#include "core/parallel.hpp"
+#include "core/vectors.hpp"
+#include "mesh/box_index.hpp"
+#include "mesh/predicates.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace clsdf::cutting {
+
+namespace {
+
+using Corners = std::array<Vec3, 3>;
+
+std::array<double, 2> seen(const Vec3& point, std::size_t axis) {
+    return {point[(axis + 1) % 3], point[(axis + 2) % 3]};
+}
+
+View view_of(const Corners& corners) {
+    const Vec3 normal = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
+    std::array<std::uint8_t, 3> axes{0, 1, 2};
+    std::ranges::stable_sort(axes,
+                             [&](std::size_t a, std::size_t b) { return std::abs(normal[a]) > std::abs(normal[b]); });
+    for (const std::uint8_t axis : axes)
+        if (const int sign = orientation(seen(corners[0], axis), seen(corners[1], axis), seen(corners[2], axis));
+            sign != 0)
+            return {axis, static_cast<std::int8_t>(sign)};
+    return {};
+}
+
+/// What cuts a face, without numbers for the ends.
+struct RawSegment {
+    std::uint32_t face;
+    Cutter cutter;
+    std::vector<CutPoints::Found> ends;
+};
+
+/// Two faces.
+class Pair {
+public:
+    Pair(const CutPoints& points, std::span<const View> views, std::uint32_t first, std::uint32_t second)
+        : points_(points), views_(views), faces_{first, second} {
+        for (std::size_t side = 0; side < 2; ++side) {
+            triangles_[side] = points.triangles()[faces_[side]];
+            for (std::size_t i = 0; i < 3; ++i) corners_[side][i] = points.vertex(triangles_[side][i]);
+        }
+    }
+
+    /// Adds the segments of both faces.
+    void add_to(std::vector<RawSegment>& segments) const {
+        const auto [ours, theirs, shared] = shared_corners();
+        if (shared == 3) return;
+        std::array<std::array<int, 3>, 2> sides{};
+        for (std::size_t side = 0; side < 2; ++side)
+            for (std::size_t i = 0; i < 3; ++i) {
+                const bool is_shared = ((side == 0 ? ours : theirs) >> i & 1U) != 0;
+                const Corners& other = corners_[1 - side];
+                sides[side][i] = is_shared ? 0 : orientation(other[0], other[1], other[2], corners_[side][i]);
+            }
+        const auto are_all = [&](std::size_t side, int sign) {
+            return std::ranges::all_of(sides[side], [&](int s) { return s == sign; });
+        };
+        if (are_all(0, 0)) return add_coplanar(segments);
+        if (shared == 2 || are_all(0, 1) || are_all(0, -1) || are_all(1, 1) || are_all(1, -1)) return;
+        std::vector<CutPoints::Found> ends;
+        for (std::size_t side = 0; side < 2; ++side) add_ends(side, sides[side], ends);
+        if (ends.empty() || (shared == 1 && are_one_vertex(ends))) return;
+        segments.push_back({faces_[0], Cutter::face(faces_[1]), ends});
+        segments.push_back({faces_[1], Cutter::face(faces_[0]), std::move(ends)});
+    }
+
+private:
+    struct Shared {
+        unsigned first = 0, second = 0;  ///< bits
+        int count = 0;
+    };
+    Shared shared_corners() const {
+        Shared shared;
+        for (unsigned i = 0; i < 3; ++i)
+            for (unsigned j = 0; j < 3; ++j)
+                if (triangles_[0][i] == triangles_[1][j]) {
+                    shared.first |= 1U << i;
+                    shared.second |= 1U << j;
+                    ++shared.count;
+                }
+        return shared;
+    }
+
+    static bool are_one_vertex(const std::vector<CutPoints::Found>& ends) {
+        return std::ranges::all_of(ends, [&](const CutPoints::Found& end) {
+            return end.source.kind == Source::vertex && end.source == ends.front().source;
+        });
+    }
+
+    /// Whether a point of the plane of a face is in the face.
+    bool is_within(const Vec3& point, std::size_t face) const {
+        const std::size_t axis = views_[faces_[face]].axis;
+        bool is_left = false, is_right = false;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const int sign =
+                orientation(seen(corners_[face][i], axis), seen(corners_[face][(i + 1) % 3], axis), seen(point, axis));
+            is_left = is_left || sign > 0;
+            is_right = is_right || sign < 0;
+        }
+        return !(is_left && is_right);
+    }
+
+    /// The ends of the meeting that lie on the boundary of a face. sides: of its corners, of the other's plane.
+    void add_ends(std::size_t side, const std::array<int, 3>& sides, std::vector<CutPoints::Found>& ends) const {
+        const std::size_t other = 1 - side;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t next = (i + 1) % 3;
+            const Vec3 &a = corners_[side][i], &b = corners_[side][next];
+            if (sides[i] == 0 && is_within(a, other))
+                ends.push_back(points_.find(Source::of_vertex(triangles_[side][i])));
+            if (sides[i] * sides[next] >= 0) continue;
+            bool is_left = false, is_right = false;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const int sign = orientation(a, b, corners_[other][k], corners_[other][(k + 1) % 3]);
+                is_left = is_left || sign > 0;
+                is_right = is_right || sign < 0;
+            }
+            if (is_left && is_right) continue;
+            ends.push_back(points_.find(
+                Source::of_edge(triangles_[side][i], triangles_[side][next], Cutter::face(faces_[other]))));
+        }
+    }
+
+    /// Each face is cut along the other's edges.
+    void add_coplanar(std::vector<RawSegment>& segments) const {
+        for (std::size_t side = 0; side < 2; ++side) {
+            const std::size_t other = 1 - side, axis = views_[faces_[side]].axis;
+            for (std::size_t i = 0; i < 3; ++i)
+                add_edge(side, axis, triangles_[other][i], triangles_[other][(i + 1) % 3], segments);
+        }
+    }
+    void add_edge(std::size_t side, std::size_t axis, std::uint32_t a, std::uint32_t b,
+                  std::vector<RawSegment>& segments) const {
+        const Triangle& face = triangles_[side];
+        const auto is_corner = [&](std::uint32_t v) { return std::ranges::find(face, v) != face.end(); };
+        if (is_corner(a) && is_corner(b)) return;
+        const auto at = [&](std::uint32_t v) { return seen(points_.vertex(v), axis); };
+        std::vector<CutPoints::Found> ends;
+        for (const std::uint32_t v : {a, b})
+            if (is_corner(v) || is_within(points_.vertex(v), side)) ends.push_back(points_.find(Source::of_vertex(v)));
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t c = face[i], d = face[(i + 1) % 3];
+            if (c != a && c != b && orientation(at(a), at(b), at(c)) == 0 && is_between(c, a, b))
+                ends.push_back(points_.find(Source::of_vertex(c)));
+            if (c == a || c == b || d == a || d == b) continue;
+            if (orientation(at(a), at(b), at(c)) * orientation(at(a), at(b), at(d)) < 0 &&
+                orientation(at(c), at(d), at(a)) * orientation(at(c), at(d), at(b)) < 0)
+                ends.push_back(points_.find(crossing(a, b, c, d, axis)));
+        }
+        if (ends.empty() ||
+            (ends.size() == 1 && ends[0].source.kind == Source::vertex && is_corner(ends[0].source.vertices[0])))
+            return;
+        segments.push_back({faces_[side], Cutter::edge(a, b, axis), std::move(ends)});
+    }
+    /// Of two edges in a plane; the same for both orders.
+    static Source crossing(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d, std::size_t axis) {
+        if (std::pair(std::min(a, b), std::max(a, b)) > std::pair(std::min(c, d), std::max(c, d))) {
+            std::swap(a, c);
+            std::swap(b, d);
+        }
+        return Source::of_edge(a, b, Cutter::edge(c, d, axis));
+    }
+    /// Whether a vertex on the line of two others is between them.
+    bool is_between(std::uint32_t v, std::uint32_t a, std::uint32_t b) const {
+        const Vec3 &p = points_.vertex(v), &from = points_.vertex(a), &to = points_.vertex(b);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (from[axis] != to[axis])
+                return std::min(from[axis], to[axis]) < p[axis] && p[axis] < std::max(from[axis], to[axis]);
+        return false;
+    }
+
+    const CutPoints& points_;
+    std::span<const View> views_;
+    std::array<std::uint32_t, 2> faces_;
+    std::array<Triangle, 2> triangles_{};
+    std::array<Corners, 2> corners_{};
+};
+
+}  // namespace
+
+std::vector<View> views_of(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
+    std::vector<View> views(triangles.size());
+    for_each_index(triangles.size(), [&](std::size_t face) {
+        const auto& [a, b, c] = triangles[face];
+        if (a != b && b != c && c != a) views[face] = view_of({vertices[a], vertices[b], vertices[c]});
+    });
+    return views;
+}
+
+Meetings::Meetings(CutPoints& points, std::span<const View> views) : begins_(views.size() + 1) {
+    const std::span<const Triangle> triangles = points.triangles();
+    std::vector<std::uint32_t> faces;  // with an area
+    std::vector<Box> boxes;
+    for (std::uint32_t face = 0; face < triangles.size(); ++face) {
+        if (views[face].direction == 0) continue;
+        faces.push_back(face);
+        boxes.push_back(empty_box);
+        for (const std::uint32_t v : triangles[face]) add(boxes.back(), {points.vertex(v), points.vertex(v)});
+    }
+    const BoxIndex index(boxes);
+    constexpr std::size_t grain = 64;
+    std::vector<std::vector<RawSegment>> found(chunk_count(faces.size(), grain));
+    for_each_chunk(faces.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i != end; ++i) {
+            std::vector<std::size_t> partners;
+            index.any(boxes[i], [&](std::size_t other) {
+                if (other > i) partners.push_back(other);
+                return false;
+            });
+            std::ranges::sort(partners);
+            for (const std::size_t other : partners) Pair(points, views, faces[i], faces[other]).add_to(found[chunk]);
+        }
+    });
+    std::vector<std::pair<std::uint32_t, FaceSegment>> numbered;
+    for (const std::vector<RawSegment>& chunk : found)
+        for (const RawSegment& raw : chunk) {
+            FaceSegment segment{points.number(raw.ends.front()), 0, raw.cutter};
+            segment.to = segment.from;
+            for (const CutPoints::Found& end : raw.ends)
+                if (const std::uint32_t number = points.number(end); number != segment.from) segment.to = number;
+            numbered.emplace_back(raw.face, segment);
+        }
+    std::ranges::stable_sort(numbered, {}, [](const auto& entry) { return entry.first; });
+    segments_.reserve(numbered.size());
+    for (const auto& [face, segment] : numbered) {
+        segments_.push_back(segment);
+        ++begins_[face + 1];
+    }
+    for (std::size_t face = 0; face < views.size(); ++face) begins_[face + 1] += begins_[face];
+}
+
+}  // namespace clsdf::cutting

@@ -1,0 +1,154 @@
+#include <clsdf/error.hpp>
+#include <clsdf/outer.hpp>
+
+#include "core/parallel.hpp"
+#include "core/vectors.hpp"
+#include "cutting/face_pieces.hpp"
+#include "cutting/patches.hpp"
+#include "mesh/equal_vertices.hpp"
+#include "surface/topology.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace clsdf {
+
+namespace {
+
+using cutting::CutPoints;
+using cutting::FaceCuts;
+using cutting::Fate;
+using cutting::Meetings;
+using cutting::Piece;
+using cutting::View;
+
+SignRule checked_rule(SignRule asked, const Mesh& mesh, const Topology& topology) {
+    const bool is_known = asked == SignRule::automatic || asked == SignRule::nonzero || asked == SignRule::parity;
+    const ResolvedSignRule resolved = is_known ? resolve_sign_rule(asked, topology) : ResolvedSignRule{asked, {}};
+    if (resolved.rule == SignRule::nonzero || resolved.rule == SignRule::parity) return resolved.rule;
+    const std::string why = resolved.warning.empty() ? "" : "; " + resolved.warning;
+    throw Error(
+        ErrorCode::unsupported,
+        fmt::format("{}: the outer surface needs the sign rule nonzero or parity, and {} {}: close the mesh, for "
+                    "example by walls and a floor (close_down()) or by joined seams (weld()){}",
+                    mesh.name(), asked == SignRule::automatic ? "the mesh has the rule" : "this is",
+                    name_of(resolved.rule), why));
+}
+
+/// The faces that meet no other whole, and the others cut.
+std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views) {
+    const std::span<const Triangle> triangles = points.triangles();
+    const Meetings meetings(points, views);
+    std::vector<std::uint32_t> met;
+    for (std::uint32_t face = 0; face < triangles.size(); ++face)
+        if (!meetings.of(face).empty()) met.push_back(face);
+
+    std::vector<std::unique_ptr<FaceCuts>> cuts(met.size());
+    for_each_index(
+        met.size(),
+        [&](std::size_t i) {
+            cuts[i] = std::make_unique<FaceCuts>(points, met[i], views[met[i]], meetings.of(met[i]));
+        },
+        4);
+    std::vector<std::vector<std::uint32_t>> crossings(met.size());
+    for (std::size_t i = 0; i < met.size(); ++i)
+        for (const CutPoints::Found& found : cuts[i]->crossings()) crossings[i].push_back(points.number(found));
+    std::vector<std::vector<Triangle>> parts(met.size());
+    for_each_index(
+        met.size(), [&](std::size_t i) { parts[i] = cuts[i]->pieces(points, crossings[i]); }, 4);
+
+    std::vector<Piece> pieces;
+    pieces.reserve(triangles.size());
+    for (std::uint32_t face = 0, i = 0; face < triangles.size(); ++face) {
+        if (views[face].direction == 0) continue;
+        if (i < met.size() && met[i] == face) {
+            for (const Triangle& part : parts[i]) pieces.push_back({part, face});
+            ++i;
+        } else {
+            pieces.push_back({triangles[face], face});
+        }
+    }
+    return pieces;
+}
+
+void measure(OuterSurface& surface) {
+    const Vec3& origin = surface.mesh.box().lower;
+    double volume = 0, area = 0;
+    for (const auto& [a, b, c] : surface.mesh.triangles()) {
+        const std::vector<Vec3>& vertices = surface.mesh.vertices();
+        const Vec3 p = difference(vertices[a], origin), q = difference(vertices[b], origin),
+                   r = difference(vertices[c], origin);
+        const Vec3 normal = cross(difference(q, p), difference(r, p));
+        volume += dot(p, normal) / 6;
+        area += length(normal) / 2;
+    }
+    surface.volume = volume;
+    surface.area = area;
+}
+
+}  // namespace
+
+OuterSurface outer(const Mesh& given, SignRule asked) {
+    const Mesh mesh = merged(given, first_equal_vertices(given.vertices()));
+    const auto [topology, surface] = describe_mesh(mesh, asked);
+    const SignRule rule = checked_rule(asked, given, topology);
+
+    std::vector<Triangle> triangles;
+    triangles.reserve(mesh.triangles().size());
+    for (const auto& [a, b, c] : mesh.triangles())
+        triangles.push_back({surface.vertex(a), surface.vertex(b), surface.vertex(c)});
+    const std::vector<View> views = cutting::views_of(mesh.vertices(), triangles);
+    CutPoints points(mesh.vertices(), triangles);
+    const std::vector<Piece> pieces = pieces_of(points, views);
+    const std::vector<Fate> fates = cutting::fates_of(points, views, pieces, surface, rule);
+
+    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> numbers(points.size(), none);
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> kept;
+    std::vector<std::uint32_t> faces;
+    std::vector<std::array<std::uint32_t, 2>> counts(triangles.size());  // kept and dropped
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        ++counts[pieces[i].face][fates[i] == Fate::dropped ? 1 : 0];
+        if (fates[i] == Fate::dropped) continue;
+        Triangle corners = pieces[i].corners;
+        for (std::uint32_t& corner : corners) {
+            if (numbers[corner] == none) {
+                numbers[corner] = static_cast<std::uint32_t>(vertices.size());
+                vertices.push_back(points.rounded(corner));
+            }
+            corner = numbers[corner];
+        }
+        if (fates[i] == Fate::turned) std::swap(corners[1], corners[2]);
+        kept.push_back(corners);
+        faces.push_back(pieces[i].face);
+    }
+    if (kept.empty())
+        throw Error(
+            ErrorCode::invalid_mesh,
+            fmt::format("{}: by the sign rule {} nothing is inside, so there is no outer surface: the rule none "
+                        "gives the distance to the faces as given",
+                        given.name(), name_of(rule)));
+
+    OuterSurface result{Mesh(std::move(vertices), std::move(kept), given.name()), std::move(faces)};
+    for (const auto& [on, off] : counts)
+        ++(on == 0 ? result.hidden_faces : off == 0 ? result.whole_faces : result.partial_faces);
+    if (const FaceGroups& groups = given.groups(); !groups.empty()) {
+        FaceGroups own{groups.names, {}};
+        own.numbers.reserve(result.faces.size());
+        for (const std::uint32_t face : result.faces) own.numbers.push_back(groups.numbers[face]);
+        result.mesh.set_groups(std::move(own));
+    }
+    measure(result);
+    return result;
+}
+
+}  // namespace clsdf

@@ -1,0 +1,164 @@
+#include "cutting/patches.hpp"
+
+#include "core/parallel.hpp"
+#include "core/vectors.hpp"
+#include "mesh/box_index.hpp"
+#include "mesh/disjoint_sets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace clsdf::cutting {
+
+namespace {
+
+double twice_area(const CutPoints& points, const Triangle& corners) {
+    const Vec3& a = points.rounded(corners[0]);
+    return length(cross(difference(points.rounded(corners[1]), a), difference(points.rounded(corners[2]), a)));
+}
+
+/// The lowest piece of each piece's patch.
+std::vector<std::uint32_t> patches_of(std::span<const Piece> pieces) {
+    struct Edge {
+        std::uint32_t from, to;  ///< from < to
+        std::uint32_t piece;
+        bool is_backward;
+    };
+    std::vector<Edge> edges;
+    edges.reserve(3 * pieces.size());
+    for (std::uint32_t piece = 0; piece < pieces.size(); ++piece)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t a = pieces[piece].corners[i], b = pieces[piece].corners[(i + 1) % 3];
+            edges.push_back({std::min(a, b), std::max(a, b), piece, a > b});
+        }
+    std::ranges::sort(edges, {}, [](const Edge& edge) { return std::tuple(edge.from, edge.to, edge.piece); });
+    DisjointSets sets(pieces.size());
+    for (std::size_t begin = 0; begin < edges.size();) {
+        std::size_t end = begin + 1;
+        while (end < edges.size() && edges[end].from == edges[begin].from && edges[end].to == edges[begin].to) ++end;
+        if (end - begin == 2 && edges[begin].is_backward != edges[begin + 1].is_backward)
+            sets.join(edges[begin].piece, edges[begin + 1].piece);
+        begin = end;
+    }
+    std::vector<std::uint32_t> patches(pieces.size());
+    for (std::uint32_t piece = 0; piece < pieces.size(); ++piece) patches[piece] = sets.root(piece);
+    return patches;
+}
+
+/// Faces, looked for along one axis.
+class Column {
+public:
+    Column(const CutPoints& points, std::span<const View> views, std::size_t axis) : axis_(axis) {
+        std::vector<Box> boxes;
+        for (std::uint32_t face = 0; face < views.size(); ++face) {
+            if (views[face].direction == 0) continue;
+            faces_.push_back(face);
+            boxes.push_back(empty_box);
+            for (const std::uint32_t v : points.triangles()[face])
+                add(boxes.back(), {points.vertex(v), points.vertex(v)});
+            boxes.back().lower[axis] = -infinite_length;  // whatever lies below, too
+        }
+        index_.emplace(boxes);
+    }
+
+    /// Calls f(face) for the faces whose boxes lie above a point or around it, until it returns true.
+    template <typename Function>
+    bool any_above(const Box& point, const Function& f) const {
+        return index_->any(point, [&](std::size_t i) { return f(faces_[i]); });
+    }
+
+    std::size_t axis() const { return axis_; }
+
+private:
+    std::size_t axis_;
+    std::vector<std::uint32_t> faces_;
+    std::optional<BoxIndex> index_;
+};
+
+/// The winding numbers beside a point of a face, above it along an axis and below, and the lowest face in which it
+/// lies.
+struct Windings {
+    int above = 0, below = 0;
+    std::uint32_t lowest = 0;
+};
+
+/// Nothing if the ray upwards meets an edge.
+std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, const View& view,
+                                    const CutPoints& points, const Column& column, const SignSurface& surface) {
+    Windings found{0, 0, own};
+    const std::size_t axis = column.axis();
+    const bool is_hit = column.any_above(point.box(), [&](std::uint32_t face) {
+        const Triangle& corners = points.triangles()[face];
+        int direction = view.direction;
+        if (face != own) {
+            bool is_left = false, is_right = false, is_on_edge = false;
+            for (std::size_t i = 0; i < 3 && !(is_left && is_right); ++i) {
+                const int side = point.orientation(corners[i], corners[(i + 1) % 3], axis);
+                is_left = is_left || side > 0;
+                is_right = is_right || side < 0;
+                is_on_edge = is_on_edge || side == 0;
+            }
+            if (is_left && is_right) return false;
+            if (is_on_edge) return true;
+            direction = is_left ? 1 : -1;
+        }
+        const int side = face == own ? 0 : point.side(corners);  // with the direction's sign: above the face
+        const int count = direction * surface.count(face);
+        if (side == 0) {
+            found.below += count;
+            found.lowest = std::min(found.lowest, face);
+        } else if (side * direction < 0) {
+            found.above += count;
+        }
+        return false;
+    });
+    if (is_hit) return std::nullopt;
+    found.below += found.above;
+    return found;
+}
+
+}  // namespace
+
+std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views, std::span<const Piece> pieces,
+                           const SignSurface& surface, SignRule rule) {
+    const std::vector<std::uint32_t> patches = patches_of(pieces);
+    std::vector<double> areas(pieces.size());
+    for_each_index(pieces.size(), [&](std::size_t i) { areas[i] = twice_area(points, pieces[i].corners); });
+    std::vector<std::uint32_t> largest(pieces.size());  // by the lowest piece of a patch
+    for (std::uint32_t i = 0; i < pieces.size(); ++i) largest[i] = i;
+    for (std::uint32_t i = 0; i < pieces.size(); ++i)
+        if (areas[i] > areas[largest[patches[i]]]) largest[patches[i]] = i;
+
+    const std::array<Column, 3> columns{Column(points, views, 0), Column(points, views, 1), Column(points, views, 2)};
+    std::vector<Fate> fates(pieces.size(), Fate::dropped);
+    for_each_index(
+        pieces.size(),
+        [&](std::size_t patch) {
+            if (patches[patch] != patch) return;
+            const Piece& piece = pieces[largest[patch]];
+            const View& view = views[piece.face];
+            std::optional<Windings> windings;
+            // Points whose rays meet no edge are everywhere; these lie on no common line.
+            for (int attempt = 0; !windings; ++attempt) {
+                const Vec3 weights{1.0 + 7 * attempt % 5, 1.0 + 3 * attempt % 7, 1.0 + attempt};
+                CutPoints::Inner point(points, piece.corners, weights);
+                windings = windings_at(point, piece.face, view, points, columns[view.axis], surface);
+            }
+            if (windings->lowest != piece.face) return;
+            int front = windings->above, back = windings->below;
+            if (view.direction < 0) std::swap(front, back);
+            const auto is_inside = [&](int winding) {
+                return rule == SignRule::parity ? winding % 2 != 0 : winding != 0;
+            };
+            if (is_inside(front) != is_inside(back)) fates[patch] = is_inside(back) ? Fate::kept : Fate::turned;
+        },
+        8);
+    for (std::size_t i = 0; i < pieces.size(); ++i) fates[i] = fates[patches[i]];
+    return fates;
+}
+
+}  // namespace clsdf::cutting

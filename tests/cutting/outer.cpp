@@ -1,0 +1,260 @@
+// The outer surface: of unions of boxes against closed forms, of turned bodies against winding numbers.
+
+#include "core/vectors.hpp"
+#include "support/random_meshes.hpp"
+#include "support/throws.hpp"
+#include "support/winding.hpp"
+
+#include <clsdf/clsdf.hpp>
+#include <clsdf/outer.hpp>
+
+#include <boost/test/unit_test.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <vector>
+
+namespace clsdf {
+
+using namespace test;
+
+namespace {
+
+/// Several meshes as one.
+Mesh together(const std::vector<Mesh>& bodies, const std::string& name) {
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (const Mesh& body : bodies) {
+        const auto first = static_cast<std::uint32_t>(vertices.size());
+        vertices.insert(vertices.end(), body.vertices().begin(), body.vertices().end());
+        for (const auto& [a, b, c] : body.triangles()) triangles.push_back({first + a, first + b, first + c});
+    }
+    return {std::move(vertices), std::move(triangles), name};
+}
+
+/// diagonals: which way each of its six faces is cut, as bits.
+Mesh box_mesh(const Box& box, unsigned diagonals, bool looks_inwards = false) {
+    std::vector<Vec3> vertices;
+    for (unsigned i = 0; i < 8; ++i)
+        vertices.push_back({(i & 1U) == 0 ? box.lower[0] : box.upper[0], (i & 2U) == 0 ? box.lower[1] : box.upper[1],
+                            (i & 4U) == 0 ? box.lower[2] : box.upper[2]});
+    constexpr std::array<std::array<std::uint32_t, 4>, 6> faces{
+        {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+    std::vector<Triangle> triangles;
+    for (std::size_t face = 0; face < 6; ++face) {
+        const auto& [a, b, c, d] = faces[face];
+        const bool other = (diagonals >> face & 1U) != 0;
+        triangles.push_back(other ? Triangle{a, b, d} : Triangle{a, b, c});
+        triangles.push_back(other ? Triangle{b, c, d} : Triangle{a, c, d});
+    }
+    if (looks_inwards)
+        for (Triangle& triangle : triangles) std::swap(triangle[1], triangle[2]);
+    return {std::move(vertices), std::move(triangles), "box"};
+}
+
+/// The union of boxes by the cells between all their coordinates.
+class Cells {
+public:
+    explicit Cells(const std::vector<Box>& boxes) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            std::set<double> all;
+            for (const Box& box : boxes) all.insert({box.lower[axis], box.upper[axis]});
+            at_[axis].assign(all.begin(), all.end());
+        }
+        for_each_cell([&](const std::array<std::size_t, 3>& cell) {
+            const auto is_in = [&](const Box& box) {
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    if (at_[axis][cell[axis]] < box.lower[axis] || at_[axis][cell[axis] + 1] > box.upper[axis])
+                        return false;
+                return true;
+            };
+            if (std::ranges::any_of(boxes, is_in)) full_.insert(cell);
+        });
+        for (const std::array<std::size_t, 3>& cell : full_) {
+            double volume = 1;
+            for (std::size_t axis = 0; axis < 3; ++axis) volume *= at_[axis][cell[axis] + 1] - at_[axis][cell[axis]];
+            volume_ += volume;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) add_side(cell, axis, side);
+        }
+    }
+
+    double volume() const { return volume_; }
+    double area() const { return area_; }
+    double distance(const Vec3& point) const {
+        double least = infinite;
+        for (const Box& side : sides_) {
+            double squared = 0;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double off = point[axis] - std::clamp(point[axis], side.lower[axis], side.upper[axis]);
+                squared += off * off;
+            }
+            least = std::min(least, std::sqrt(squared));
+        }
+        return least;
+    }
+
+private:
+    static constexpr double infinite = std::numeric_limits<double>::infinity();
+
+    template <typename Function>
+    void for_each_cell(const Function& f) const {
+        for (std::size_t i = 0; i + 1 < at_[0].size(); ++i)
+            for (std::size_t j = 0; j + 1 < at_[1].size(); ++j)
+                for (std::size_t k = 0; k + 1 < at_[2].size(); ++k) f({i, j, k});
+    }
+    void add_side(const std::array<std::size_t, 3>& cell, std::size_t axis, std::size_t side) {
+        std::array<std::size_t, 3> beyond = cell;
+        beyond[axis] += side == 0 ? std::size_t(-1) : 1;
+        if (full_.contains(beyond)) return;
+        Box box;
+        double area = 1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            box.lower[k] = at_[k][cell[k] + (k == axis ? side : 0)];
+            box.upper[k] = at_[k][cell[k] + (k == axis ? side : 1)];
+            if (k != axis) area *= box.upper[k] - box.lower[k];
+        }
+        area_ += area;
+        sides_.push_back(box);
+    }
+
+    std::array<std::vector<double>, 3> at_;
+    std::set<std::array<std::size_t, 3>> full_;
+    std::vector<Box> sides_;
+    double volume_ = 0, area_ = 0;
+};
+
+double distance_to(const Mesh& mesh, const Vec3& point) {
+    // To each triangle: above it, or to its edges.
+    double least = std::numeric_limits<double>::infinity();
+    const auto to_edge = [&](const Vec3& a, const Vec3& b) {
+        const Vec3 along = difference(b, a), from = difference(point, a);
+        const double squared = dot(along, along);
+        const double t = squared > 0 ? std::clamp(dot(along, from) / squared, 0.0, 1.0) : 0;
+        return length(difference(from, {t * along[0], t * along[1], t * along[2]}));
+    };
+    for (const Triangle& triangle : mesh.triangles()) {
+        const Vec3 &a = mesh.vertices()[triangle[0]], &b = mesh.vertices()[triangle[1]],
+                   &c = mesh.vertices()[triangle[2]];
+        const Vec3 normal = cross(difference(b, a), difference(c, a));
+        const auto is_left = [&](const Vec3& p, const Vec3& q) {
+            return dot(cross(difference(q, p), difference(point, p)), normal) >= 0;
+        };
+        if (length(normal) > 0 && is_left(a, b) && is_left(b, c) && is_left(c, a))
+            least = std::min(least, std::abs(dot(normal, difference(point, a))) / length(normal));
+        least = std::min({least, to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+    }
+    return least;
+}
+
+/// Closed, and its winding number is one where that of the mesh as given is not zero, zero elsewhere.
+void check_boundary(const Mesh& given, const OuterSurface& surface, Random& random, int points) {
+    const Topology topology = describe_topology(surface.mesh);
+    BOOST_TEST(topology.balanced, given.name());
+    BOOST_TEST(topology.duplicate_faces == 0U);
+    BOOST_TEST(surface.faces.size() == surface.mesh.triangles().size());
+    BOOST_TEST(surface.whole_faces + surface.partial_faces + surface.hidden_faces == given.triangles().size());
+    const Box& box = given.box();
+    for (int i = 0; i < points; ++i) {
+        Vec3 point;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            point[axis] = random.uniform(box.lower[axis] - 0.1, box.upper[axis] + 0.1);
+        const int expected = std::lround(winding_by_faces(given, point)) != 0 ? 1 : 0;
+        BOOST_TEST(std::abs(winding_by_faces(surface.mesh, point) - expected) < 1e-6, given.name());
+    }
+}
+
+void check_boxes(const std::vector<Box>& boxes, Random& random, const std::string& name) {
+    std::vector<Mesh> meshes;
+    for (const Box& box : boxes) meshes.push_back(box_mesh(box, random.index(64)));
+    const Mesh given = together(meshes, name);
+    const OuterSurface surface = outer(given);
+    const Cells cells(boxes);
+    BOOST_TEST(std::abs(surface.volume - cells.volume()) <= 1e-14 * cells.volume(), name);
+    BOOST_TEST(std::abs(surface.area - cells.area()) <= 1e-14 * cells.area(), name);
+    check_boundary(given, surface, random, 10);
+    const double side = given.box().longest_side();
+    for (int i = 0; i < 20; ++i) {
+        const Vec3 point = random.point(-0.5, 2.5);
+        BOOST_TEST(std::abs(distance_to(surface.mesh, point) - cells.distance(point)) <= 1e-15 * side, name);
+    }
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(boxes_in_all_positions) {
+    Random random(1);
+    const Box unit{{0, 0, 0}, {1, 1, 1}};
+    check_boxes({unit}, random, "one box");
+    check_boxes({unit, {{0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}}}, random, "nested");
+    check_boxes({unit, {{1, 0, 0}, {2, 1, 1}}}, random, "a common face");
+    check_boxes({unit, {{1, 0.25, 0.25}, {2, 0.75, 0.75}}}, random, "a face within a face");
+    check_boxes({unit, {{0.5, 0, 0}, {1.5, 1, 1}}}, random, "overlapping coplanar faces");
+    check_boxes({unit, {{0.5, 0.5, 0}, {1.5, 1.5, 1}}}, random, "crossing coplanar faces");
+    check_boxes({unit, unit}, random, "twice the same");
+    check_boxes({unit, unit, unit}, random, "three times the same");
+    check_boxes({unit, {{1, 1, 1}, {2, 2, 2}}}, random, "a common vertex");
+    check_boxes({unit, {{1, 1, 0}, {2, 2, 1}}}, random, "a common edge");
+    check_boxes({unit, {{1, 1, 0.5}, {2, 2, 1.5}}}, random, "overlapping edges");
+    check_boxes({unit, {{0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}}, {{0.25, 0.75, -0.5}, {0.75, 2, 0.5}}}, random, "three");
+}
+
+BOOST_AUTO_TEST_CASE(random_unions_of_boxes) {
+    constexpr std::uint64_t seed = 20261129;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    for (int trial = 0; trial < 300; ++trial) {
+        const double parts = std::array{4.0, 6.0, 7.0}[random.index(3)];
+        std::vector<Box> boxes(2 + random.index(7));
+        for (Box& box : boxes)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const std::uint32_t low = random.index(8), high = low + 1 + random.index(5);
+                box.lower[axis] = low / parts;
+                box.upper[axis] = high / parts;
+            }
+        check_boxes(boxes, random, "boxes " + std::to_string(trial));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(turned_bodies) {
+    constexpr std::uint64_t seed = 7;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    for (const double offset : {0.0, 1e6}) {
+        Random random(seed);
+        for (int trial = 0; trial < 6; ++trial) {
+            std::vector<Mesh> bodies;
+            for (int i = 0; i < 6; ++i) {
+                const Mesh shape = make_shape(i % 2 == 0 ? "sphere2" : "sphere1");
+                const Vec3 x = random.direction(), y = random.direction();
+                Vec3 z = cross(x, y);
+                const Vec3 middle = random.point(-0.8, 0.8);
+                const double size = random.uniform(0.3, 1);
+                std::vector<Vec3> vertices;
+                for (const Vec3& v : shape.vertices()) {
+                    Vec3 moved;
+                    for (std::size_t axis = 0; axis < 3; ++axis)
+                        moved[axis] = offset + middle[axis] + size * (x[axis] * v[0] + y[axis] * v[1] + z[axis] * v[2]);
+                    vertices.push_back(moved);
+                }
+                bodies.emplace_back(std::move(vertices), shape.triangles());
+            }
+            const Mesh given = together(bodies, "six bodies at " + std::to_string(offset));
+            check_boundary(given, outer(given), random, 100);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_mesh_without_meetings_stays) {
+    const Mesh sphere = make_shape("sphere3");
+    const OuterSurface surface = outer(sphere);
+    BOOST_TEST(surface.whole_faces == sphere.triangles().size());
+    BOOST_TEST((surface.mesh.vertices().size() == sphere.vertices().size()));
+    for (std::size_t face = 0; face < sphere.triangles().size(); ++face)
+        for (std::size_t i = 0; i < 3; ++i)
+            BOOST_TEST((surface.mesh.vertices()[surface.mesh.triangles()[face][i]] ==
+                        sphere.vertices()[sphere.triangles()[face][i]]));
+}
+
+}  // namespace clsdf

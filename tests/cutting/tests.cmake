@@ -1,0 +1,1 @@
+clsdf_test(cutting_outer outer.cpp LABELS cutting mesh sign)
