@@ -24,7 +24,7 @@ module clsdf
   implicit none
   private
 
-  public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_weld_report, &
+  public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_weld_report, clsdf_outer_report, &
       clsdf_transform, &
       clsdf_kept_memory, clsdf_plan, clsdf_point_plan, clsdf_sparse_plan, clsdf_sparse_buffers, clsdf_device_sparse_counts, &
       clsdf_link_plan, clsdf_link_buffers, clsdf_device_link_count, &
@@ -426,6 +426,13 @@ module clsdf
     real(c_double) :: volume_before = 0, volume_after = 0
   end type
 
+  !> An outer surface beside the faces as given: those on it wholly, in parts, and not at all.
+  type, bind(C) :: clsdf_outer_report
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: whole_faces = 0, partial_faces = 0, hidden_faces = 0
+    real(c_double) :: volume = 0, area = 0
+  end type
+
   type :: clsdf_mesh
     type(c_ptr), private :: handle = c_null_ptr
   contains
@@ -436,6 +443,8 @@ module clsdf
     generic :: read => mesh_read, mesh_read_files
     procedure :: weld => mesh_weld
     procedure :: close_down => mesh_close_down
+    procedure :: outer => mesh_outer
+    procedure :: given_faces => mesh_given_faces
     procedure :: write => mesh_write
     procedure, private :: mesh_set_positions, mesh_set_positions_r4, mesh_set_positions_r8
     generic :: set_positions => mesh_set_positions, mesh_set_positions_r4, mesh_set_positions_r8
@@ -1336,6 +1345,21 @@ module clsdf
       type(c_ptr), value :: mesh
       real(c_double), value :: floor
       type(c_ptr), intent(out) :: closed
+    end function
+    function c_mesh_outer(mesh, sign, outer, report) bind(C, name="clsdf_mesh_outer") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      integer(c_int32_t), value :: sign
+      type(c_ptr), intent(out) :: outer
+      type(clsdf_outer_report), intent(inout) :: report
+    end function
+    function c_mesh_given_faces(mesh, faces, count) bind(C, name="clsdf_mesh_given_faces") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh
+      type(c_ptr), intent(out) :: faces
+      integer(c_int64_t), intent(out) :: count
     end function
     function c_mesh_write(mesh, path, colours, colour_count) bind(C, name="clsdf_mesh_write") result(value)
       import
@@ -3671,6 +3695,49 @@ contains
     status = c_mesh_close_down(self%handle, floor, handle)
     call closed%release()
     closed%handle = handle
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The outer surface of a mesh whose parts may overlap, touch, repeat or contain each other: closed, its faces look
+  !> outwards. sign: CLSDF_SIGN_AUTOMATIC, CLSDF_SIGN_NONZERO or CLSDF_SIGN_PARITY.
+  subroutine mesh_outer(self, outer, sign, report, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    type(clsdf_mesh), intent(inout) :: outer
+    integer(c_int32_t), intent(in), optional :: sign
+    type(clsdf_outer_report), intent(out), optional :: report
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_outer_report) :: found
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status, rule
+    rule = CLSDF_SIGN_AUTOMATIC
+    if (present(sign)) rule = sign
+    found%struct_size = c_sizeof(found) + 1  ! calls fill it
+    status = c_mesh_outer(self%handle, rule, handle, found)
+    if (present(report)) report = found
+    call outer%release()
+    outer%handle = handle
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> A copy: of each triangle of an outer surface the number, from 1, of the face as given that it is a part of; empty of
+  !> other meshes.
+  subroutine mesh_given_faces(self, faces, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    integer(c_int32_t), allocatable, intent(out) :: faces(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t), pointer :: from_0(:)
+    type(c_ptr) :: first
+    integer(c_int64_t) :: count
+    integer(c_int32_t) :: status
+    status = c_mesh_given_faces(self%handle, first, count)
+    if (status == CLSDF_OK .and. count > 0) then
+      call c_f_pointer(first, from_0, [count])
+      faces = from_0 + 1
+    else
+      allocate (faces(0))
+    end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 

@@ -4,9 +4,11 @@
 #include "values.hpp"
 
 #include <clsdf/mesh_files.hpp>
+#include <clsdf/outer.hpp>
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -72,6 +74,24 @@ clsdf_status clsdf_mesh_close_down(const clsdf_mesh* mesh, double floor, clsdf_m
     });
 }
 
+clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, std::int32_t sign, clsdf_mesh** outer_mesh,
+                              clsdf_outer_report* report) {
+    return made(outer_mesh, "outer", [&] {
+        const clsdf_mesh& self = of(mesh);
+        OuterSurface found = outer(self.mesh, c::sign_rule_of(sign, "sign"));
+        const clsdf_outer_report result{sizeof result,
+                                        static_cast<std::int64_t>(found.whole_faces),
+                                        static_cast<std::int64_t>(found.partial_faces),
+                                        static_cast<std::int64_t>(found.hidden_faces),
+                                        found.volume,
+                                        found.area};
+        c::write_struct(result, report, "clsdf_outer_report");
+        auto handle = std::make_unique<clsdf_mesh>(std::move(found.mesh), self.index_base);
+        handle->given_faces = std::move(found.faces);
+        return handle.release();
+    });
+}
+
 clsdf_status clsdf_mesh_describe_weld(const clsdf_mesh* mesh, const clsdf_mesh* welded, clsdf_weld_report* report,
                                       char* warning, std::int64_t size, std::int64_t* length) {
     return guarded([&] {
@@ -89,7 +109,10 @@ clsdf_status clsdf_mesh_write(const clsdf_mesh* mesh, const char* path, const st
     return guarded([&] {
         c::elements(colours, colour_count, "colours");
         static_assert(sizeof(FaceColour) == 3);
-        write_mesh(of(mesh).mesh, c::text_of(path, "path"),
+        const clsdf_mesh& self = of(mesh);
+        if (colour_count == 0 && !self.given_faces.empty())
+            return write_mesh(OuterSurface{self.mesh, self.given_faces}, c::text_of(path, "path"));
+        write_mesh(self.mesh, c::text_of(path, "path"),
                    {reinterpret_cast<const FaceColour*>(colours), static_cast<std::size_t>(colour_count)});
     });
 }
@@ -157,6 +180,14 @@ clsdf_status clsdf_mesh_group_numbers(const clsdf_mesh* mesh, const std::uint32_
     return guarded([&] {
         const std::vector<std::uint32_t>& from = of(mesh).mesh.groups().numbers;
         if (numbers != nullptr) *numbers = from.data();
+        if (count != nullptr) *count = static_cast<std::int64_t>(from.size());
+    });
+}
+
+clsdf_status clsdf_mesh_given_faces(const clsdf_mesh* mesh, const std::uint32_t** faces, std::int64_t* count) {
+    return guarded([&] {
+        const std::vector<std::uint32_t>& from = of(mesh).given_faces;
+        if (faces != nullptr) *faces = from.data();
         if (count != nullptr) *count = static_cast<std::int64_t>(from.size());
     });
 }

@@ -238,6 +238,42 @@ static void check_groups(clsdf_mesh* mesh) {
     CHECK(count == 0);
 }
 
+/* Two cubes of side 2, about (0, 0, 0) and (1, 0, 0): a bar of 3 by 2 by 2. */
+static void check_outer_surface(void) {
+    double vertices[16][3];
+    int32_t faces[24][3];
+    static const int32_t cube[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                        {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
+    clsdf_outer_report report = CLSDF_OUTER_REPORT_INIT;
+    clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
+    clsdf_mesh *two, *outer, *none;
+    const uint32_t* given;
+    int64_t count, triangles;
+    int i, k;
+    for (i = 0; i < 16; ++i) {
+        vertices[i][0] = (i & 1 ? 1 : -1) + (i < 8 ? 0 : 1);
+        vertices[i][1] = i & 2 ? 1 : -1;
+        vertices[i][2] = i & 4 ? 1 : -1;
+    }
+    for (i = 0; i < 24; ++i)
+        for (k = 0; k < 3; ++k) faces[i][k] = cube[i % 12][k] + (i < 12 ? 0 : 8);
+    arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, vertices, 16);
+    arrays.triangles = clsdf_host_array(CLSDF_INT32, faces, 24);
+    CHECK(clsdf_mesh_create(&arrays, &two) == CLSDF_OK);
+    CHECK(clsdf_mesh_outer(two, CLSDF_SIGN_AUTOMATIC, &outer, &report) == CLSDF_OK);
+    CHECK(report.volume == 12 && report.area == 32);
+    CHECK(report.whole_faces + report.partial_faces + report.hidden_faces == 24 && report.hidden_faces >= 4);
+    CHECK(clsdf_mesh_triangles(outer, NULL, &triangles) == CLSDF_OK);
+    CHECK(clsdf_mesh_given_faces(outer, &given, &count) == CLSDF_OK && count == triangles);
+    for (i = 0; i < count; ++i) CHECK(given[i] < 24);
+    CHECK(clsdf_mesh_topology(outer, &topology) == CLSDF_OK && topology.balanced && topology.overlapping_parts == 0);
+    CHECK(clsdf_mesh_given_faces(two, NULL, &count) == CLSDF_OK && count == 0);
+    CHECK(clsdf_mesh_outer(two, CLSDF_SIGN_BELOW, &none, NULL) == CLSDF_UNSUPPORTED && none == NULL);
+    clsdf_mesh_release(outer);
+    clsdf_mesh_release(two);
+}
+
 static void check_meshes(void) {
     const float vertices[4][4] = {{0, 0, 0, 9}, {1, 0, 0, 9}, {0, 1, 0, 9}, {0, 0, 1, 9}};
     const int64_t faces[3][4] = {{1, 1, 1, 2}, {3, 2, 4, 3}, {2, 4, 3, 4}}; /* from 1, by component */
@@ -970,6 +1006,7 @@ int main(void) {
     check_devices();
     check_grids();
     check_meshes();
+    check_outer_surface();
     check_arrays();
     check_many();
     check_points();

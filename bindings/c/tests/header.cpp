@@ -12,6 +12,7 @@ int main() {
     clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
     clsdf_defects defects = CLSDF_DEFECTS_INIT;
     clsdf_weld_report weld = CLSDF_WELD_REPORT_INIT;
+    clsdf_outer_report outer = CLSDF_OUTER_REPORT_INIT;
     clsdf_call_options call = CLSDF_CALL_OPTIONS_INIT;
     clsdf_statistics statistics = CLSDF_STATISTICS_INIT;
     clsdf_transform_options transform = CLSDF_TRANSFORM_OPTIONS_INIT;

@@ -169,6 +169,13 @@ int main(void) {
     MEMBER(clsdf_weld_report, coinciding_faces);
     MEMBER(clsdf_weld_report, volume_before);
     MEMBER(clsdf_weld_report, volume_after);
+    SIZE(clsdf_outer_report);
+    MEMBER(clsdf_outer_report, struct_size);
+    MEMBER(clsdf_outer_report, whole_faces);
+    MEMBER(clsdf_outer_report, partial_faces);
+    MEMBER(clsdf_outer_report, hidden_faces);
+    MEMBER(clsdf_outer_report, volume);
+    MEMBER(clsdf_outer_report, area);
     SIZE(clsdf_call_options);
     MEMBER(clsdf_call_options, struct_size);
     MEMBER(clsdf_call_options, user);

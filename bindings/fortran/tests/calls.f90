@@ -95,7 +95,9 @@ contains
     integer(4), parameter :: faces(3, 2) = reshape([1, 2, 3, 1, 3, 4], [3, 2])
     real(8) :: points(3, 2) = reshape([2d0, 2d0, 1d0, 2d0, 2d0, 3d0], [3, 2])
     real(8) :: distance(2)
-    type(clsdf_mesh) :: own, closed
+    type(clsdf_mesh) :: own, closed, cut
+    type(clsdf_outer_report) :: report
+    integer(4), allocatable :: given(:)
     type(clsdf_topology) :: topology
     type(clsdf_transform) :: below
     call own%create(corners, faces, 'terrain')
@@ -104,6 +106,13 @@ contains
     call own%close_down(-1d0, closed)
     topology = closed%topology()
     call check(topology%balanced, 'a terrain with walls and a floor')
+    call closed%outer(cut, report=report)
+    call check(report%volume == 48d0 .and. report%hidden_faces == 0, 'its outer surface')
+    call cut%given_faces(given)
+    topology = cut%topology()
+    call check(size(given) > 0 .and. minval(given) >= 1 .and. topology%balanced, 'the faces as given')
+    call own%outer(cut, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'outer surface')
     call own%close_down(2d0, closed, stat, errmsg)
     call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'lowest vertex')
     call below%create(device, own, CLSDF_SIGN_BELOW, stat=stat, errmsg=errmsg)

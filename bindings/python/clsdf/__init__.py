@@ -30,7 +30,7 @@ from ._transform import BoxPlace, Rays, Region, Request, Transform
 
 _core._set_error_class(Error)  # type: ignore[attr-defined]
 
-from ._meshes import Groups, Mesh, close_down, find_defects, mesh_hash, read_mesh, weld  # noqa: E402
+from ._meshes import Groups, Mesh, OuterSurface, close_down, find_defects, mesh_hash, outer, read_mesh, weld  # noqa: E402
 from . import trimesh  # noqa: E402
 
 if _typing.TYPE_CHECKING:
@@ -62,6 +62,7 @@ __all__ = [
     "Mesh",
     "MeshWarning",
     "OutOfMemory",
+    "OuterSurface",
     "OutputFailure",
     "Picture",
     "Plan",
@@ -84,6 +85,7 @@ __all__ = [
     "mesh_hash",
     "no_site",
     "no_triangle",
+    "outer",
     "read_field",
     "read_mesh",
     "read_sparse_field",

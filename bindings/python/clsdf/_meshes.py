@@ -242,6 +242,34 @@ def close_down(mesh: Any, floor: float) -> Mesh:
     return Mesh(*_core.close_down(vertices, faces, floor), name=name)
 
 
+class OuterSurface(NamedTuple):
+    """The outer surface of a mesh: the boundary of what its sign rule says is inside."""
+
+    mesh: Mesh  #: closed; faces look outwards; the groups are those of the faces as given
+    faces: npt.NDArray[np.uint32]  #: (m,): of each face of `mesh` the number of the face as given that it is a part of
+    whole_faces: int  #: faces as given that are on the outer surface wholly,
+    partial_faces: int  #: in parts,
+    hidden_faces: int  #: and not at all
+    volume: float  #: inside, in cubed units of the mesh
+    area: float  #: of the outer surface, in squared units
+
+
+def outer(mesh: Any, sign: str = "auto") -> OuterSurface:
+    """The outer surface of a mesh whose parts may overlap, touch, repeat or contain each other: those parts of its faces
+    that have the outside on one side and the inside on the other. Faces are cut where they meet, which is decided exactly;
+    new vertices are rounded once, by at most half an ulp of each coordinate. A Transform of it has the distance to the
+    union of the parts, and triangle t is a part of the face faces[t] as given.
+
+    sign: 'auto', 'nonzero' or 'parity'. Raises clsdf.Error: unsupported if the mesh has another rule; invalid_mesh if it
+    does not meet the rule, or if nothing is inside. Uses all cores, without the GIL. mesh: as for mesh_hash()."""
+    vertices, faces, name = arrays_of(mesh)
+    own_vertices, own_faces, given, *counts = _core.outer(vertices, faces, sign)
+    surface = Mesh(own_vertices, own_faces, name=name)
+    if isinstance(mesh, Mesh) and mesh.groups.numbers.size:
+        surface.groups = Groups(mesh.groups.names, mesh.groups.numbers[given])
+    return OuterSurface(surface, given, *counts)
+
+
 def find_defects(mesh: Any) -> _core.Defects:
     """Counts faces without area, duplicate faces and components; Transform.topology describes the edges. mesh: as for
     mesh_hash()."""

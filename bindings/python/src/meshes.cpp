@@ -3,6 +3,7 @@
 #include "calls.hpp"
 
 #include <clsdf/mesh_files.hpp>
+#include <clsdf/outer.hpp>
 #include <clsdf/topology.hpp>
 
 #include <fmt/format.h>
@@ -78,6 +79,20 @@ auto welded(nb::handle vertices, nb::handle faces, double tolerance) {
 
 auto closed_down(nb::handle vertices, nb::handle faces, double floor) {
     return arrays_of(with_mesh(vertices, faces, [floor](const Mesh& mesh) { return close_down(mesh, floor); }));
+}
+
+auto outer_of(nb::handle vertices, nb::handle faces, const std::string& sign) {
+    const SignRule rule = value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity});
+    auto surface = with_mesh(vertices, faces, [rule](const Mesh& mesh) { return outer(mesh, rule); });
+    const std::size_t count = surface.faces.size();
+    auto memory = std::make_unique<std::vector<std::uint32_t>>(std::move(surface.faces));
+    auto* const data = memory->data();
+    const nb::capsule owner(memory.release(),
+                            [](void* array) noexcept { delete static_cast<std::vector<std::uint32_t>*>(array); });
+    const auto [own_vertices, own_faces] = arrays_of(surface.mesh);
+    return nb::make_tuple(
+        own_vertices, own_faces, nb::ndarray<nb::numpy, std::uint32_t, nb::shape<-1>>(data, {count}, owner),
+        surface.whole_faces, surface.partial_faces, surface.hidden_faces, surface.volume, surface.area);
 }
 
 Defects defects_of(nb::handle vertices, nb::handle faces) {
@@ -286,6 +301,7 @@ void add_meshes(nb::module_& module) {
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));
     module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"), nb::arg("tolerance") = 0.0);
     module.def("close_down", &closed_down, nb::arg("vertices"), nb::arg("faces"), nb::arg("floor"));
+    module.def("outer", &outer_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("sign") = "auto");
     module.def("find_defects", &defects_of, nb::arg("vertices"), nb::arg("faces"));
     module.def(
         "make_shape", [](const std::string& name) { return arrays_of(make_shape(name)); }, nb::arg("name"),

@@ -135,8 +135,8 @@ std::string warning_of_parts(const Topology& topology) {
     if (topology.overlapping_parts > 0)
         sentences.add(fmt::format(
             "{} of {} parts {} partly within others, and the distance is that to all faces, also to those within: "
-            "unite "
-            "the parts beforehand if the distance to the outer surface is wanted (the first is that of triangle {})",
+            "clsdf outer (outer()) makes the mesh of the outer surface, if that is wanted (the first is that of "
+            "triangle {})",
             topology.overlapping_parts, topology.parts, topology.overlapping_parts == 1 ? "is" : "are",
             topology.first_overlapping_face));
     return sentences.text();

@@ -13,6 +13,7 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/link_plan.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/outer.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
 #include <clsdf/point_plan.hpp>

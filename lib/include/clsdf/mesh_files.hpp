@@ -6,6 +6,7 @@
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/outer.hpp>
 #include <clsdf/outputs.hpp>
 
 #include <array>
@@ -67,6 +68,13 @@ using FaceColour = std::array<std::uint8_t, 3>;
 /// `colours`: one for each triangle, or none; only .ply stores them. Throws Error(invalid_argument) for another number
 /// of them, Error(unsupported) for an unknown ending, Error(output_failure).
 CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
+
+/// The same of an outer surface. A .ply file has the property `given_face` (uint) of each triangle, too:
+/// OuterSurface::faces.
+CLSDF_EXPORT void write_mesh(const OuterSurface& surface, const std::string& path);
+
+/// Throws the error that write_mesh() would throw for the ending or the folder. Leaves no file.
+CLSDF_EXPORT void check_mesh_path(const std::string& path);
 
 /// Defects of a mesh other than those of its edges, which Topology describes. Vertices of equal coordinates count as
 /// one. The distance is exact in spite of them.

@@ -93,15 +93,17 @@ void write_stl(const Mesh& mesh, AtomicFile& file) {
     }
 }
 
-void write_ply(const Mesh& mesh, AtomicFile& file, std::span<const FaceColour> colours) {
+void write_ply(const Mesh& mesh, AtomicFile& file, std::span<const FaceColour> colours,
+               std::span<const std::uint32_t> given_faces) {
     // Some readers know no unsigned indices.
     const bool fits_int = mesh.vertices().size() <= std::size_t{std::numeric_limits<std::int32_t>::max()};
     file.write(
         fmt::format("ply\nformat binary_little_endian 1.0\ncomment written by clsdf\nelement vertex {}\n"
                     "property double x\nproperty double y\nproperty double z\nelement face {}\n"
-                    "property list uchar {} vertex_indices\n{}end_header\n",
+                    "property list uchar {} vertex_indices\n{}{}end_header\n",
                     mesh.vertices().size(), mesh.triangles().size(), fits_int ? "int" : "uint",
-                    colours.empty() ? "" : "property uchar red\nproperty uchar green\nproperty uchar blue\n"));
+                    colours.empty() ? "" : "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                    given_faces.empty() ? "" : "property uint given_face\n"));
     for (const Vec3& vertex : mesh.vertices()) {
         std::array<std::byte, 24> record{};
         std::byte* address = record.data();
@@ -109,22 +111,20 @@ void write_ply(const Mesh& mesh, AtomicFile& file, std::span<const FaceColour> c
         file.write(record);
     }
     for (std::size_t face = 0; face < mesh.triangles().size(); ++face) {
-        std::array<std::byte, 16> record{std::byte{3}};
+        std::array<std::byte, 20> record{std::byte{3}};
         std::byte* address = record.data() + 1;
         for (const std::uint32_t index : mesh.triangles()[face]) address = store_little_endian(address, index);
         if (!colours.empty())
             for (const std::uint8_t part : colours[face]) address = store_little_endian(address, part);
+        if (!given_faces.empty()) address = store_little_endian(address, given_faces[face]);
         file.write(std::span(record.data(), address));
     }
 }
 
-}  // namespace
-
-void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours) {
+/// given_faces: a number for each triangle, or none; only .ply stores them.
+void write(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours,
+           std::span<const std::uint32_t> given_faces) {
     const MeshFormat format = format_of_ending(path);
-    if (!colours.empty() && colours.size() != mesh.triangles().size())
-        throw Error(ErrorCode::invalid_argument, fmt::format("{} colours for {} triangles; give one for each, or none",
-                                                             colours.size(), mesh.triangles().size()));
     AtomicFile file(path);
     switch (format) {
         case MeshFormat::off:
@@ -137,10 +137,28 @@ void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceC
             write_stl(mesh, file);
             break;
         case MeshFormat::ply:
-            write_ply(mesh, file, colours);
+            write_ply(mesh, file, colours, given_faces);
             break;
     }
     file.commit();
+}
+
+}  // namespace
+
+void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours) {
+    if (!colours.empty() && colours.size() != mesh.triangles().size())
+        throw Error(ErrorCode::invalid_argument, fmt::format("{} colours for {} triangles; give one for each, or none",
+                                                             colours.size(), mesh.triangles().size()));
+    write(mesh, path, colours, {});
+}
+
+void write_mesh(const OuterSurface& surface, const std::string& path) {
+    write(surface.mesh, path, {}, surface.faces);
+}
+
+void check_mesh_path(const std::string& path) {
+    static_cast<void>(format_of_ending(path));
+    check_writable(path);
 }
 
 }  // namespace clsdf
