@@ -24,7 +24,8 @@ module clsdf
   implicit none
   private
 
-  public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_weld_report, clsdf_outer_report, &
+  public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_weld_report, &
+            clsdf_outer_report, &
       clsdf_transform, &
       clsdf_kept_memory, clsdf_plan, clsdf_point_plan, clsdf_sparse_plan, clsdf_sparse_buffers, clsdf_device_sparse_counts, &
       clsdf_link_plan, clsdf_link_buffers, clsdf_device_link_count, &

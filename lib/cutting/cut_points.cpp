@@ -66,6 +66,25 @@ Number determinant(const std::array<const Place<Number>*, 3>& p, std::size_t u, 
     return minor(0, 1) * p[2]->w + minor(1, 2) * p[0]->w + minor(2, 0) * p[1]->w;
 }
 
+/// The sign of (b - a) x (c - a) in a plane, if it is certain: each coordinate is off by at most `off`.
+std::optional<int> sign_in_plane(const std::array<double, 2>& a, const std::array<double, 2>& b,
+                                 const std::array<double, 2>& c, double off) {
+    const double bu = b[0] - a[0], bv = b[1] - a[1], cu = c[0] - a[0], cv = c[1] - a[1];
+    const double left = bu * cv, right = bv * cu, value = left - right;
+    // Differences are off by twice as much, and by their rounding, which is less.
+    const double each = 3 * off;
+    const double error = each * (std::abs(bu) + std::abs(bv) + std::abs(cu) + std::abs(cv) + 2 * each) +
+                         0x1p-51 * (std::abs(left) + std::abs(right));
+    if (std::abs(value) > error) return value > 0 ? 1 : -1;
+    return std::nullopt;
+}
+
+/// More than half an ulp of each coordinate.
+double rounding_of(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t u, std::size_t v) {
+    return 0x1p-52 *
+           std::max({std::abs(a[u]), std::abs(a[v]), std::abs(b[u]), std::abs(b[v]), std::abs(c[u]), std::abs(c[v])});
+}
+
 /// The double nearest to x / w, of even ones in a tie. `near`: within few ulp of it.
 double nearest_double(const Exact& x, const Exact& w, double near) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -170,6 +189,7 @@ Place<Number> CutPoints::place(const Source& source) const {
 }
 
 CutPoints::Found CutPoints::find(const Source& source) const {
+    if (source.kind == Source::vertex) return points_[source.vertices[0]];
     Found found{source, place<Near>(source), {}};
     std::optional<Place<Exact>> exact;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -219,6 +239,10 @@ const Place<Exact>& CutPoints::exact(std::uint32_t point, Cache& cache) const {
 
 int CutPoints::orientation(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::size_t axis, Cache& cache) const {
     const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const Vec3 &p = points_[a].rounded, &q = points_[b].rounded, &r = points_[c].rounded;
+    if (const std::optional<int> sign =
+            sign_in_plane({p[u], p[v]}, {q[u], q[v]}, {r[u], r[v]}, rounding_of(p, q, r, u, v)))
+        return *sign;
     const Near near = determinant<Near>({&points_[a].near, &points_[b].near, &points_[c].near}, u, v);
     if (const std::optional<int> sign = near.sign()) return *sign;
     return sign_of(determinant<Exact>({&exact(a, cache), &exact(b, cache), &exact(c, cache)}, u, v));
@@ -235,21 +259,22 @@ int CutPoints::compare(std::uint32_t a, std::uint32_t b, std::size_t axis, Cache
 }
 
 CutPoints::Inner::Inner(const CutPoints& points, const std::array<std::uint32_t, 3>& corners, const Vec3& weights)
-    : points_(points), corners_(corners), weights_(weights), near_(made_positive(place<Near>())) {}
-
-Box CutPoints::Inner::box() const {
+    : points_(points), corners_(corners), weights_(weights), near_(made_positive(place<Near>())) {
     const double all = weights_[0] + weights_[1] + weights_[2];
-    Box box;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        double middle = 0, largest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
         for (std::size_t i = 0; i < 3; ++i) {
             const double coordinate = points_.rounded(corners_[i])[axis];
-            middle += weights_[i] / all * coordinate;
-            largest = std::max(largest, std::abs(coordinate));
+            middle_[axis] += weights_[i] / all * coordinate;
+            off_ = std::max(off_, 0x1p-48 * std::abs(coordinate));
         }
-        const double off = 0x1p-48 * largest + std::numeric_limits<double>::min();
-        box.lower[axis] = middle - off;
-        box.upper[axis] = middle + off;
+    off_ += std::numeric_limits<double>::min();
+}
+
+Box CutPoints::Inner::box() const {
+    Box box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = middle_[axis] - off_;
+        box.upper[axis] = middle_[axis] + off_;
     }
     return box;
 }
@@ -275,6 +300,10 @@ const Place<Exact>& CutPoints::Inner::exact() {
 
 int CutPoints::Inner::orientation(std::uint32_t a, std::uint32_t b, std::size_t axis) {
     const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const Vec3 &p = points_.vertex(a), &q = points_.vertex(b);
+    if (const std::optional<int> sign = sign_in_plane({p[u], p[v]}, {q[u], q[v]}, {middle_[u], middle_[v]},
+                                                      off_ + rounding_of(p, q, middle_, u, v)))
+        return *sign;
     const auto value = [&]<typename Number>(const Place<Number>& point) {
         const Vec3 &from = points_.vertex(a), &to = points_.vertex(b);
         return (Number(to[u]) - Number(from[u])) * (point.at[v] - Number(from[v]) * point.w) -

@@ -7,6 +7,7 @@
 
 #include <CGAL/MP_Float.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -48,6 +49,15 @@ struct Source {
     }
     static Source of_planes(std::array<Cutter, 3> cutters);
 
+    bool is_on_edge(std::uint32_t a, std::uint32_t b) const {
+        return kind == edge && vertices[0] == std::min(a, b) && vertices[1] == std::max(a, b);
+    }
+    /// Whether it is known to lie on the cutter. If not, it may lie there all the same.
+    bool is_on(const Cutter& cutter) const {
+        const auto count = kind == vertex ? 0 : kind == edge ? 1 : 3;
+        return std::find(cutters.begin(), cutters.begin() + count, cutter) != cutters.begin() + count;
+    }
+
     friend bool operator==(const Source&, const Source&) = default;
 };
 
@@ -84,6 +94,7 @@ public:
     std::uint32_t number(const Found& found);
 
     std::size_t size() const { return points_.size(); }
+    const Source& source(std::uint32_t point) const { return points_[point].source; }
     /// Nearest to the point on each axis.
     const Vec3& rounded(std::uint32_t point) const { return points_[point].rounded; }
 
@@ -114,6 +125,8 @@ public:
         Vec3 weights_;
         Place<Near> near_;
         std::vector<Place<Exact>> exact_;  // none or one
+        Vec3 middle_{};                    // near the point,
+        double off_ = 0;                   // off by at most that
     };
 
 private:

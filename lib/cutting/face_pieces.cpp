@@ -66,6 +66,8 @@ void FaceCuts::look_at(const CutPoints& points, std::uint32_t first, std::uint32
     const FaceSegment &s = segments_[first], &t = segments_[second];
     const auto side = [&](const FaceSegment& segment, std::uint32_t point) {
         if (point == segment.from || point == segment.to || segment.from == segment.to) return 0;
+        const Source& source = points.source(point);
+        if (source.is_on(segment.cutter) || source.is_on_edge(segment.from, segment.to)) return 0;
         return points.orientation(segment.from, segment.to, point, view_.axis, cache);
     };
     const std::array<int, 2> of_t{side(s, t.from), side(s, t.to)}, of_s{side(t, s.from), side(t, s.to)};

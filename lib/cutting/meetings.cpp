@@ -55,17 +55,21 @@ public:
         const auto [ours, theirs, shared] = shared_corners();
         if (shared == 3) return;
         std::array<std::array<int, 3>, 2> sides{};
-        for (std::size_t side = 0; side < 2; ++side)
+        for (std::size_t side = 0; side < 2; ++side) {
+            bool is_above = false, is_below = false;
             for (std::size_t i = 0; i < 3; ++i) {
                 const bool is_shared = ((side == 0 ? ours : theirs) >> i & 1U) != 0;
                 const Corners& other = corners_[1 - side];
                 sides[side][i] = is_shared ? 0 : orientation(other[0], other[1], other[2], corners_[side][i]);
+                is_above = is_above || sides[side][i] > 0;
+                is_below = is_below || sides[side][i] < 0;
             }
-        const auto are_all = [&](std::size_t side, int sign) {
-            return std::ranges::all_of(sides[side], [&](int s) { return s == sign; });
-        };
-        if (are_all(0, 0)) return add_coplanar(segments);
-        if (shared == 2 || are_all(0, 1) || are_all(0, -1) || are_all(1, 1) || are_all(1, -1)) return;
+            if (!is_above && !is_below) return add_coplanar(segments);
+            const bool is_on_one_side = is_above != is_below;
+            const auto on_plane = std::ranges::count(sides[side], 0);
+            // A face on one side that touches the other's plane there alone where the two have vertices in common.
+            if (is_on_one_side && on_plane == shared) return;
+        }
         std::vector<CutPoints::Found> ends;
         for (std::size_t side = 0; side < 2; ++side) add_ends(side, sides[side], ends);
         if (ends.empty() || (shared == 1 && are_one_vertex(ends))) return;

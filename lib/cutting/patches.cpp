@@ -4,6 +4,7 @@
 #include "core/vectors.hpp"
 #include "mesh/box_index.hpp"
 #include "mesh/disjoint_sets.hpp"
+#include "mesh/predicates.hpp"
 
 #include <algorithm>
 #include <array>
@@ -91,6 +92,13 @@ std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, 
                                     const CutPoints& points, const Column& column, const SignSurface& surface) {
     Windings found{0, 0, own};
     const std::size_t axis = column.axis();
+    const auto corner = [&](std::uint32_t face, std::size_t i) { return points.vertex(points.triangles()[face][i]); };
+    // Whether the face lies in the plane of its own.
+    const auto is_in_plane = [&](std::uint32_t face) {
+        for (std::size_t i = 0; i < 3 && face != own; ++i)
+            if (orientation(corner(own, 0), corner(own, 1), corner(own, 2), corner(face, i)) != 0) return false;
+        return true;
+    };
     const bool is_hit = column.any_above(point.box(), [&](std::uint32_t face) {
         const Triangle& corners = points.triangles()[face];
         int direction = view.direction;
@@ -106,7 +114,7 @@ std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, 
             if (is_on_edge) return true;
             direction = is_left ? 1 : -1;
         }
-        const int side = face == own ? 0 : point.side(corners);  // with the direction's sign: above the face
+        const int side = is_in_plane(face) ? 0 : point.side(corners);  // with the direction's sign: above the face
         const int count = direction * surface.count(face);
         if (side == 0) {
             found.below += count;
@@ -133,7 +141,12 @@ std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views,
     for (std::uint32_t i = 0; i < pieces.size(); ++i)
         if (areas[i] > areas[largest[patches[i]]]) largest[patches[i]] = i;
 
-    const std::array<Column, 3> columns{Column(points, views, 0), Column(points, views, 1), Column(points, views, 2)};
+    std::array<bool, 3> are_asked{};
+    for (std::uint32_t patch = 0; patch < pieces.size(); ++patch)
+        if (patches[patch] == patch) are_asked[views[pieces[largest[patch]].face].axis] = true;
+    std::array<std::optional<Column>, 3> columns;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (are_asked[axis]) columns[axis].emplace(points, views, axis);
     std::vector<Fate> fates(pieces.size(), Fate::dropped);
     for_each_index(
         pieces.size(),
@@ -146,7 +159,7 @@ std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views,
             for (int attempt = 0; !windings; ++attempt) {
                 const Vec3 weights{1.0 + 7 * attempt % 5, 1.0 + 3 * attempt % 7, 1.0 + attempt};
                 CutPoints::Inner point(points, piece.corners, weights);
-                windings = windings_at(point, piece.face, view, points, columns[view.axis], surface);
+                windings = windings_at(point, piece.face, view, points, *columns[view.axis], surface);
             }
             if (windings->lowest != piece.face) return;
             int front = windings->above, back = windings->below;

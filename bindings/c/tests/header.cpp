@@ -24,7 +24,7 @@ int main() {
                          arrays.struct_size + topology.struct_size + defects.struct_size + call.struct_size +
                          statistics.struct_size + transform.struct_size + memory.struct_size + blocks.struct_size +
                          slabs.struct_size + field.struct_size + division.struct_size + read.struct_size +
-                         weld.struct_size;
+                         weld.struct_size + outer.struct_size;
     const bool is_default = grid.resolution == 256 && transform.kept_bytes == -1 && clsdf_band_full().inside > 1e300 &&
                             clsdf_band_signs_only().signs_only == 1;
     return sizes > 500 && is_default && clsdf_version() == CLSDF_VERSION ? 0 : 1;
