@@ -7,6 +7,7 @@
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/outer.hpp>
 #include <clsdf/papers.hpp>
 #include <clsdf/reference.hpp>
 
@@ -60,6 +61,16 @@ std::vector<Group> groups_of(const clsdf::Mesh& mesh) {
     return groups;
 }
 
+/// Nothing if nothing is inside.
+std::optional<clsdf::OuterSurface> outer_of(const clsdf::Mesh& mesh) {
+    try {
+        return clsdf::outer(mesh);
+    } catch (const clsdf::Error& error) {
+        if (error.code() != clsdf::ErrorCode::invalid_mesh) throw;
+        return std::nullopt;
+    }
+}
+
 struct Info {
     Info(const InfoOptions& options, const clsdf::Mesh& mesh)
         : vertices(mesh.vertices().size()),
@@ -69,6 +80,8 @@ struct Info {
           kinds(classify_convexity(mesh)),
           saddles(examine_saddles(mesh)),
           groups(groups_of(mesh)) {
+        const clsdf::SignRule rule = resolve_sign_rule(clsdf::SignRule::automatic, topology).rule;
+        if (rule == clsdf::SignRule::nonzero || rule == clsdf::SignRule::parity) outer = outer_of(mesh);
         if (options.self_intersections) self_intersections = clsdf::reference::find_self_intersections(mesh).size();
     }
 
@@ -79,6 +92,7 @@ struct Info {
     clsdf::Classification kinds;
     clsdf::SaddleReport saddles;
     std::vector<Group> groups;
+    std::optional<clsdf::OuterSurface> outer;
     std::optional<std::size_t> self_intersections;
 };
 
@@ -118,6 +132,14 @@ Json describe(const Info& info) {
                  {"downward_faces", info.topology.downward_faces},
                  {"rim_loops", info.topology.rim_loops},
                  {"overlapping_rim_edges", info.topology.overlapping_rim_edges}};
+    Json outer;
+    if (info.outer)
+        outer = {{"triangles", info.outer->faces.size()},
+                 {"whole_faces", info.outer->whole_faces},
+                 {"partial_faces", info.outer->partial_faces},
+                 {"hidden_faces", info.outer->hidden_faces},
+                 {"volume", info.outer->volume},
+                 {"area", info.outer->area}};
     if (info.self_intersections) defects["self_intersections"] = *info.self_intersections;
     Json groups = Json::array();
     for (const Group& group : info.groups)
@@ -140,6 +162,7 @@ Json describe(const Info& info) {
             {"decisions", info.saddles.decisions},
             {"exact_decisions", info.saddles.exact_decisions},
             {"defects", defects},
+            {"outer", outer},
             {"groups", groups}};
 }
 
@@ -207,6 +230,11 @@ void print_human(const Info& info) {
             "sign      {} of {} points beside faces and in boxes have a winding number in doubt, {} are inside: {}\n",
             topology.doubtful_points, topology.tested_points, topology.inside_points,
             name_of(resolve_sign_rule(clsdf::SignRule::automatic, topology).rule));
+    if (info.outer)
+        print_text(
+            "outer     volume {:.6g}, area {:.6g}; of the faces {} are on the outer surface, {} in part, {} hidden\n",
+            info.outer->volume, info.outer->area, info.outer->whole_faces, info.outer->partial_faces,
+            info.outer->hidden_faces);
     print_groups(info.groups);
     if (info.self_intersections)
         print_text("          {}\n", *info.self_intersections == 1
@@ -329,7 +357,9 @@ Command add_info(Parser& program) {
     parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
     parser.set_footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"
-        "Both are decided exactly on the coordinates as given. The file of a field is read whole, and its grid, band,\n"
+        "Both are decided exactly on the coordinates as given. A mesh with an inside has the volume and area of its\n"
+        "outer surface, and counts of the faces that are on it wholly, in part, and hidden in others. The file of a "
+        "field is read whole, and its grid, band,\n"
         "sign, outputs and, if it is sparse, its bricks are told.\n\n"
         "Examples:\n"
         "  clsdf info bunny.off\n"

@@ -87,11 +87,11 @@ void measure(OuterSurface& surface) {
         const Vec3 p = difference(vertices[a], origin), q = difference(vertices[b], origin),
                    r = difference(vertices[c], origin);
         const Vec3 normal = cross(difference(q, p), difference(r, p));
-        volume += dot(p, normal) / 6;
-        area += length(normal) / 2;
+        volume += dot(p, normal);
+        area += length(normal);
     }
-    surface.volume = volume;
-    surface.area = area;
+    surface.volume = volume / 6;
+    surface.area = area / 2;
 }
 
 }  // namespace

@@ -257,4 +257,66 @@ BOOST_AUTO_TEST_CASE(a_mesh_without_meetings_stays) {
                         sphere.vertices()[sphere.triangles()[face][i]]));
 }
 
+BOOST_AUTO_TEST_CASE(what_the_sign_does_is_done) {
+    Random random(3);
+    const Box unit{{0, 0, 0}, {1, 1, 1}}, small{{0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}};
+    const auto volume = [](const Mesh& mesh, SignRule rule = SignRule::automatic) { return outer(mesh, rule).volume; };
+    // Cavities.
+    BOOST_TEST(volume(together({box_mesh(unit, 5), box_mesh(small, 9, true)}, "cavity")) == 0.875);
+    BOOST_TEST(volume(together({box_mesh(unit, 5), box_mesh(small, 9)}, "filled")) == 1);
+    BOOST_TEST(volume(together({box_mesh(unit, 5), box_mesh(small, 9)}, "parity"), SignRule::parity) == 0.875);
+    // Inside out: the faces are turned.
+    const Mesh inside_out =
+        together({box_mesh(unit, 0, true), box_mesh({{0.5, 0, 0}, {2, 1, 1}}, 0, true)}, "inside out");
+    BOOST_TEST(volume(inside_out) == 2);
+    check_boundary(inside_out, outer(inside_out), random, 20);
+    // A face that looks the wrong way, one that is there twice, a sheet beside the box.
+    std::vector<Triangle> turned = box_mesh(unit, 0).triangles(), doubled = turned, beside = turned;
+    std::swap(turned[3][0], turned[3][1]);
+    BOOST_TEST(volume({box_mesh(unit, 0).vertices(), turned}) == 1);
+    doubled.push_back(doubled[4]);
+    BOOST_TEST(volume({box_mesh(unit, 0).vertices(), doubled}) == 1);
+    std::vector<Vec3> vertices = box_mesh(unit, 0).vertices();
+    vertices.insert(vertices.end(), {{0.25, 0.5, 2}, {0.75, 0.5, 2}, {0.5, 0.5, 3}});
+    beside.push_back({8, 9, 10});
+    const OuterSurface without_sheet = outer({vertices, beside});
+    BOOST_TEST(without_sheet.volume == 1);
+    BOOST_TEST(without_sheet.hidden_faces == 1U);
+    // Seams that differ by rounding.
+    Mesh seam = together({box_mesh(unit, 0)}, "seam");
+    std::vector<Vec3> apart = seam.vertices();
+    std::vector<Triangle> faces = seam.triangles();
+    apart.push_back({1 + 0x1p-52, 1, 1});
+    std::replace(faces[2].begin(), faces[2].end(), 7U, 8U);
+    BOOST_TEST(std::abs(volume({apart, faces}) - 1) < 1e-15);
+}
+
+BOOST_AUTO_TEST_CASE(groups_and_faces_as_given) {
+    Mesh two =
+        together({box_mesh({{0, 0, 0}, {1, 1, 1}}, 0), box_mesh({{0.5, 0.25, 0.25}, {1.5, 0.75, 0.75}}, 0)}, "two");
+    std::vector<std::uint32_t> numbers(24, 0);
+    std::fill(numbers.begin() + 12, numbers.end(), 1U);
+    two.set_groups({{"big", "small"}, numbers});
+    const OuterSurface surface = outer(two);
+    BOOST_REQUIRE(surface.mesh.groups().numbers.size() == surface.faces.size());
+    for (std::size_t i = 0; i < surface.faces.size(); ++i)
+        BOOST_TEST(surface.mesh.groups().numbers[i] == (surface.faces[i] < 12 ? 0U : 1U));
+    // Of equal faces the lowest counts.
+    const Box unit{{0, 0, 0}, {1, 1, 1}};
+    for (const std::uint32_t face : outer(together({box_mesh(unit, 21), box_mesh(unit, 42)}, "twice")).faces)
+        BOOST_TEST(face < 12U);
+}
+
+BOOST_AUTO_TEST_CASE(refusals_name_the_remedy) {
+    const Mesh box = box_mesh({{0, 0, 0}, {1, 1, 1}}, 0);
+    const Mesh open(box.vertices(), {box.triangles().begin(), box.triangles().end() - 1}, "open box");
+    check_throws(ErrorCode::unsupported, {"close the mesh"}, [&] { outer(open); });
+    check_throws(ErrorCode::invalid_mesh, {"unbalanced"}, [&] { outer(open, SignRule::nonzero); });
+    check_throws(ErrorCode::unsupported, {"none"}, [&] { outer(box, SignRule::none); });
+    check_throws(ErrorCode::unsupported, {"below"}, [&] { outer(box, SignRule::below); });
+    // A sheet on both sides has no inside.
+    const Mesh sheet({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}, "sheet");
+    check_throws(ErrorCode::invalid_mesh, {"nothing is inside"}, [&] { outer(sheet); });
+}
+
 }  // namespace clsdf
