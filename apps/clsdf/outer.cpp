@@ -26,7 +26,12 @@ struct OuterOptions {
 ExitStatus run(const OuterOptions& options, Report& report) {
     clsdf::check_mesh_path(options.output);
     const clsdf::Mesh mesh = read_body(options.mesh, options.reading, report);
-    const clsdf::OuterSurface surface = clsdf::outer(mesh, parse_sign(options.sign));
+    clsdf::CallOptions call;
+    const clsdf::OuterSurface surface = [&] {
+        const Interruption interruption;
+        call.should_stop = [&] { return interruption.token().stop_requested(); };
+        return clsdf::outer(mesh, parse_sign(options.sign), call);
+    }();
     clsdf::write_mesh(surface, options.output);
     output_is_written();
     report.print("mesh    {}: {} vertices, {} triangles\n", mesh.name(), mesh.vertices().size(),

@@ -1347,10 +1347,10 @@ module clsdf
       real(c_double), value :: floor
       type(c_ptr), intent(out) :: closed
     end function
-    function c_mesh_outer(mesh, sign, outer, report) bind(C, name="clsdf_mesh_outer") result(value)
+    function c_mesh_outer(mesh, sign, call, outer, report) bind(C, name="clsdf_mesh_outer") result(value)
       import
       integer(c_int32_t) :: value
-      type(c_ptr), value :: mesh
+      type(c_ptr), value :: mesh, call
       integer(c_int32_t), value :: sign
       type(c_ptr), intent(out) :: outer
       type(clsdf_outer_report), intent(inout) :: report
@@ -3714,7 +3714,7 @@ contains
     rule = CLSDF_SIGN_AUTOMATIC
     if (present(sign)) rule = sign
     found%struct_size = c_sizeof(found) + 1  ! calls fill it
-    status = c_mesh_outer(self%handle, rule, handle, found)
+    status = c_mesh_outer(self%handle, rule, c_null_ptr, handle, found)
     if (present(report)) report = found
     call outer%release()
     outer%handle = handle

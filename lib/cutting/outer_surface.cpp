@@ -23,6 +23,7 @@ namespace clsdf {
 
 namespace {
 
+using cutting::Caller;
 using cutting::CutPoints;
 using cutting::FaceCuts;
 using cutting::Fate;
@@ -44,9 +45,9 @@ SignRule checked_rule(SignRule asked, const Mesh& mesh, const Topology& topology
 }
 
 /// The faces that meet no other whole, and the others cut.
-std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views) {
+std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views, const Caller& caller) {
     const std::span<const Triangle> triangles = points.triangles();
-    const Meetings meetings(points, views);
+    const Meetings meetings(points, views, caller);
     std::vector<std::uint32_t> met;
     for (std::uint32_t face = 0; face < triangles.size(); ++face)
         if (!meetings.of(face).empty()) met.push_back(face);
@@ -55,6 +56,7 @@ std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views) {
     for_each_index(
         met.size(),
         [&](std::size_t i) {
+            caller.ask();
             cuts[i] = std::make_unique<FaceCuts>(points, met[i], views[met[i]], meetings.of(met[i]));
         },
         4);
@@ -63,7 +65,12 @@ std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views) {
         for (const CutPoints::Found& found : cuts[i]->crossings()) crossings[i].push_back(points.number(found));
     std::vector<std::vector<Triangle>> parts(met.size());
     for_each_index(
-        met.size(), [&](std::size_t i) { parts[i] = cuts[i]->pieces(points, crossings[i]); }, 4);
+        met.size(),
+        [&](std::size_t i) {
+            caller.ask();
+            parts[i] = cuts[i]->pieces(points, crossings[i]);
+        },
+        4);
 
     std::vector<Piece> pieces;
     pieces.reserve(triangles.size());
@@ -96,7 +103,8 @@ void measure(OuterSurface& surface) {
 
 }  // namespace
 
-OuterSurface outer(const Mesh& given, SignRule asked) {
+OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
+    const Caller caller(call.should_stop);
     const Mesh mesh = merged(given, first_equal_vertices(given.vertices()));
     const auto [topology, surface] = describe_mesh(mesh, asked);
     const SignRule rule = checked_rule(asked, given, topology);
@@ -107,8 +115,8 @@ OuterSurface outer(const Mesh& given, SignRule asked) {
         triangles.push_back({surface.vertex(a), surface.vertex(b), surface.vertex(c)});
     const std::vector<View> views = cutting::views_of(mesh.vertices(), triangles);
     CutPoints points(mesh.vertices(), triangles);
-    const std::vector<Piece> pieces = pieces_of(points, views);
-    const std::vector<Fate> fates = cutting::fates_of(points, views, pieces, surface, rule);
+    const std::vector<Piece> pieces = pieces_of(points, views, caller);
+    const std::vector<Fate> fates = cutting::fates_of(points, views, pieces, surface, rule, caller);
 
     constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> numbers(points.size(), none);

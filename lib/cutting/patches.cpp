@@ -132,7 +132,7 @@ std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, 
 }  // namespace
 
 std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views, std::span<const Piece> pieces,
-                           const SignSurface& surface, SignRule rule) {
+                           const SignSurface& surface, SignRule rule, const Caller& caller) {
     const std::vector<std::uint32_t> patches = patches_of(pieces);
     std::vector<double> areas(pieces.size());
     for_each_index(pieces.size(), [&](std::size_t i) { areas[i] = twice_area(points, pieces[i].corners); });
@@ -152,6 +152,7 @@ std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views,
         pieces.size(),
         [&](std::size_t patch) {
             if (patches[patch] != patch) return;
+            caller.ask();
             const Piece& piece = pieces[largest[patch]];
             const View& view = views[piece.face];
             std::optional<Windings> windings;

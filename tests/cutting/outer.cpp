@@ -314,6 +314,9 @@ BOOST_AUTO_TEST_CASE(refusals_name_the_remedy) {
     check_throws(ErrorCode::invalid_mesh, {"unbalanced"}, [&] { outer(open, SignRule::nonzero); });
     check_throws(ErrorCode::unsupported, {"none"}, [&] { outer(box, SignRule::none); });
     check_throws(ErrorCode::unsupported, {"below"}, [&] { outer(box, SignRule::below); });
+    int asked = 0;
+    check_throws(ErrorCode::cancelled, {"outer surface"},
+                 [&] { outer(box, SignRule::automatic, {.should_stop = [&] { return ++asked == 2; }}); });
     // A sheet on both sides has no inside.
     const Mesh sheet({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}, "sheet");
     check_throws(ErrorCode::invalid_mesh, {"nothing is inside"}, [&] { outer(sheet); });

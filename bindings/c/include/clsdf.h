@@ -662,18 +662,6 @@ typedef struct clsdf_weld_report {
 #define CLSDF_WELD_REPORT_INIT \
     { CLSDF_RESULT_SIZE(clsdf_weld_report), 0, 0, 0, 0 }
 
-/* An outer surface, beside the faces as given. */
-typedef struct clsdf_outer_report {
-    size_t struct_size;
-    int64_t whole_faces;   /* faces as given that are on the outer surface wholly, */
-    int64_t partial_faces; /* in parts, */
-    int64_t hidden_faces;  /* and not at all */
-    double volume;         /* inside, in cubed units of the mesh */
-    double area;           /* of the outer surface, in squared units */
-} clsdf_outer_report;
-#define CLSDF_OUTER_REPORT_INIT \
-    { CLSDF_RESULT_SIZE(clsdf_outer_report), 0, 0, 0, 0, 0 }
-
 /* A checked copy of arrays of the host. CLSDF_INVALID_MESH names the element, the value and the base of its numbers. */
 CLSDF_API clsdf_status clsdf_mesh_create(const clsdf_mesh_arrays* arrays, clsdf_mesh** mesh);
 /* A mesh made by code: "sphere0" to "sphere9", "torus", "knot", ... */
@@ -693,13 +681,6 @@ CLSDF_API clsdf_status clsdf_mesh_weld_within(const clsdf_mesh* mesh, double tol
  * inside. The vertices and triangles of `mesh` come first; no groups. CLSDF_INVALID_MESH if the mesh does not meet that
  * rule, CLSDF_INVALID_ARGUMENT if the floor is not below all vertices. */
 CLSDF_API clsdf_status clsdf_mesh_close_down(const clsdf_mesh* mesh, double floor, clsdf_mesh** closed);
-/* The outer surface of a mesh whose parts may overlap, touch, repeat or contain each other: closed, its faces look
- * outwards, with the groups of the faces as given. Distances to it are those to the union of the parts. `sign`:
- * CLSDF_SIGN_AUTOMATIC, CLSDF_SIGN_NONZERO or CLSDF_SIGN_PARITY; `report` may be null. CLSDF_UNSUPPORTED for other
- * rules, also if the mesh has one of them; CLSDF_INVALID_MESH if the mesh does not meet the rule or nothing is inside.
- */
-CLSDF_API clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, int32_t sign, clsdf_mesh** outer,
-                                        clsdf_outer_report* report);
 /* What clsdf_mesh_weld_within() did to `mesh`: a wall that is thinner than the tolerance is flat. The warning, which
  * may be "", says so, with the remedy. */
 CLSDF_API clsdf_status clsdf_mesh_describe_weld(const clsdf_mesh* mesh, const clsdf_mesh* welded,
@@ -733,9 +714,6 @@ CLSDF_API clsdf_status clsdf_mesh_group_count(const clsdf_mesh* mesh, int64_t* c
 CLSDF_API clsdf_status clsdf_mesh_group_name(const clsdf_mesh* mesh, int64_t index, const char** name);
 /* The index of its name for each triangle, from 0 whatever the index base. */
 CLSDF_API clsdf_status clsdf_mesh_group_numbers(const clsdf_mesh* mesh, const uint32_t** numbers, int64_t* count);
-/* Of a mesh of clsdf_mesh_outer(): for each triangle the number of the face as given that it is a part of, from 0
- * whatever the index base, in the mesh's own memory, as long as it lives; of other meshes 0 numbers. */
-CLSDF_API clsdf_status clsdf_mesh_given_faces(const clsdf_mesh* mesh, const uint32_t** faces, int64_t* count);
 /* Sets copies of names and numbers, a number for each triangle; none of both removes the groups. Threads: one. */
 CLSDF_API clsdf_status clsdf_mesh_set_groups(clsdf_mesh* mesh, const char* const* names, int64_t name_count,
                                              const uint32_t* numbers, int64_t count);
@@ -779,6 +757,29 @@ typedef struct clsdf_call_options {
 } clsdf_call_options;
 #define CLSDF_CALL_OPTIONS_INIT \
     { sizeof(clsdf_call_options), NULL, NULL, NULL, NULL, NULL, 0, 0, 0 }
+
+/* An outer surface, beside the faces as given. */
+typedef struct clsdf_outer_report {
+    size_t struct_size;
+    int64_t whole_faces;   /* faces as given that are on the outer surface wholly, */
+    int64_t partial_faces; /* in parts, */
+    int64_t hidden_faces;  /* and not at all */
+    double volume;         /* inside, in cubed units of the mesh */
+    double area;           /* of the outer surface, in squared units */
+} clsdf_outer_report;
+#define CLSDF_OUTER_REPORT_INIT \
+    { CLSDF_RESULT_SIZE(clsdf_outer_report), 0, 0, 0, 0, 0 }
+
+/* The outer surface of a mesh whose parts may overlap, touch, repeat or contain each other: closed, its faces look
+ * outwards, with the groups of the faces as given. Distances to it are those to the union of the parts. `sign`:
+ * CLSDF_SIGN_AUTOMATIC, CLSDF_SIGN_NONZERO or CLSDF_SIGN_PARITY; of `call`, which may be null, should_stop counts;
+ * `report` may be null. CLSDF_UNSUPPORTED for other rules, also if the mesh has one of them; CLSDF_INVALID_MESH if the
+ * mesh does not meet the rule or nothing is inside. */
+CLSDF_API clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, int32_t sign, const clsdf_call_options* call,
+                                        clsdf_mesh** outer, clsdf_outer_report* report);
+/* Of a mesh of clsdf_mesh_outer(): for each triangle the number of the face as given that it is a part of, from 0
+ * whatever the index base, in the mesh's own memory, as long as it lives; of other meshes 0 numbers. */
+CLSDF_API clsdf_status clsdf_mesh_given_faces(const clsdf_mesh* mesh, const uint32_t** faces, int64_t* count);
 
 /* Times (wall-clock seconds of the host) and memory of a call. */
 typedef struct clsdf_statistics {

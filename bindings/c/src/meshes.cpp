@@ -74,11 +74,11 @@ clsdf_status clsdf_mesh_close_down(const clsdf_mesh* mesh, double floor, clsdf_m
     });
 }
 
-clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, std::int32_t sign, clsdf_mesh** outer_mesh,
-                              clsdf_outer_report* report) {
+clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, std::int32_t sign, const clsdf_call_options* call,
+                              clsdf_mesh** outer_mesh, clsdf_outer_report* report) {
     return made(outer_mesh, "outer", [&] {
         const clsdf_mesh& self = of(mesh);
-        OuterSurface found = outer(self.mesh, c::sign_rule_of(sign, "sign"));
+        OuterSurface found = outer(self.mesh, c::sign_rule_of(sign, "sign"), c::Call(call));
         const clsdf_outer_report result{sizeof result,
                                         static_cast<std::int64_t>(found.whole_faces),
                                         static_cast<std::int64_t>(found.partial_faces),

@@ -261,7 +261,7 @@ static void check_outer_surface(void) {
     arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, vertices, 16);
     arrays.triangles = clsdf_host_array(CLSDF_INT32, faces, 24);
     CHECK(clsdf_mesh_create(&arrays, &two) == CLSDF_OK);
-    CHECK(clsdf_mesh_outer(two, CLSDF_SIGN_AUTOMATIC, &outer, &report) == CLSDF_OK);
+    CHECK(clsdf_mesh_outer(two, CLSDF_SIGN_AUTOMATIC, NULL, &outer, &report) == CLSDF_OK);
     CHECK(report.volume == 12 && report.area == 32);
     CHECK(report.whole_faces + report.partial_faces + report.hidden_faces == 24 && report.hidden_faces >= 4);
     CHECK(clsdf_mesh_triangles(outer, NULL, &triangles) == CLSDF_OK);
@@ -269,7 +269,7 @@ static void check_outer_surface(void) {
     for (i = 0; i < count; ++i) CHECK(given[i] < 24);
     CHECK(clsdf_mesh_topology(outer, &topology) == CLSDF_OK && topology.balanced && topology.overlapping_parts == 0);
     CHECK(clsdf_mesh_given_faces(two, NULL, &count) == CLSDF_OK && count == 0);
-    CHECK(clsdf_mesh_outer(two, CLSDF_SIGN_BELOW, &none, NULL) == CLSDF_UNSUPPORTED && none == NULL);
+    CHECK(clsdf_mesh_outer(two, CLSDF_SIGN_BELOW, NULL, &none, NULL) == CLSDF_UNSUPPORTED && none == NULL);
     clsdf_mesh_release(outer);
     clsdf_mesh_release(two);
 }

@@ -83,7 +83,8 @@ auto closed_down(nb::handle vertices, nb::handle faces, double floor) {
 
 auto outer_of(nb::handle vertices, nb::handle faces, const std::string& sign) {
     const SignRule rule = value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity});
-    auto surface = with_mesh(vertices, faces, [rule](const Mesh& mesh) { return outer(mesh, rule); });
+    const Call call;
+    auto surface = with_mesh(vertices, faces, [&](const Mesh& mesh) { return outer(mesh, rule, call.options()); });
     const std::size_t count = surface.faces.size();
     auto memory = std::make_unique<std::vector<std::uint32_t>>(std::move(surface.faces));
     auto* const data = memory->data();

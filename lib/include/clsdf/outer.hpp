@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clsdf/calls.hpp>
 #include <clsdf/export.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
@@ -38,7 +39,7 @@ struct OuterSurface {
 ///
 /// sign: automatic, nonzero or parity. Throws the errors of resolve_sign_rule(); Error(invalid_mesh) if nothing is
 /// inside; Error(unsupported) for the other rules, and for automatic if the mesh has none of these two:
-/// close_down() closes a terrain, and weld() seams.
-CLSDF_EXPORT OuterSurface outer(const Mesh& mesh, SignRule sign = SignRule::automatic);
+/// close_down() closes a terrain, and weld() seams. Of `call`, should_stop counts.
+CLSDF_EXPORT OuterSurface outer(const Mesh& mesh, SignRule sign = SignRule::automatic, const CallOptions& call = {});
 
 }  // namespace clsdf
