@@ -409,7 +409,7 @@ module clsdf
         double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
         first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
         first_overlapping_face = 0, downward_faces = 0, first_downward_face = 0, rim_loops = 0, &
-        overlapping_rim_edges = 0
+        overlapping_rim_edges = 0, detail_parts = 0, detail_faces = 0, first_detail_face = 0
   end type
 
   type, bind(C) :: clsdf_defects
@@ -769,7 +769,7 @@ module clsdf
         double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
         first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
         first_overlapping_face = 0, downward_faces = 0, first_downward_face = 0, rim_loops = 0, &
-        overlapping_rim_edges = 0
+        overlapping_rim_edges = 0, detail_parts = 0, detail_faces = 0, first_detail_face = 0
   end type
   type, bind(C) :: c_call_options
     integer(c_size_t) :: struct_size = 0
@@ -3915,6 +3915,9 @@ contains
     topology%first_downward_face = c%first_downward_face
     topology%rim_loops = c%rim_loops
     topology%overlapping_rim_edges = c%overlapping_rim_edges
+    topology%detail_parts = c%detail_parts
+    topology%detail_faces = c%detail_faces
+    topology%first_detail_face = c%first_detail_face
   end subroutine
 
   !> Defects beside those of edges.

@@ -598,6 +598,11 @@ typedef struct clsdf_topology {
     int64_t first_downward_face;   /* the lowest of them */
     int64_t rim_loops;             /* of a mesh that is not closed and has no downward_faces: loops of open edges */
     int64_t overlapping_rim_edges; /* of them that cross others, seen from above, or at which the mesh lies twice */
+    /* Small open parts that are attached to the others and count as details of them; 0 if the mesh has its sign without
+     * that. */
+    int64_t detail_parts;
+    int64_t detail_faces;      /* of these parts */
+    int64_t first_detail_face; /* the lowest of them */
 } clsdf_topology;
 #define CLSDF_EDGE_INIT \
     {                   \
@@ -611,7 +616,7 @@ typedef struct clsdf_topology {
     {                                                                                                                  \
         CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT,                  \
             CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
-            0, 0                                                                                                       \
+            0, 0, 0, 0, 0                                                                                              \
     }
 
 /* Defects beside those of edges. The distance is exact in spite of them. */

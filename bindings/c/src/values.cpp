@@ -393,6 +393,9 @@ clsdf_topology as_c(const Topology& topology) {
     result.first_downward_face = static_cast<std::int64_t>(topology.first_downward_face);
     result.rim_loops = static_cast<std::int64_t>(topology.rim_loops);
     result.overlapping_rim_edges = static_cast<std::int64_t>(topology.overlapping_rim_edges);
+    result.detail_parts = static_cast<std::int64_t>(topology.detail_parts);
+    result.detail_faces = static_cast<std::int64_t>(topology.detail_faces);
+    result.first_detail_face = static_cast<std::int64_t>(topology.first_detail_face);
     return result;
 }
 

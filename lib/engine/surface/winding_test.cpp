@@ -165,11 +165,13 @@ public:
         if (!unclear_.empty() && is_clear_in_box(view, mesh_.box())) {
             // A mesh that is clear as a whole may have more doubt beside some parts, and flat sheets.
             std::erase_if(unclear_, [&](std::size_t i) { return tally_of(i).is_nearly_clear() && has_inside(i); });
-            if (may_be_covered) {
-                take_covered();
-                take_details();
-            }
-            if (unclear_.size() < parts_.size() && are_flat_and_harmless()) unclear_.clear();
+            if (may_be_covered) take_covered();
+            const std::vector<std::size_t> in_doubt = unclear_;
+            if (may_be_covered) take_details();
+            std::vector<std::size_t> details;
+            std::ranges::set_difference(in_doubt, unclear_, std::back_inserter(details));
+            if (unclear_.size() < parts_.size() && are_flat_and_harmless(unclear_)) unclear_.clear();
+            if (unclear_.empty() && !details.empty() && !are_flat_and_harmless(in_doubt)) count_details(details, test);
         }
         for (const std::size_t i : unclear_)
             if (test.unclear_parts++ == 0 || parts_[i].faces[0] < test.first_unclear_face)
@@ -367,16 +369,25 @@ private:
         for (std::size_t i = 0; i < in_holes.size(); i += step) points.push_back(in_holes[i]);
     }
 
-    bool are_flat_and_harmless() const {
+    void count_details(std::span<const std::size_t> details, WindingTest& test) const {
+        test.detail_parts = details.size();
+        for (const std::size_t i : details) {
+            const std::uint32_t first = parts_[i].faces[0];
+            test.first_detail_face = test.detail_faces == 0 ? first : std::min(test.first_detail_face, first);
+            test.detail_faces += parts_[i].faces.size();
+        }
+    }
+
+    bool are_flat_and_harmless(std::span<const std::size_t> parts) const {
         std::vector<Vec3> at;
         std::vector<SeenWinding> with;
-        for (const std::size_t i : unclear_) {
+        for (const std::size_t i : parts) {
             if (!parts_[i].is_single || !is_flat(mesh_, triangles_, parts_[i].faces)) return false;
             at.insert(at.end(), points_.begin() + static_cast<std::ptrdiff_t>(ranges_[i].begin),
                       points_.begin() + static_cast<std::ptrdiff_t>(ranges_[i].end));
             with.insert(with.end(), seen_by(i).begin(), seen_by(i).end());
         }
-        const std::vector<Triangle> rest = without(unclear_);
+        const std::vector<Triangle> rest = without(parts);
         const OpenLoops rest_loops = loops_of(count_edges(rest, mesh_.vertices().size()));
         return std::ranges::equal(with, WindingView(mesh_, rest, rest_loops).at(at), {}, &SeenWinding::is_inside,
                                   &SeenWinding::is_inside);
