@@ -826,6 +826,7 @@ module clsdf
     type(clsdf_band) :: band
     integer(c_int32_t) :: sign = CLSDF_SIGN_NONE, positive_inside = 0
     type(c_ptr) :: mesh_name = c_null_ptr
+    real(c_double) :: floor = huge(1.0_c_double)  ! none
   end type
 
   type, bind(C) :: c_sparse_request
@@ -5904,8 +5905,8 @@ contains
 
   ! ---- Fields ----
 
-  !> A field with room for these outputs; the values are not set.
-  subroutine field_create(self, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg)
+  !> A field with room for these outputs; the values are not set. floor: of CLSDF_SIGN_BELOW, its z.
+  subroutine field_create(self, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg, floor)
     class(clsdf_field), intent(inout) :: self
     type(clsdf_grid), intent(in) :: grid
     type(clsdf_band), intent(in) :: band
@@ -5915,6 +5916,7 @@ contains
     logical, intent(in), optional :: positive_inside
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(in), optional :: floor
     character(:), allocatable, target :: text
     type(clsdf_c_description) :: c
     integer(c_int32_t) :: status
@@ -5924,6 +5926,7 @@ contains
     c%band = band
     if (present(sign)) c%sign = sign
     if (present(positive_inside)) c%positive_inside = merge(1, 0, positive_inside)
+    if (present(floor)) c%floor = floor
     text = c_null_char
     if (present(mesh_name)) text = trim(mesh_name)//c_null_char
     c%mesh_name = c_loc(text)
@@ -5941,8 +5944,9 @@ contains
     call clsdf_finish(c_field_set_groups(self%handle, mesh%handle), stat, errmsg)
   end subroutine
 
-  !> positive_inside: distances and gradients are negated, also zeros and what lies beyond the band.
-  subroutine field_describe(self, grid, band, sign, mesh_name, positive_inside, stat, errmsg)
+  !> positive_inside: distances and gradients are negated, also zeros and what lies beyond the band. floor: of
+  !> CLSDF_SIGN_BELOW, its z; huge(floor): none, or not known.
+  subroutine field_describe(self, grid, band, sign, mesh_name, positive_inside, stat, errmsg, floor)
     class(clsdf_field), intent(in) :: self
     type(clsdf_grid), intent(out), optional :: grid
     type(clsdf_band), intent(out), optional :: band
@@ -5951,6 +5955,7 @@ contains
     logical, intent(out), optional :: positive_inside
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(out), optional :: floor
     type(clsdf_c_description) :: c
     integer(c_int32_t) :: status
     c%struct_size = c_sizeof(c)
@@ -5961,6 +5966,7 @@ contains
       if (present(sign)) sign = c%sign
       if (present(mesh_name)) mesh_name = clsdf_text(c%mesh_name)
       if (present(positive_inside)) positive_inside = c%positive_inside /= 0
+      if (present(floor)) floor = c%floor
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
@@ -6291,7 +6297,8 @@ contains
 
   ! ---- Sparse fields ----
 
-  subroutine sparse_field_describe(self, grid, band, sign, mesh_name, stat, errmsg)
+  !> floor: of CLSDF_SIGN_BELOW, its z; huge(floor): none, or not known.
+  subroutine sparse_field_describe(self, grid, band, sign, mesh_name, stat, errmsg, floor)
     class(clsdf_sparse_field), intent(in) :: self
     type(clsdf_grid), intent(out), optional :: grid
     type(clsdf_band), intent(out), optional :: band
@@ -6299,6 +6306,7 @@ contains
     character(:), allocatable, intent(out), optional :: mesh_name
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(out), optional :: floor
     type(clsdf_c_description) :: c
     integer(c_int32_t) :: status
     c%struct_size = c_sizeof(c)
@@ -6308,6 +6316,7 @@ contains
       if (present(band)) band = c%band
       if (present(sign)) sign = c%sign
       if (present(mesh_name)) mesh_name = clsdf_text(c%mesh_name)
+      if (present(floor)) floor = c%floor
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine

@@ -1327,10 +1327,11 @@ typedef struct clsdf_field_description {
     int32_t positive_inside; /* 1: distances and gradients are negated, also zeros and what lies beyond the band */
     const char* mesh_name;   /* null: ""; of a field, lives as long as the field */
 } clsdf_field_description;
+    double floor;            /* of CLSDF_SIGN_BELOW: its z; DBL_MAX, the default: none, or not known */
 #define CLSDF_FIELD_DESCRIPTION_INIT                                                                                  \
     {                                                                                                                 \
         sizeof(clsdf_field_description), {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}}, {0, 0, 0, 0}, CLSDF_SIGN_NONE, \
-            0, NULL                                                                                                   \
+            0, NULL, 1.7976931348623157e308                                                                           \
     }
 
 /* A field with room for these outputs; the values are not set. Triangles count from 0. */

@@ -419,14 +419,18 @@ clsdf_field_description as_c(const FieldDescription& field) {
     result.sign = static_cast<std::int32_t>(field.sign);
     result.positive_inside = field.positive_inside ? 1 : 0;
     result.mesh_name = field.mesh_name.c_str();
+    if (field.floor) result.floor = *field.floor;
     return result;
 }
 
 FieldDescription description_of(const clsdf_field_description* description) {
     const clsdf_field_description from =
         read_given(description, CLSDF_FIELD_DESCRIPTION_INIT, "clsdf_field_description");
-    return {grid_of(&from.grid), band_of(&from.band), sign_rule_of(from.sign, "clsdf_field_description.sign"),
-            text_or(from.mesh_name, ""), flag(from.positive_inside, "clsdf_field_description.positive_inside")};
+    FieldDescription field{grid_of(&from.grid), band_of(&from.band),
+                           sign_rule_of(from.sign, "clsdf_field_description.sign"), text_or(from.mesh_name, ""),
+                           flag(from.positive_inside, "clsdf_field_description.positive_inside")};
+    if (from.floor != std::numeric_limits<double>::max()) field.floor = from.floor;
+    return field;
 }
 
 void check_callback(std::int32_t status, const char* name) {

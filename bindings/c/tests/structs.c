@@ -281,6 +281,7 @@ int main(void) {
     MEMBER(clsdf_field_description, sign);
     MEMBER(clsdf_field_description, positive_inside);
     MEMBER(clsdf_field_description, mesh_name);
+    MEMBER(clsdf_field_description, floor);
     SIZE(clsdf_link_options);
     MEMBER(clsdf_link_options, hits);
     MEMBER(clsdf_link_options, with_between);

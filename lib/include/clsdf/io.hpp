@@ -52,8 +52,9 @@ class FormatWriter;
 class CLSDF_EXPORT FieldWriter {
 public:
     /// Throws Error(unsupported) for an unknown ending, or for a grid, outputs or a sign of the inside that the format
-    /// cannot store, Error(invalid_argument) for an invalid grid or band, or a field of signs alone or without a sign
-    /// that is to be positive inside; or Error(output_failure). The values are written as they are.
+    /// cannot store, Error(invalid_argument) for an invalid grid or band, a field of signs alone or without a sign
+    /// that is to be positive inside, or a floor of another rule than `below`; or Error(output_failure). The values
+    /// are written as they are.
     FieldWriter(const std::string& path, const FieldDescription& field, OutputSet outputs = {});
     FieldWriter(FieldWriter&&) noexcept;
     FieldWriter& operator=(FieldWriter&&) noexcept;
