@@ -35,16 +35,6 @@ Error too_large(const clsdf::Grid& grid) {
                                                   grid.size[0], grid.size[1], grid.size[2])};
 }
 
-Error with_remedy(const ComputeOptions& options, const Error& error) {
-    if (error.code() != ErrorCode::out_of_memory) return error;
-    const char* const remedy = !options.samples.empty()   ? "fewer --samples"
-                               : !options.cells.empty()   ? "fewer --cells"
-                               : !options.size.empty()    ? "a smaller --size"
-                               : !options.spacing.empty() ? "a larger --spacing"
-                                                          : "a lower --resolution";
-    return {error.code(), fmt::format("{}; choose {}", error.what(), remedy)};
-}
-
 clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
     clsdf::FieldDescription field;
     field.grid = layout.grid;
@@ -308,6 +298,16 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
 }
 
 }  // namespace
+
+Error with_remedy(const ComputeOptions& options, const Error& error) {
+    if (error.code() != ErrorCode::out_of_memory) return error;
+    const char* const remedy = !options.samples.empty()   ? "fewer --samples"
+                               : !options.cells.empty()   ? "fewer --cells"
+                               : !options.size.empty()    ? "a smaller --size"
+                               : !options.spacing.empty() ? "a larger --spacing"
+                                                          : "a lower --resolution";
+    return {error.code(), fmt::format("{}; choose {}", error.what(), remedy)};
+}
 
 Command add_compute(Parser& program) {
     const auto options = std::make_shared<ComputeOptions>();

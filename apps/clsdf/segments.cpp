@@ -52,10 +52,10 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
         clsdf::TransformStatistics statistics;
         find(transform, run.grid, call, statistics);
         run.seconds = std::max(0.0, watch.seconds() - statistics.compile_seconds);
-    } catch (const clsdf::Error&) {
+    } catch (const clsdf::Error& error) {
         if (interruption.token().stop_requested())
             throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; nothing was written");
-        throw;
+        throw with_remedy(own, error);
     }
     if (!report.quiet) {
         report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(own.mesh), mesh.vertices().size(),
