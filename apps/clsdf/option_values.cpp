@@ -5,6 +5,7 @@
 #include <clsdf/mesh_files.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -220,6 +221,26 @@ void add_floor_option(Parser& parser, std::optional<double>& floor) {
     parser.add("--floor", floor, "z of the floor of --sign below, to which walls go down from the terrain's rim")
         .takes_number("Z");
 }
+void require_sign(clsdf::SignRule in_use, const clsdf::Topology& topology, const std::vector<std::string>& files,
+                  const SignChoice& choice, const std::string& what, const std::string& instead) {
+    if (in_use != clsdf::SignRule::none) return;
+    std::vector<std::string> remedies;
+    if (!instead.empty()) remedies.push_back(instead);
+    if (choice.rule == name_of(clsdf::SignRule::none)) {
+        remedies.emplace_back("choose another --sign");
+    } else {
+        if (topology.rim_loops > 0 && topology.overlapping_rim_edges == 0)
+            remedies.emplace_back("close the terrain by --sign below --floor Z");
+        else if (topology.inside_points > 0 && 3 * topology.doubtful_points <= topology.tested_points)
+            remedies.emplace_back("choose --sign solid-angle");
+        else
+            remedies.emplace_back("close its surface");
+    }
+    throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                       fmt::format("{}: the mesh has no sign with --sign {}, and {} one: {}", paths_of(files),
+                                   choice.rule, what, fmt::join(remedies, ", or ")));
+}
+
 
 void add_positive_inside_option(Parser& parser, bool& positive_inside) {
     parser.add("--positive-inside", positive_inside,

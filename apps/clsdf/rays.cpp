@@ -70,6 +70,9 @@ void find(const RayCallOptions& options, const clsdf::Device& device, const clsd
     const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
     found.sign = transform.sign();
     clsdf::RayTargets targets{.most = options.most, .t = found.t, .triangles = found.triangles};
+    if (parse_hits(options.hits) == clsdf::Hits::walls)
+        require_sign(found.sign, transform.topology(), options.meshes(), options.sign, "--hits walls needs",
+                     "choose --hits faces");
     if (options.count && count > 0) targets.counts = found.counts;
     found.statistics =
         transform.rays(rays.origins, rays.directions, {parse_hits(options.hits), options.limit}, targets, call);

@@ -1,15 +1,22 @@
 #include "apps/process.hpp"
 #include "support/hostile_meshes.hpp"
+#include "support/open_meshes.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/mesh_files.hpp>
 
+#include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
 
 #include <nlohmann/json.hpp>
 
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <string>
+#include <utility>
+#include <vector>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -68,6 +75,42 @@ BOOST_AUTO_TEST_CASE(links_are_written_in_each_format) {
     const Outcome outcome = run_command({"links", inputs.mesh, "-o", inputs.folder.file("links.csv")});
     BOOST_TEST(outcome.status != 0);
     BOOST_TEST((outcome.error.find(".npz") != std::string::npos));
+}
+
+BOOST_AUTO_TEST_CASE(what_needs_a_sign_names_the_mesh_and_options_that_help) {
+    const Inputs inputs;
+    const std::string terrain = inputs.folder.file("terrain.off"), bowl = inputs.folder.file("bowl.off"),
+                      rays = inputs.folder.file("rays.csv", "x,y,z,dx,dy,dz\n0,0,9,0,0,-1\n"),
+                      out = inputs.folder.file("out.npz");
+    write_mesh(Mesh({{0, 0, 2}, {4, 0, 2}, {4, 4, 2}, {0, 4, 2}}, {{0, 1, 2}, {0, 2, 3}}, ""), terrain);
+    write_mesh(open_box({0, 0, 0}, {4, 4, 2}, 5), bowl);
+    const auto check = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& fragments) {
+        for (const auto& [mesh, remedy] :
+             {std::pair(terrain, "close the terrain by --sign below --floor Z"), {bowl, "close its surface"}})
+            for (const std::string sign : {"auto", "none"}) {
+                std::vector<std::string> all{arguments[0], mesh};
+                all.insert(all.end(), arguments.begin() + 1, arguments.end());
+                all.insert(all.end(), {"--sign", sign, "--quiet"});
+                std::vector<std::string> texts = fragments;
+                texts.insert(texts.end(), {mesh + ": the mesh has no sign with --sign " + sign,
+                                           sign == "none" ? "choose another --sign" : remedy});
+                const Outcome outcome = run_command(all);
+                check_refused(outcome, 2, texts);
+                for (const char* word : {"transform", "exact signs", "sign rule none would"})
+                    BOOST_TEST(outcome.error.find(word) == std::string::npos, outcome.error);
+            }
+    };
+    check({"links", "-o", out, "--resolution", "9"}, {"--hits walls needs one", "choose --hits faces"});
+    check({"crossings", "-o", out, "--resolution", "9"}, {"crossings need one"});
+    check({"rays", rays, "-o", inputs.folder.file("hits.csv")}, {"--hits walls needs one", "choose --hits faces"});
+    const std::string field = inputs.folder.file("field.npy");
+    check({"compute", "-o", field, "--resolution", "9", "--exact-signs"},
+          {"--exact-signs needs one", "leave that out"});
+    check({"compute", "-o", field, "--resolution", "9", "--band", "0", "--margin", "1"},
+          {"--band 0 needs one", "give the band a width"});
+    check({"query", inputs.folder.file("points.csv", "x,y,z\n0,0,0\n"), "-o", inputs.folder.file("d.csv"),
+           "--positive-inside"},
+          {"--positive-inside needs one"});
 }
 
 BOOST_AUTO_TEST_CASE(crossings_are_written_and_counted) {
