@@ -26,7 +26,7 @@ ExitStatus run(const CrossingsOptions& options, Report& report) {
                                       "crossings need", "");
                          crossings = transform.crossings(grid, {.with_counts = options.counts}, call, &statistics);
                      });
-    clsdf::write_crossings(crossings, made.grid, options.grid.output);
+    clsdf::write_crossings(crossings, made.grid, options.grid.output, made.groups_or_null());
     output_is_written();
     std::array<std::size_t, 3> crossed{};
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -211,16 +211,16 @@ void add_outputs_and_groups_option(Parser& parser, std::vector<std::string>& nam
         .takes_some_of(words);
 }
 
+void add_wall_groups_option(Parser& parser, std::vector<std::string>& names) {
+    parser.add("--with", names, "group: that of the triangle, too").takes_one_of({group_word});
+}
+
 void add_sign_options(Parser& parser, SignChoice& choice) {
     parser.add("--sign", choice.rule, "the rule that decides what is inside; below: of a terrain; none: no sign")
         .takes_one_of({"auto", "nonzero", "parity", "solid-angle", "below", "none"});
     add_floor_option(parser, choice.floor);
 }
 
-void add_floor_option(Parser& parser, std::optional<double>& floor) {
-    parser.add("--floor", floor, "z of the floor of --sign below, to which walls go down from the terrain's rim")
-        .takes_number("Z");
-}
 void require_sign(clsdf::SignRule in_use, const clsdf::Topology& topology, const std::vector<std::string>& files,
                   const SignChoice& choice, const std::string& what, const std::string& instead) {
     if (in_use != clsdf::SignRule::none) return;
@@ -241,6 +241,10 @@ void require_sign(clsdf::SignRule in_use, const clsdf::Topology& topology, const
                                    choice.rule, what, fmt::join(remedies, ", or ")));
 }
 
+void add_floor_option(Parser& parser, std::optional<double>& floor) {
+    parser.add("--floor", floor, "z of the floor of --sign below, to which walls go down from the terrain's rim")
+        .takes_number("Z");
+}
 
 void add_positive_inside_option(Parser& parser, bool& positive_inside) {
     parser.add("--positive-inside", positive_inside,

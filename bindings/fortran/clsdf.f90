@@ -3805,8 +3805,8 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end function
 
-  !> A copy: the group of each triangle, from 1; empty if the mesh has no groups. That of the nearest triangle t of a point
-  !> is mesh%group_name(numbers(t)).
+  !> A copy: the group of each triangle, from 1; empty if the mesh has no groups. That of the triangle t of a point, a link,
+  !> a crossing or a ray is mesh%group_name(numbers(t)).
   subroutine mesh_group_numbers(self, numbers, stat, errmsg)
     class(clsdf_mesh), intent(in) :: self
     integer(c_int32_t), allocatable, intent(out) :: numbers(:)

@@ -1070,7 +1070,8 @@ typedef struct clsdf_link_arrays {
     uint8_t* directions; /* the number of the direction, from the mesh's index base on */
     double* q;           /* the part of the link up to the first wall, 0 to 1 */
     float* q_floats;     /* the same in floats: neither 0 nor 1 by rounding; q or this */
-    uint32_t* triangles; /* the lowest of those met first, from the index base on; 0xFFFFFFFF plus the base: none */
+    uint32_t* triangles; /* the lowest of those met first, from the index base on; 0xFFFFFFFF plus the base: none. Its
+                          * group is numbers[triangle - base] of clsdf_mesh_group_numbers() */
     uint32_t* counts;    /* walls on the link */
     uint8_t* flags;      /* CLSDF_LINK_FILM ... */
     uint8_t* inside;     /* for each sample of the grid, x fastest: 1 if it is inside, else 0 */
@@ -1326,8 +1327,8 @@ typedef struct clsdf_field_description {
     int32_t sign;            /* CLSDF_SIGN_AUTOMATIC if a file of another program states none */
     int32_t positive_inside; /* 1: distances and gradients are negated, also zeros and what lies beyond the band */
     const char* mesh_name;   /* null: ""; of a field, lives as long as the field */
-} clsdf_field_description;
     double floor;            /* of CLSDF_SIGN_BELOW: its z; DBL_MAX, the default: none, or not known */
+} clsdf_field_description;
 #define CLSDF_FIELD_DESCRIPTION_INIT                                                                                  \
     {                                                                                                                 \
         sizeof(clsdf_field_description), {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}}, {0, 0, 0, 0}, CLSDF_SIGN_NONE, \

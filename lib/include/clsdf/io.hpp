@@ -129,12 +129,15 @@ private:
 
 /// Writes links, whose grid and directions these are: .npz or .h5, with arrays as Links has them, `stencil`, `inside`
 /// (a byte for each sample, z first), `origin`, `spacing`, `size` and `first`; or .npy, a structure for each link.
-/// Complete or not at all. Throws Error(output_failure), Error(unsupported) for another ending.
+/// groups: of the mesh; the file gets the number of the triangle's group, too, in the array `groups` or the member
+/// `group`, and no_group if there is no triangle. Complete or not at all. Throws Error(output_failure),
+/// Error(unsupported) for another ending.
 CLSDF_EXPORT void write_links(const Links& links, const Grid& grid, std::span<const LinkDirection> directions,
-                              const std::string& path);
-/// Writes crossings of the grid's edges: .npz or .h5, with `x`, `x_triangles` and, if they are there, `x_counts`, the
-/// same of y and z (z first), and the others as above.
-CLSDF_EXPORT void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path);
+                              const std::string& path, const FaceGroups* groups = nullptr);
+/// Writes crossings of the grid's edges: .npz or .h5, with `x`, `x_triangles` and, if they are there, `x_groups` and
+/// `x_counts`, the same of y and z (z first), and the others as above.
+CLSDF_EXPORT void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path,
+                                  const FaceGroups* groups = nullptr);
 /// Each throws Error(unsupported) if the file's ending is another one.
 CLSDF_EXPORT void check_links_path(const std::string& path);
 CLSDF_EXPORT void check_crossings_path(const std::string& path);
