@@ -165,13 +165,15 @@ public:
         if (!unclear_.empty() && is_clear_in_box(view, mesh_.box())) {
             // A mesh that is clear as a whole may have more doubt beside some parts, and flat sheets.
             std::erase_if(unclear_, [&](std::size_t i) { return tally_of(i).is_nearly_clear() && has_inside(i); });
-            if (may_be_covered) take_covered();
-            const std::vector<std::size_t> in_doubt = unclear_;
-            if (may_be_covered) take_details();
             std::vector<std::size_t> details;
-            std::ranges::set_difference(in_doubt, unclear_, std::back_inserter(details));
-            if (unclear_.size() < parts_.size() && are_flat_and_harmless(unclear_)) unclear_.clear();
-            if (unclear_.empty() && !details.empty() && !are_flat_and_harmless(in_doubt)) count_details(details, test);
+            if (may_be_covered) {
+                take_covered();
+                const std::vector<std::size_t> before = unclear_;
+                take_details();
+                std::ranges::set_difference(before, unclear_, std::back_inserter(details));
+            }
+            if (unclear_.size() < parts_.size() && are_flat_and_harmless()) unclear_.clear();
+            if (unclear_.empty()) count_details(details, test);
         }
         for (const std::size_t i : unclear_)
             if (test.unclear_parts++ == 0 || parts_[i].faces[0] < test.first_unclear_face)
@@ -378,16 +380,16 @@ private:
         }
     }
 
-    bool are_flat_and_harmless(std::span<const std::size_t> parts) const {
+    bool are_flat_and_harmless() const {
         std::vector<Vec3> at;
         std::vector<SeenWinding> with;
-        for (const std::size_t i : parts) {
+        for (const std::size_t i : unclear_) {
             if (!parts_[i].is_single || !is_flat(mesh_, triangles_, parts_[i].faces)) return false;
             at.insert(at.end(), points_.begin() + static_cast<std::ptrdiff_t>(ranges_[i].begin),
                       points_.begin() + static_cast<std::ptrdiff_t>(ranges_[i].end));
             with.insert(with.end(), seen_by(i).begin(), seen_by(i).end());
         }
-        const std::vector<Triangle> rest = without(parts);
+        const std::vector<Triangle> rest = without(unclear_);
         const OpenLoops rest_loops = loops_of(count_edges(rest, mesh_.vertices().size()));
         return std::ranges::equal(with, WindingView(mesh_, rest, rest_loops).at(at), {}, &SeenWinding::is_inside,
                                   &SeenWinding::is_inside);
