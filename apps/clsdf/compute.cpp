@@ -35,16 +35,6 @@ Error too_large(const clsdf::Grid& grid) {
                                                   grid.size[0], grid.size[1], grid.size[2])};
 }
 
-Error with_remedy(const ComputeOptions& options, const Error& error) {
-    if (error.code() != ErrorCode::out_of_memory) return error;
-    const char* const remedy = !options.samples.empty()   ? "fewer --samples"
-                               : !options.cells.empty()   ? "fewer --cells"
-                               : !options.size.empty()    ? "a smaller --size"
-                               : !options.spacing.empty() ? "a larger --spacing"
-                                                          : "a lower --resolution";
-    return {error.code(), fmt::format("{}; choose {}", error.what(), remedy)};
-}
-
 clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
     clsdf::FieldDescription field;
     field.grid = layout.grid;
@@ -257,20 +247,16 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         request.scan,
         is_sparse(options, band, sign.rule, request.scan),
         wants_groups(options.with, mesh) ? std::make_shared<const clsdf::FaceGroups>(mesh.groups()) : nullptr};
-    if (band.has_signs_only && sign.rule == clsdf::SignRule::none)
+    const auto need_sign = [&](const char* what, const char* instead) {
+        require_sign(sign.rule, topology, options.mesh, options.sign, what, instead);
+    };
+    if (band.has_signs_only) need_sign("--band 0 needs", "give the band a width");
+    if (options.positive_inside) need_sign("--positive-inside needs", "leave that out");
+    if (options.exact_signs) need_sign("--exact-signs needs", "leave that out");
+    if (options.positive_inside && band.has_signs_only)
         throw Error(ErrorCode::invalid_argument,
-                    "--band 0 asks for the signs alone, and the field has no sign; give the band a width, or choose a "
-                    "sign rule");
-    if (options.positive_inside && (band.has_signs_only || sign.rule == clsdf::SignRule::none))
-        throw Error(ErrorCode::invalid_argument,
-                    band.has_signs_only
-                        ? "--positive-inside: with --band 0 the field has the signs of zeros alone, and "
-                          "these are negative inside; leave it out, or give the band a width"
-                        : "--positive-inside: the field has no sign, so nothing is inside; leave it "
-                          "out, or choose another --sign");
-    if (options.exact_signs && sign.rule == clsdf::SignRule::none)
-        throw Error(ErrorCode::invalid_argument,
-                    "--exact-signs: the field has no sign; leave it out, or choose another --sign");
+                    "--positive-inside: with --band 0 the field has the signs of zeros alone, and these are negative "
+                    "inside; leave it out, or give the band a width");
     warn(report, sign.warning);
     if (sign.rule == clsdf::SignRule::none && !options.band_inside.empty())
         report.warn("--band-inside has no effect, because the field has no sign");
@@ -308,6 +294,16 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
 }
 
 }  // namespace
+
+Error with_remedy(const ComputeOptions& options, const Error& error) {
+    if (error.code() != ErrorCode::out_of_memory) return error;
+    const char* const remedy = !options.samples.empty()   ? "fewer --samples"
+                               : !options.cells.empty()   ? "fewer --cells"
+                               : !options.size.empty()    ? "a smaller --size"
+                               : !options.spacing.empty() ? "a larger --spacing"
+                                                          : "a lower --resolution";
+    return {error.code(), fmt::format("{}; choose {}", error.what(), remedy)};
+}
 
 Command add_compute(Parser& program) {
     const auto options = std::make_shared<ComputeOptions>();

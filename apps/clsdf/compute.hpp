@@ -43,6 +43,8 @@ struct ComputeOptions {
 };
 
 void add_options(Parser& parser, ComputeOptions& options);
+/// An error for too little memory gets the option that makes the grid smaller; others stay.
+clsdf::Error with_remedy(const ComputeOptions& options, const clsdf::Error& error);
 /// Those of the grid alone. `margin` describes --margin.
 void add_grid_options(Parser& parser, ComputeOptions& options, const std::string& margin);
 

@@ -104,7 +104,9 @@ Json facts_of(const clsdf::Topology& topology) {
             {"overlapping_parts", topology.overlapping_parts},
             {"downward_faces", topology.downward_faces},
             {"rim_loops", topology.rim_loops},
-            {"overlapping_rim_edges", topology.overlapping_rim_edges}};
+            {"overlapping_rim_edges", topology.overlapping_rim_edges},
+            {"detail_parts", topology.detail_parts},
+            {"detail_faces", topology.detail_faces}};
 }
 
 const char* meaning_of(clsdf::SignRule rule) {

@@ -1,4 +1,5 @@
 #include "interruption.hpp"
+#include "option_values.hpp"
 #include "segments.hpp"
 
 #include <clsdf/io.hpp>
@@ -21,9 +22,11 @@ ExitStatus run(const CrossingsOptions& options, Report& report) {
         run_segments(options, report,
                      [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid,
                          const clsdf::CallOptions& call, clsdf::TransformStatistics& statistics) {
+                         require_sign(transform.sign(), transform.topology(), options.grid.mesh, options.grid.sign,
+                                      "crossings need", "");
                          crossings = transform.crossings(grid, {.with_counts = options.counts}, call, &statistics);
                      });
-    clsdf::write_crossings(crossings, made.grid, options.grid.output);
+    clsdf::write_crossings(crossings, made.grid, options.grid.output, made.groups_or_null());
     output_is_written();
     std::array<std::size_t, 3> crossed{};
     for (std::size_t axis = 0; axis < 3; ++axis)

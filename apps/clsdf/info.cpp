@@ -131,7 +131,9 @@ Json describe(const Info& info) {
                  {"overlapping_parts", info.topology.overlapping_parts},
                  {"downward_faces", info.topology.downward_faces},
                  {"rim_loops", info.topology.rim_loops},
-                 {"overlapping_rim_edges", info.topology.overlapping_rim_edges}};
+                 {"overlapping_rim_edges", info.topology.overlapping_rim_edges},
+                 {"detail_parts", info.topology.detail_parts},
+                 {"detail_faces", info.topology.detail_faces}};
     Json outer;
     if (info.outer)
         outer = {{"triangles", info.outer->faces.size()},
@@ -230,6 +232,10 @@ void print_human(const Info& info) {
             "sign      {} of {} points beside faces and in boxes have a winding number in doubt, {} are inside: {}\n",
             topology.doubtful_points, topology.tested_points, topology.inside_points,
             name_of(resolve_sign_rule(clsdf::SignRule::automatic, topology).rule));
+    if (topology.detail_parts > 0)
+        print_text("sign      {} of {} {} of the body\n", counted(topology.detail_parts, "small open part"),
+                   counted(topology.detail_faces, "face"),
+                   topology.detail_parts == 1 ? "counts as a detail" : "count as details");
     if (info.outer)
         print_text(
             "outer     volume {:.6g}, area {:.6g}; of the faces {} are on the outer surface, {} in part, {} hidden\n",

@@ -62,11 +62,14 @@ ExitStatus run(const LinksOptions& options, bool is_order_given, Report& report)
         run_segments(options, report,
                      [&](const clsdf::DistanceTransform& transform, const clsdf::Grid& grid,
                          const clsdf::CallOptions& call, clsdf::TransformStatistics& statistics) {
+                         if (parse_hits(options.hits) == clsdf::Hits::walls)
+                             require_sign(transform.sign(), transform.topology(), options.grid.mesh, options.grid.sign,
+                                          "--hits walls needs", "choose --hits faces");
                          links = transform.links(grid, directions,
                                                  {.hits = parse_hits(options.hits), .with_between = options.between},
                                                  call, &statistics);
                      });
-    clsdf::write_links(links, made.grid, directions, options.grid.output);
+    clsdf::write_links(links, made.grid, directions, options.grid.output, made.groups_or_null());
     output_is_written();
     report.print("done    {} links in {:.3f} s\n", links.size(), made.seconds);
     report.print("wrote   {}\n", options.grid.output);
@@ -95,6 +98,7 @@ Command add_links(Parser& program) {
         "Examples:\n"
         "  clsdf links bunny.off -o bunny.npz\n"
         "  clsdf links bunny.off -o bunny.h5 --directions D3Q27 --order OpenLB --resolution 128\n"
+        "  clsdf links wall.stl inlet.stl block.stl -o duct.npy --sign parity --with group\n"
         "  clsdf links wing.stl -o wing.npy --spacing 0.01 --directions 1,0,0,-1,0,0");
     return {parser, [options, parser](Report& report) { return run(*options, parser.has("--order"), report); }};
 }

@@ -5,6 +5,7 @@
 #include <clsdf/mesh_files.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -210,10 +211,34 @@ void add_outputs_and_groups_option(Parser& parser, std::vector<std::string>& nam
         .takes_some_of(words);
 }
 
+void add_wall_groups_option(Parser& parser, std::vector<std::string>& names) {
+    parser.add("--with", names, "group: that of the triangle, too").takes_one_of({group_word});
+}
+
 void add_sign_options(Parser& parser, SignChoice& choice) {
     parser.add("--sign", choice.rule, "the rule that decides what is inside; below: of a terrain; none: no sign")
         .takes_one_of({"auto", "nonzero", "parity", "solid-angle", "below", "none"});
     add_floor_option(parser, choice.floor);
+}
+
+void require_sign(clsdf::SignRule in_use, const clsdf::Topology& topology, const std::vector<std::string>& files,
+                  const SignChoice& choice, const std::string& what, const std::string& instead) {
+    if (in_use != clsdf::SignRule::none) return;
+    std::vector<std::string> remedies;
+    if (!instead.empty()) remedies.push_back(instead);
+    if (choice.rule == name_of(clsdf::SignRule::none)) {
+        remedies.emplace_back("choose another --sign");
+    } else {
+        if (topology.rim_loops > 0 && topology.overlapping_rim_edges == 0)
+            remedies.emplace_back("close the terrain by --sign below --floor Z");
+        else if (topology.inside_points > 0 && 3 * topology.doubtful_points <= topology.tested_points)
+            remedies.emplace_back("choose --sign solid-angle");
+        else
+            remedies.emplace_back("close its surface");
+    }
+    throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                       fmt::format("{}: the mesh has no sign with --sign {}, and {} one: {}", paths_of(files),
+                                   choice.rule, what, fmt::join(remedies, ", or ")));
 }
 
 void add_floor_option(Parser& parser, std::optional<double>& floor) {

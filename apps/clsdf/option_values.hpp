@@ -131,12 +131,18 @@ std::span<const clsdf::OutputInfo> extra_outputs();
 void add_outputs_option(Parser& parser, std::vector<std::string>& names);
 /// The same with the word "group".
 void add_outputs_and_groups_option(Parser& parser, std::vector<std::string>& names);
+/// --with of segments and rays, whose only word is "group".
+void add_wall_groups_option(Parser& parser, std::vector<std::string>& names);
 /// The sign rule by its name, and the floor of the rule `below`.
 struct SignChoice {
     std::string rule = "auto";
     std::optional<double> floor{};
 };
 void add_sign_options(Parser& parser, SignChoice& choice);
+/// Throws Error(invalid_argument) if the rule in use is `none`: `what` needs a sign ("--hits walls"). It names the
+/// mesh, --sign and options that help, of which `instead` ("choose --hits faces") may be empty.
+void require_sign(clsdf::SignRule in_use, const clsdf::Topology& topology, const std::vector<std::string>& files,
+                  const SignChoice& choice, const std::string& what, const std::string& instead);
 void add_floor_option(Parser& parser, std::optional<double>& floor);
 void add_positive_inside_option(Parser& parser, bool& positive_inside);
 /// Adds --positive-inside for a field that is read.

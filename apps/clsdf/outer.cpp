@@ -24,6 +24,7 @@ struct OuterOptions {
 };
 
 ExitStatus run(const OuterOptions& options, Report& report) {
+    keep_mesh(options.mesh, options.output);
     clsdf::check_mesh_path(options.output);
     const clsdf::Mesh mesh = read_body(options.mesh, options.reading, report);
     clsdf::CallOptions call;

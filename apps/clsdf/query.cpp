@@ -48,6 +48,7 @@ struct Found {
     std::vector<float> winding;  ///< empty unless asked for
     clsdf::TransformStatistics statistics;
     clsdf::SignRule sign = clsdf::SignRule::none;
+    clsdf::Topology topology;
     std::string device_name;
     std::string device_platform;
     double seconds = 0;
@@ -79,6 +80,7 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
     const Stopwatch watch;
     const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
     found.sign = transform.sign();
+    found.topology = transform.topology();
     found.statistics = transform.query(points, half_width, found.values.targets(), call);
     if (options.winding) {
         found.winding.resize(points.size());
@@ -120,10 +122,8 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     const clsdf::FaceGroups* const groups = wants_groups(options.with, mesh) ? &mesh.groups() : nullptr;
 
     Found found = find_unless_interrupted(options, device, mesh, points, half_width, report);
-    if (options.positive_inside && found.sign == clsdf::SignRule::none)
-        throw Error(ErrorCode::invalid_argument,
-                    "--positive-inside: the distances have no sign, so nothing is inside; leave it out, or choose "
-                    "another --sign");
+    if (options.positive_inside)
+        require_sign(found.sign, found.topology, meshes, options.sign, "--positive-inside needs", "leave that out");
     const std::span<const float> distance = found.values.slab().distance();
     const auto inside = static_cast<std::size_t>(
         std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));

@@ -32,6 +32,7 @@ struct RayCallOptions {
     double limit = std::numeric_limits<double>::infinity();
     std::size_t most = 1;
     bool count = false;
+    std::vector<std::string> with;
     SignChoice sign;
     bool refuse_unusable_rays = false;
     std::string device;
@@ -69,6 +70,9 @@ void find(const RayCallOptions& options, const clsdf::Device& device, const clsd
     const Stopwatch watch;
     const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
     found.sign = transform.sign();
+    if (parse_hits(options.hits) == clsdf::Hits::walls)
+        require_sign(found.sign, transform.topology(), options.meshes(), options.sign, "--hits walls needs",
+                     "choose --hits faces");
     clsdf::RayTargets targets{.most = options.most, .t = found.t, .triangles = found.triangles};
     if (options.count && count > 0) targets.counts = found.counts;
     found.statistics =
@@ -102,19 +106,21 @@ ExitStatus run(const RayCallOptions& options, Report& report) {
     const clsdf::Mesh mesh = read_body(meshes, options.reading, report);
     const clsdf::RayRows rays = clsdf::read_rays(options.rays());
     const double read_seconds = read.seconds();
+    const clsdf::FaceGroups* const groups = wants_groups(options.with, mesh) ? &mesh.groups() : nullptr;
 
     const Found found = find_unless_interrupted(options, device, mesh, rays, report);
     const std::size_t count = rays.origins.size();
     std::size_t hit = 0;
     for (std::size_t i = 0; i < count; ++i) hit += std::isfinite(found.t[i * options.most]) ? 1U : 0U;
     const Stopwatch write;
-    clsdf::write_rays(rays, {options.most, found.t, found.triangles, found.counts}, options.output);
+    clsdf::write_rays(rays, {options.most, found.t, found.triangles, found.counts, groups}, options.output);
     output_is_written();
     const double write_seconds = write.seconds();
 
     if (!report.quiet) {
         report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(meshes), mesh.vertices().size(),
                      mesh.triangles().size());
+        if (groups != nullptr) report.print("groups  {}\n", human(*groups));
         report.print("done    {} rays in {:.3f} s, {} of them meet {}\n", count, found.seconds, hit, options.hits);
         report.print("wrote   {}\n", options.output);
     }
@@ -134,6 +140,7 @@ ExitStatus run(const RayCallOptions& options, Report& report) {
                        {"write", write_seconds}}},
                      {"output", options.output}};
     if (std::isfinite(options.limit)) report.result["limit"] = options.limit;
+    if (groups != nullptr) report.result["groups"] = groups->names;
     return ExitStatus::done;
 }
 
@@ -149,6 +156,7 @@ Command add_rays(Parser& program) {
         .takes_number_of_0_to_infinity("T");
     parser.add("--most", options->most, "hits of each ray, the first ones").takes_whole_number("COUNT", 1, 1U << 20);
     parser.add("--count", options->count, "a column with the number of all hits, too");
+    add_wall_groups_option(parser, options->with);
     add_sign_options(parser, options->sign);
     parser.add("--refuse-unusable-rays", options->refuse_unusable_rays,
                "fail if an origin is not finite, or a direction is 0 or not finite");

@@ -18,8 +18,10 @@ void add_segment_options(Parser& parser, SegmentOptions& options, const char* ou
     parser.add("-o,--output", own.output, output).takes("RESULT").required();
     add_grid_options(parser, own, "room around the mesh");
     parser.begin_group("Options");
+    add_wall_groups_option(parser, own.with);
     add_sign_options(parser, own.sign);
     add_placement_options(parser, own.reading);
+    add_group_option(parser, own.reading);
     add_weld_option(parser, own.reading);
     add_skip_option(parser, own.reading);
     add_device_option(parser, own.device, "whose memory is used");
@@ -34,6 +36,7 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
     const clsdf::Device device = open_device(own.device, report);
     const clsdf::Mesh mesh = read_body(own.mesh, own.reading, report);
     SegmentRun run;
+    if (wants_groups(own.with, mesh)) run.groups = mesh.groups();
     run.grid = request.grid_around(mesh.box());
     run.device = device.name();
     const Interruption interruption;
@@ -52,24 +55,27 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
         clsdf::TransformStatistics statistics;
         find(transform, run.grid, call, statistics);
         run.seconds = std::max(0.0, watch.seconds() - statistics.compile_seconds);
-    } catch (const clsdf::Error&) {
+    } catch (const clsdf::Error& error) {
         if (interruption.token().stop_requested())
             throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; nothing was written");
-        throw;
+        throw with_remedy(own, error);
     }
     if (!report.quiet) {
         report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(own.mesh), mesh.vertices().size(),
                      mesh.triangles().size());
+        if (run.groups) report.print("groups  {}\n", human(*run.groups));
         report.print("grid    {} x {} x {} samples\n", run.grid.size[0], run.grid.size[1], run.grid.size[2]);
     }
     return run;
 }
 
 Json describe(const SegmentOptions& options, const SegmentRun& run) {
-    return {{"mesh", paths_of(options.grid.mesh)},
-            {"grid", describe(run.grid)},
-            {"sign", name_of(run.sign)},
-            {"device", run.device},
-            {"seconds", run.seconds},
-            {"output", options.grid.output}};
+    Json result{{"mesh", paths_of(options.grid.mesh)},
+                {"grid", describe(run.grid)},
+                {"sign", name_of(run.sign)},
+                {"device", run.device},
+                {"seconds", run.seconds},
+                {"output", options.grid.output}};
+    if (run.groups) result["groups"] = run.groups->names;
+    return result;
 }

@@ -6,11 +6,12 @@
 #include <clsdf/clsdf.hpp>
 
 #include <functional>
+#include <optional>
 #include <string>
 
 /// What the subcommands links and crossings share: a mesh and a grid.
 struct SegmentOptions {
-    ComputeOptions grid;  ///< those of the grid, the sign and the mesh alone
+    ComputeOptions grid;  ///< those of the grid, the sign, the mesh and its groups alone
 };
 
 void add_segment_options(Parser& parser, SegmentOptions& options, const char* output);
@@ -20,6 +21,9 @@ struct SegmentRun {
     clsdf::SignRule sign = clsdf::SignRule::none;
     double seconds = 0;
     std::string device;
+    std::optional<clsdf::FaceGroups> groups{};  ///< if they are asked for
+
+    const clsdf::FaceGroups* groups_or_null() const { return groups ? &*groups : nullptr; }
 };
 
 /// Reads the mesh and calls find(transform, grid, call, statistics). Prints what they are.

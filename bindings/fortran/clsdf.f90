@@ -410,7 +410,7 @@ module clsdf
         double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
         first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
         first_overlapping_face = 0, downward_faces = 0, first_downward_face = 0, rim_loops = 0, &
-        overlapping_rim_edges = 0
+        overlapping_rim_edges = 0, detail_parts = 0, detail_faces = 0, first_detail_face = 0
   end type
 
   type, bind(C) :: clsdf_defects
@@ -779,7 +779,7 @@ module clsdf
         double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
         first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
         first_overlapping_face = 0, downward_faces = 0, first_downward_face = 0, rim_loops = 0, &
-        overlapping_rim_edges = 0
+        overlapping_rim_edges = 0, detail_parts = 0, detail_faces = 0, first_detail_face = 0
   end type
   type, bind(C) :: c_call_options
     integer(c_size_t) :: struct_size = 0
@@ -836,6 +836,7 @@ module clsdf
     type(clsdf_band) :: band
     integer(c_int32_t) :: sign = CLSDF_SIGN_NONE, positive_inside = 0
     type(c_ptr) :: mesh_name = c_null_ptr
+    real(c_double) :: floor = huge(1.0_c_double)  ! none
   end type
 
   type, bind(C) :: c_sparse_request
@@ -3872,8 +3873,8 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end function
 
-  !> A copy: the group of each triangle, from 1; empty if the mesh has no groups. That of the nearest triangle t of a point
-  !> is mesh%group_name(numbers(t)).
+  !> A copy: the group of each triangle, from 1; empty if the mesh has no groups. That of the triangle t of a point, a link,
+  !> a crossing or a ray is mesh%group_name(numbers(t)).
   subroutine mesh_group_numbers(self, numbers, stat, errmsg)
     class(clsdf_mesh), intent(in) :: self
     integer(c_int32_t), allocatable, intent(out) :: numbers(:)
@@ -3983,6 +3984,9 @@ contains
     topology%first_downward_face = c%first_downward_face
     topology%rim_loops = c%rim_loops
     topology%overlapping_rim_edges = c%overlapping_rim_edges
+    topology%detail_parts = c%detail_parts
+    topology%detail_faces = c%detail_faces
+    topology%first_detail_face = c%first_detail_face
   end subroutine
 
   !> Defects beside those of edges.
@@ -5969,8 +5973,8 @@ contains
 
   ! ---- Fields ----
 
-  !> A field with room for these outputs; the values are not set.
-  subroutine field_create(self, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg)
+  !> A field with room for these outputs; the values are not set. floor: of CLSDF_SIGN_BELOW, its z.
+  subroutine field_create(self, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg, floor)
     class(clsdf_field), intent(inout) :: self
     type(clsdf_grid), intent(in) :: grid
     type(clsdf_band), intent(in) :: band
@@ -5980,6 +5984,7 @@ contains
     logical, intent(in), optional :: positive_inside
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(in), optional :: floor
     character(:), allocatable, target :: text
     type(clsdf_c_description) :: c
     integer(c_int32_t) :: status
@@ -5989,6 +5994,7 @@ contains
     c%band = band
     if (present(sign)) c%sign = sign
     if (present(positive_inside)) c%positive_inside = merge(1, 0, positive_inside)
+    if (present(floor)) c%floor = floor
     text = c_null_char
     if (present(mesh_name)) text = trim(mesh_name)//c_null_char
     c%mesh_name = c_loc(text)
@@ -6006,8 +6012,9 @@ contains
     call clsdf_finish(c_field_set_groups(self%handle, mesh%handle), stat, errmsg)
   end subroutine
 
-  !> positive_inside: distances and gradients are negated, also zeros and what lies beyond the band.
-  subroutine field_describe(self, grid, band, sign, mesh_name, positive_inside, stat, errmsg)
+  !> positive_inside: distances and gradients are negated, also zeros and what lies beyond the band. floor: of
+  !> CLSDF_SIGN_BELOW, its z; huge(floor): none, or not known.
+  subroutine field_describe(self, grid, band, sign, mesh_name, positive_inside, stat, errmsg, floor)
     class(clsdf_field), intent(in) :: self
     type(clsdf_grid), intent(out), optional :: grid
     type(clsdf_band), intent(out), optional :: band
@@ -6016,6 +6023,7 @@ contains
     logical, intent(out), optional :: positive_inside
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(out), optional :: floor
     type(clsdf_c_description) :: c
     integer(c_int32_t) :: status
     c%struct_size = c_sizeof(c)
@@ -6026,6 +6034,7 @@ contains
       if (present(sign)) sign = c%sign
       if (present(mesh_name)) mesh_name = clsdf_text(c%mesh_name)
       if (present(positive_inside)) positive_inside = c%positive_inside /= 0
+      if (present(floor)) floor = c%floor
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine
@@ -6356,7 +6365,8 @@ contains
 
   ! ---- Sparse fields ----
 
-  subroutine sparse_field_describe(self, grid, band, sign, mesh_name, stat, errmsg)
+  !> floor: of CLSDF_SIGN_BELOW, its z; huge(floor): none, or not known.
+  subroutine sparse_field_describe(self, grid, band, sign, mesh_name, stat, errmsg, floor)
     class(clsdf_sparse_field), intent(in) :: self
     type(clsdf_grid), intent(out), optional :: grid
     type(clsdf_band), intent(out), optional :: band
@@ -6364,6 +6374,7 @@ contains
     character(:), allocatable, intent(out), optional :: mesh_name
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(out), optional :: floor
     type(clsdf_c_description) :: c
     integer(c_int32_t) :: status
     c%struct_size = c_sizeof(c)
@@ -6373,6 +6384,7 @@ contains
       if (present(band)) band = c%band
       if (present(sign)) sign = c%sign
       if (present(mesh_name)) mesh_name = clsdf_text(c%mesh_name)
+      if (present(floor)) floor = c%floor
     end if
     call clsdf_finish(status, stat, errmsg)
   end subroutine

@@ -194,7 +194,8 @@ contains
     call clsdf_finish(c_field_check_path(trim(path)//c_null_char, clsdf_outputs_mask(outputs)), stat, errmsg)
   end subroutine
 
-  subroutine writer_create(self, path, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg)
+  !> floor: of CLSDF_SIGN_BELOW, its z, which the file states.
+  subroutine writer_create(self, path, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg, floor)
     class(clsdf_field_writer), intent(inout) :: self
     character(*), intent(in) :: path
     type(clsdf_grid), intent(in) :: grid
@@ -205,22 +206,24 @@ contains
     logical, intent(in), optional :: positive_inside
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(in), optional :: floor
     type(clsdf_c_description) :: c
     character(:), allocatable, target :: text
     call self%release()
-    call describe(grid, band, sign, mesh_name, positive_inside, c, text)
+    call describe(grid, band, sign, mesh_name, positive_inside, floor, c, text)
     c%mesh_name = c_loc(text)
     call clsdf_finish(c_field_writer_create(trim(path)//c_null_char, c, clsdf_outputs_mask(outputs), self%handle), &
         stat, errmsg)
   end subroutine
 
   !> text: the name, for c%mesh_name.
-  subroutine describe(grid, band, sign, mesh_name, positive_inside, c, text)
+  subroutine describe(grid, band, sign, mesh_name, positive_inside, floor, c, text)
     type(clsdf_grid), intent(in) :: grid
     type(clsdf_band), intent(in) :: band
     integer(c_int32_t), intent(in), optional :: sign
     character(*), intent(in), optional :: mesh_name
     logical, intent(in), optional :: positive_inside
+    real(c_double), intent(in), optional :: floor
     type(clsdf_c_description), intent(out) :: c
     character(:), allocatable, intent(out) :: text
     c%struct_size = c_sizeof(c)
@@ -228,6 +231,7 @@ contains
     c%band = band
     if (present(sign)) c%sign = sign
     if (present(positive_inside)) c%positive_inside = merge(1, 0, positive_inside)
+    if (present(floor)) c%floor = floor
     text = c_null_char
     if (present(mesh_name)) text = trim(mesh_name)//c_null_char
   end subroutine
@@ -353,7 +357,8 @@ contains
     call clsdf_finish(c_sparse_field_write(field%handle, trim(path)//c_null_char), stat, errmsg)
   end subroutine
 
-  subroutine sparse_writer_create(self, path, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg)
+  !> floor: of CLSDF_SIGN_BELOW, its z, which the file states.
+  subroutine sparse_writer_create(self, path, grid, band, sign, mesh_name, outputs, positive_inside, stat, errmsg, floor)
     class(clsdf_sparse_writer), intent(inout) :: self
     character(*), intent(in) :: path
     type(clsdf_grid), intent(in) :: grid
@@ -364,10 +369,11 @@ contains
     logical, intent(in), optional :: positive_inside
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    real(c_double), intent(in), optional :: floor
     type(clsdf_c_description) :: c
     character(:), allocatable, target :: text
     call self%release()
-    call describe(grid, band, sign, mesh_name, positive_inside, c, text)
+    call describe(grid, band, sign, mesh_name, positive_inside, floor, c, text)
     c%mesh_name = c_loc(text)
     call clsdf_finish(c_sparse_writer_create(trim(path)//c_null_char, c, clsdf_outputs_mask(outputs), self%handle), &
         stat, errmsg)

@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -74,6 +76,29 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
 
 namespace {
 
+/// "for the links of 3 x 4 x 5 samples, whose sides alone take 8 bytes; ask for those of a part of the grid"
+std::string lacking(const char* what, const Grid& grid, const char* whose, double bytes) {
+    return fmt::format("{} of {} x {} x {} samples, {} take {:.0f} bytes; ask for those of a part of the grid", what,
+                       grid.size[0], grid.size[1], grid.size[2], whose, bytes);
+}
+
+double samples_of(const Grid& grid) {
+    return static_cast<double>(grid.size[0]) * static_cast<double>(grid.size[1]) * static_cast<double>(grid.size[2]);
+}
+
+/// A bit for each sample.
+std::string lacking_for_links(const char* what, const Grid& grid) {
+    return lacking(what, grid, "whose sides alone", std::ceil(samples_of(grid) / 8));
+}
+
+std::string lacking_for_crossings(const Grid& grid, bool with_counts) {
+    double edges = 0;
+    for (const std::int64_t size : grid.size)
+        edges += samples_of(grid) / static_cast<double>(size) * static_cast<double>(size - 1);
+    const double each = sizeof(double) + sizeof(std::uint32_t) * (with_counts ? 2 : 1);
+    return lacking("for the crossings", grid, "which", edges * each + std::ceil(samples_of(grid) / 8));
+}
+
 segments::LinkChoice choice_of(const LinkOptions& options) {
     if (options.with_between && options.hits == Hits::faces)
         throw Error(ErrorCode::invalid_argument,
@@ -86,7 +111,7 @@ segments::LinkChoice choice_of(const LinkOptions& options) {
 
 Links DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> directions, const LinkOptions& options,
                                const CallOptions& call, TransformStatistics* statistics) const {
-    return with_host_memory("for the links; ask for those of a part of the grid", [&] {
+    return with_host_memory(lacking_for_links("for the links", grid).c_str(), [&] {
         segments::check_directions(directions);
         const segments::LinkChoice choice = choice_of(options);
         Links links;
@@ -102,7 +127,7 @@ TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const L
                                              const LinkTargets& targets, std::size_t& count, const LinkOptions& options,
                                              const CallOptions& call) const {
     count = 0;
-    return with_host_memory("for the links; ask for those of a part of the grid", [&] {
+    return with_host_memory(lacking_for_links("for the links", grid).c_str(), [&] {
         grid.validate();
         segments::check_directions(directions);
         targets::MappedMemory memory(state().context());
@@ -149,7 +174,7 @@ TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const L
 
 std::size_t DistanceTransform::count_links(const Grid& grid, std::span<const LinkDirection> directions,
                                            const LinkOptions& options, const CallOptions& call) const {
-    return with_host_memory("to count links; count those of a part of the grid", [&] {
+    return with_host_memory(lacking_for_links("to count the links", grid).c_str(), [&] {
         segments::check_directions(directions);
         const segments::LinkChoice choice = choice_of(options);
         std::size_t count = 0;
@@ -162,7 +187,7 @@ std::size_t DistanceTransform::count_links(const Grid& grid, std::span<const Lin
 
 Crossings DistanceTransform::crossings(const Grid& grid, const CrossingOptions& options, const CallOptions& call,
                                        TransformStatistics* statistics) const {
-    return with_host_memory("for the crossings; ask for those of a part of the grid", [&] {
+    return with_host_memory(lacking_for_crossings(grid, options.with_counts).c_str(), [&] {
         Crossings crossings;
         const CallStatistics made = state().find_links(grid, {1, 1, 1}, Hits::walls, call, [&](const auto& inputs) {
             crossings = segments::find_crossings(inputs, grid, options.with_counts);

@@ -18,9 +18,7 @@ constexpr std::array<LinkDirection, 6> directions{
 }  // namespace
 
 Crossings find_crossings(const LinkInputs& inputs, const Grid& grid, bool with_counts) {
-    Links links = find_links(inputs, grid, directions, {.with_between = with_counts, .with_gaps = with_counts});
     Crossings crossings;
-    crossings.inside = std::move(links.inside);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         EdgeCrossings& edges = crossings.axes[axis];
         edges.size = grid.size;
@@ -30,6 +28,8 @@ Crossings find_crossings(const LinkInputs& inputs, const Grid& grid, bool with_c
         edges.triangles.assign(count, no_triangle);
         if (with_counts) edges.counts.assign(count, 0);
     }
+    Links links = find_links(inputs, grid, directions, {.with_between = with_counts, .with_gaps = with_counts});
+    crossings.inside = std::move(links.inside);
     for_each_index(links.size(), [&](std::size_t n) {
         const std::size_t axis = links.directions[n] / 2;
         const bool is_forward = links.directions[n] % 2 == 0;

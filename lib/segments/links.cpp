@@ -1,5 +1,6 @@
 #include "segments/links.hpp"
 
+#include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "segments/link_places.hpp"
 #include "segments/link_raster.hpp"
@@ -17,6 +18,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <string>
 #include <utility>
 
 namespace clsdf::segments {
@@ -79,12 +81,17 @@ public:
         Links links;
         const std::vector<Extra> extras = solve_extras();
         const std::size_t count = table_ ? table_->size() : 0, all = count + extras.size();
-        links.samples.resize(all);
-        links.directions.resize(all);
-        links.q.resize(all);
-        links.triangles.resize(all);
-        links.counts.resize(all);
-        links.flags.resize(all);
+        constexpr std::size_t bytes_each = 12 + 1 + 8 + 4 + 4 + 1;
+        const std::string lacking = fmt::format(
+            "for {} links, which take {} bytes; ask for those of a part of the grid", all, all * bytes_each);
+        with_host_memory(lacking.c_str(), [&] {
+            links.samples.resize(all);
+            links.directions.resize(all);
+            links.q.resize(all);
+            links.triangles.resize(all);
+            links.counts.resize(all);
+            links.flags.resize(all);
+        });
         report(0.7);
         if (count > 0) {
             table_->for_each([&](std::size_t number, const Place& sample, std::size_t direction) {

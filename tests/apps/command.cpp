@@ -49,6 +49,7 @@ BOOST_AUTO_TEST_CASE(has_usage_lines_with_what_is_required_in_the_order_of_the_c
                                                                         {"render", "FIELD -o PICTURE"},
                                                                         {"info", "MESH..."},
                                                                         {"polyhedra", "MESH... -o FILE"},
+                                                                        {"close", "MESH... -o FILE --floor Z"},
                                                                         {"shape", "SHAPE -o FILE"},
                                                                         {"devices", ""},
                                                                         {"bench", "BENCHMARK [MESHES...]"},
@@ -228,6 +229,38 @@ BOOST_AUTO_TEST_CASE(says_what_to_install_where_there_is_no_device_and_writes_no
     check_refused(run_command({"compute", mesh, "-o", folder.file("field.nrrd")}, no_devices), 4,
                   {"OpenCL", "pocl-opencl-icd"});
     BOOST_TEST(folder.file_count() == 1U);
+}
+
+BOOST_AUTO_TEST_CASE(closes_a_terrain_by_walls_and_a_floor) {
+    const TemporaryFolder folder;
+    const std::string terrain =
+        folder.file("terrain.off", "OFF\n4 2 0\n0 0 2\n4 0 2\n4 4 2\n0 4 2\n3 0 1 2\n3 0 2 3\n");
+    for (const std::string ending : {".off", ".obj", ".stl", ".ply"}) {
+        const std::string closed = folder.file("closed" + ending);
+        const Outcome outcome = run_command({"close", terrain, "-o", closed, "--floor", "-1.5", "--json"}, no_devices);
+        BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.error);
+        const nlohmann::json report = nlohmann::json::parse(outcome.out);
+        BOOST_TEST(report["triangles"] == 12);  // 2, as many on the floor, and 8 of walls
+        BOOST_TEST(report["floor"] == -1.5);
+        const clsdf::Mesh mesh = clsdf::read_mesh(closed);
+        BOOST_TEST(mesh.triangles().size() == 12U);
+        BOOST_TEST(describe_topology(mesh).balanced);
+        BOOST_TEST(mesh.box().lower[2] == -1.5);
+        BOOST_TEST(mesh.box().upper[2] == 2.0);
+    }
+    const std::string closed = folder.file("closed.off");
+    // Lengths are those after --scale.
+    BOOST_TEST(run_command({"close", terrain, "-o", closed, "--floor", "1", "--scale", "3"}, no_devices).status == 0);
+    BOOST_TEST(clsdf::read_mesh(closed).box().upper[2] == 6.0);
+    const auto refused = [&](const std::vector<std::string>& arguments, int status,
+                             const std::vector<std::string>& texts) {
+        check_refused(run_command(arguments, no_devices), status, texts);
+    };
+    refused({"close", terrain, "-o", closed}, 2, {"--floor is required"});
+    refused({"close", terrain, "-o", closed, "--floor", "2"}, 2, {terrain, "--floor 2", "lowest vertex"});
+    refused({"close", terrain, "-o", terrain, "--floor", "0"}, 2, {"is the mesh that is read"});
+    refused({"close", folder.file("solid.off", tetrahedron), "-o", closed, "--floor", "-9"}, 3,
+            {"solid.off", "needs a terrain"});
 }
 
 BOOST_AUTO_TEST_CASE(makes_shapes_and_lists_them) {

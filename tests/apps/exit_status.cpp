@@ -60,6 +60,8 @@ BOOST_AUTO_TEST_CASE(is_0_where_everything_was_done_and_json_is_one_object_then)
           {"check", mesh, field},
           {"info", mesh},
           {"slice", field, "-o", picture, "--pixels", "100"},
+          {"close", folder.file("roof.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "-o",
+           folder.file("closed.off"), "--floor", "-1"},
           {"shape", "torus", "-o", folder.file("torus.off")},
           {"shape", "--list"},
           {"devices"}}) {

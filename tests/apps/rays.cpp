@@ -102,6 +102,35 @@ BOOST_AUTO_TEST_CASE(rays_are_written_as_a_structured_array) {
     BOOST_TEST(numbers[2] == 2U);
 }
 
+BOOST_AUTO_TEST_CASE(rays_have_the_groups_of_the_triangles_that_they_meet) {
+    const Inputs inputs;
+    // Two parts, each a file and a group.
+    const std::string other = inputs.folder.file("other.off"), output = inputs.folder.file("hits.csv");
+    write_mesh(box({3, -1, -1}, {4, 1, 1}), other);
+    const std::string rays =
+        inputs.folder.file("two.csv", "x,y,z,dx,dy,dz\n-4,0.25,0.5,1,0,0\n2,0.25,0.5,1,0,0\n0,0,5,1,0,0\n");
+    const auto run = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"rays", inputs.mesh, other, rays, "-o", output, "--with", "group", "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = run_command(arguments);
+        BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.error);
+        return nlohmann::json::parse(outcome.out);
+    };
+    BOOST_TEST(run({})["groups"] == (std::vector<std::string>{"cube", "other"}));
+    const std::string one = content_of(output);
+    BOOST_TEST(one.starts_with("x,y,z,dx,dy,dz,t,triangle,group\n-4,0.25,0.5,1,0,0,3,8,0\n2,0.25,0.5,1,0,0,1,"), one);
+    BOOST_TEST(one.find(",1\n0,0,5,1,0,0,inf,4294967295,4294967295\n") != std::string::npos, one);
+    run({"--most", "3", "--count"});
+    const std::string three = content_of(output);
+    BOOST_TEST(three.starts_with("x,y,z,dx,dy,dz,t_1,triangle_1,group_1,t_2,triangle_2,group_2,t_3,triangle_3,group_3,"
+                                 "count\n-4,0.25,0.5,1,0,0,3,8,0,5,11,0,7,"),
+               three);
+    const std::string npy = inputs.folder.file("hits.npy");
+    BOOST_TEST(run_command({"rays", inputs.mesh, other, rays, "-o", npy, "--with", "group"}).status == 0);
+    BOOST_TEST(content_of(npy).find("[('t', '<f8'), ('triangle', '<u4'), ('group', '<u4')]") != std::string::npos);
+    check_refused(run_command({"rays", inputs.mesh, rays, "-o", output, "--with", "group"}), 2, {"cube", "no groups"});
+}
+
 BOOST_AUTO_TEST_CASE(a_limit_may_be_infinite) {
     const Inputs inputs;
     const std::string whole = inputs.folder.file("whole.csv"), limited = inputs.folder.file("limited.csv");

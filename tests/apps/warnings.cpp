@@ -1,6 +1,7 @@
 #include "apps/process.hpp"
 #include "support/doubtful_meshes.hpp"
 #include "support/hostile_meshes.hpp"
+#include "support/open_meshes.hpp"
 
 #include <clsdf/mesh_files.hpp>
 
@@ -123,6 +124,27 @@ BOOST_AUTO_TEST_CASE(of_the_sign_take_two_lines_and_have_the_remedy) {
         with_faces(together({seamed_torus(), shifted(cube(1), {9, 0, 0}), shifted(tilted(cube(0.4)), {9, 0, 0})}, ""),
                    {seamed_torus().triangles()[5]}, ""),
         {"--sign parity makes cavities"});
+}
+
+BOOST_AUTO_TEST_CASE(of_details_are_there_once_and_json_counts_them) {
+    // A lamp on a body, open towards it, above a gap.
+    const Mesh mesh = together({box({0, 0, 0}, {8, 8, 4}), open_box({1, 1, 4.1}, {2, 2, 6.1}, 4)}, "");
+    const std::string text = check_mesh(mesh, {"follows from the winding number", "1 small open part is a detail",
+                                               "close it, or --sign none gives the distance alone"});
+    BOOST_TEST(text.find("the detail has 10 faces (the first is triangle 12)") != std::string::npos, text);
+    BOOST_TEST(text.find("it has 4 open edges") != std::string::npos, text);
+    const MeshFile file(mesh);
+    const Outcome info = run_command({"info", file.path, "--json"}, no_devices);
+    const json defects = json::parse(info.out)["defects"];
+    BOOST_TEST(defects["detail_parts"] == 1);
+    BOOST_TEST(defects["detail_faces"] == 10);
+    BOOST_TEST(info.error.find("sign      1 small open part of 10 faces counts as a detail of the body\n") !=
+               std::string::npos);
+    const Outcome computed =
+        run_command({"compute", file.path, "--resolution", "9", "-o", file.folder.file("a.npy"), "--json"});
+    const json topology = json::parse(computed.out)["topology"];
+    BOOST_TEST(topology["detail_parts"] == 1);
+    BOOST_TEST(topology["detail_faces"] == 10);
 }
 
 BOOST_AUTO_TEST_CASE(of_parts_that_overlap_nothing_say_so_of_an_overlap_only_if_there_is_one) {

@@ -63,6 +63,9 @@ BOOST_AUTO_TEST_CASE(says_where_the_floor_of_a_terrain_is) {
         const Field read = read_field(folder.file("field" + format.ending));
         BOOST_CHECK(read.sign == SignRule::below);
         BOOST_TEST(read.floor.value_or(0) == -0.1);
+        written.sign = SignRule::nonzero;
+        check_throws(ErrorCode::invalid_argument, {"field", "-0.1", "sign rule below", "nonzero", "leave it out"},
+                     [&] { write_field(written, folder.file("field" + format.ending)); });
     });
 }
 

@@ -480,6 +480,26 @@ BOOST_AUTO_TEST_CASE(slabs_have_the_rows_of_the_whole) {
                  [&] { transform.links(grid, directions, LinkSink()); });
 }
 
+BOOST_AUTO_TEST_CASE(too_little_memory_names_the_grid_and_the_bytes) {
+    const DistanceTransform transform(test_device(), ball());
+    // Beyond the addresses that a process can have.
+    const Grid grid{{0, 0, 0}, {1, 1, 1}, {200000, 200000, 200000}, {}};
+    check_throws(ErrorCode::out_of_memory,
+                 {"for the crossings of 200000 x 200000 x 200000 samples", "which take 288998560000000000 bytes",
+                  "a part of the grid"},
+                 [&] { transform.crossings(grid); });
+    for (const bool is_counted : {false, true})
+        check_throws(ErrorCode::out_of_memory,
+                     {is_counted ? "to count the links" : "for the links", "200000 x 200000 x 200000 samples",
+                      "1000000000000000 bytes", "a part of the grid"},
+                     [&] {
+                         if (is_counted)
+                             transform.count_links(grid, all_directions);
+                         else
+                             transform.links(grid, all_directions);
+                     });
+}
+
 BOOST_AUTO_TEST_CASE(links_are_written_to_memory_of_the_device) {
     const Mesh mesh = ball();
     const DistanceTransform transform(test_device(), mesh);

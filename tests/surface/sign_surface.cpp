@@ -637,15 +637,27 @@ BOOST_AUTO_TEST_CASE(small_open_parts_at_a_body_are_details_of_it) {
     const Mesh on_body = lamp({1, 1, 4.1}, 1, 2), on_lamp = lamp({1.25, 1.25, 6.1}, 0.5, 1);
     std::vector<Mesh> buttons{body};  // tiny ones, in doubt everywhere
     for (int i = 0; i < 6; ++i) buttons.push_back(lamp({i + 0.5, 1, 4.02}, 0.3, 0.06));
-    for (const Mesh& mesh : {together({body, on_body}, "lamp"), together({body, on_body, on_lamp}, "lamps"),
-                             together(buttons, "buttons")}) {
+    for (const auto& [mesh, parts] : {std::pair(together({body, on_body}, "lamp"), 1U),
+                                      {together({body, on_body, on_lamp}, "lamps"), 2U},
+                                      {together({on_lamp, body, on_body}, "a lamp first"), 2U},
+                                      {together(buttons, "buttons"), 6U}}) {
         BOOST_TEST_CONTEXT(mesh.name()) {
             const Topology topology = describe_topology(mesh);
             BOOST_TEST(topology.unclear_parts == 0U);
             BOOST_TEST(topology.sheet_faces == 0U);
             BOOST_TEST(topology.enclosing_faces == 0U);
-            BOOST_TEST(has(warning_of(mesh, SignRule::solid_angle), "follows from the winding number"));
+            BOOST_TEST(topology.detail_parts == parts);
+            BOOST_TEST(topology.detail_faces == 10 * parts);
+            BOOST_TEST(topology.first_detail_face == (mesh.name() == "a lamp first" ? 0U : 12U));
+            const std::string warning = warning_of(mesh, SignRule::solid_angle);
+            BOOST_TEST(has(warning, "follows from the winding number"));
+            BOOST_TEST(has(warning,
+                           parts == 1 ? "1 small open part is a detail" : "small open parts are details of the body"));
             BOOST_TEST(describe_mesh(mesh).surface.vertices.empty());
+            // The rule by name does not ask whether the mesh has a sign.
+            const Topology by_name = describe_mesh(mesh, SignRule::solid_angle).topology;
+            BOOST_TEST(by_name.detail_parts == 0U);
+            BOOST_TEST(!has(resolve_sign_rule(SignRule::solid_angle, by_name).warning, "detail"));
         }
     }
     // Open to the other side, as a pot; far away; too large; a dome, in doubt everywhere; a bowl and a trough on a
@@ -659,9 +671,11 @@ BOOST_AUTO_TEST_CASE(small_open_parts_at_a_body_are_details_of_it) {
     for (const Mesh& mesh :
          {together({body, lamp({1, 1, 4.1}, 1, 2, 5)}, "pot"), together({body, lamp({1, 1, 6}, 1, 2)}, "lamp apart"),
           together({body, lamp({1, 1, 4.1}, 3, 6)}, "large lamp"), together({body, shifted(dome, {4, 4, 4})}, "dome"),
-          together({floor, trough(1)}, "bowl"), together({floor, trough(4)}, "trough")}) {
+          together({floor, trough(1)}, "bowl"), together({floor, trough(4)}, "trough"),
+          together({body, on_body, lamp({1, 1, -9}, 1, 2)}, "a lamp and a lamp apart")}) {
         BOOST_TEST_CONTEXT(mesh.name()) {
             BOOST_TEST(describe_topology(mesh).unclear_parts == 1U);
+            BOOST_TEST(describe_topology(mesh).detail_parts == 0U);  // one part without a sign is enough
             BOOST_TEST(has(warning_of(mesh, SignRule::none), "enclose something"));
         }
     }

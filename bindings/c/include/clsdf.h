@@ -598,6 +598,11 @@ typedef struct clsdf_topology {
     int64_t first_downward_face;   /* the lowest of them */
     int64_t rim_loops;             /* of a mesh that is not closed and has no downward_faces: loops of open edges */
     int64_t overlapping_rim_edges; /* of them that cross others, seen from above, or at which the mesh lies twice */
+    /* Small open parts that are attached to the others and count as details of them; 0 if the mesh has its sign without
+     * that. */
+    int64_t detail_parts;
+    int64_t detail_faces;      /* of these parts */
+    int64_t first_detail_face; /* the lowest of them */
 } clsdf_topology;
 #define CLSDF_EDGE_INIT \
     {                   \
@@ -611,7 +616,7 @@ typedef struct clsdf_topology {
     {                                                                                                                  \
         CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT,                  \
             CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
-            0, 0                                                                                                       \
+            0, 0, 0, 0, 0                                                                                              \
     }
 
 /* Defects beside those of edges. The distance is exact in spite of them. */
@@ -1089,7 +1094,8 @@ typedef struct clsdf_link_arrays {
     uint8_t* directions; /* the number of the direction, from the mesh's index base on */
     double* q;           /* the part of the link up to the first wall, 0 to 1 */
     float* q_floats;     /* the same in floats: neither 0 nor 1 by rounding; q or this */
-    uint32_t* triangles; /* the lowest of those met first, from the index base on; 0xFFFFFFFF plus the base: none */
+    uint32_t* triangles; /* the lowest of those met first, from the index base on; 0xFFFFFFFF plus the base: none. Its
+                          * group is numbers[triangle - base] of clsdf_mesh_group_numbers() */
     uint32_t* counts;    /* walls on the link */
     uint8_t* flags;      /* CLSDF_LINK_FILM ... */
     uint8_t* inside;     /* for each sample of the grid, x fastest: 1 if it is inside, else 0 */
@@ -1345,11 +1351,12 @@ typedef struct clsdf_field_description {
     int32_t sign;            /* CLSDF_SIGN_AUTOMATIC if a file of another program states none */
     int32_t positive_inside; /* 1: distances and gradients are negated, also zeros and what lies beyond the band */
     const char* mesh_name;   /* null: ""; of a field, lives as long as the field */
+    double floor;            /* of CLSDF_SIGN_BELOW: its z; DBL_MAX, the default: none, or not known */
 } clsdf_field_description;
 #define CLSDF_FIELD_DESCRIPTION_INIT                                                                                  \
     {                                                                                                                 \
         sizeof(clsdf_field_description), {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}}, {0, 0, 0, 0}, CLSDF_SIGN_NONE, \
-            0, NULL                                                                                                   \
+            0, NULL, 1.7976931348623157e308                                                                           \
     }
 
 /* A field with room for these outputs; the values are not set. Triangles count from 0. */

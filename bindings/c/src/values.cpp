@@ -393,6 +393,9 @@ clsdf_topology as_c(const Topology& topology) {
     result.first_downward_face = static_cast<std::int64_t>(topology.first_downward_face);
     result.rim_loops = static_cast<std::int64_t>(topology.rim_loops);
     result.overlapping_rim_edges = static_cast<std::int64_t>(topology.overlapping_rim_edges);
+    result.detail_parts = static_cast<std::int64_t>(topology.detail_parts);
+    result.detail_faces = static_cast<std::int64_t>(topology.detail_faces);
+    result.first_detail_face = static_cast<std::int64_t>(topology.first_detail_face);
     return result;
 }
 
@@ -416,14 +419,18 @@ clsdf_field_description as_c(const FieldDescription& field) {
     result.sign = static_cast<std::int32_t>(field.sign);
     result.positive_inside = field.positive_inside ? 1 : 0;
     result.mesh_name = field.mesh_name.c_str();
+    if (field.floor) result.floor = *field.floor;
     return result;
 }
 
 FieldDescription description_of(const clsdf_field_description* description) {
     const clsdf_field_description from =
         read_given(description, CLSDF_FIELD_DESCRIPTION_INIT, "clsdf_field_description");
-    return {grid_of(&from.grid), band_of(&from.band), sign_rule_of(from.sign, "clsdf_field_description.sign"),
-            text_or(from.mesh_name, ""), flag(from.positive_inside, "clsdf_field_description.positive_inside")};
+    FieldDescription field{grid_of(&from.grid), band_of(&from.band),
+                           sign_rule_of(from.sign, "clsdf_field_description.sign"), text_or(from.mesh_name, ""),
+                           flag(from.positive_inside, "clsdf_field_description.positive_inside")};
+    if (from.floor != std::numeric_limits<double>::max()) field.floor = from.floor;
+    return field;
 }
 
 void check_callback(std::int32_t status, const char* name) {

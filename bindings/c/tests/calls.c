@@ -974,6 +974,31 @@ static void check_terrain(void) {
     clsdf_mesh_release(terrain);
 }
 
+/* A lamp on a box, above a gap and open towards it. */
+static void check_detail(void) {
+    static const int32_t faces[12][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
+                                         {2, 6, 7}, {2, 7, 3}, {4, 5, 7}, {4, 7, 6}, {0, 2, 3}, {0, 3, 1}};
+    double corners[16][3];
+    int32_t both[22][3];
+    clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
+    clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
+    clsdf_mesh* lamp = NULL;
+    int i, k;
+    for (i = 0; i < 16; ++i) {
+        corners[i][0] = i < 8 ? 8 * (i & 1) : 1 + (i & 1);
+        corners[i][1] = i < 8 ? 8 * (i >> 1 & 1) : 1 + (i >> 1 & 1);
+        corners[i][2] = i < 8 ? 4 * (i >> 2 & 1) : 4.1 + 2 * (i >> 2 & 1);
+    }
+    for (i = 0; i < 22; ++i)
+        for (k = 0; k < 3; ++k) both[i][k] = i < 12 ? faces[i][k] : faces[i - 12][k] + 8;
+    arrays.vertices = clsdf_host_array(CLSDF_FLOAT64, corners, 16);
+    arrays.triangles = clsdf_host_array(CLSDF_INT32, both, 22);
+    OK(clsdf_mesh_create(&arrays, &lamp));
+    OK(clsdf_mesh_topology(lamp, &topology));
+    CHECK(topology.detail_parts == 1 && topology.detail_faces == 10 && topology.first_detail_face == 12);
+    clsdf_mesh_release(lamp);
+}
+
 int main(void) {
     clsdf_target targets[2];
     CHECK(clsdf_version() == CLSDF_VERSION && strcmp(clsdf_version_text(), "0.1.0") == 0);
@@ -986,6 +1011,7 @@ int main(void) {
           strcmp(clsdf_device_source_name(CLSDF_UNREGISTERED), "unregistered") == 0);
     OK(clsdf_device_automatic(&device));
     check_terrain();
+    check_detail();
     OK(clsdf_mesh_shape("torus", &mesh));
     OK(clsdf_transform_create(device, mesh, NULL, NULL, &transform));
     {

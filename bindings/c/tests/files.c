@@ -96,6 +96,32 @@ static void check_sparse_arrays(const clsdf_transform* transform, const clsdf_gr
     for (n = 0; n < 2; ++n) check_same_files(indices[n][0], indices[n][1]);
 }
 
+/* A file states the floor of a field, whoever made it. */
+static void check_floor(void) {
+    const clsdf_grid grid = {{0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {0, 0, 0}};
+    const float distance = -1;
+    clsdf_field_description description = CLSDF_FIELD_DESCRIPTION_INIT;
+    clsdf_target target;
+    clsdf_field_writer* writer;
+    clsdf_field* read;
+    description.grid = grid;
+    description.band = clsdf_band_full();
+    description.floor = -0.5;
+    target.output = CLSDF_DISTANCE;
+    target.array = clsdf_host_array(CLSDF_FLOAT32, &distance, 1);
+    FAILS(CLSDF_INVALID_ARGUMENT, "sign rule below", clsdf_field_writer_create("floor.nrrd", &description, 0, &writer));
+    description.sign = CLSDF_SIGN_BELOW;
+    OK(clsdf_field_writer_create("floor.nrrd", &description, 0, &writer));
+    OK(clsdf_field_writer_append(writer, &target, 1, 1));
+    OK(clsdf_field_writer_finish(writer));
+    clsdf_field_writer_release(writer);
+    OK(clsdf_field_read("floor.nrrd", &read));
+    description.floor = 0;
+    OK(clsdf_field_describe(read, &description));
+    CHECK(description.sign == CLSDF_SIGN_BELOW && description.floor == -0.5);
+    clsdf_field_release(read);
+}
+
 /* A sparse field is written as the dense one, in one piece and layer by layer. */
 static void check_sparse(const clsdf_transform* transform) {
     const clsdf_band band = clsdf_band_symmetric(0.2);
@@ -272,6 +298,7 @@ int main(void) {
     FAILS(CLSDF_UNSUPPORTED, "points.xyz", clsdf_points_check_path("points.xyz"));
 
     check_sparse(transform);
+    check_floor();
     check_read_sparse(transform, &grid, &band);
 
     clsdf_field_release(field);

@@ -141,6 +141,9 @@ int main(void) {
     MEMBER(clsdf_topology, first_downward_face);
     MEMBER(clsdf_topology, rim_loops);
     MEMBER(clsdf_topology, overlapping_rim_edges);
+    MEMBER(clsdf_topology, detail_parts);
+    MEMBER(clsdf_topology, detail_faces);
+    MEMBER(clsdf_topology, first_detail_face);
     SIZE(clsdf_defects);
     MEMBER(clsdf_defects, struct_size);
     MEMBER(clsdf_defects, zero_area_faces);
@@ -285,6 +288,7 @@ int main(void) {
     MEMBER(clsdf_field_description, sign);
     MEMBER(clsdf_field_description, positive_inside);
     MEMBER(clsdf_field_description, mesh_name);
+    MEMBER(clsdf_field_description, floor);
     SIZE(clsdf_link_options);
     MEMBER(clsdf_link_options, hits);
     MEMBER(clsdf_link_options, with_between);

@@ -85,9 +85,30 @@ program calls
   call slabs_and_fields()
   call other_calls()
   call terrain()
+  call detail()
   call errors()
 
 contains
+
+  ! A lamp on a box, above a gap and open towards it.
+  subroutine detail()
+    integer(4), parameter :: faces(3, 12) = reshape([1, 5, 7, 1, 7, 3, 2, 4, 8, 2, 8, 6, 1, 2, 6, 1, 6, 5, 3, 7, 8, &
+        3, 8, 4, 5, 6, 8, 5, 8, 7, 1, 3, 4, 1, 4, 2], [3, 12])
+    real(8) :: corners(3, 16)
+    integer :: i
+    type(clsdf_mesh) :: lamp
+    type(clsdf_topology) :: topology
+    do i = 1, 8
+      corners(:, i) = [ibits(i - 1, 0, 1), ibits(i - 1, 1, 1), ibits(i - 1, 2, 1)]
+    end do
+    corners(:, 9:) = spread([1d0, 1d0, 4.1d0], 2, 8) + corners(:, :8) * spread([1d0, 1d0, 2d0], 2, 8)
+    corners(:, :8) = corners(:, :8) * spread([8d0, 8d0, 4d0], 2, 8)
+    call lamp%create(corners, reshape([faces, faces(:, :10) + 8], [3, 22]))
+    topology = lamp%topology()
+    call check(topology%detail_parts == 1 .and. topology%detail_faces == 10 .and. topology%first_detail_face == 12, &
+        'a detail')
+    call lamp%release()
+  end subroutine
 
   ! Two triangles at z = 2, with a floor.
   subroutine terrain()

@@ -22,6 +22,7 @@ program files
   real(4), pointer :: phi(:, :, :), gradient(:, :, :, :)
   integer, pointer :: triangle(:, :, :)
   real(8), allocatable :: points(:, :)
+  real(8) :: floor
   real(4), target :: d(2), g(3, 2), turned(2, 3), row(7)
   character(:), allocatable :: text
   integer :: stat, half, file
@@ -55,6 +56,23 @@ program files
   triangle = numbers
   call clsdf_field_write(other, 'fortran_own.h5')
   call read_back('fortran_own.h5', 'an own field')
+
+  ! A file states the floor of a field, whoever made it.
+  call other%create(grid, band, CLSDF_SIGN_BELOW, floor=-0.5d0)
+  call other%array(CLSDF_DISTANCE, phi)
+  phi = expected
+  call clsdf_field_write(other, 'fortran_floor.nrrd')
+  call clsdf_field_read('fortran_floor.nrrd', other)
+  call other%describe(sign=stat, floor=floor)
+  call check(stat == CLSDF_SIGN_BELOW .and. floor == -0.5d0, 'the floor of a field')
+  call writer%create('fortran_floor.h5', grid, band, CLSDF_SIGN_BELOW, floor=-0.25d0)
+  call transform%compute_slabs(grid, band, writer)
+  call writer%finish()
+  call clsdf_field_read('fortran_floor.h5', other)
+  call other%describe(floor=floor)
+  call check(floor == -0.25d0, 'the floor of slabs')
+  call writer%create('fortran_floor.h5', grid, band, floor=-0.25d0, stat=stat, errmsg=errmsg)
+  call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'sign rule below')
 
   ! Slabs of a call into a file.
   call writer%create('fortran_slabs.h5', grid, band, transform%sign(), 'knot', [CLSDF_DISTANCE, CLSDF_TRIANGLE])

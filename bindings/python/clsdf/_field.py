@@ -16,7 +16,8 @@ class Field(Values):
 
     grid: a Grid. band: a Band, in the mesh's units. sign: the rule in use, 'nonzero', 'parity', 'solid-angle',
     'below' or 'none' ('auto' in a file of another program that does not say). mesh_name: of the mesh's file, else
-    'mesh'. positive_inside: distances and gradients are negated, also zeros and what lies beyond the band.
+    'mesh'. positive_inside: distances and gradients are negated, also zeros and what lies beyond the band. floor: of the
+    rule 'below', its z; None without one, or if a file does not say.
     """
 
     def __init__(
@@ -27,6 +28,7 @@ class Field(Values):
         mesh_name: str,
         arrays: dict[str, Any],
         positive_inside: bool = False,
+        floor: float | None = None,
     ) -> None:
         super().__init__(arrays)
         self.grid = grid
@@ -34,6 +36,7 @@ class Field(Values):
         self.sign = sign
         self.mesh_name = mesh_name
         self.positive_inside = positive_inside
+        self.floor = floor
 
     def __repr__(self) -> str:
         return f"<clsdf.Field: {', '.join(self.outputs)}, shape {self.grid.shape}, sign {self.sign}>"
@@ -88,4 +91,6 @@ class Field(Values):
             attributes["exact_signs"] = 1
         if self.positive_inside:
             attributes["inside"] = "positive"
+        if self.floor is not None:
+            attributes["floor"] = self.floor
         return xarray.Dataset(data, coords={"z": z, "y": y, "x": x}, attrs=attributes)

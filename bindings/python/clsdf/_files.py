@@ -34,14 +34,25 @@ def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | Non
     if not isinstance(field, Field):
         raise Error(f"field: {_short(field)} is no clsdf.Field; body.field() and read_field() make them")
     writer = FieldWriter.__new__(FieldWriter)
-    writer._open(path, field.grid, field.band, field.sign, field.mesh_name, field.outputs, field.positive_inside, groups)
+    writer._open(
+        path,
+        field.grid,
+        field.band,
+        field.sign,
+        field.mesh_name,
+        field.outputs,
+        field.positive_inside,
+        groups,
+        field.floor,
+    )
     with writer:
         writer.append(field)
 
 
 class FieldWriter:
     """Writes a field slab by slab, so that it need never be whole in memory. Use it in `with`: the file appears at the
-    end, and does not if there was an exception. Raises as write_field() does.
+    end, and does not if there was an exception. floor: of the sign rule 'below', its z (body.floor), which the file
+    states. Raises as write_field() does.
 
         with clsdf.FieldWriter(path, grid, band, body.sign) as writer:
             for slab in body.slabs(grid, band=band):
@@ -58,12 +69,13 @@ class FieldWriter:
         outputs: Outputs = "distance",
         positive_inside: bool = False,
         groups: Groups | None = None,
+        floor: float | None = None,
     ) -> None:
         if not isinstance(grid, Grid):
             raise Error(f"grid: {_short(grid)} is no clsdf.Grid")
         if not isinstance(band, Band):
             band = band_without_mesh(band, grid)
-        self._open(path, grid, band, sign, mesh_name, wanted(outputs), positive_inside, groups)
+        self._open(path, grid, band, sign, mesh_name, wanted(outputs), positive_inside, groups, floor)
 
     def _open(
         self,
@@ -75,13 +87,14 @@ class FieldWriter:
         outputs: tuple[str, ...],
         positive_inside: bool,
         groups: Groups | None = None,
+        floor: float | None = None,
     ) -> None:
         names: list[str] = [] if groups is None else groups.names
         numbers = None if groups is None else np.ascontiguousarray(groups.numbers, np.int32)
         name = os.fspath(path)
         self._path = name
         self._writer: _core.Writer | None = _core.writer(
-            name, grid, band, sign, mesh_name, outputs, positive_inside, names, numbers
+            name, grid, band, sign, mesh_name, outputs, positive_inside, names, numbers, floor
         )
         if name.lower().endswith(".sdf") and (positive_inside or not math.isinf(max(band.inside, band.outside))):
             warnings.warn(

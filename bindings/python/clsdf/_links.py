@@ -26,8 +26,8 @@ class Links:
     samples: (n, 3) int32, on the lattice (grid.first is that of the grid's first sample).
     directions: (n,) uint8, rows of `stencil`.
     q: (n,) the part of the link up to the first wall: 0 (the sample is on the wall) to 1.
-    triangles: (n,) uint32, the lowest of those met there; clsdf.no_triangle at the film of an open mesh and at the walls and
-        the floor of the sign rule below.
+    triangles: (n,) uint32, the lowest of those met there, in the group mesh.groups.numbers[links.triangles];
+        clsdf.no_triangle at the film of an open mesh and at the walls and the floor of the sign rule below.
     counts: (n,) uint32, walls on the link.
     flags: (n,) uint8, bits: 1 the film of an open mesh, 2 both ends are outside with a body between them, 8 (of
         hits="faces") both ends are on one side, 16 the wall is one of the walls or the floor of the sign rule below.

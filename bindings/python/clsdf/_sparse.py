@@ -25,7 +25,7 @@ class SparseField(Values):
         f.bricks[m] + (a, b, c). Vectors have one axis more.
     inside: (m, 4) int64, bricks without values that are inside: a row (i, j, k, count) stands for `count` bricks along x
         from the sample (i, j, k) on.
-    grid, band, sign, mesh_name, positive_inside: as of a Field. Bricks at the grid's end have values of samples beyond
+    grid, band, sign, mesh_name, positive_inside, floor: as of a Field. Bricks at the grid's end have values of samples beyond
         the grid, too.
     """
 
@@ -39,6 +39,7 @@ class SparseField(Values):
         inside: npt.NDArray[np.int64],
         arrays: dict[str, Any],
         positive_inside: bool = False,
+        floor: float | None = None,
     ) -> None:
         super().__init__(arrays)
         self.grid = grid
@@ -48,6 +49,7 @@ class SparseField(Values):
         self.bricks = bricks
         self.inside = inside
         self.positive_inside = positive_inside
+        self.floor = floor
 
     def __repr__(self) -> str:
         return (
@@ -97,7 +99,16 @@ class SparseField(Values):
         arrays = {name: _packed(array, type_of(name)[0]) for name, array in self.arrays.items()}
         bricks, inside = _packed(self.bricks, np.int64), _packed(self.inside, np.int64)
         _core.write_sparse(
-            os.fspath(path), self.grid, self.band, self.sign, self.mesh_name, self.positive_inside, bricks, inside, arrays
+            os.fspath(path),
+            self.grid,
+            self.band,
+            self.sign,
+            self.mesh_name,
+            self.positive_inside,
+            bricks,
+            inside,
+            arrays,
+            self.floor,
         )
 
 
@@ -109,12 +120,13 @@ def made(
     outputs: tuple[str, ...],
     found: tuple[Any, Any, dict[str, Any]],
     positive_inside: bool,
+    floor: float | None,
 ) -> SparseField:
     """A field of what the extension has computed."""
     bricks, inside, arrays = _with_empty(found, outputs)
     if positive_inside:
         _core.negate(arrays)
-    return SparseField(grid, band, sign, mesh_name, bricks, inside, arrays, positive_inside)
+    return SparseField(grid, band, sign, mesh_name, bricks, inside, arrays, positive_inside, floor)
 
 
 def read_sparse_field(path: str | os.PathLike[str]) -> SparseField | None:
@@ -124,8 +136,8 @@ def read_sparse_field(path: str | os.PathLike[str]) -> SparseField | None:
     read = _core.read_sparse_field(os.fspath(path))
     if read is None:
         return None
-    grid, band, sign, mesh_name, found, positive_inside = read
-    return SparseField(grid, band, sign, mesh_name, *_with_empty(found, ("distance",)), positive_inside)
+    grid, band, sign, mesh_name, found, positive_inside, floor = read
+    return SparseField(grid, band, sign, mesh_name, *_with_empty(found, ("distance",)), positive_inside, floor)
 
 
 def _with_empty(found: tuple[Any, Any, dict[str, Any]], outputs: tuple[str, ...]) -> tuple[Any, Any, dict[str, Any]]:

@@ -203,6 +203,11 @@ class Transform:
         return np.array(self._body.box)
 
     @property
+    def floor(self) -> float | None:
+        """Of the sign rule 'below': z of the floor."""
+        return self._made_of[4]
+
+    @property
     def topology(self) -> Topology:
         """Whether the mesh is closed, balanced or inside out, and its numbers of open edges and others."""
         return self._body.topology
@@ -404,7 +409,7 @@ class Transform:
         if not isinstance(out, Field):
             return field
         out.grid, out.band, out.sign, out.mesh_name = grid, own_band, field.sign, field.mesh_name
-        out.positive_inside = positive_inside
+        out.positive_inside, out.floor = positive_inside, self.floor
         return out
 
     def _computed(
@@ -422,7 +427,7 @@ class Transform:
             self._body.compute(grid, band, arrays, show, wait_for)
         if positive_inside:
             _core.negate(arrays)
-        return Field(grid, band, self.sign, self.mesh_name, arrays, positive_inside)
+        return Field(grid, band, self.sign, self.mesh_name, arrays, positive_inside, self.floor)
 
     def _warn_of_narrow(self, grid: Grid, band: Band) -> None:
         """The command has this warning, too."""
@@ -467,7 +472,7 @@ class Transform:
         for grid in grids:
             grid, own_band = self._grid_and_band(grid, band, exact_signs=exact_signs)
             arrays = new_samples(outputs, grid.shape)
-            fields.append(Field(grid, own_band, self.sign, self.mesh_name, arrays, positive_inside))
+            fields.append(Field(grid, own_band, self.sign, self.mesh_name, arrays, positive_inside, self.floor))
             if positive_inside:
                 self._check_negatable(arrays, own_band)
         if fields:
@@ -576,7 +581,7 @@ class Transform:
         self._warn_of_narrow(grid, own_band)
         with shown(progress) as show:
             found = _core.compute_sparse(self._body, grid, own_band, names, show, wait_for)
-        return _sparse.made(grid, own_band, self.sign, self.mesh_name, names, found, positive_inside)
+        return _sparse.made(grid, own_band, self.sign, self.mesh_name, names, found, positive_inside, self.floor)
 
     def sparse_fields(
         self,
@@ -601,7 +606,7 @@ class Transform:
         with shown(progress) as show:
             all_found = _core.compute_sparse_many(self._body, requests, names, show)
         return [
-            _sparse.made(grid, own_band, self.sign, self.mesh_name, names, found, positive_inside)
+            _sparse.made(grid, own_band, self.sign, self.mesh_name, names, found, positive_inside, self.floor)
             for (grid, own_band), found in zip(requests, all_found)
         ]
 
@@ -629,7 +634,7 @@ class Transform:
         self._warn_of_narrow(grid, own_band)
         with shown(progress) as show:
             _core.compute_sparse_file(
-                self._body, os.fspath(path), grid, own_band, wanted(outputs), self.sign, self.mesh_name, show
+                self._body, os.fspath(path), grid, own_band, wanted(outputs), self.sign, self.mesh_name, show, self.floor
             )
 
     def compile(

@@ -39,7 +39,7 @@ FieldSlab slab_of(const ArraysByName& arrays, const char* what, HeldArrays& held
 }
 
 FieldDescription described(const Grid& grid, const Band& band, const std::string& sign, const std::string& mesh_name,
-                           bool positive_inside) {
+                           bool positive_inside, std::optional<double> floor) {
     FieldDescription field;
     field.grid = grid;
     field.band = band;
@@ -48,13 +48,14 @@ FieldDescription described(const Grid& grid, const Band& band, const std::string
                               SignRule::below, SignRule::none});
     field.mesh_name = mesh_name;
     field.positive_inside = positive_inside;
+    field.floor = floor;
     return field;
 }
 
 namespace {
 
-// The file's field: (grid, band, sign, mesh_name, {output: array}, positive_inside). The arrays share the memory that
-// was read.
+// The file's field: (grid, band, sign, mesh_name, {output: array}, positive_inside, floor). The arrays share the memory
+// that was read.
 nb::tuple read(const std::string& path) {
     std::unique_ptr<Field> field;
     {
@@ -73,17 +74,18 @@ nb::tuple read(const std::string& path) {
         arrays[info.name] = nb::cast(nb::ndarray<nb::numpy>(bytes.data(), shape.size(), shape.data(), owner, nullptr,
                                                             dtype_of(info.type), nb::device::cpu::value));
     }
-    return nb::make_tuple(own.grid, own.band, name_of(own.sign), own.mesh_name, arrays, own.positive_inside);
+    return nb::make_tuple(own.grid, own.band, name_of(own.sign), own.mesh_name, arrays, own.positive_inside, own.floor);
 }
 
 using GroupNumbers = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 FieldWriter writer(const std::string& path, const Grid& grid, const Band& band, const std::string& sign,
                    const std::string& mesh_name, const std::vector<std::string>& outputs, bool positive_inside,
-                   const std::vector<std::string>& group_names, const std::optional<GroupNumbers>& group_numbers) {
+                   const std::vector<std::string>& group_names, const std::optional<GroupNumbers>& group_numbers,
+                   std::optional<double> floor) {
     OutputSet wanted;
     for (const std::string& name : outputs) wanted.insert(output_named(name).output);
-    FieldDescription field = described(grid, band, sign, mesh_name, positive_inside);
+    FieldDescription field = described(grid, band, sign, mesh_name, positive_inside, floor);
     if (group_numbers && !group_names.empty()) {
         const std::span numbers(group_numbers->data(), group_numbers->size());
         field.groups = std::make_shared<const FaceGroups>(FaceGroups{group_names, {numbers.begin(), numbers.end()}});
@@ -108,13 +110,15 @@ void finish(FieldWriter& writer) {
 
 void add_files(nb::module_& module) {
     module.def("read_field", &read, nb::arg("path"),
-               nb::sig("def read_field(path: str) -> tuple[Grid, Band, str, str, dict[str, typing.Any], bool]"));
+               nb::sig("def read_field(path: str) -> tuple[Grid, Band, str, str, dict[str, typing.Any], bool, "
+                       "float | None]"));
     nb::class_<FieldWriter>(module, "Writer", "A FieldWriter of the library; clsdf.FieldWriter is its Python face.")
         .def("append", &append, nb::arg("arrays"))
         .def("finish", &finish);
     module.def("writer", &writer, nb::arg("path"), nb::arg("grid"), nb::arg("band"), nb::arg("sign"),
                nb::arg("mesh_name"), nb::arg("outputs"), nb::arg("positive_inside") = false,
-               nb::arg("group_names") = std::vector<std::string>(), nb::arg("group_numbers") = nb::none());
+               nb::arg("group_names") = std::vector<std::string>(), nb::arg("group_numbers") = nb::none(),
+               nb::arg("floor") = nb::none());
     module.def(
         "check_field_path", [](const std::string& path) { check_field_path(path); }, nb::arg("path"),
         "Raises the error that writing to the path would raise for its ending or its folder.");

@@ -3,6 +3,7 @@
 #include "arrays.hpp"
 #include "binding.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace clsdf::python {
 nb::dlpack::dtype dtype_of(ElementType type);
 
 FieldDescription described(const Grid& grid, const Band& band, const std::string& sign, const std::string& mesh_name,
-                           bool positive_inside);
+                           bool positive_inside, std::optional<double> floor);
 
 /// Packed arrays of the types of the table, without a copy; `held` keeps them. The Python code sees to both. `what`
 /// names the call in messages.

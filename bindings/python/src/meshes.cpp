@@ -143,6 +143,9 @@ constexpr std::size_t Topology::*topology_counts[] = {
     &Topology::first_downward_face,
     &Topology::rim_loops,
     &Topology::overlapping_rim_edges,
+    &Topology::detail_parts,
+    &Topology::detail_faces,
+    &Topology::first_detail_face,
 };
 
 using Edges = std::vector<std::pair<Vec3, Vec3>>;
@@ -248,6 +251,11 @@ void add_meshes(nb::module_& module) {
                 "Of a mesh that is not closed and has no downward_faces: loops of open edges.")
         .def_ro("overlapping_rim_edges", &Topology::overlapping_rim_edges,
                 "Edges of these loops that cross others, seen from above, or at which the mesh lies twice.")
+        .def_ro("detail_parts", &Topology::detail_parts,
+                "Small open parts that are attached to the others and count as details of them; 0 if the mesh has its\n"
+                "sign without that.")
+        .def_ro("detail_faces", &Topology::detail_faces, "Their faces.")
+        .def_ro("first_detail_face", &Topology::first_detail_face, "The lowest of them.")
         .def_ro("first_inward_face", &Topology::first_inward_face)
         .def_ro("first_nested_face", &Topology::first_nested_face)
         .def("__getstate__", &state_of)

@@ -77,9 +77,9 @@ nb::list compute_many(const Body& body, const std::vector<std::pair<Grid, Band>>
 
 void compute_file(const Body& body, const std::string& path, const Grid& grid, const Band& band,
                   const std::vector<std::string>& outputs, const std::string& sign, const std::string& mesh_name,
-                  nb::object progress) {
+                  nb::object progress, std::optional<double> floor) {
     const OutputSet wanted = outputs_of(outputs);
-    const FieldDescription field = described(grid, band, sign, mesh_name, false);
+    const FieldDescription field = described(grid, band, sign, mesh_name, false, floor);
     const Call call(std::move(progress));
     body.read([&](const DistanceTransform& transform) {
         SparseFieldWriter writer(path, field, wanted);
@@ -99,8 +99,8 @@ std::span<const BrickRun> runs_of(const Runs& array) {
 
 void write(const std::string& path, const Grid& grid, const Band& band, const std::string& sign,
            const std::string& mesh_name, bool positive_inside, const Bricks& bricks, const Runs& inside,
-           const ArraysByName& arrays) {
-    const FieldDescription field = described(grid, band, sign, mesh_name, positive_inside);
+           const ArraysByName& arrays, std::optional<double> floor) {
+    const FieldDescription field = described(grid, band, sign, mesh_name, positive_inside, floor);
     HeldArrays held;
     SparseSlab layers{in_whole_bricks(grid), triples_of(bricks), slab_of(arrays, "write", held), runs_of(inside)};
     OutputSet outputs;
@@ -111,7 +111,7 @@ void write(const std::string& path, const Grid& grid, const Band& band, const st
     writer.finish();
 }
 
-// (grid, band, sign, mesh_name, arrays_of(), positive_inside), or None for a file of a dense field.
+// (grid, band, sign, mesh_name, arrays_of(), positive_inside, floor), or None for a file of a dense field.
 nb::object read(const std::string& path) {
     std::optional<SparseField> field;
     {
@@ -123,7 +123,7 @@ nb::object read(const std::string& path) {
     if (!field) return nb::none();
     const FieldDescription about = *field;
     return nb::make_tuple(about.grid, about.band, name_of(about.sign), about.mesh_name, arrays_of(std::move(*field)),
-                          about.positive_inside);
+                          about.positive_inside, about.floor);
 }
 
 auto vector_of(std::unique_ptr<std::vector<std::int64_t>> own) {
@@ -179,13 +179,14 @@ void add_sparse_fields(nb::module_& module) {
                "A grid and its band each.");
     module.def("compute_sparse_file", &compute_file, nb::arg("body"), nb::arg("path"), nb::arg("grid"), nb::arg("band"),
                nb::arg("outputs"), nb::arg("sign"), nb::arg("mesh_name"), nb::arg("progress").none(),
+               nb::arg("floor").none() = nb::none(),
                "Computes a sparse field into a file, a few layers in memory at a time.");
     module.def("write_sparse", &write, nb::arg("path"), nb::arg("grid"), nb::arg("band"), nb::arg("sign"),
                nb::arg("mesh_name"), nb::arg("positive_inside"), nb::arg("bricks"), nb::arg("inside"),
-               nb::arg("arrays"));
+               nb::arg("arrays"), nb::arg("floor").none() = nb::none());
     module.def("read_sparse_field", &read, nb::arg("path"),
                nb::sig("def read_sparse_field(path: str) -> tuple[Grid, Band, str, str, "
-                       "tuple[typing.Any, typing.Any, dict[str, typing.Any]], bool] | None"));
+                       "tuple[typing.Any, typing.Any, dict[str, typing.Any]], bool, float | None] | None"));
     module.def("find_bricks", &find, nb::arg("bricks"), nb::arg("samples"),
                "The number of the brick of each sample, -1 without one.");
     module.def("sparse_distances", &distances, nb::arg("bricks"), nb::arg("inside"), nb::arg("distance"),

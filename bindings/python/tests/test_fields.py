@@ -429,6 +429,19 @@ def test_winding_numbers_of_a_mesh_with_a_hole():
     assert body.winding(points, out=wide) is wide and np.float32(wide[0]) == winding[0]
 
 
+def test_a_lamp_on_a_body_is_counted_as_a_detail():
+    unit = np.array([[v & 1, v >> 1 & 1, v >> 2] for v in range(8)], np.float64)
+    body_faces = np.array([[0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3],
+                           [4, 5, 7], [4, 7, 6], [0, 2, 3], [0, 3, 1]])
+    vertices = np.concatenate([unit * [8, 8, 4], unit * [1, 1, 2] + [1, 1, 4.1]])
+    faces = np.concatenate([body_faces, body_faces[:10] + 8])  # open towards the body
+    with pytest.warns(clsdf.MeshWarning, match=r"1 small open part is a detail of the body: close it.*10 faces"):
+        body = clsdf.Transform(vertices, faces)
+    assert body.sign == "solid-angle"
+    for topology in (body.topology, pickle.loads(pickle.dumps(body.topology))):
+        assert (topology.detail_parts, topology.detail_faces, topology.first_detail_face) == (1, 10, 12)
+
+
 def test_a_terrain_has_a_sign_with_a_floor():
     vertices = np.array([[0, 0, 2], [4, 0, 2], [4, 4, 2], [0, 4, 2]], np.float64)
     faces = np.array([[0, 1, 2], [0, 2, 3]], np.int32)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import warnings
 
 import numpy as np
@@ -76,6 +77,32 @@ def test_files_that_cannot_be(body, tmp_path):
     with pytest.raises(clsdf.Error) as error:
         clsdf.read_field(tmp_path / "none.nrrd")
     assert error.value.code == "unreadable_input"
+
+
+def test_files_state_the_floor_of_a_terrain(tmp_path):
+    vertices = np.array([[0, 0, 2], [4, 0, 2], [4, 4, 2], [0, 4, 2]], np.float64)
+    body = clsdf.Transform(vertices, np.array([[0, 1, 2], [0, 2, 3]]), sign="below", floor=-1)
+    grid = body.grid(12)
+    for each in (body, pickle.loads(pickle.dumps(body))):
+        field = each.field(grid, band="full")
+        assert field.floor == each.floor == -1
+        for path in (tmp_path / "field.nrrd", tmp_path / "field.h5"):
+            clsdf.write_field(field, path)
+            assert clsdf.read_field(path).floor == -1
+    into = clsdf.Transform(vertices, np.array([[0, 1, 2], [0, 2, 3]]), sign="none").field(grid, band="full")
+    assert into.floor is None and body.field(out=into).floor == -1
+    assert body.fields([grid], band="full")[0].floor == next(body.slabs(grid, band="full")).floor == -1
+    path = tmp_path / "slabs.npy"
+    with clsdf.FieldWriter(path, grid, "full", body.sign, floor=body.floor) as writer:
+        for slab in body.slabs(grid, band="full"):
+            writer.append(slab)
+    assert clsdf.read_field(path).floor == -1
+    with pytest.raises(clsdf.Error, match="sign rule below"):
+        clsdf.FieldWriter(path, grid, "full", "nonzero", floor=-1)
+    body.sparse(grid).write(tmp_path / "sparse.npy")
+    body.write_sparse(tmp_path / "sparse.h5", grid)
+    for path in (tmp_path / "sparse.npy", tmp_path / "sparse.h5"):
+        assert clsdf.read_sparse_field(path).floor == clsdf.read_field(path).floor == -1
 
 
 def test_what_sdf_does_not_record_is_told(body, tmp_path):

@@ -166,11 +166,29 @@ std::string warning_of_holes(const Topology& topology) {
             "none of {} points beside its faces and in the boxes of its parts is inside, so perhaps nothing is; the "
             "sign rule none gives the distance alone",
             topology.tested_points);
-    return fmt::format(
-        "{}, {}, so the sign follows from the winding number; the sign rule none gives the distance alone; inside is "
-        "where the magnitude of the winding number is one half or more; {} it is in doubt",
-        topology.closed ? "the mesh is not balanced" : "the mesh is not closed", count_holes(topology),
-        share_in_doubt(topology));
+    Sentences sentences;
+    const std::string kind = topology.closed ? "the mesh is not balanced" : "the mesh is not closed";
+    const char* const effect = "so the sign follows from the winding number";
+    if (topology.detail_parts > 0) {
+        // First, so that the command's two lines have them.
+        const bool is_one = topology.detail_parts == 1;
+        sentences.add(fmt::format("{}, {}", kind, effect));
+        sentences.add(fmt::format("{} {} of the body: close {}, or the sign rule none gives the distance alone",
+                                  counted(topology.detail_parts, "small open part"),
+                                  is_one ? "is a detail" : "are details", is_one ? "it" : "them"));
+        sentences.add(fmt::format("{} ({} triangle {}), closed by films",
+                                  is_one ? fmt::format("the detail has {}", counted(topology.detail_faces, "face"))
+                                         : fmt::format("the details have {} faces", topology.detail_faces),
+                                  topology.detail_faces == 1 ? "it is" : "the first is", topology.first_detail_face));
+        sentences.add(count_holes(topology));
+    } else {
+        sentences.add(fmt::format("{}, {}, {}", kind, count_holes(topology), effect));
+        sentences.add("the sign rule none gives the distance alone");
+    }
+    sentences.add(
+        fmt::format("inside is where the magnitude of the winding number is one half or more; {} it is in doubt",
+                    share_in_doubt(topology)));
+    return sentences.text();
 }
 
 /// Whether it is in doubt at more than a third of the points.

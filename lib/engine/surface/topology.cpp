@@ -179,6 +179,9 @@ SignSurface describe_edges(const Mesh& mesh, std::span<const Triangle> triangles
         report.inside_points = test->all.inside;
         report.unclear_parts = test->unclear_parts;
         report.first_unclear_face = test->first_unclear_face;
+        report.detail_parts = test->detail_parts;
+        report.detail_faces = test->detail_faces;
+        report.first_detail_face = test->first_detail_face;
         report.inside_out = test->all.sum < 0 && (asked == SignRule::solid_angle || test->is_clear());
     }
     if (!report.closed && asked == SignRule::below) {

@@ -165,11 +165,15 @@ public:
         if (!unclear_.empty() && is_clear_in_box(view, mesh_.box())) {
             // A mesh that is clear as a whole may have more doubt beside some parts, and flat sheets.
             std::erase_if(unclear_, [&](std::size_t i) { return tally_of(i).is_nearly_clear() && has_inside(i); });
+            std::vector<std::size_t> details;
             if (may_be_covered) {
                 take_covered();
+                const std::vector<std::size_t> before = unclear_;
                 take_details();
+                std::ranges::set_difference(before, unclear_, std::back_inserter(details));
             }
             if (unclear_.size() < parts_.size() && are_flat_and_harmless()) unclear_.clear();
+            if (unclear_.empty()) count_details(details, test);
         }
         for (const std::size_t i : unclear_)
             if (test.unclear_parts++ == 0 || parts_[i].faces[0] < test.first_unclear_face)
@@ -365,6 +369,15 @@ private:
         }
         const std::size_t step = chunk_count(in_holes.size(), points_in_holes);
         for (std::size_t i = 0; i < in_holes.size(); i += step) points.push_back(in_holes[i]);
+    }
+
+    void count_details(std::span<const std::size_t> details, WindingTest& test) const {
+        test.detail_parts = details.size();
+        for (const std::size_t i : details) {
+            const std::uint32_t first = parts_[i].faces[0];
+            test.first_detail_face = test.detail_faces == 0 ? first : std::min(test.first_detail_face, first);
+            test.detail_faces += parts_[i].faces.size();
+        }
     }
 
     bool are_flat_and_harmless() const {

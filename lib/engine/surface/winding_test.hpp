@@ -15,6 +15,9 @@ struct WindingTest {
     WindingTally all;
     std::size_t unclear_parts = 0;
     std::uint32_t first_unclear_face = 0;
+    std::size_t detail_parts = 0;  ///< of a clear surface that would not be clear if no part were a detail
+    std::size_t detail_faces = 0;
+    std::uint32_t first_detail_face = 0;
 
     bool is_clear() const { return all.tested > 0 && unclear_parts == 0; }
 };

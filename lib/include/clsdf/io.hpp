@@ -52,8 +52,9 @@ class FormatWriter;
 class CLSDF_EXPORT FieldWriter {
 public:
     /// Throws Error(unsupported) for an unknown ending, or for a grid, outputs or a sign of the inside that the format
-    /// cannot store, Error(invalid_argument) for an invalid grid or band, or a field of signs alone or without a sign
-    /// that is to be positive inside; or Error(output_failure). The values are written as they are.
+    /// cannot store, Error(invalid_argument) for an invalid grid or band, a field of signs alone or without a sign
+    /// that is to be positive inside, or a floor of another rule than `below`; or Error(output_failure). The values
+    /// are written as they are.
     FieldWriter(const std::string& path, const FieldDescription& field, OutputSet outputs = {});
     FieldWriter(FieldWriter&&) noexcept;
     FieldWriter& operator=(FieldWriter&&) noexcept;
@@ -128,12 +129,15 @@ private:
 
 /// Writes links, whose grid and directions these are: .npz or .h5, with arrays as Links has them, `stencil`, `inside`
 /// (a byte for each sample, z first), `origin`, `spacing`, `size` and `first`; or .npy, a structure for each link.
-/// Complete or not at all. Throws Error(output_failure), Error(unsupported) for another ending.
+/// groups: of the mesh; the file gets the number of the triangle's group, too, in the array `groups` or the member
+/// `group`, and no_group if there is no triangle. Complete or not at all. Throws Error(output_failure),
+/// Error(unsupported) for another ending.
 CLSDF_EXPORT void write_links(const Links& links, const Grid& grid, std::span<const LinkDirection> directions,
-                              const std::string& path);
-/// Writes crossings of the grid's edges: .npz or .h5, with `x`, `x_triangles` and, if they are there, `x_counts`, the
-/// same of y and z (z first), and the others as above.
-CLSDF_EXPORT void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path);
+                              const std::string& path, const FaceGroups* groups = nullptr);
+/// Writes crossings of the grid's edges: .npz or .h5, with `x`, `x_triangles` and, if they are there, `x_groups` and
+/// `x_counts`, the same of y and z (z first), and the others as above.
+CLSDF_EXPORT void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path,
+                                  const FaceGroups* groups = nullptr);
 /// Each throws Error(unsupported) if the file's ending is another one.
 CLSDF_EXPORT void check_links_path(const std::string& path);
 CLSDF_EXPORT void check_crossings_path(const std::string& path);

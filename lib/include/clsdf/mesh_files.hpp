@@ -137,11 +137,12 @@ struct RayHits {
     std::span<const double> t{};  ///< packed
     std::span<const std::uint32_t> triangles{};
     std::span<const std::uint32_t> counts{};  ///< or empty: no column
+    const FaceGroups* groups = nullptr;       ///< of the mesh: the number of the group of each triangle; null: none
 };
 
-/// Writes them, a row for each ray, by the file's ending: .npy (a structured array of t, triangle and count; of several
-/// hits t and triangle are vectors) or .csv (with x, y, z, dx, dy and dz before them); complete or not at all. Throws
-/// as write_points().
+/// Writes them, a row for each ray, by the file's ending: .npy (a structured array of t, triangle, group and count; of
+/// several hits t, triangle and group are vectors) or .csv (with x, y, z, dx, dy and dz before them); complete or not
+/// at all. Throws as write_points().
 CLSDF_EXPORT void write_rays(const RayRows& rays, const RayHits& hits, const std::string& path);
 
 /// Throws the error that write_rays() would throw for the ending or the folder. Leaves no file.

@@ -92,6 +92,11 @@ struct Topology {
     std::size_t overlapping_rim_edges = 0;  ///< of these loops the edges that cross others, seen from above, or on
                                             ///< whose left side the mesh lies more than once
     std::vector<Edge> first_overlapping_rim_edges;  ///< up to five
+
+    std::size_t detail_parts = 0;  ///< small open parts that are attached to the others and count as details of them;
+                                   ///< 0 if the mesh has its sign without that
+    std::size_t detail_faces = 0;  ///< their faces
+    std::size_t first_detail_face = 0;  ///< the lowest of them
 };
 
 /// Throws Error(unsupported) for 2^30 triangles or more.

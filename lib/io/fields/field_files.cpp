@@ -188,11 +188,28 @@ std::int64_t slices_in(const FieldSlab& slab, const Grid& grid, OutputSet output
 
 }  // namespace
 
+namespace {
+
+void check_floor(const std::string& path, const FieldDescription& field) {
+    if (!field.floor) return;
+    if (field.sign != SignRule::below)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: a floor, at z = {}, is for the sign rule below, and the field's rule is {}; leave "
+                                "it out",
+                                path, *field.floor, name_of(field.sign)));
+    if (!std::isfinite(*field.floor))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: the floor of the sign rule below, {}, is not finite", path, *field.floor));
+}
+
+}  // namespace
+
 FieldWriter::FieldWriter(const std::string& path, const FieldDescription& field, OutputSet outputs)
     : field_(field), outputs_(outputs) {
     const Format& format = format_of(path, ErrorCode::unsupported);
     field.grid.validate();
     field.band.validate();
+    check_floor(path, field);
     if (field.positive_inside && (field.band.has_signs_only || field.sign == SignRule::none))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("{}: {} cannot be positive inside; write the field without that", path,
@@ -270,6 +287,7 @@ SparseFieldWriter::SparseFieldWriter(const std::string& path, const FieldDescrip
                         format.ending));
     field.grid.validate();
     field.band.validate();
+    check_floor(path, field);
     const double widest = field.sign == SignRule::none ? field.band.outside : field.band.widest();
     if (!std::isfinite(widest) || field.band.has_signs_only)
         throw sparse_misuse("a sparse field has a band of finite half widths");

@@ -154,6 +154,14 @@ public:
     void add_three(const std::string& name, ElementType type, const std::array<Value, N>& values) {
         all_.push_back({name, type, {N}, std::as_bytes(std::span(values))});
     }
+    /// The group of each triangle.
+    void add_groups(const std::string& name, std::vector<std::int64_t> shape,
+                    const std::vector<std::uint32_t>& triangles, const FaceGroups& groups) {
+        std::vector<std::uint32_t>& numbers = groups_.emplace_back();
+        numbers.reserve(triangles.size());
+        for (const std::uint32_t triangle : triangles) numbers.push_back(groups.of(triangle));
+        add(name, ElementType::uint32, std::move(shape), numbers);
+    }
     /// A byte for each sample.
     void add(const SampleSides& sides) {
         std::vector<std::uint8_t>& bytes = own_.emplace_back();
@@ -181,11 +189,12 @@ public:
 private:
     std::vector<FileArray> all_;
     std::deque<std::vector<std::uint8_t>> own_;
+    std::deque<std::vector<std::uint32_t>> groups_;
 };
 
 /// A row for each link, as one structure.
-void write_npy(const Links& links, const std::string& path) {
-    constexpr std::size_t row = 30;
+void write_npy(const Links& links, const std::string& path, const FaceGroups* groups) {
+    const std::size_t row = groups != nullptr ? 34 : 30;
     std::vector<std::byte> rows(row * links.size());
     std::byte* to = rows.data();
     const auto put = [&to](const auto& value) {
@@ -197,14 +206,15 @@ void write_npy(const Links& links, const std::string& path) {
         put(links.directions[n]);
         put(links.q[n]);
         put(links.triangles[n]);
+        if (groups != nullptr) put(groups->of(links.triangles[n]));
         put(links.counts[n]);
         put(links.flags[n]);
     }
     AtomicFile file(path);
-    file.write(
-        npy_header("[('sample', '<i4', (3,)), ('direction', '|u1'), ('q', '<f8'), ('triangle', '<u4'), ('count', "
-                   "'<u4'), ('flags', '|u1')]",
-                   {static_cast<std::int64_t>(links.size())}));
+    file.write(npy_header(fmt::format("[('sample', '<i4', (3,)), ('direction', '|u1'), ('q', '<f8'), ('triangle', "
+                                      "'<u4'), {}('count', '<u4'), ('flags', '|u1')]",
+                                      groups != nullptr ? "('group', '<u4'), " : ""),
+                          {static_cast<std::int64_t>(links.size())}));
     file.write(rows);
     file.commit();
 }
@@ -224,9 +234,9 @@ void check_crossings_path(const std::string& path) {
 }
 
 void write_links(const Links& links, const Grid& grid, std::span<const LinkDirection> directions,
-                 const std::string& path) {
+                 const std::string& path, const FaceGroups* groups) {
     check_links_path(path);
-    if (ending_of(path) == ".npy") return write_npy(links, path);
+    if (ending_of(path) == ".npy") return write_npy(links, path, groups);
     const auto count = static_cast<std::int64_t>(links.size());
     const std::vector<LinkDirection> stencil(directions.begin(), directions.end());
     Arrays arrays;
@@ -234,6 +244,7 @@ void write_links(const Links& links, const Grid& grid, std::span<const LinkDirec
     arrays.add("directions", ElementType::uint8, {count}, links.directions);
     arrays.add("q", ElementType::float64, {count}, links.q);
     arrays.add("triangles", ElementType::uint32, {count}, links.triangles);
+    if (groups != nullptr) arrays.add_groups("groups", {count}, links.triangles, *groups);
     arrays.add("counts", ElementType::uint32, {count}, links.counts);
     arrays.add("flags", ElementType::uint8, {count}, links.flags);
     arrays.add("stencil", ElementType::int32, {static_cast<std::int64_t>(stencil.size()), 3}, stencil);
@@ -242,7 +253,7 @@ void write_links(const Links& links, const Grid& grid, std::span<const LinkDirec
     arrays.write(path, "links");
 }
 
-void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path) {
+void write_crossings(const Crossings& crossings, const Grid& grid, const std::string& path, const FaceGroups* groups) {
     check_crossings_path(path);
     Arrays arrays;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -251,6 +262,7 @@ void write_crossings(const Crossings& crossings, const Grid& grid, const std::st
         const std::string name(1, "xyz"[axis]);
         arrays.add(name, ElementType::float64, shape, edges.coordinates);
         arrays.add(name + "_triangles", ElementType::uint32, shape, edges.triangles);
+        if (groups != nullptr) arrays.add_groups(name + "_groups", shape, edges.triangles, *groups);
         if (!edges.counts.empty()) arrays.add(name + "_counts", ElementType::uint32, shape, edges.counts);
     }
     arrays.add(crossings.inside);

@@ -389,13 +389,17 @@ void check_rays_ending(const std::string& path) {
 
 void write_npy_rays(std::size_t rays, const RayHits& hits, AtomicFile& file) {
     const std::string shape = hits.most == 1 ? "" : fmt::format(", ({},)", hits.most);
-    file.write(npy_header(fmt::format("[('t', '<f8'{0}), ('triangle', '<u4'{0}){1}]", shape,
+    const std::string group = hits.groups == nullptr ? "" : fmt::format(", ('group', '<u4'{})", shape);
+    file.write(npy_header(fmt::format("[('t', '<f8'{0}), ('triangle', '<u4'{0}){1}{2}]", shape, group,
                                       hits.counts.empty() ? "" : ", ('count', '<u4')"),
                           {static_cast<std::int64_t>(rays)}));
     RowWriter rows(file);
     for (std::size_t i = 0; i < rays; ++i) {
         for (std::size_t k = 0; k < hits.most; ++k) rows.add(hits.t[i * hits.most + k]);
-        for (std::size_t k = 0; k < hits.most; ++k) rows.add(hits.triangles[i * hits.most + k]);
+        const auto triangles = hits.triangles.subspan(i * hits.most, hits.most);
+        for (const std::uint32_t triangle : triangles) rows.add(triangle);
+        if (hits.groups != nullptr)
+            for (const std::uint32_t triangle : triangles) rows.add(hits.groups->of(triangle));
         if (!hits.counts.empty()) rows.add(hits.counts[i]);
     }
     rows.flush();
@@ -405,15 +409,20 @@ void write_csv_rays(const RayRows& rays, const RayHits& hits, AtomicFile& file) 
     fmt::memory_buffer text;
     const auto add = [&](auto value) { fmt::format_to(std::back_inserter(text), "{}", value); };
     add("x,y,z,dx,dy,dz");
-    for (std::size_t k = 0; k < hits.most; ++k)
-        add(hits.most == 1 ? std::string(",t,triangle") : fmt::format(",t_{0},triangle_{0}", k + 1));
+    for (std::size_t k = 0; k < hits.most; ++k) {
+        const std::string number = hits.most == 1 ? "" : fmt::format("_{}", k + 1);
+        add(fmt::format(",t{0},triangle{0}", number));
+        if (hits.groups != nullptr) add(",group" + number);
+    }
     if (!hits.counts.empty()) add(",count");
     for (std::size_t i = 0; i < rays.origins.size(); ++i) {
         const Vec3 &o = rays.origins[i], &d = rays.directions[i];
         add(fmt::format("\n{},{},{},{},{},{}", o[0], o[1], o[2], d[0], d[1], d[2]));
         for (std::size_t k = 0; k < hits.most; ++k) {
             const double t = hits.t[i * hits.most + k];
-            add(fmt::format(",{},{}", std::isnan(t) ? std::abs(t) : t, hits.triangles[i * hits.most + k]));
+            const std::uint32_t triangle = hits.triangles[i * hits.most + k];
+            add(fmt::format(",{},{}", std::isnan(t) ? std::abs(t) : t, triangle));
+            if (hits.groups != nullptr) add(fmt::format(",{}", hits.groups->of(triangle)));
         }
         if (!hits.counts.empty()) add(fmt::format(",{}", hits.counts[i]));
         if (text.size() < (std::size_t{1} << 16U)) continue;
