@@ -10,9 +10,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 #include <utility>
-#include <vector>
 
 namespace clsdf::engine {
 
@@ -21,14 +19,14 @@ namespace {
 /// A mesh on its way into the tree.
 class Making {
 public:
-    Making(const DeviceTools& tools, const PointMesh& mesh, const cl::Buffer& triangles)
+    Making(const DeviceTools& tools, const PointFaces& mesh, const cl::Buffer& positions, const cl::Buffer& triangles)
         : tools_(tools),
           mesh_(mesh),
+          positions_(positions),
           triangles_(triangles),
-          count_(mesh.face_count()),
+          count_(mesh.count),
           places_(static_cast<cl_uint>(count_)),
-          program_(tools.programs.binary_tree),
-          positions_(device::uploaded(tools.context, tools.pool, mesh.positions, "positions of vertices")) {
+          program_(tools.programs.binary_tree) {
         std::copy(mesh.lattice.origin.begin(), mesh.lattice.origin.end(), lattice_.origin);
         lattice_.unit = mesh.lattice.unit;
         // Finer cells than those of morton_order() make the tree deeper, not better.
@@ -68,8 +66,8 @@ public:
         const device::BufferPool::Lease boxes = lease(box_count * sizeof(FaceBox), "boxes of faces");
         device::LentKernel fit_faces = tools_.kernel(program_, "fit_faces"),
                            join = tools_.kernel(program_, "join_boxes");
-        launch(tools_.queue(), fit_faces, {count_}, places_, lattice_, *positions_, triangles_, *divided.order,
-               *mesh_.polyhedra, *mesh_.faces, *boxes, *tree.faces);
+        launch(tools_.queue(), fit_faces, {count_}, places_, lattice_, positions_, triangles_, *divided.order,
+               **mesh_.polyhedra, **mesh_.faces, *boxes, *tree.faces);
         std::size_t from = 0;
         for (std::size_t level = count_; level >= CLSDF_JOINED_BOXES; level = chunk_count(level, CLSDF_JOINED_BOXES)) {
             launch(tools_.queue(), join, {chunk_count(level, CLSDF_JOINED_BOXES)}, static_cast<cl_uint>(level),
@@ -91,7 +89,7 @@ private:
     /// The codes of the faces or, if is_ordered, of the places.
     void make_codes(const DividedFaces& divided, bool is_ordered, const cl::Buffer& codes) {
         device::LentKernel kernel = tools_.kernel(program_, "codes_of_faces");
-        launch(tools_.queue(), kernel, {count_}, places_, lattice_, *positions_, triangles_, cl_uint{is_ordered},
+        launch(tools_.queue(), kernel, {count_}, places_, lattice_, positions_, triangles_, cl_uint{is_ordered},
                *divided.order, codes);
     }
 
@@ -123,19 +121,20 @@ private:
         device::LentKernel kernel = tools_.kernel(program_, "fit_nodes");
         launch(tools_.queue(), kernel, {groups * common_group}, places_, static_cast<cl_uint>(divided.node_count),
                *divided.nodes, boxes, nodes, *areas);
-        std::vector<double> of_groups(groups);
-        device::read_values(tools_.context, *areas, of_groups);
+        device::LentKernel join = tools_.kernel(program_, "join_areas");
+        launch(tools_.queue(), join, {1}, static_cast<cl_uint>(groups), *areas);
+        const auto area = device::read_value<double>(tools_.context, *areas);
         const double side = longest_side();
-        return side > 0 ? std::accumulate(of_groups.begin(), of_groups.end(), 0.0) / (side * side) : 0;
+        return side > 0 ? area / (side * side) : 0;
     }
 
     const DeviceTools& tools_;
-    const PointMesh& mesh_;
+    const PointFaces& mesh_;
+    const cl::Buffer& positions_;
     const cl::Buffer& triangles_;
     std::size_t count_;
     cl_uint places_;
     cl::Program program_;
-    device::BufferPool::Lease positions_;
     TreeLattice lattice_{};
 };
 
@@ -143,10 +142,10 @@ private:
 
 static_assert(deep_stack_entries == CLSDF_DEEPEST_TREE);
 
-FittedTree fitted_tree(const DeviceTools& tools, const PointMesh& mesh, const cl::Buffer& triangles,
-                       std::shared_ptr<const DividedFaces> before) {
+FittedTree fitted_tree(const DeviceTools& tools, const PointFaces& mesh, const cl::Buffer& positions,
+                       const cl::Buffer& triangles, std::shared_ptr<const DividedFaces> before) {
     return device::guarded([&] {
-        Making making(tools, mesh, triangles);
+        Making making(tools, mesh, positions, triangles);
         if (before) {
             FittedTree tree = making.fit(before);
             if (tree.area <= 2 * before->area) return tree;

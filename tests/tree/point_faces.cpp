@@ -1,0 +1,89 @@
+// The faces that GPUs look points up among, made by kernels, against those of the host.
+#include "support/device_memory.hpp"
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/random_meshes.hpp"
+
+#include "device/buffer_pool.hpp"
+#include "launch/programs.hpp"
+#include "tree/point_mesh.hpp"
+
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <random>
+#include <vector>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+template <class Value>
+bool are_equal(const std::vector<Value>& values, const std::vector<Value>& others) {
+    return std::memcmp(values.data(), others.data(), values.size() * sizeof(Value)) == 0;
+}
+
+/// A mesh on the device, and its faces by kernels.
+struct Made {
+    explicit Made(const Mesh& mesh)
+        : topology(engine::make_device_topology(set_up, mesh)),
+          faces(engine::make_point_faces(set_up.tools, mesh.box(), "mesh",
+                                         {topology->topology, std::make_shared<const device::BufferPool::Lease>(
+                                                                  std::move(topology->positions))})) {}
+
+    device::Context& context = device::context_of(test_device());
+    std::shared_ptr<device::BufferPool> pool =
+        std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
+    engine::Programs programs{context, KernelBody::by_group};
+    engine::DeviceTools tools{context, pool, programs};
+    engine::DeviceSetUp set_up{tools};
+    std::optional<engine::MadeTopology> topology;
+    std::optional<engine::PointFaces> faces;
+};
+
+/// A body far from zero, and two equal faces that look to both sides.
+Mesh body(Random& random) {
+    const Mesh pillow({{0, 0, 0}, {1, 0, 0.25}, {0, 1, 0.5}}, {{1, 2, 0}, {0, 2, 1}}, "pillow");
+    const Mesh all = together({random_closed(random, 3), pillow, overlapping_cubes()}, "body");
+    return shifted(tilted(all), {1e3, -7, 1e-3});
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(kernels_make_the_faces_of_the_host) {
+    const unsigned seed = std::random_device()();
+    Random random(seed);
+    BOOST_TEST_CONTEXT("seed " << seed) {
+        const Mesh mesh = body(random);
+        const Made made(mesh);
+        BOOST_REQUIRE(made.faces);
+        const engine::PointMesh expected =
+            engine::make_point_mesh(made.tools, mesh, {}, std::make_shared<const engine::MeshTopology>(mesh));
+        const std::size_t count = expected.face_count();
+        BOOST_REQUIRE(made.faces->count == count);
+        BOOST_TEST(made.faces->lattice.unit == expected.lattice.unit);
+        BOOST_TEST(are_equal(read<Polyhedron>(made.context, **made.faces->polyhedra, count),
+                             read<Polyhedron>(made.context, **expected.polyhedra, count)));
+        const auto faces = read<PointFace>(made.context, **expected.faces, count);
+        BOOST_TEST(are_equal(read<PointFace>(made.context, **made.faces->faces, count), faces));
+        std::size_t equal = 0;
+        for (std::size_t face = 0; face < count; ++face) equal += faces[face].lowest != face ? 1U : 0U;
+        BOOST_TEST(equal > 0U);
+        BOOST_TEST(made.faces->found.inexact == 0U);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(special_cases_are_left_to_the_host) {
+    const Mesh flat = together({cube(1), Mesh({{0, 0, 0}, {1, 1, 1}}, {{0, 1, 1}}, "segment")}, "with a segment");
+    BOOST_TEST(!Made(flat).faces.has_value());
+}
+
+BOOST_AUTO_TEST_CASE(coordinates_out_of_range_are_counted) {
+    std::vector<Vec3> vertices = cube(1).vertices();
+    vertices[0][1] = 1e-200;
+    const Made made(Mesh(vertices, cube(1).triangles(), "cube"));
+    BOOST_REQUIRE(made.faces);
+    BOOST_TEST(made.faces->found.inexact == 1U);
+    BOOST_TEST(made.faces->found.immoderate == 1U);
+}
