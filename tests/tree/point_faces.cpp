@@ -1,4 +1,4 @@
-// The faces that GPUs look points up among, made by kernels, against those of the host.
+// The faces that GPUs look points up among, and their sides, made by kernels, against those of the host.
 #include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
@@ -6,8 +6,14 @@
 
 #include "device/buffer_pool.hpp"
 #include "launch/programs.hpp"
+#include "points/face_sides.hpp"
+#include "points/sign_faces.hpp"
+#include "tree/binary_tree.hpp"
 #include "tree/point_mesh.hpp"
+#include "tree/wide_tree.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -71,6 +77,35 @@ BOOST_AUTO_TEST_CASE(kernels_make_the_faces_of_the_host) {
         for (std::size_t face = 0; face < count; ++face) equal += faces[face].lowest != face ? 1U : 0U;
         BOOST_TEST(equal > 0U);
         BOOST_TEST(made.faces->found.inexact == 0U);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(kernels_find_the_sides_of_the_host) {
+    const unsigned seed = std::random_device()();
+    Random random(seed);
+    BOOST_TEST_CONTEXT("seed " << seed) {
+        for (const Mesh& mesh : {body(random), together({cube(1), shifted(cube(1), {3, 0, 0})}, "cubes"), cube(2),
+                                 without_triangle(cube(1), 3), plate(1e-9)})
+            for (const SignRule rule : {SignRule::nonzero, SignRule::parity}) {
+                const Made made(mesh);
+                BOOST_REQUIRE(made.faces);
+                const engine::PointFaces& faces = *made.faces;
+                const engine::FittedTree tree =
+                    engine::fitted_tree(made.tools, faces, **faces.geometry->positions,
+                                        *faces.geometry->topology->names->triangles, nullptr);
+                const points::DeviceSignFaces surface = points::make_sign_faces(made.tools, faces, rule);
+                BOOST_REQUIRE(surface.are_exact);
+                const auto found = read<std::uint16_t>(
+                    made.context, *points::find_face_sides(made.tools, faces, tree, surface).sides, faces.count);
+                const engine::PointMesh on_host =
+                    engine::make_point_mesh(made.tools, mesh, {}, std::make_shared<const engine::MeshTopology>(mesh));
+                const engine::WideTree wide = engine::make_wide_tree(on_host);
+                const auto expected = read<std::uint16_t>(
+                    made.context, *points::find_face_sides(made.tools, engine::SearchedMesh{on_host, wide}, rule).sides,
+                    faces.count);
+                BOOST_TEST(found == expected, boost::test_tools::per_element());
+                if (mesh.name() == "cubes") BOOST_TEST(std::ranges::count(found, 0) == 0);
+            }
     }
 }
 
