@@ -10,12 +10,16 @@ std::shared_ptr<const engine::PointFaces> KeptPoints::faces() {
         if (mesh_) return mesh_.get();
         if (faces_) return faces_.get();
         const auto topology = kept_mesh_.topology_on_device();
-        if (topology && !topology->has_irregular)
-            if (auto made = engine::make_point_faces(kept_mesh_.tools(), kept_mesh_.box(), kept_mesh_.name(),
-                                                     {topology, kept_mesh_.positions_on_device()})) {
-                faces_.set(std::make_shared<const engine::PointFaces>(std::move(*made)));
+        if (topology && !topology->has_irregular) {
+            auto made = engine::make_faces_and_tree(kept_mesh_.tools(), kept_mesh_.box(), kept_mesh_.name(),
+                                                    {topology, kept_mesh_.positions_on_device()}, divided_faces_.get());
+            divided_faces_.set(made.tree.divided);
+            if (made.faces.found.special == 0) {
+                faces_.set(std::make_shared<const engine::PointFaces>(std::move(made.faces)));
+                fitted_tree_.set(std::make_shared<const engine::FittedTree>(std::move(made.tree)));
                 return faces_.get();
             }
+        }
         return mesh();
     });
 }
@@ -100,9 +104,9 @@ std::shared_ptr<const device::BufferPool::Lease> KeptPoints::triangles() {
 
 std::shared_ptr<const engine::FittedTree> KeptPoints::fitted_tree() {
     return kept_mesh_.prepare([&] {
+        const auto faces = this->faces();  // kernels that make them make the tree, too
         return fitted_tree_.get_or([&] {
             const engine::DeviceTools tools = kept_mesh_.tools();
-            const auto faces = this->faces();
             const auto positions = faces->geometry
                                        ? faces->geometry->positions
                                        : std::make_shared<const device::BufferPool::Lease>(device::uploaded(

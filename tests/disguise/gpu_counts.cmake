@@ -146,7 +146,7 @@ of(waits point_step blocking_waits)
 of(bytes_up point_step bytes_up)
 of(bytes_down point_step bytes_down)
 of(allocations point_step allocations)
-if(launches GREATER 80 OR waits GREATER 4 OR bytes_up GREATER 4096 OR bytes_down GREATER 256 OR allocations GREATER 0)
+if(launches GREATER 80 OR waits GREATER 3 OR bytes_up GREATER 4096 OR bytes_down GREATER 256 OR allocations GREATER 0)
   message(SEND_ERROR "a step of ${point_count} points: ${launches} launches, ${waits} waits, ${bytes_up} bytes up, "
                      "${bytes_down} down, ${allocations} buffers")
 endif()

@@ -30,13 +30,15 @@ bool are_equal(const std::vector<Value>& values, const std::vector<Value>& other
     return std::memcmp(values.data(), others.data(), values.size() * sizeof(Value)) == 0;
 }
 
-/// A mesh on the device, and its faces by kernels.
+/// A mesh on the device, and its faces and their tree by kernels.
 struct Made {
     explicit Made(const Mesh& mesh)
         : topology(engine::make_device_topology(set_up, mesh)),
-          faces(engine::make_point_faces(set_up.tools, mesh.box(), "mesh",
-                                         {topology->topology, std::make_shared<const device::BufferPool::Lease>(
-                                                                  std::move(topology->positions))})) {}
+          made(engine::make_faces_and_tree(
+              set_up.tools, mesh.box(), "mesh",
+              {topology->topology, std::make_shared<const device::BufferPool::Lease>(std::move(topology->positions))},
+              nullptr)),
+          faces(made.faces) {}
 
     device::Context& context = device::context_of(test_device());
     std::shared_ptr<device::BufferPool> pool =
@@ -45,7 +47,8 @@ struct Made {
     engine::DeviceTools tools{context, pool, programs};
     engine::DeviceSetUp set_up{tools};
     std::optional<engine::MadeTopology> topology;
-    std::optional<engine::PointFaces> faces;
+    engine::FacesAndTree made;
+    const engine::PointFaces& faces;
 };
 
 /// A body far from zero, and two equal faces that look to both sides.
@@ -63,20 +66,20 @@ BOOST_AUTO_TEST_CASE(kernels_make_the_faces_of_the_host) {
     BOOST_TEST_CONTEXT("seed " << seed) {
         const Mesh mesh = body(random);
         const Made made(mesh);
-        BOOST_REQUIRE(made.faces);
+        BOOST_REQUIRE(made.faces.found.special == 0U);
         const engine::PointMesh expected =
             engine::make_point_mesh(made.tools, mesh, {}, std::make_shared<const engine::MeshTopology>(mesh));
         const std::size_t count = expected.face_count();
-        BOOST_REQUIRE(made.faces->count == count);
-        BOOST_TEST(made.faces->lattice.unit == expected.lattice.unit);
-        BOOST_TEST(are_equal(read<Polyhedron>(made.context, **made.faces->polyhedra, count),
+        BOOST_REQUIRE(made.faces.count == count);
+        BOOST_TEST(made.faces.lattice.unit == expected.lattice.unit);
+        BOOST_TEST(are_equal(read<Polyhedron>(made.context, **made.faces.polyhedra, count),
                              read<Polyhedron>(made.context, **expected.polyhedra, count)));
         const auto faces = read<PointFace>(made.context, **expected.faces, count);
-        BOOST_TEST(are_equal(read<PointFace>(made.context, **made.faces->faces, count), faces));
+        BOOST_TEST(are_equal(read<PointFace>(made.context, **made.faces.faces, count), faces));
         std::size_t equal = 0;
         for (std::size_t face = 0; face < count; ++face) equal += faces[face].lowest != face ? 1U : 0U;
         BOOST_TEST(equal > 0U);
-        BOOST_TEST(made.faces->found.inexact == 0U);
+        BOOST_TEST(made.faces.found.inexact == 0U);
     }
 }
 
@@ -88,15 +91,13 @@ BOOST_AUTO_TEST_CASE(kernels_find_the_sides_of_the_host) {
                                  without_triangle(cube(1), 3), plate(1e-9)})
             for (const SignRule rule : {SignRule::nonzero, SignRule::parity}) {
                 const Made made(mesh);
-                BOOST_REQUIRE(made.faces);
-                const engine::PointFaces& faces = *made.faces;
-                const engine::FittedTree tree =
-                    engine::fitted_tree(made.tools, faces, **faces.geometry->positions,
-                                        *faces.geometry->topology->names->triangles, nullptr);
+                const engine::PointFaces& faces = made.faces;
+                BOOST_REQUIRE(faces.found.special == 0U);
                 const points::DeviceSignFaces surface = points::make_sign_faces(made.tools, faces, rule);
                 BOOST_REQUIRE(surface.are_exact);
                 const auto found = read<std::uint16_t>(
-                    made.context, *points::find_face_sides(made.tools, faces, tree, surface).sides, faces.count);
+                    made.context, *points::find_face_sides(made.tools, faces, made.made.tree, surface).sides,
+                    faces.count);
                 const engine::PointMesh on_host =
                     engine::make_point_mesh(made.tools, mesh, {}, std::make_shared<const engine::MeshTopology>(mesh));
                 const engine::WideTree wide = engine::make_wide_tree(on_host);
@@ -111,14 +112,13 @@ BOOST_AUTO_TEST_CASE(kernels_find_the_sides_of_the_host) {
 
 BOOST_AUTO_TEST_CASE(special_cases_are_left_to_the_host) {
     const Mesh flat = together({cube(1), Mesh({{0, 0, 0}, {1, 1, 1}}, {{0, 1, 1}}, "segment")}, "with a segment");
-    BOOST_TEST(!Made(flat).faces.has_value());
+    BOOST_TEST(Made(flat).faces.found.special == 1U);
 }
 
 BOOST_AUTO_TEST_CASE(coordinates_out_of_range_are_counted) {
     std::vector<Vec3> vertices = cube(1).vertices();
     vertices[0][1] = 1e-200;
     const Made made(Mesh(vertices, cube(1).triangles(), "cube"));
-    BOOST_REQUIRE(made.faces);
-    BOOST_TEST(made.faces->found.inexact == 1U);
-    BOOST_TEST(made.faces->found.immoderate == 1U);
+    BOOST_TEST(made.faces.found.inexact == 1U);
+    BOOST_TEST(made.faces.found.immoderate == 1U);
 }

@@ -39,4 +39,15 @@ struct FittedTree {
 FittedTree fitted_tree(const DeviceTools& tools, const PointFaces& mesh, const cl::Buffer& positions,
                        const cl::Buffer& triangles, std::shared_ptr<const DividedFaces> before);
 
+/// Faces that kernels make, and their tree.
+struct FacesAndTree {
+    PointFaces faces;  ///< not usable if found.special is not 0: the host makes them then
+    FittedTree tree;
+};
+
+/// before: as above. Waits once, for all that is found, if the faces are not divided anew. Throws
+/// Error(invalid_argument, out_of_memory or device_failure).
+FacesAndTree make_faces_and_tree(const DeviceTools& tools, const Box& box, const std::string& name,
+                                 const GeometryOnDevice& geometry, std::shared_ptr<const DividedFaces> before);
+
 }  // namespace clsdf::engine

@@ -2,7 +2,6 @@
 
 #include "core/parallel.hpp"
 #include "device/buffer_pool.hpp"
-#include "device/read_back.hpp"
 #include "frusta/records.hpp"
 #include "launch/commands.hpp"
 
@@ -147,8 +146,8 @@ PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const Sign
     return result;
 }
 
-std::optional<PointFaces> make_point_faces(const DeviceTools& tools, const Box& box, const std::string& name,
-                                           GeometryOnDevice geometry) {
+PointFaces make_point_faces(const DeviceTools& tools, const Box& box, const std::string& name,
+                            GeometryOnDevice geometry, const cl::Buffer& found) {
     const DeviceTopology& topology = *geometry.topology;
     const std::size_t count = topology.face_count(), vertices = topology.vertex_count();
     PointFaces result;
@@ -160,17 +159,13 @@ std::optional<PointFaces> make_point_faces(const DeviceTools& tools, const Box& 
     };
     result.polyhedra = lease(count * sizeof(Polyhedron), "polyhedra");
     result.faces = lease(count * sizeof(PointFace), "faces of the points' tree");
-    const auto found = lease(sizeof(PointFacesFound), "special faces");
     device::guarded([&] {
-        tools.queue().enqueueFillBuffer(**found, cl_uint{0}, 0, sizeof(PointFacesFound));
         device::LentKernel kernel = tools.kernel(tools.programs.point_faces, "make_point_faces");
         launch(tools.queue(), kernel, {std::max(count, vertices)}, static_cast<cl_uint>(count),
                static_cast<cl_uint>(vertices), face_lattice(result.lattice), cl_double{result.lattice.unit},
                **geometry.positions, *topology.names->triangles, *topology.order, *topology.edges, **result.polyhedra,
-               **result.faces, **found);
-        result.found = device::read_value<PointFacesFound>(tools.context, **found);
+               **result.faces, found);
     });
-    if (result.found.special > 0) return std::nullopt;
     result.geometry = std::move(geometry);
     return result;
 }

@@ -123,9 +123,10 @@ PointMesh make_host_point_mesh(const Mesh& mesh, const SignSurface& surface,
 PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
                           std::shared_ptr<const MeshTopology> topology, const PointFaces* made = nullptr);
 
-/// The faces by kernels, with the same bytes; nothing if a face may be a special case, which the host does. Waits once.
-/// Throws Error(invalid_argument, out_of_memory or device_failure).
-std::optional<PointFaces> make_point_faces(const DeviceTools& tools, const Box& box, const std::string& name,
-                                           GeometryOnDevice geometry);
+/// The faces by kernels, with the same bytes unless the host does a special case. Does not wait. found: a
+/// PointFacesFound, zeros before; the result's `found` is left to the caller. Throws Error(invalid_argument,
+/// out_of_memory or device_failure).
+PointFaces make_point_faces(const DeviceTools& tools, const Box& box, const std::string& name,
+                            GeometryOnDevice geometry, const cl::Buffer& found);
 
 }  // namespace clsdf::engine
