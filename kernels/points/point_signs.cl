@@ -223,3 +223,7 @@ __kernel void decide_open_points(PointSource source, __global const uchar* memor
         ray.winding += rounded_part_of_film(ray.from, faces.loops, corners, begins);
     if (faces.is_parity ? (ray.crossings & 1u) != 0 : ray.winding != 0) signs[i] = CLSDF_POINT_INSIDE;
 }
+
+#if LANES == 1
+#include "face_sides.h"
+#endif

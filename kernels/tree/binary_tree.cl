@@ -6,6 +6,7 @@
 
 #include "binary_tree.h"
 #include "group_sum.h"
+#include "point_faces.h"
 #include "point_tree.h"
 #include "simd.h"
 #include "spread_bits.h"
@@ -260,4 +261,14 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fit_nodes(uint 
     }
     area_before(area, sums);
     if (get_local_id(0) == 0) areas[get_group_id(0)] = sums[GROUP - 1];
+}
+
+// One group.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void join_areas(uint count, __global const double* areas,
+                                                                            __global PointFacesFound* found) {
+    __local double sums[GROUP];
+    double area = 0.0;
+    for (uint i = get_local_id(0); i < count; i += GROUP) area += areas[i];
+    area_before(area, sums);
+    if (get_local_id(0) == 0) found->area = sums[GROUP - 1];
 }

@@ -32,7 +32,11 @@ namespace clsdf {
 points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, std::size_t count, bool on_host) {
     return calls::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
         points::PointInputs inputs;
-        inputs.mesh = kept_points->mesh();
+        if (on_host)
+            inputs.mesh = inputs.on_host = kept_points->mesh();
+        else
+            inputs.mesh = kept_points->faces();
+        inputs.host_mesh = [this] { return kept_points->mesh(); };
         inputs.host_tree = [this] { return kept_points->wide_tree(); };
         const bool is_by_group = programs.body == KernelBody::by_group && !on_host;
         if (is_by_group) {
@@ -50,7 +54,7 @@ points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, st
             inputs.sides = kept_points->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, kept_mesh->face_count()));
         const NormalsNeeded normals = normals_for(outputs);
-        inputs.sites = kept_mesh->sites(engine::names_sites(outputs), normals.are_needed || inputs.sides != nullptr);
+        inputs.sites = kept_points->sites(outputs, normals.are_needed, inputs.sides.get());
         inputs.sign = sign;
         inputs.is_inside_out = normals.is_inside_out;
         if (!on_host) return inputs;
@@ -135,7 +139,7 @@ CallStatistics DistanceTransform::State::query_few(points::UsablePoints& asked, 
         find_usable(asked, box, half_width);
     });
     const std::span<const Vec3> all = asked.points();
-    statistics.triangles = inputs.mesh->face_count();
+    statistics.triangles = inputs.mesh->count;
     statistics.device_bytes =
         std::max(statistics.device_bytes, inputs.mesh->device_bytes() + inputs.leaves->device_bytes());
     targets::OwnArrays own;

@@ -51,7 +51,7 @@ void DistanceTransform::State::plan(plans::PointPlanState& plan, const plans::As
 
 points::PointInputs DistanceTransform::State::planned_point_inputs(OutputSet outputs) {
     points::PointInputs inputs;
-    inputs.mesh = kept_points->mesh();
+    inputs.mesh = kept_points->faces();
     inputs.sign_faces = kept_points->sign_faces(sign);
     if (!inputs.has_exact_signs())
         throw Error(ErrorCode::invalid_argument,
@@ -66,7 +66,7 @@ points::PointInputs DistanceTransform::State::planned_point_inputs(OutputSet out
         inputs.leaves = kept_points->wide_leaves();
     if (sign != SignRule::none) inputs.sides = kept_points->face_sides(sign, true);
     const NormalsNeeded normals = normals_for(outputs);
-    inputs.sites = kept_mesh->sites(engine::names_sites(outputs), normals.are_needed || inputs.sides != nullptr);
+    inputs.sites = kept_points->sites(outputs, normals.are_needed, inputs.sides.get());
     inputs.sign = sign;
     inputs.is_inside_out = normals.is_inside_out;
     return inputs;

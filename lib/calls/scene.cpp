@@ -142,7 +142,7 @@ public:
             const Body& body = state.bodies[i];
             if (!body.is_active) continue;
             bodies_[i] = {&shape_of(*body.shape, outputs, count, running), &body.frame};
-            running.statistics.triangles += bodies_[i].shape->inputs.mesh->face_count();
+            running.statistics.triangles += bodies_[i].shape->inputs.mesh->count;
             if (bodies_[i].shape->has_film) with_films_.push_back(i);
         }
     }
@@ -157,7 +157,7 @@ private:
         if (!is_new) return searched;
         auto& state = detail::TransformAccess::state(shape.transform);
         searched.inputs = state.inputs_of_few(outputs, count, running, [&](const Box&) { running.throw_if_stopped(); });
-        const engine::PointMesh& mesh = *searched.inputs.mesh;
+        const engine::PointMesh& mesh = *searched.inputs.on_host;
         searched.sign_box = mesh.sign_box();
         searched.usable = points::usable_range(mesh.box);
         searched.has_film = mesh.film != nullptr;

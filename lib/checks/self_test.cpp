@@ -281,7 +281,8 @@ std::optional<std::string> point_difference(const Device& device, const engine::
         if (from_kept_frusta && are_scanned) kept_mesh.frusta();
         points::KeptPoints kept(kept_mesh);
         points::PointInputs inputs;
-        inputs.mesh = kept.mesh();
+        inputs.mesh = kept.faces();
+        inputs.host_mesh = [&kept] { return kept.mesh(); };
         inputs.host_tree = [&kept] { return kept.wide_tree(); };
         inputs.has_deep_stack = kernels == PointKernels::of_deep_trees;
         inputs.sign = SignRule::nonzero;

@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "frusta/frames.hpp"
 #include "points/signs_by_host.hpp"
+#include "side_shapes.h"
 
 #include <algorithm>
 #include <array>
@@ -19,19 +20,10 @@ namespace {
 
 using engine::Vector;
 
-// In units, far above the rounding of distances, 1e-10 (docs/method.md, 'Sides of faces').
-constexpr double least_gap = 1e-6;       // between faces without a common vertex
-constexpr double least_altitude = 1e-5;  // of a face
-constexpr double least_sine = 1e-3;      // of a face's angles
-// Sine of an angle between faces with a common vertex or edge.
-constexpr double least_angle = 1e-2;
-// Faces at a vertex: all pairs of them are compared.
-constexpr std::size_t most_in_fan = 256;
-// Cosine between a vertex' pseudonormal and the normals of its faces: 44 degrees.
-constexpr double least_cosine_at_vertex = 0.7193;
-// A point in front of a face whose crossings are counted: nearer than other faces are.
-constexpr double offset_in_front = 0.5 * least_gap;
-constexpr double least_altitude_in_front = 3 * 1.01 * least_gap / least_angle;
+constexpr double least_gap = LEAST_SIDE_GAP, least_altitude = LEAST_SIDE_ALTITUDE, least_sine = LEAST_SIDE_SINE,
+                 least_angle = LEAST_SIDE_ANGLE, least_cosine_at_vertex = LEAST_COSINE_OF_VERTEX,
+                 offset_in_front = OFFSET_IN_FRONT, least_altitude_in_front = LEAST_ALTITUDE_IN_FRONT;
+constexpr std::size_t most_in_fan = MOST_SIDES_IN_FAN;
 
 /// A face's corners in units, and what follows from them.
 struct Shape {
@@ -319,8 +311,6 @@ bool are_sides_worthwhile(std::size_t points, std::size_t faces) {
 FaceSides find_face_sides(const engine::DeviceTools& tools, const engine::SearchedMesh& searched, SignRule rule) {
     const std::vector<std::uint16_t> sides = Finder(searched, rule).find();
     FaceSides result;
-    result.known =
-        static_cast<std::size_t>(std::count_if(sides.begin(), sides.end(), [](auto bits) { return bits != 0; }));
     result.sides = device::uploaded(tools.context, tools.pool, sides, "sides of faces");
     return result;
 }

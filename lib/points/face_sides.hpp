@@ -2,6 +2,8 @@
 
 #include "device/buffer_pool.hpp"
 #include "launch/device_tools.hpp"
+#include "points/sign_faces.hpp"
+#include "tree/binary_tree.hpp"
 #include "tree/wide_tree.hpp"
 
 #include <clsdf/topology.hpp>
@@ -20,15 +22,21 @@ namespace clsdf::points {
 /// proves it.
 struct FaceSides {
     device::BufferPool::Lease sides;
-    std::size_t known = 0;  ///< faces whose sides are
+    /// If kernels have found them: the pseudonormals of the sites that tell the side, as site_normals(); else null.
+    std::shared_ptr<const device::BufferPool::Lease> normals{};
 
-    std::size_t device_bytes() const { return sides.bytes(); }
+    std::size_t device_bytes() const { return sides.bytes() + (normals ? normals->bytes() : 0); }
 };
 
 /// Whether they cost less than the crossings of so many points that are asked for.
 bool are_sides_worthwhile(std::size_t points, std::size_t faces);
 
-/// Throws Error(out_of_memory).
+/// By kernels, without a wait, of faces that kernels have made. tree: of the same positions. surface: is exact; its
+/// rule is that of the sides. Throws Error(out_of_memory).
+FaceSides find_face_sides(const engine::DeviceTools& tools, const engine::PointFaces& mesh,
+                          const engine::FittedTree& tree, const DeviceSignFaces& surface);
+
+/// The same by the host. Throws Error(out_of_memory).
 FaceSides find_face_sides(const engine::DeviceTools& tools, const engine::SearchedMesh& searched, SignRule rule);
 
 }  // namespace clsdf::points

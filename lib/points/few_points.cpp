@@ -84,7 +84,7 @@ PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points
                          const targets::HostArrays& arrays) {
     const DefaultFloatingPoint as_kernels;
     const Stopwatch watch;
-    const engine::PointMesh& mesh = *inputs.mesh;
+    const engine::PointMesh& mesh = *inputs.on_host;
     std::array<one_lane::double3, most_few_points> in_units;
     std::array<std::uint32_t, most_few_points> faces, order;
     std::array<double, most_few_points> squared;
@@ -110,7 +110,7 @@ PointTimes answer_points(const PointInputs& inputs, std::span<const Vec3> points
 }
 
 FinishingSources finishing_sources(const PointInputs& inputs) {
-    const engine::PointMesh& mesh = *inputs.mesh;
+    const engine::PointFaces& mesh = *inputs.mesh;
     return {engine::Finishing(mesh.lattice, inputs.sites, inputs.is_inside_out), values_of<Polyhedron>(mesh.polyhedra),
             values_of<TriangleSites>(inputs.sites->names), values_of<float>(inputs.sites->normals)};
 }

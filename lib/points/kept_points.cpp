@@ -5,14 +5,36 @@
 
 namespace clsdf::points {
 
+std::shared_ptr<const engine::PointFaces> KeptPoints::faces() {
+    return kept_mesh_.prepare([&]() -> std::shared_ptr<const engine::PointFaces> {
+        if (mesh_) return mesh_.get();
+        if (faces_) return faces_.get();
+        const auto topology = kept_mesh_.topology_on_device();
+        if (topology && !topology->has_irregular) {
+            auto made = engine::make_faces_and_tree(kept_mesh_.tools(), kept_mesh_.box(), kept_mesh_.name(),
+                                                    {topology, kept_mesh_.positions_on_device()}, divided_faces_.get());
+            divided_faces_.set(made.tree.divided);
+            if (made.faces.found.special == 0) {
+                faces_.set(std::make_shared<const engine::PointFaces>(std::move(made.faces)));
+                fitted_tree_.set(std::make_shared<const engine::FittedTree>(std::move(made.tree)));
+                return faces_.get();
+            }
+        }
+        return mesh();
+    });
+}
+
 std::shared_ptr<const engine::PointMesh> KeptPoints::mesh() {
     return kept_mesh_.prepare([&] {
-        return mesh_.get_or([&] {
-            engine::PointMesh made = engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(),
-                                                             kept_mesh_.sign_surface(), kept_mesh_.shared_topology());
+        const auto& mesh = mesh_.get_or([&] {
+            engine::PointMesh made =
+                engine::make_point_mesh(kept_mesh_.tools(), kept_mesh_.mesh(), kept_mesh_.sign_surface(),
+                                        kept_mesh_.shared_topology(), faces_.get().get());
             complete(made);
             return made;
         });
+        faces_.forget();
+        return mesh;
     });
 }
 
@@ -82,9 +104,15 @@ std::shared_ptr<const device::BufferPool::Lease> KeptPoints::triangles() {
 
 std::shared_ptr<const engine::FittedTree> KeptPoints::fitted_tree() {
     return kept_mesh_.prepare([&] {
+        const auto faces = this->faces();  // kernels that make them make the tree, too
         return fitted_tree_.get_or([&] {
+            const engine::DeviceTools tools = kept_mesh_.tools();
+            const auto positions = faces->geometry
+                                       ? faces->geometry->positions
+                                       : std::make_shared<const device::BufferPool::Lease>(device::uploaded(
+                                             tools.context, tools.pool, mesh()->positions, "positions of vertices"));
             engine::FittedTree made =
-                engine::fitted_tree(kept_mesh_.tools(), *mesh(), **triangles(), divided_faces_.get());
+                engine::fitted_tree(tools, *faces, **positions, **triangles(), divided_faces_.get());
             divided_faces_.set(made.divided);
             return made;
         });
@@ -107,6 +135,9 @@ std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_f
     return kept_mesh_.prepare([&] {
         return face_sides_.get_or([&] {
             const engine::DeviceTools tools = kept_mesh_.tools();
+            if (const auto faces = this->faces(); faces->geometry)
+                if (const auto surface = sign_faces(sign); surface->are_exact)
+                    return find_face_sides(tools, *faces, *fitted_tree(), *surface);
             // For the body by_group kernels do the rest: then the tree is not kept.
             const bool is_kept = wide_tree_ || tools.programs.body == KernelBody::by_vector;
             const auto tree =
@@ -118,16 +149,28 @@ std::shared_ptr<const FaceSides> KeptPoints::face_sides(SignRule sign, bool is_f
 
 std::shared_ptr<const DeviceSignFaces> KeptPoints::sign_faces(SignRule sign) {
     return kept_mesh_.prepare([&] {
-        return sign_faces_.get_or(
-            [&] { return make_sign_faces(kept_mesh_.tools(), *mesh(), sign, kept_mesh_.boundary().get()); });
+        return sign_faces_.get_or([&] {
+            const auto faces = this->faces();
+            if (faces->geometry) return make_sign_faces(kept_mesh_.tools(), *faces, sign);
+            return make_sign_faces(kept_mesh_.tools(), *mesh(), sign, kept_mesh_.boundary().get());
+        });
     });
+}
+
+std::shared_ptr<const engine::DeviceSites> KeptPoints::sites(OutputSet outputs, bool are_normals_needed,
+                                                             const FaceSides* sides) {
+    const bool have_own = sides != nullptr && sides->normals && !are_normals_needed;
+    auto sites = kept_mesh_.sites(engine::names_sites(outputs), are_normals_needed || (sides != nullptr && !have_own));
+    if (!have_own) return sites;
+    return std::make_shared<const engine::DeviceSites>(
+        engine::DeviceSites{sites->names, sides->normals, sites->renumbered, 0});
 }
 
 std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
     const std::scoped_lock lock(mutex_);
     if (remembered_.moves != kept_mesh_.moves()) return std::nullopt;
     PointInputs inputs;
-    inputs.mesh = remembered_.mesh.lock();
+    inputs.mesh = inputs.on_host = remembered_.mesh.lock();
     inputs.leaves = remembered_.leaves.lock();
     engine::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered,
                               remembered_.turned};
@@ -144,7 +187,7 @@ void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     const std::scoped_lock lock(mutex_);
     if (remembered_.moves != kept_mesh_.moves()) remembered_ = {};
     remembered_.moves = kept_mesh_.moves();
-    remembered_.mesh = inputs.mesh;
+    remembered_.mesh = inputs.on_host;
     remembered_.leaves = inputs.leaves;
     if (engine::names_sites(outputs)) {
         remembered_.names = inputs.sites->names;

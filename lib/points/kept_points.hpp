@@ -20,7 +20,8 @@ namespace clsdf::points {
 /// The values that a transform keeps for points, beside those of its KeptMesh, which must outlive this. Each is made
 /// when it is needed first, and forgotten when the vertices move or memory is short.
 ///
-///     mesh           of the positions                    once points are asked for
+///     faces          of the positions                    once points are asked for and kernels make them
+///     mesh           of the positions, with the faces    the same, if the host makes them; once the host reads them
 ///     host's mesh    of the positions                    once a field with exact signs is asked for
 ///     wide tree      + positions                         once the host looks for faces, and with the leaves
 ///     leaves         + positions                         once points are asked for that are not scanned, for the body
@@ -43,7 +44,11 @@ public:
     KeptPoints(const KeptPoints&) = delete;
     KeptPoints& operator=(const KeptPoints&) = delete;
 
-    /// The faces that points are looked up among. Throws Error(invalid_argument, unsupported or out_of_memory).
+    /// The faces that points are looked up among, as kernels read them: those of mesh() if the host makes them. Throws
+    /// Error(invalid_argument, unsupported, out_of_memory or device_failure).
+    std::shared_ptr<const engine::PointFaces> faces();
+
+    /// The same with what the host reads. Throws Error(invalid_argument, unsupported or out_of_memory).
     std::shared_ptr<const engine::PointMesh> mesh();
 
     /// Its parts on the host: mesh() if that is kept. Throws as mesh().
@@ -76,6 +81,11 @@ public:
     /// null for a part of a mesh, and if open edges count. The sign rule is the same in all calls.
     std::shared_ptr<const FaceSides> face_sides(SignRule sign, bool is_found);
 
+    /// The sites of the outputs, with pseudonormals if they or the sides need them; sides: may be null. Throws as
+    /// mesh().
+    std::shared_ptr<const engine::DeviceSites> sites(OutputSet outputs, bool are_normals_needed,
+                                                     const FaceSides* sides);
+
     /// The surface that decides signs, for kernels. The sign rule is the same in all calls. Throws as mesh().
     std::shared_ptr<const DeviceSignFaces> sign_faces(SignRule sign);
 
@@ -95,6 +105,7 @@ private:
     using UsedBy = engine::UsedBy;
 
     engine::KeptMesh& kept_mesh_;
+    Kept<engine::PointFaces> faces_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::PointMesh> mesh_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};
     Kept<engine::PointMesh> host_mesh_{kept_mesh_.kept(), MadeOf::positions};
     Kept<engine::WideTree> wide_tree_{kept_mesh_.kept(), MadeOf::positions, UsedBy::points};

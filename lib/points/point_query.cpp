@@ -102,7 +102,7 @@ private:
 // By the host: the order of the points and, where the sides of faces do not tell them, their signs.
 // --------------------
 
-UninitializedVector<std::uint32_t> order_by_host(const engine::PointMesh& mesh, std::span<const Vec3> points) {
+UninitializedVector<std::uint32_t> order_by_host(const engine::PointFaces& mesh, std::span<const Vec3> points) {
     if (points.size() >= fewest_sorted) return curve_order(points, box_of_curve(mesh));
     UninitializedVector<std::uint32_t> order(points.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -134,7 +134,7 @@ double finish_by_host(const engine::DeviceTools& tools, const PointInputs& input
     if (std::find(signs.begin(), signs.end(), CLSDF_POINT_UNDECIDED) != signs.end()) {
         UninitializedVector<double> squared(points.size());
         device::read_values(tools.context, *query.squared(), squared);
-        find_signs({*inputs.mesh, *inputs.host_tree()}, inputs.sign, {points, order, squared}, signs);
+        find_signs({*inputs.host_mesh(), *inputs.host_tree()}, inputs.sign, {points, order, squared}, signs);
         device::write_values(tools.context, signs, *device_signs);
         query.finish(false, *device_signs, outputs);
     }
@@ -168,7 +168,8 @@ void finish_left(const engine::Launches& launches, const engine::DeviceTools& to
     std::vector<double> ordered_squared(total);
     for (std::size_t i = 0; i < total; ++i) ordered_squared[i] = squared[order[i]];
     std::vector<std::uint8_t> ordered_signs(total, std::uint8_t{CLSDF_POINT_UNDECIDED}), signs(total);
-    find_signs({*inputs.mesh, *inputs.host_tree()}, inputs.sign, {positions, order, ordered_squared}, ordered_signs);
+    find_signs({*inputs.host_mesh(), *inputs.host_tree()}, inputs.sign, {positions, order, ordered_squared},
+               ordered_signs);
     for (std::size_t i = 0; i < total; ++i) signs[order[i]] = ordered_signs[i];
     const PointBuffer<std::uint8_t> device_signs(*tools.pool, total, purpose);
     device::write_values(tools.context, signs, *device_signs);
@@ -225,7 +226,7 @@ PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inp
 }
 
 PointCells measured_points(const engine::DeviceTools& tools, PointRun& run, const DevicePoints& all,
-                           const PointLimits& usable, const engine::PointMesh& mesh) {
+                           const PointLimits& usable, const engine::PointFaces& mesh) {
     PointCells found{};
     tools.context.run_or_drain([&] {
         run.enqueue_measure(engine::Launches(tools.queue(), tools.context.kernels()), tools, all, usable, mesh);

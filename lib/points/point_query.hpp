@@ -26,7 +26,7 @@ PointTimes query_points(const engine::DeviceTools& tools, const PointInputs& inp
 
 /// Measures points, and waits for what is found.
 PointCells measured_points(const engine::DeviceTools& tools, PointRun& run, const DevicePoints& all,
-                           const PointLimits& usable, const engine::PointMesh& mesh);
+                           const PointLimits& usable, const engine::PointFaces& mesh);
 
 /// Points in memory of the device, of which at most most_points are computed at once.
 struct DeviceBatch {

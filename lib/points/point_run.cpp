@@ -23,7 +23,7 @@ constexpr double seconds_per_ray = 1e-5, seconds_per_corner = 1e-7;
 
 }  // namespace
 
-Box box_of_curve(const engine::PointMesh& mesh) {
+Box box_of_curve(const engine::PointFaces& mesh) {
     Box box = mesh.box;  // enlarged: neighbours outside stay neighbours
     const double margin = box.longest_side() / 8;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -33,7 +33,7 @@ Box box_of_curve(const engine::PointMesh& mesh) {
     return box;
 }
 
-double search_limit(const engine::PointMesh& mesh, double half_width) {
+double search_limit(const engine::PointFaces& mesh, double half_width) {
     const double units = half_width / mesh.lattice.unit * (1 + 1e-9) + 1e-6;
     return units * units;
 }
@@ -50,7 +50,7 @@ void enqueue_outputs(const engine::Launches& launches, const engine::DeviceTools
         engine::set_arguments(kernel, 0, points.in_units, points.places, points.faces,
                               inputs.sides ? *inputs.sides->sides : points.places,  // or unused
                               cl_uint{by_sides}, signs, cl_uint{0}, static_cast<cl_uint>(points.count),
-                              cl_double{half_width}, *inputs.mesh->polyhedra, outputs[Output::distance]);
+                              cl_double{half_width}, **inputs.mesh->polyhedra, outputs[Output::distance]);
     finishing.set_arguments(kernel, last, outputs);
     launches.launch(kernel, {points.count});
 }
@@ -58,11 +58,11 @@ void enqueue_outputs(const engine::Launches& launches, const engine::DeviceTools
 void enqueue_tree_search(const engine::Launches& launches, const engine::DeviceTools& tools, const PointInputs& inputs,
                          const cl::Buffer& in_units, std::size_t begin, std::size_t end, std::size_t run, double most,
                          const cl::Buffer& faces, const cl::Buffer& squared) {
-    const engine::PointMesh& mesh = *inputs.mesh;
+    const engine::PointFaces& mesh = *inputs.mesh;
     const engine::WideLeaves& leaves = *inputs.leaves;
     launches.launch(tools.programs.points, "nearest_of_points",
                     {chunk_count(end - begin, run), tools.programs.part_group()}, leaves.tree->shape,
-                    *leaves.device_nodes, *leaves.device_leaves, *mesh.polyhedra, *mesh.faces, in_units,
+                    *leaves.device_nodes, *leaves.device_leaves, **mesh.polyhedra, **mesh.faces, in_units,
                     static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(run), cl_double{most},
                     faces, squared);
 }
@@ -95,7 +95,7 @@ std::size_t PointRun::device_bytes() const {
 }
 
 void PointRun::enqueue_measure(const engine::Launches& launches, const engine::DeviceTools& tools,
-                               const DevicePoints& all, const PointLimits& usable, const engine::PointMesh& mesh) {
+                               const DevicePoints& all, const PointLimits& usable, const engine::PointFaces& mesh) {
     const std::size_t groups = std::clamp<std::size_t>(all.count / measured_together, 1, most_measuring_groups);
     const cl::Program program = tools.programs.point_order;
     launches.launch(program, "measure_points", {groups * engine::common_group}, all.source,
@@ -121,7 +121,7 @@ void PointRun::enqueue(const engine::Launches& launches, const engine::DeviceToo
 }
 
 void PointRun::enqueue_order(const engine::Launches& launches, const engine::DeviceTools& tools,
-                             const engine::PointMesh& mesh, const PointBatch& batch) {
+                             const engine::PointFaces& mesh, const PointBatch& batch) {
     const DevicePoints& points = batch.points;
     const auto count = static_cast<cl_uint>(points.count);
     const cl::Program program = tools.programs.point_order;
@@ -137,7 +137,7 @@ void PointRun::enqueue_order(const engine::Launches& launches, const engine::Dev
 void PointRun::enqueue_search(const engine::Launches& launches, const engine::DeviceTools& tools,
                               const PointInputs& inputs, const PointBatch& batch,
                               const std::function<void(double)>& between) {
-    const engine::PointMesh& mesh = *inputs.mesh;
+    const engine::PointFaces& mesh = *inputs.mesh;
     const cl_double most = search_limit(mesh, batch.half_width);
     const std::size_t count = batch.points.count;
     std::size_t begun = 0;
@@ -151,10 +151,10 @@ void PointRun::enqueue_search(const engine::Launches& launches, const engine::De
         const engine::WorkItems points{end - begin};
         launches.launch(program, "list_faces", points, divided.tree, *tree.nodes, *tree.faces, *in_units_, begin, end,
                         most, *listed_, *listed_counts_);
-        launches.launch(program, "decide_faces", points, *divided.order, *mesh.polyhedra, *mesh.faces, *in_units_,
+        launches.launch(program, "decide_faces", points, *divided.order, **mesh.polyhedra, **mesh.faces, *in_units_,
                         begin, end, most, *listed_, *listed_counts_, *faces_, *squared_);
         launches.launch(program, "search_again", points, divided.tree, *tree.nodes, *tree.faces, *divided.order,
-                        *mesh.polyhedra, *mesh.faces, *in_units_, begin, end, *listed_counts_, *faces_, *squared_);
+                        **mesh.polyhedra, **mesh.faces, *in_units_, begin, end, *listed_counts_, *faces_, *squared_);
     };
     const std::size_t fitting = short_launches.most(seconds_per_search);
     const std::size_t together = inputs.tree ? std::min(fitting, most_listed) : fitting;
@@ -171,7 +171,7 @@ void PointRun::enqueue_search(const engine::Launches& launches, const engine::De
 
 void PointRun::enqueue_signs(const engine::Launches& launches, const engine::DeviceTools& tools,
                              const PointInputs& inputs, const PointBatch& batch) {
-    const engine::PointMesh& mesh = *inputs.mesh;
+    const engine::PointFaces& mesh = *inputs.mesh;
     const DevicePoints& points = batch.points;
     // If there is a film, a point anywhere may be inside.
     const PointLimits limits = mesh.film ? batch.usable : limits_of(mesh.sign_box());
@@ -214,7 +214,7 @@ void PointRun::enqueue_marks(const engine::Launches& launches, const engine::Dev
         kernel, 0, batch.points.source, static_cast<cl_uint>(batch.points.count), batch.usable,
         cl_uint{std::isfinite(batch.half_width)}, cl_double{batch.half_width}, cl_uint{batch.leaves_open},
         cl_uint{has_status}, has_status ? batch.status->places : ValuePlaces{}, batch.points.memory, *order_, *signs_,
-        has_status ? batch.status->memory : *signs_, *inputs.mesh->polyhedra, outputs[Output::distance]);
+        has_status ? batch.status->memory : *signs_, **inputs.mesh->polyhedra, outputs[Output::distance]);
     finishing.set_arguments(kernel, last, outputs);
     launches.launch(kernel, {batch.points.count});
 }

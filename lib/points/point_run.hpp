@@ -27,7 +27,8 @@ namespace clsdf::points {
 
 /// The inputs of a query.
 struct PointInputs {
-    std::shared_ptr<const engine::PointMesh> mesh;
+    std::shared_ptr<const engine::PointFaces> mesh;
+    std::shared_ptr<const engine::PointMesh> on_host;            ///< the same for the host; of few points alone
     std::shared_ptr<const device::BufferPool::Lease> triangles;  ///< if there are sign faces: those of the mesh
     std::shared_ptr<const engine::FittedTree> tree;    ///< that points are looked up in; of the body by_group alone
     std::shared_ptr<const engine::WideLeaves> leaves;  ///< the same of the body by_vector, and of few points
@@ -37,8 +38,9 @@ struct PointInputs {
     /// Null: the host orders the points, and counts crossings; of the body by_vector alone. If they are not exact, the
     /// host counts crossings.
     std::shared_ptr<const DeviceSignFaces> sign_faces;
-    /// The tree in which the host decides the signs that are left to it; made when it is asked for. Unless points are
-    /// few.
+    /// The mesh and the tree in which the host decides the signs that are left to it; made when they are asked for.
+    /// Unless points are few.
+    std::function<std::shared_ptr<const engine::PointMesh>()> host_mesh;
     std::function<std::shared_ptr<const engine::WideTree>()> host_tree;
     SignRule sign = SignRule::none;
     bool is_inside_out = false;   ///< the faces look inwards, and the points have a sign
@@ -53,10 +55,10 @@ inline constexpr std::size_t most_points = std::size_t{1} << 20;
 
 /// The limit of the search for the nearest face: a squared distance in units, above all rounding of what is compared
 /// with `half_width` at the end.
-double search_limit(const engine::PointMesh& mesh, double half_width);
+double search_limit(const engine::PointFaces& mesh, double half_width);
 
 /// The box in which points are ordered along a curve: that of the mesh and its surroundings.
-Box box_of_curve(const engine::PointMesh& mesh);
+Box box_of_curve(const engine::PointFaces& mesh);
 
 /// Points whose nearest faces are known.
 struct LookedUpPoints {
@@ -108,7 +110,7 @@ public:
 
     /// Finds the cells in which points are ordered, from all of them, and those that are not usable.
     void enqueue_measure(const engine::Launches& launches, const engine::DeviceTools& tools, const DevicePoints& all,
-                         const PointLimits& usable, const engine::PointMesh& mesh);
+                         const PointLimits& usable, const engine::PointFaces& mesh);
     /// Everything else, of points that were among the measured ones. `between`, which may be empty and may throw, is
     /// called between launches with the fraction done; if it is not empty, the device's queue is waited for before.
     void enqueue(const engine::Launches& launches, const engine::DeviceTools& tools, const PointInputs& inputs,
@@ -126,7 +128,7 @@ public:
 
 private:
     void enqueue_order(const engine::Launches& launches, const engine::DeviceTools& tools,
-                       const engine::PointMesh& mesh, const PointBatch& batch);
+                       const engine::PointFaces& mesh, const PointBatch& batch);
     void enqueue_search(const engine::Launches& launches, const engine::DeviceTools& tools, const PointInputs& inputs,
                         const PointBatch& batch, const std::function<void(double)>& between);
     void enqueue_signs(const engine::Launches& launches, const engine::DeviceTools& tools, const PointInputs& inputs,

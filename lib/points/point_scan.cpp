@@ -181,8 +181,8 @@ public:
             .over(items, seconds_per_mark * marked_together, [&](std::size_t begin, std::size_t end) {
                 engine::launch(queue_, mark, {end - begin, 1}, *superblocks_, static_cast<cl_uint>(begin),
                                static_cast<cl_uint>(marked_together), job_.scanned.counts, *job_.scanned.records,
-                               *job_.mesh.polyhedra, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)), *squares,
-                               *marks_);
+                               **job_.mesh.polyhedra, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)),
+                               *squares, *marks_);
             });
     }
 
@@ -201,8 +201,8 @@ public:
                 queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
                 engine::launch(queue_, kernel, {items, 1}, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
                                *next_block, *blocks_, *bricks_, job_.points, static_cast<cl_uint>(job_.count),
-                               cl_double{job_.most}, job_.scanned.counts, *job_.scanned.records, *job_.mesh.polyhedra,
-                               *job_.mesh.faces, *job_.scanned.neighbours, *job_.scanned.ring_starts,
+                               cl_double{job_.most}, job_.scanned.counts, *job_.scanned.records, **job_.mesh.polyhedra,
+                               **job_.mesh.faces, *job_.scanned.neighbours, *job_.scanned.ring_starts,
                                *job_.scanned.ring_faces, *job_.scanned.site_vertices, *marks_, *lists, *marks, *memory,
                                faces, squared);
             });

@@ -47,7 +47,7 @@ PointGroups group_points(std::span<const Vec3> in_units);
 /// Points for the scan.
 struct ScanJob {
     engine::DeviceTools tools;
-    const engine::PointMesh& mesh;
+    const engine::PointFaces& mesh;
     const ScannedMesh& scanned;
     const PointGroups& groups;
     std::size_t count;

@@ -2,6 +2,7 @@
 
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
+#include "launch/commands.hpp"
 #include "mesh/expansions.hpp"
 
 #include <algorithm>
@@ -38,7 +39,35 @@ bool are_moderate(std::span<const Vec3> positions) {
     });
 }
 
+SignFaces sign_faces_of(const engine::PointFaces& mesh, SignRule rule) {
+    SignFaces faces{};
+    faces.count = static_cast<clsdf_uint32>(mesh.count);
+    faces.per_unit = 1 / mesh.lattice.unit;
+    faces.lower_x = mesh.box.lower[0];
+    faces.upper_x = mesh.box.upper[0];
+    faces.has_sign = rule != SignRule::none;
+    faces.is_parity = rule == SignRule::parity;
+    return faces;
+}
+
 }  // namespace
+
+DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::PointFaces& mesh, SignRule rule) {
+    DeviceSignFaces result;
+    result.are_exact = mesh.found.inexact == 0;
+    if (!result.are_exact) return result;
+    result.faces = sign_faces_of(mesh, rule);
+    result.faces.are_moderate = mesh.found.immoderate == 0;
+    const engine::GeometryOnDevice& geometry = *mesh.geometry;
+    const std::size_t count = geometry.topology->vertex_count();
+    result.positions = tools.pool->lease(count * sizeof(Vec3), "the surface that decides signs");
+    device::guarded([&] {
+        device::LentKernel kernel = tools.kernel(tools.programs.point_faces, "positions_in_units");
+        engine::launch(tools.queue(), kernel, {count}, static_cast<cl_uint>(count), cl_double{mesh.lattice.unit},
+                       **geometry.positions, *result.positions);
+    });
+    return result;
+}
 
 DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::PointMesh& mesh, SignRule rule,
                                 const OpenBoundary* boundary) {
@@ -55,15 +84,9 @@ DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::
     result.are_exact =
         expansions::are_exact(positions) && expansions::are_exact(sign_positions) && expansions::are_exact(floor);
     if (!result.are_exact) return result;
-    SignFaces& faces = result.faces;
-    faces.count = static_cast<clsdf_uint32>(mesh.face_count());
-    faces.per_unit = 1 / unit;
-    faces.lower_x = mesh.box.lower[0];
-    faces.upper_x = mesh.box.upper[0];
+    SignFaces& faces = result.faces = sign_faces_of(mesh, rule);
     faces.are_moderate = are_moderate(positions) && are_moderate(sign_positions);
-    faces.has_sign = rule != SignRule::none;
     faces.is_backward = mesh.is_part || boundary != nullptr;
-    faces.is_parity = rule == SignRule::parity;
     result.positions = upload(positions);
     if (!sign_positions.empty()) {
         faces.has_sign_positions = 1;

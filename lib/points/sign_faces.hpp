@@ -30,6 +30,8 @@ struct DeviceSignFaces {
     }
 };
 
+/// Of faces that kernels have made. Throws Error(out_of_memory).
+DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::PointFaces& mesh, SignRule rule);
 /// boundary: the open edges that count, or null. Does not wait. Throws Error(out_of_memory).
 DeviceSignFaces make_sign_faces(const engine::DeviceTools& tools, const engine::PointMesh& mesh, SignRule rule,
                                 const OpenBoundary* boundary);

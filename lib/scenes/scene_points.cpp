@@ -60,7 +60,7 @@ void take(const points::NearestOfPoint& nearest, std::uint8_t sign, double unit,
 }
 
 const engine::PointMesh& mesh_of(const SearchedBody& body) {
-    return *body.shape->inputs.mesh;
+    return *body.shape->inputs.on_host;
 }
 
 bool is_usable(const SearchedBody& body, const Vec3& in_body) {

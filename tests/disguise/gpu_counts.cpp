@@ -1,6 +1,7 @@
 // Counts the calls and bytes of W1 on a GPU: the first call of a transform, one of a kept transform, the first call of
-// a second transform on the same Device, many patches in one call, a query of points in memory of the device, and a run
-// of a plan for them; and the work of the searches for the nearest triangles of points (scripts/gpu-counts).
+// a second transform on the same Device, many patches in one call, a query of points in memory of the device, a run of
+// a plan for them, and a step of a body that moves; and the work of the searches for the nearest triangles of points
+// (scripts/gpu-counts).
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/tuning.hpp>
@@ -137,16 +138,18 @@ struct Result {
     disguise::Counts patches;
     disguise::Counts points;
     disguise::Counts point_plan;
+    disguise::Counts point_step;
     SearchWorks near, uniform;
     HostTimes host;
 
-    std::array<std::pair<const char*, const disguise::Counts*>, 6> calls() const {
+    std::array<std::pair<const char*, const disguise::Counts*>, 7> calls() const {
         return {{{"first_call", &first},
                  {"kept_transform", &kept},
                  {"second_transform", &second},
                  {"patches", &patches},
                  {"points", &points},
-                 {"point_plan", &point_plan}}};
+                 {"point_plan", &point_plan},
+                 {"point_step", &point_step}}};
     }
     std::size_t patch_bytes = 0;
     TransformStatistics statistics;
@@ -222,9 +225,10 @@ SearchWorks search(const Device& device, const Mesh& mesh, const std::vector<Vec
     const engine::WideLeaves leaves = engine::make_wide_leaves(tools, faces_of, tree);
     const device::BufferPool::Lease triangles =
         device::uploaded(context, pool, faces_of.topology->faces.triangles, "triangles");
-    const engine::FittedTree fitted = engine::fitted_tree(tools, faces_of, *triangles, nullptr);
+    const device::BufferPool::Lease positions = device::uploaded(context, pool, faces_of.positions, "positions");
+    const engine::FittedTree fitted = engine::fitted_tree(tools, faces_of, *positions, *triangles, nullptr);
     const one_lane::PointMesh sources{tree->nodes.data() + tree->shape.count[0], leaves.on_host(),
-                                      on_host<Polyhedron>(faces_of.polyhedra), on_host<PointFace>(faces_of.faces)};
+                                      on_host<Polyhedron>(*faces_of.polyhedra), on_host<PointFace>(*faces_of.faces)};
     const auto* const nodes = on_host<BinaryNode>(fitted.nodes);
     const auto* const faces = on_host<PlacedFace>(fitted.faces);
     SearchWorks works;
@@ -277,9 +281,10 @@ DeviceBuffer copied(const Device& device, const std::vector<Value>& values) {
     return buffer(device, values.size() * sizeof(Value), values.data());
 }
 
-/// The second query of two from buffers to buffers, and the second run of a plan, without the wait for its end.
-void look_up_on_device(const Device& device, const DistanceTransform& transform, const std::vector<Vec3>& points,
-                       Result& result) {
+/// The second query of two from buffers to buffers, and the second run of a plan, without the wait for its end; and the
+/// third step of a body that moves in memory of the device, with a plan of distances.
+void look_up_on_device(const Device& device, DistanceTransform& transform, const Mesh& mesh,
+                       const std::vector<Vec3>& points, Result& result) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const DeviceBuffer from = copied(device, points), distance = buffer(device, points.size() * sizeof(float)),
                        gradient = buffer(device, points.size() * 3 * sizeof(float));
@@ -299,6 +304,22 @@ void look_up_on_device(const Device& device, const DistanceTransform& transform,
     clWaitForEvents(1, &second);
     clReleaseEvent(first);
     clReleaseEvent(second);
+
+    const OutputTargets distances(OutputArray(distance.get()));
+    PointPlan moving = transform.plan_points(points.size(), infinity);
+    std::vector<Vec3> vertices = mesh.vertices();
+    for (int step = 0; step < 3; ++step) {
+        for (Vec3& vertex : vertices) vertex[0] += moved_by * mesh.box().longest_side();
+        const DeviceBuffer moved = copied(device, vertices);
+        disguise::restart();
+        transform.set_positions(InputArray(moved.get(), ElementType::float64, vertices.size()));
+        moving.update(transform);
+        cl_event done = nullptr;
+        moving.enqueue(nullptr, positions, distances, {}, &done);
+        result.point_step = disguise::counts();
+        clWaitForEvents(1, &done);
+        clReleaseEvent(done);
+    }
 }
 
 HostTimes measure_host(const Device& device, const test::Threads& of_driver, const Mesh& mesh, const Grid& grid,
@@ -390,7 +411,7 @@ Result measure(const std::string& path) {
         throw Error(ErrorCode::device_failure, "nothing is counted; preload the library: scripts/gpu-counts does");
 
     disguise::restart();
-    const DistanceTransform transform(device, mesh);
+    DistanceTransform transform(device, mesh);
     transform.compute(result.grid, result.band, distance);
     result.second = disguise::counts();
     const std::vector<Grid> patches = patches_of(mesh, result.grid);
@@ -402,7 +423,7 @@ Result measure(const std::string& path) {
     transform.compute(requests);
     result.patches = disguise::counts();
     result.patch_bytes = samples.size() * sizeof(float);
-    look_up_on_device(device, transform, points_near(mesh), result);
+    look_up_on_device(device, transform, mesh, points_near(mesh), result);
     result.near = search(device, mesh, points_near(mesh));
     result.uniform = search(device, mesh, uniform_points(mesh));
 

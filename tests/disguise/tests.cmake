@@ -28,6 +28,9 @@ clsdf_between(disguise_promises)
 clsdf_test(disguise_device_meshes device_meshes.cpp LABELS disguise homes mesh topology frusta moves LINK clsdf_disguise clsdf::reference OpenCL::OpenCL)
 clsdf_between(disguise_device_meshes)
 
+clsdf_test(disguise_moving_points moving_points.cpp LABELS disguise points plans moves LINK clsdf_disguise clsdf::reference OpenCL::OpenCL)
+clsdf_between(disguise_moving_points)
+
 clsdf_test(disguise_pinned_reads pinned_reads.cpp LABELS disguise device LINK clsdf_disguise OpenCL::OpenCL)
 clsdf_between(disguise_pinned_reads)
 

@@ -35,7 +35,7 @@ public:
         : context(device::context_of(test_device())),
           points(engine::make_point_mesh(tools(), mesh, {},
                                          topology ? topology : std::make_shared<const engine::MeshTopology>(mesh))),
-          tree(engine::fitted_tree(tools(), points,
+          tree(engine::fitted_tree(tools(), points, *device::uploaded(context, pool, points.positions, "positions"),
                                    *device::uploaded(context, pool, points.topology->faces.triangles, "triangles"),
                                    std::move(before))),
           order(read<std::uint32_t>(context, *tree.divided->order, points.face_count())),
@@ -251,8 +251,8 @@ BOOST_AUTO_TEST_CASE(distances_in_float_are_within_their_bound) {
     double greatest = 0;
     for (const Mesh& mesh : meshes(random)) {
         const Made made(mesh);
-        const auto polyhedra = read<Polyhedron>(made.context, *made.points.polyhedra, made.points.face_count());
-        const auto faces = read<PointFace>(made.context, *made.points.faces, made.points.face_count());
+        const auto polyhedra = read<Polyhedron>(made.context, **made.points.polyhedra, made.points.face_count());
+        const auto faces = read<PointFace>(made.context, **made.points.faces, made.points.face_count());
         std::size_t wrong = 0;
         for (int i = 0; i < 40000; ++i) {
             const std::size_t place = random.index(made.points.face_count());
@@ -287,8 +287,8 @@ BOOST_AUTO_TEST_CASE(boxes_are_never_farther_than_their_faces) {
     for (const Mesh& mesh : meshes(random)) {
         const Made made(mesh);
         if (made.nodes.empty()) continue;
-        const auto polyhedra = read<Polyhedron>(made.context, *made.points.polyhedra, made.points.face_count());
-        const auto faces = read<PointFace>(made.context, *made.points.faces, made.points.face_count());
+        const auto polyhedra = read<Polyhedron>(made.context, **made.points.polyhedra, made.points.face_count());
+        const auto faces = read<PointFace>(made.context, **made.points.faces, made.points.face_count());
         std::size_t wrong = 0;
         for (int i = 0; i < 4000; ++i) {
             const std::size_t number = random.index(made.nodes.size());

@@ -67,6 +67,12 @@ public:
     /// The same if they are there already; else null.
     const std::shared_ptr<const NamedFaces>& made_names() const;
 
+    /// The topology on the device if kernels have made it; else null. The positions there, for those who have it.
+    std::shared_ptr<const DeviceTopology> topology_by_kernels() const {
+        return set_up_.ways.topology_by_kernels ? topology_.if_on_device() : nullptr;
+    }
+    const std::shared_ptr<const device::BufferPool::Lease>& positions_on_device() { return positions_.on_device(); }
+
     /// Makes the frusta, and their records for the lattice if kernels make them. lattice: may be null.
     std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);
     bool has_frusta() const { return frusta_.is_made(); }

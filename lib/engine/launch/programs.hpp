@@ -51,7 +51,8 @@ using device::ProgramSource;
     /* the order of points in memory of the device, and their signs */                               \
     ROW(point_order, "point_order.cl", lanes, "", true)                                              \
     ROW(point_signs, "point_signs.cl", lanes, "", true)                                              \
-    /* the tree that GPUs search, the search, and that of a tree deeper than stack_entries */        \
+    /* frames of faces, the tree that GPUs search, the search, and that of a deeper tree */          \
+    ROW(point_faces, "point_faces.cl", 1, "", is_by_group())                                         \
     ROW(binary_tree, "binary_tree.cl", lanes, "", is_by_group())                                     \
     ROW(nearest, "nearest_by_group.cl", lanes, stack_option(stack_entries), is_by_group())           \
     ROW(nearest_deep, "nearest_by_group.cl", lanes, stack_option(deep_stack_entries), is_by_group()) \

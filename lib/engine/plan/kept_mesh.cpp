@@ -202,6 +202,10 @@ bool KeptMesh::needs_normals(Lattice& lattice) {
     return *lattice.may_meet_samples;
 }
 
+std::shared_ptr<const DeviceTopology> KeptMesh::topology_on_device() const {
+    return restriction_ || open_loops_ || !sign_surface().is_mesh() ? nullptr : mesh_.topology_by_kernels();
+}
+
 std::shared_ptr<const OpenBoundary> KeptMesh::boundary() {
     if (!open_loops_) return nullptr;
     return boundary_.get_or([&] { return OpenBoundary(*open_loops_, mesh().vertices()); });

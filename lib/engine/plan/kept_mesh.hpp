@@ -89,6 +89,11 @@ public:
     const std::shared_ptr<const MeshTopology>& shared_topology() { return mesh_.shared_topology(); }
     /// The faces on the device if they are there already; else null.
     const std::shared_ptr<const NamedFaces>& made_names() const { return mesh_.made_names(); }
+    /// The mesh on the device if kernels have made its topology, and if its faces alone decide the sign; else null.
+    std::shared_ptr<const DeviceTopology> topology_on_device() const;
+    const std::shared_ptr<const device::BufferPool::Lease>& positions_on_device() {
+        return mesh_.positions_on_device();
+    }
     const Frusta& frusta() { return mesh_.frusta(); }
     std::size_t face_count() const { return mesh_.face_count(); }
     const SetUpWays& ways() const { return mesh_.set_up().ways; }

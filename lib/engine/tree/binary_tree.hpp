@@ -23,7 +23,7 @@ struct DividedFaces {
     std::size_t device_bytes() const { return order.bytes() + nodes.bytes(); }
 };
 
-/// The tree at the positions of a PointMesh.
+/// The tree at the positions of PointFaces.
 struct FittedTree {
     std::shared_ptr<const DividedFaces> divided;
     double area = 0;                  ///< half of the areas of all boxes, per square of the mesh's longest side
@@ -33,10 +33,21 @@ struct FittedTree {
     std::size_t device_bytes() const { return nodes.bytes() + faces.bytes(); }
 };
 
-/// triangles: of each face, numbers of vertices. before: the division at earlier positions of the same triangles, or
-/// null. The faces are divided anew if its boxes
-/// have become twice as large. Throws Error(out_of_memory or device_failure).
-FittedTree fitted_tree(const DeviceTools& tools, const PointMesh& mesh, const cl::Buffer& triangles,
-                       std::shared_ptr<const DividedFaces> before);
+/// positions: Vec3 of each vertex. triangles: of each face, numbers of vertices. before: the division at earlier
+/// positions of the same triangles, or null. The faces are divided anew if its boxes have become twice as large. Waits
+/// once, for a number, if they are not. Throws Error(out_of_memory or device_failure).
+FittedTree fitted_tree(const DeviceTools& tools, const PointFaces& mesh, const cl::Buffer& positions,
+                       const cl::Buffer& triangles, std::shared_ptr<const DividedFaces> before);
+
+/// Faces that kernels make, and their tree.
+struct FacesAndTree {
+    PointFaces faces;  ///< not usable if found.special is not 0: the host makes them then
+    FittedTree tree;
+};
+
+/// before: as above. Waits once, for all that is found, if the faces are not divided anew. Throws
+/// Error(invalid_argument, out_of_memory or device_failure).
+FacesAndTree make_faces_and_tree(const DeviceTools& tools, const Box& box, const std::string& name,
+                                 const GeometryOnDevice& geometry, std::shared_ptr<const DividedFaces> before);
 
 }  // namespace clsdf::engine

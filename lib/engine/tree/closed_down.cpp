@@ -52,17 +52,17 @@ ClosedMesh closed_down(const PointMesh& mesh, const OpenBoundary& boundary) {
     closed.lattice = mesh.lattice;
     closed.box = mesh.sign_box();
     closed.lattice.origin = closed.box.lower;
+    closed.count = 2 * mesh.count + 2 * boundary.corners.size();
     closed.is_part = mesh.is_part;
     closed.has_several_regions = mesh.has_several_regions;
     closed.positions = with_walls_and_floor(mesh.positions, boundary);
     if (!mesh.sign_positions.empty()) closed.sign_positions = with_walls_and_floor(mesh.sign_positions, boundary);
 
-    const std::size_t count = mesh.face_count();
     const auto rim = static_cast<std::uint32_t>(mesh.positions.size()),
                floor = rim + static_cast<std::uint32_t>(2 * boundary.corners.size());
     const std::vector<Triangle> walls = triangles_of_walls(boundary, rim);
     OrderedFaces faces;
-    faces.triangles.resize(2 * count + walls.size());
+    faces.triangles.resize(closed.count);
     auto to = std::ranges::copy(mesh.topology->faces.triangles, faces.triangles.begin()).out;
     to = std::ranges::copy(walls, to).out;
     std::ranges::transform(mesh.topology->faces.triangles, to, [floor](const Triangle& face) {
@@ -74,7 +74,7 @@ ClosedMesh closed_down(const PointMesh& mesh, const OpenBoundary& boundary) {
         closed.sign_counts.assign(faces.triangles.size(), 1);
         std::ranges::copy(mesh.sign_counts, closed.sign_counts.begin());
         std::ranges::copy(mesh.sign_counts,
-                          closed.sign_counts.begin() + static_cast<std::ptrdiff_t>(count + walls.size()));
+                          closed.sign_counts.begin() + static_cast<std::ptrdiff_t>(mesh.count + walls.size()));
     }
     closed.topology = std::make_shared<const MeshTopology>(
         std::move(order), std::move(faces), OneRings({0}, UninitializedVector<std::uint32_t>{}), PairedEdges{});

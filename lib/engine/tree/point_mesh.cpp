@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "device/buffer_pool.hpp"
 #include "frusta/records.hpp"
+#include "launch/commands.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -89,10 +90,10 @@ void set_sign_surface(PointMesh& result, const Mesh& mesh, const SignSurface& su
 
 }  // namespace
 
-LatticeView lattice_for_points(const Mesh& mesh) {
-    const double longest = mesh.box().longest_side();
+LatticeView lattice_for_points(const Box& box, const std::string& name) {
+    const double longest = box.longest_side();
     LatticeView lattice;
-    lattice.origin = mesh.box().lower;
+    lattice.origin = box.lower;
     if (longest > 0) lattice.unit = std::ldexp(1.0, std::max(std::ilogb(longest) - 8, -1000));
     constexpr auto smallest = static_cast<double>(std::numeric_limits<float>::min()),
                    largest = static_cast<double>(std::numeric_limits<float>::max());
@@ -100,15 +101,16 @@ LatticeView lattice_for_points(const Mesh& mesh) {
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("the longest side of {}, {}, is beyond the floats that distances are given in; scale "
                                 "the mesh",
-                                mesh.name(), longest));
+                                name, longest));
     return lattice;
 }
 
 PointMesh make_host_point_mesh(const Mesh& mesh, const SignSurface& surface,
                                std::shared_ptr<const MeshTopology> topology) {
     PointMesh result;
-    result.lattice = lattice_for_points(mesh);
+    result.lattice = lattice_for_points(mesh.box(), mesh.name());
     result.box = mesh.box();
+    result.count = topology->order.size();
     result.topology = std::move(topology);
     const UninitializedVector<std::uint32_t>& vertices = result.topology->faces.vertices;
     result.positions.resize(vertices.size());
@@ -119,8 +121,12 @@ PointMesh make_host_point_mesh(const Mesh& mesh, const SignSurface& surface,
 }
 
 PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
-                          std::shared_ptr<const MeshTopology> topology) {
+                          std::shared_ptr<const MeshTopology> topology, const PointFaces* made) {
     PointMesh result = make_host_point_mesh(mesh, surface, std::move(topology));
+    if (made != nullptr) {
+        static_cast<PointFaces&>(result) = *made;
+        return result;
+    }
     device::HostFilling records(tools.context, tools.pool, result.face_count() * sizeof(Polyhedron), "polyhedra");
     device::HostFilling faces(tools.context, tools.pool, result.face_count() * sizeof(PointFace),
                               "faces of the points' tree");
@@ -135,8 +141,32 @@ PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const Sign
         point_faces[face] = face_of(polyhedra[face]);
     });
     set_lowest_equal(numbers, point_faces);
-    result.polyhedra = records.finish();
-    result.faces = faces.finish();
+    result.polyhedra = std::make_shared<const device::BufferPool::Lease>(records.finish());
+    result.faces = std::make_shared<const device::BufferPool::Lease>(faces.finish());
+    return result;
+}
+
+PointFaces make_point_faces(const DeviceTools& tools, const Box& box, const std::string& name,
+                            GeometryOnDevice geometry, const cl::Buffer& found) {
+    const DeviceTopology& topology = *geometry.topology;
+    const std::size_t count = topology.face_count(), vertices = topology.vertex_count();
+    PointFaces result;
+    result.lattice = lattice_for_points(box, name);
+    result.box = box;
+    result.count = count;
+    const auto lease = [&](std::size_t bytes, const char* purpose) {
+        return std::make_shared<const device::BufferPool::Lease>(tools.pool->lease(bytes, purpose));
+    };
+    result.polyhedra = lease(count * sizeof(Polyhedron), "polyhedra");
+    result.faces = lease(count * sizeof(PointFace), "faces of the points' tree");
+    device::guarded([&] {
+        device::LentKernel kernel = tools.kernel(tools.programs.point_faces, "make_point_faces");
+        launch(tools.queue(), kernel, {std::max(count, vertices)}, static_cast<cl_uint>(count),
+               static_cast<cl_uint>(vertices), face_lattice(result.lattice), cl_double{result.lattice.unit},
+               **geometry.positions, *topology.names->triangles, *topology.order, *topology.edges, **result.polyhedra,
+               **result.faces, found);
+    });
+    result.geometry = std::move(geometry);
     return result;
 }
 

@@ -7,8 +7,10 @@
 #include "surface/film_tree.hpp"
 #include "surface/sign_surface.hpp"
 #include "surface/walls.hpp"
+#include "topology/device_topology.hpp"
 #include "topology/topology.hpp"
 
+#include "point_faces.h"
 #include "point_tree.h"
 
 #include <clsdf/mesh.hpp>
@@ -18,6 +20,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace clsdf::engine {
@@ -25,7 +29,7 @@ namespace clsdf::engine {
 /// The lattice that points are measured in: its origin is the lower corner of the mesh's box, its unit the greatest
 /// power of two not above 1/256 of the box's longest side, or 1 if the mesh has no extent. Throws
 /// Error(invalid_argument) if a float cannot hold the unit.
-LatticeView lattice_for_points(const Mesh& mesh);
+LatticeView lattice_for_points(const Box& box, const std::string& name);
 
 /// Whether a closed box contains the point.
 inline bool contains(const Box& box, const Vec3& p) {
@@ -34,23 +38,28 @@ inline bool contains(const Box& box, const Vec3& p) {
     return true;
 }
 
-/// The faces of a mesh as queries of points read them, on the device and, for signs, on the host. They follow from the
-/// triangles and the positions alone. Trees find them: WideTree and FittedTree.
-struct PointMesh {
-    LatticeView lattice;
-    Box box;                           ///< of the mesh
-    bool is_part = false;              ///< faces that cross rows with greater x than those of the points may be missing
-    bool has_several_regions = false;  ///< a part: between points of two regions, any face may be missing
-    std::shared_ptr<const MeshTopology> topology;  ///< which numbers the faces
-    UninitializedVector<Vec3> positions;           ///< of the vertices, numbered as in MeshTopology::faces
-    std::vector<Vec3> sign_positions;              ///< those that decide the sign; empty: the same
-    std::vector<std::int8_t> sign_counts;          ///< how often each face counts for the sign; empty: once
-    std::shared_ptr<const FilmTree> film;          ///< of the open edges; null if none count, or if walls hang there
-    std::shared_ptr<const Walls> walls;            ///< of the rule `below`; else null
-    std::vector<bool> is_joined;                   ///< of each vertex, whether it is with another one; empty: none
+/// A mesh whose topology and positions are on a GPU. Each edge has one face, or two of one orientation.
+struct GeometryOnDevice {
+    std::shared_ptr<const DeviceTopology> topology;
+    std::shared_ptr<const device::BufferPool::Lease> positions;  ///< Vec3 of each vertex
+};
 
-    device::BufferPool::Lease polyhedra;  ///< Polyhedron, of each face, with frames and without slopes
-    device::BufferPool::Lease faces;      ///< PointFace of each face
+/// The faces of a mesh as kernels read them that look points up. They follow from the triangles and the positions
+/// alone. Trees find them: WideTree and FittedTree.
+struct PointFaces {
+    LatticeView lattice;
+    Box box;                               ///< of the mesh
+    std::size_t count = 0;                 ///< of the faces
+    std::shared_ptr<const FilmTree> film;  ///< of the open edges; null if none count, or if walls hang there
+    std::shared_ptr<const Walls> walls;    ///< of the rule `below`; else null
+
+    /// Polyhedron, of each face, with frames and without slopes.
+    std::shared_ptr<const device::BufferPool::Lease> polyhedra;
+    std::shared_ptr<const device::BufferPool::Lease> faces;  ///< PointFace of each face
+
+    /// If kernels have made the faces; then the surface that decides the sign is the mesh.
+    std::optional<GeometryOnDevice> geometry;
+    PointFacesFound found{};  ///< by them
 
     /// A position from the lattice's origin.
     Vec3 in_units(const Vec3& position) const {
@@ -67,7 +76,21 @@ struct PointMesh {
         return result;
     }
 
-    std::size_t face_count() const { return topology->order.size(); }
+    std::size_t host_bytes() const { return (film ? film->host_bytes() : 0) + (walls ? walls->host_bytes() : 0); }
+    std::size_t device_bytes() const { return polyhedra->bytes() + faces->bytes(); }
+};
+
+/// The same with what the host reads, for signs above all.
+struct PointMesh : PointFaces {
+    bool is_part = false;              ///< faces that cross rows with greater x than those of the points may be missing
+    bool has_several_regions = false;  ///< a part: between points of two regions, any face may be missing
+    std::shared_ptr<const MeshTopology> topology;  ///< which numbers the faces
+    UninitializedVector<Vec3> positions;           ///< of the vertices, numbered as in MeshTopology::faces
+    std::vector<Vec3> sign_positions;              ///< those that decide the sign; empty: the same
+    std::vector<std::int8_t> sign_counts;          ///< how often each face counts for the sign; empty: once
+    std::vector<bool> is_joined;                   ///< of each vertex, whether it is with another one; empty: none
+
+    std::size_t face_count() const { return count; }
     std::array<Vec3, 3> corners(std::size_t face) const {
         const auto& [a, b, c] = topology->faces.triangles[face];
         return {positions[a], positions[b], positions[c]};
@@ -89,16 +112,21 @@ struct PointMesh {
 
     std::size_t host_bytes() const {
         return (positions.size() + sign_positions.size()) * sizeof(Vec3) + sign_counts.size() + is_joined.size() / 8 +
-               (film ? film->host_bytes() : 0) + (walls ? walls->host_bytes() : 0);
+               PointFaces::host_bytes();
     }
-    std::size_t device_bytes() const { return polyhedra.bytes() + faces.bytes(); }
 };
 
 /// What the host reads of it: without polyhedra, faces and film. Throws Error(invalid_argument).
 PointMesh make_host_point_mesh(const Mesh& mesh, const SignSurface& surface,
                                std::shared_ptr<const MeshTopology> topology);
-/// Without film. Throws Error(invalid_argument or out_of_memory).
+/// Without film. made: the faces if kernels have made them, or null. Throws Error(invalid_argument or out_of_memory).
 PointMesh make_point_mesh(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
-                          std::shared_ptr<const MeshTopology> topology);
+                          std::shared_ptr<const MeshTopology> topology, const PointFaces* made = nullptr);
+
+/// The faces by kernels, with the same bytes unless the host does a special case. Does not wait. found: a
+/// PointFacesFound, zeros before; the result's `found` is left to the caller. Throws Error(invalid_argument,
+/// out_of_memory or device_failure).
+PointFaces make_point_faces(const DeviceTools& tools, const Box& box, const std::string& name,
+                            GeometryOnDevice geometry, const cl::Buffer& found);
 
 }  // namespace clsdf::engine

@@ -174,8 +174,8 @@ WideLeaves make_wide_leaves(const DeviceTools& tools, const PointMesh& mesh, std
     const std::vector<PointNode>& nodes = result.tree->nodes;
     const std::size_t count = result.tree->shape.count[0];
     const auto write = [&](PointLeaf* leaves) {
-        const std::span records(static_cast<const Polyhedron*>(mesh.polyhedra.on_host()), mesh.face_count());
-        const std::span faces(static_cast<const PointFace*>(mesh.faces.on_host()), mesh.face_count());
+        const std::span records(static_cast<const Polyhedron*>(mesh.polyhedra->on_host()), mesh.face_count());
+        const std::span faces(static_cast<const PointFace*>(mesh.faces->on_host()), mesh.face_count());
         for_each_chunk(count, width, [&](std::size_t, std::size_t begin, std::size_t end) {
             for (std::size_t leaf = begin; leaf < end; ++leaf) {
                 const std::size_t first = leaf * width, size = std::min(width, mesh.face_count() - first);
