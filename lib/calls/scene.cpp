@@ -160,6 +160,7 @@ private:
         const engine::PointMesh& mesh = *searched.inputs.mesh;
         searched.sign_box = mesh.sign_box();
         searched.usable = points::usable_range(mesh.box);
+        searched.finishing.emplace(points::finishing_sources(searched.inputs));
         searched.has_film = mesh.film != nullptr;
         return searched;
     }
