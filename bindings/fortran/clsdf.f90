@@ -25,8 +25,7 @@ module clsdf
   private
 
   public :: clsdf_device, clsdf_device_info, clsdf_mesh, clsdf_topology, clsdf_edge, clsdf_defects, clsdf_weld_report, &
-            clsdf_outer_report, &
-      clsdf_transform, &
+      clsdf_outer_report, clsdf_transform, clsdf_scene, clsdf_pose, &
       clsdf_kept_memory, clsdf_plan, clsdf_point_plan, clsdf_sparse_plan, clsdf_sparse_buffers, clsdf_device_sparse_counts, &
       clsdf_link_plan, clsdf_link_buffers, clsdf_device_link_count, &
       clsdf_field, clsdf_sparse_field, clsdf_thread_limit
@@ -572,6 +571,58 @@ module clsdf
     final :: transform_end
   end type
 
+  ! ---- Scenes: many bodies with poses, and points among them (docs/scenes.md) ----
+
+  !> Where a body is: its points x are at matmul(rotation, x) + translation.
+  type :: clsdf_pose
+    real(c_double) :: rotation(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
+    real(c_double) :: translation(3) = 0
+  contains
+    procedure :: set_matrix => pose_set_matrix
+  end type
+  type, bind(C) :: c_pose
+    real(c_double) :: rotation(9) = 0, translation(3) = 0
+  end type
+  type, bind(C) :: c_scene_options
+    integer(c_size_t) :: struct_size = 0
+    integer(c_int64_t) :: kept_bytes = -1
+    integer(c_int32_t) :: index_base = 1, reserved = 0
+  end type
+
+  !> Bodies have numbers from 1, in the order in which they were added.
+  type :: clsdf_scene
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure :: create => scene_create
+    procedure :: add => scene_add
+    procedure :: add_instance => scene_add_instance
+    procedure, private :: scene_set_poses, scene_set_some_poses
+    generic :: set_poses => scene_set_poses, scene_set_some_poses
+    procedure, private :: scene_set_positions, scene_set_positions_r4, scene_set_positions_r8
+    generic :: set_positions => scene_set_positions, scene_set_positions_r4, scene_set_positions_r8
+    procedure :: set_active => scene_set_active
+    procedure :: size => scene_size
+    procedure :: is_active => scene_is_active
+    procedure :: pose => scene_pose
+    procedure :: sign => scene_sign
+    procedure :: has_sign => scene_has_sign
+    procedure :: memory => scene_memory
+    procedure, private :: scene_query_targets, scene_query_r4, scene_query_r8
+    generic :: query => scene_query_targets, scene_query_r4, scene_query_r8
+    procedure, private :: scene_query_pairs, scene_query_pairs_r4, scene_query_pairs_r8
+    generic :: query_pairs => scene_query_pairs, scene_query_pairs_r4, scene_query_pairs_r8
+    procedure, private :: scene_contains, scene_contains_r4, scene_contains_r8
+    generic :: contains => scene_contains, scene_contains_r4, scene_contains_r8
+    procedure, private :: scene_winding, scene_winding_r4, scene_winding_r8
+    generic :: winding => scene_winding, scene_winding_r4, scene_winding_r8
+    procedure :: classify => scene_classify
+    procedure :: is_set => scene_is_set
+    procedure :: release => scene_release
+    procedure, private :: scene_assign
+    generic :: assignment(=) => scene_assign
+    final :: scene_end
+  end type
+
   ! ---- Plans: boxes that are computed again and again, into buffers of the device ----
 
   type :: clsdf_plan
@@ -965,7 +1016,7 @@ module clsdf
       import
       type(c_ptr), value :: devices
     end subroutine
-    ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan | device=link_plan |
+    ! REPEATED FOR device=mesh | device=transform | device=scene | device=plan | device=point_plan | device=link_plan |
     !     device=sparse_plan | device=field | device=sparse_field | device=thread_limit
 
     subroutine c_device_retain(device) bind(C, name="clsdf_device_retain")
@@ -995,6 +1046,15 @@ module clsdf
     subroutine c_transform_release(transform) bind(C, name="clsdf_transform_release")
       import
       type(c_ptr), value :: transform
+    end subroutine
+
+    subroutine c_scene_retain(scene) bind(C, name="clsdf_scene_retain")
+      import
+      type(c_ptr), value :: scene
+    end subroutine
+    subroutine c_scene_release(scene) bind(C, name="clsdf_scene_release")
+      import
+      type(c_ptr), value :: scene
     end subroutine
 
     subroutine c_plan_retain(plan) bind(C, name="clsdf_plan_retain")
@@ -1678,6 +1738,140 @@ module clsdf
       real(c_double), value :: half_width
       type(clsdf_c_target), intent(in) :: targets(*)
       integer(c_int64_t), value :: target_count
+    end function
+    function c_pose_of_matrix(matrix, pose) bind(C, name="clsdf_pose_of_matrix") result(value)
+      import
+      integer(c_int32_t) :: value
+      real(c_double), intent(in) :: matrix(*)
+      type(c_pose), intent(out) :: pose
+    end function
+    function c_scene_create(device, options, scene) bind(C, name="clsdf_scene_create") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: device
+      type(c_scene_options), intent(in) :: options
+      type(c_ptr), intent(out) :: scene
+    end function
+    function c_scene_add(scene, mesh, sign, pose, call, body) bind(C, name="clsdf_scene_add") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, mesh, call
+      integer(c_int32_t), value :: sign
+      type(c_pose), intent(in) :: pose
+      integer(c_int64_t), intent(inout) :: body
+    end function
+    function c_scene_add_instance(scene, of, pose, body) bind(C, name="clsdf_scene_add_instance") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      integer(c_int64_t), value :: of
+      type(c_pose), intent(in) :: pose
+      integer(c_int64_t), intent(inout) :: body
+    end function
+    function c_scene_set_poses(scene, bodies, poses, count) bind(C, name="clsdf_scene_set_poses") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, bodies
+      type(c_pose), intent(in) :: poses(*)
+      integer(c_int64_t), value :: count
+    end function
+    function c_scene_set_positions(scene, body, positions, call) bind(C, name="clsdf_scene_set_positions") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, call
+      integer(c_int64_t), value :: body
+      type(clsdf_c_array), intent(in) :: positions
+    end function
+    function c_scene_set_active(scene, body, active) bind(C, name="clsdf_scene_set_active") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      integer(c_int64_t), value :: body
+      integer(c_int32_t), value :: active
+    end function
+    function c_scene_size(scene, count) bind(C, name="clsdf_scene_size") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      integer(c_int64_t), intent(inout) :: count
+    end function
+    function c_scene_active(scene, body, active) bind(C, name="clsdf_scene_active") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      integer(c_int64_t), value :: body
+      integer(c_int32_t), intent(inout) :: active
+    end function
+    function c_scene_pose(scene, body, pose) bind(C, name="clsdf_scene_pose") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      integer(c_int64_t), value :: body
+      type(c_pose), intent(inout) :: pose
+    end function
+    function c_scene_sign(scene, body, rule) bind(C, name="clsdf_scene_sign") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      integer(c_int64_t), value :: body
+      integer(c_int32_t), intent(inout) :: rule
+    end function
+    function c_scene_has_sign(scene, has_sign) bind(C, name="clsdf_scene_has_sign") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      integer(c_int32_t), intent(inout) :: has_sign
+    end function
+    function c_scene_memory(scene, memory) bind(C, name="clsdf_scene_memory") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      type(clsdf_kept_memory), intent(inout) :: memory
+    end function
+    function c_scene_query(scene, points, half_width, targets, target_count, bodies, own, call, statistics) &
+        bind(C, name="clsdf_scene_query") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, bodies, own, call, statistics
+      type(clsdf_c_array), intent(in) :: points
+      real(c_double), value :: half_width
+      type(clsdf_c_target), intent(in) :: targets(*)
+      integer(c_int64_t), value :: target_count
+    end function
+    function c_scene_query_pairs(scene, points, pairs, count, half_width, targets, target_count, call, statistics) &
+        bind(C, name="clsdf_scene_query_pairs") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, call, statistics
+      type(clsdf_c_array), intent(in) :: points
+      integer(c_int32_t), intent(in) :: pairs(2, *)
+      real(c_double), value :: half_width
+      type(clsdf_c_target), intent(in) :: targets(*)
+      integer(c_int64_t), value :: count, target_count
+    end function
+    function c_scene_contains(scene, points, inside, call) bind(C, name="clsdf_scene_contains") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, call
+      type(clsdf_c_array), intent(in) :: points
+      integer(c_int8_t), intent(inout) :: inside(*)
+    end function
+    function c_scene_winding(scene, points, results, call) bind(C, name="clsdf_scene_winding") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, call
+      type(clsdf_c_array), intent(in) :: points
+      real(c_double), intent(inout) :: results(*)
+    end function
+    function c_scene_classify(scene, boxes, count, half_width, places) &
+        bind(C, name="clsdf_scene_classify") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      type(clsdf_box), intent(in) :: boxes(*)
+      integer(c_int64_t), value :: count
+      real(c_double), value :: half_width
+      integer(c_int8_t), intent(inout) :: places(*)
     end function
     function c_classify(transform, boxes, count, half_width, places) bind(C, name="clsdf_classify") result(value)
       import
@@ -5070,6 +5264,492 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
+  ! ---- Scenes ----
+
+  !> The pose of a 4 x 4 matrix, matmul(matrix, [x, 1]), whose last row is 0, 0, 0, 1. Its rotation may be rounded to
+  !> reals of 4 bytes: the nearest rotation is taken.
+  subroutine pose_set_matrix(self, matrix, stat, errmsg)
+    class(clsdf_pose), intent(inout) :: self
+    real(c_double), intent(in) :: matrix(4, 4)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_pose) :: c
+    integer(c_int32_t) :: status
+    real(c_double) :: rows(16)
+    rows = reshape(transpose(matrix), [16])
+    status = c_pose_of_matrix(rows, c)
+    if (status == CLSDF_OK) call take_pose(c, self)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine take_pose(c, pose)
+    type(c_pose), intent(in) :: c
+    class(clsdf_pose), intent(inout) :: pose
+    pose%rotation = transpose(reshape(c%rotation, [3, 3]))
+    pose%translation = c%translation
+  end subroutine
+
+  elemental function pose_for_c(pose) result(c)
+    type(clsdf_pose), intent(in) :: pose
+    type(c_pose) :: c
+    c%rotation = reshape(transpose(pose%rotation), [9])
+    c%translation = pose%translation
+  end function
+
+  function pose_or_none(pose) result(c)
+    type(clsdf_pose), intent(in), optional :: pose
+    type(c_pose) :: c
+    c = pose_for_c(clsdf_pose())
+    if (present(pose)) c = pose_for_c(pose)
+  end function
+
+  !> A scene without bodies. The host computes; points and results may be in the device's memory.
+  subroutine scene_create(self, device, kept_bytes, stat, errmsg)
+    class(clsdf_scene), intent(inout) :: self
+    type(clsdf_device), intent(in) :: device
+    integer(c_int64_t), intent(in), optional :: kept_bytes
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_scene_options) :: c
+    call self%release()
+    c%struct_size = c_sizeof(c)
+    if (present(kept_bytes)) c%kept_bytes = kept_bytes
+    call clsdf_finish(c_scene_create(device%handle, c, self%handle), stat, errmsg)
+  end subroutine
+
+  !> Adds a mesh, which is copied, as body number `body`.
+  subroutine scene_add(self, mesh, body, pose, sign, options, stat, errmsg)
+    class(clsdf_scene), intent(inout) :: self
+    type(clsdf_mesh), intent(in) :: mesh
+    integer(c_int64_t), intent(out), optional :: body
+    type(clsdf_pose), intent(in), optional :: pose
+    integer(c_int32_t), intent(in), optional :: sign
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    integer(c_int32_t) :: rule
+    integer(c_int64_t) :: number
+    rule = CLSDF_SIGN_AUTOMATIC
+    if (present(sign)) rule = sign
+    number = 0
+    call clsdf_finish(c_scene_add(self%handle, mesh%handle, rule, pose_or_none(pose), options_for_c(given, options), &
+        number), stat, errmsg)
+    if (present(body)) body = number
+  end subroutine
+
+  !> Adds a body that has the mesh and the sign rule of another one.
+  subroutine scene_add_instance(self, of, body, pose, stat, errmsg)
+    class(clsdf_scene), intent(inout) :: self
+    integer(c_int64_t), intent(in) :: of
+    integer(c_int64_t), intent(out), optional :: body
+    type(clsdf_pose), intent(in), optional :: pose
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: number
+    number = 0
+    call clsdf_finish(c_scene_add_instance(self%handle, of, pose_or_none(pose), number), stat, errmsg)
+    if (present(body)) body = number
+  end subroutine
+
+  !> Moves all bodies. A rotation may be rounded to reals of 4 bytes: the nearest rotation is taken.
+  subroutine scene_set_poses(self, poses, stat, errmsg)
+    class(clsdf_scene), intent(inout) :: self
+    type(clsdf_pose), intent(in) :: poses(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_scene_set_poses(self%handle, c_null_ptr, pose_for_c(poses), size(poses, kind=c_int64_t)), &
+        stat, errmsg)
+  end subroutine
+
+  !> Moves some bodies.
+  subroutine scene_set_some_poses(self, bodies, poses, stat, errmsg)
+    class(clsdf_scene), intent(inout) :: self
+    integer(c_int64_t), intent(in) :: bodies(:)
+    type(clsdf_pose), intent(in) :: poses(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t), target :: numbers(size(bodies))
+    integer(c_int32_t) :: status
+    numbers = bodies
+    if (size(bodies) /= size(poses)) then
+      status = refused('the arrays of the bodies and of the poses have the shapes '//joined(shape(bodies, c_int64_t))// &
+          ' and '//joined(shape(poses, c_int64_t)))
+    else
+      status = c_scene_set_poses(self%handle, c_loc(numbers), pose_for_c(poses), size(poses, kind=c_int64_t))
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Gives the mesh of a body, and so all its instances, new positions before their poses.
+  subroutine scene_set_positions(self, body, positions, options, stat, errmsg)
+    class(clsdf_scene), intent(inout) :: self
+    integer(c_int64_t), intent(in) :: body
+    type(clsdf_array), intent(in) :: positions
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    type(clsdf_c_array) :: c
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call rows_for_c(positions, 'positions', c, status)
+    if (status == CLSDF_OK) status = c_scene_set_positions(self%handle, body, c, options_for_c(given, options))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> Switches a body off, as if it were not there, or on again.
+  subroutine scene_set_active(self, body, active, stat, errmsg)
+    class(clsdf_scene), intent(inout) :: self
+    integer(c_int64_t), intent(in) :: body
+    logical, intent(in) :: active
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call clsdf_finish(c_scene_set_active(self%handle, body, merge(1_c_int32_t, 0_c_int32_t, active)), stat, errmsg)
+  end subroutine
+
+  function scene_size(self, stat, errmsg) result(count)
+    class(clsdf_scene), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int64_t) :: count
+    count = 0
+    call clsdf_finish(c_scene_size(self%handle, count), stat, errmsg)
+  end function
+
+  function scene_is_active(self, body, stat, errmsg) result(is_active)
+    class(clsdf_scene), intent(in) :: self
+    integer(c_int64_t), intent(in) :: body
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    logical :: is_active
+    integer(c_int32_t) :: flag
+    flag = 0
+    call clsdf_finish(c_scene_active(self%handle, body, flag), stat, errmsg)
+    is_active = flag == 1
+  end function
+
+  !> With the rotation that is used.
+  function scene_pose(self, body, stat, errmsg) result(pose)
+    class(clsdf_scene), intent(in) :: self
+    integer(c_int64_t), intent(in) :: body
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_pose) :: pose
+    type(c_pose) :: c
+    call clsdf_finish(c_scene_pose(self%handle, body, c), stat, errmsg)
+    call take_pose(c, pose)
+  end function
+
+  !> The rule in use, never automatic.
+  function scene_sign(self, body, stat, errmsg) result(rule)
+    class(clsdf_scene), intent(in) :: self
+    integer(c_int64_t), intent(in) :: body
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: rule
+    rule = CLSDF_SIGN_NONE
+    call clsdf_finish(c_scene_sign(self%handle, body, rule), stat, errmsg)
+  end function
+
+  !> Whether a body that is on has a sign.
+  function scene_has_sign(self, stat, errmsg) result(has_sign)
+    class(clsdf_scene), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    logical :: has_sign
+    integer(c_int32_t) :: flag
+    flag = 0
+    call clsdf_finish(c_scene_has_sign(self%handle, flag), stat, errmsg)
+    has_sign = flag == 1
+  end function
+
+  !> What is kept of all meshes.
+  function scene_memory(self, stat, errmsg) result(memory)
+    class(clsdf_scene), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_kept_memory) :: memory
+    memory%struct_size = c_sizeof(memory) + 1  ! calls fill it
+    call clsdf_finish(c_scene_memory(self%handle, memory), stat, errmsg)
+  end function
+
+  !> As transform%query(), of the body whose signed distance is the least. bodies(n): the body of the nearest triangle, 0
+  !> beyond the half width. own(n): 1 if the distance is that of the union of the bodies, else 0.
+  subroutine scene_query_targets(self, points, half_width, targets, bodies, own, options, statistics, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    type(clsdf_array), intent(in) :: points
+    real(c_double), intent(in) :: half_width
+    type(clsdf_target), intent(in) :: targets(:)
+    integer(c_int32_t), intent(inout), target, contiguous, optional :: bodies(:)
+    integer(c_int8_t), intent(inout), target, contiguous, optional :: own(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_target) :: c(size(targets))
+    type(clsdf_c_array) :: from
+    type(caller), target :: given
+    type(c_ptr) :: of_bodies, of_own
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    of_bodies = c_null_ptr
+    of_own = c_null_ptr
+    call rows_for_c(points, 'points', from, status)
+    if (status == CLSDF_OK) call clsdf_targets_of_samples(targets, [from%count], 1, c, status)
+    if (present(bodies)) then
+      call check_items('bodies', size(bodies, kind=c_int64_t), from%count, status)
+      if (size(bodies) > 0) of_bodies = c_loc(bodies)
+    end if
+    if (present(own)) then
+      call check_items('own', size(own, kind=c_int64_t), from%count, status)
+      if (size(own) > 0) of_own = c_loc(own)
+    end if
+    if (status == CLSDF_OK) status = c_scene_query(self%handle, from, without_limit(half_width), c, &
+        size(targets, kind=c_int64_t), of_bodies, of_own, options_for_c(given, options), statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  subroutine check_items(what, items, expected, status)
+    character(*), intent(in) :: what
+    integer(c_int64_t), intent(in) :: items, expected
+    integer(c_int32_t), intent(inout) :: status
+    if (status == CLSDF_OK .and. items /= expected) &
+        status = refused('the array '//what//' has the shape '//joined([items])//'; give it '//joined([expected]))
+  end subroutine
+
+  !> The outputs of pairs of a point and a body, pairs(2, m), both from 1, by that body alone.
+  subroutine scene_query_pairs(self, points, pairs, half_width, targets, options, statistics, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    type(clsdf_array), intent(in) :: points
+    integer(c_int32_t), intent(in) :: pairs(:, :)
+    real(c_double), intent(in) :: half_width
+    type(clsdf_target), intent(in) :: targets(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_target) :: c(size(targets))
+    type(clsdf_c_array) :: from
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    integer(c_int64_t) :: count
+    status = CLSDF_OK
+    count = size(pairs, 2, kind=c_int64_t)
+    if (size(pairs, 1) /= 2) status = refused('the array of the pairs has the shape '//joined(shape(pairs, c_int64_t))// &
+        '; give it (2, m)')
+    if (status == CLSDF_OK) call rows_for_c(points, 'points', from, status)
+    if (status == CLSDF_OK) call clsdf_targets_of_samples(targets, [count], 1, c, status)
+    if (status == CLSDF_OK) status = c_scene_query_pairs(self%handle, from, pairs, count, without_limit(half_width), c, &
+        size(targets, kind=c_int64_t), options_for_c(given, options), statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> 1 for each point that is inside a body, else 0. A point on the surface of a body is not inside this one.
+  subroutine scene_contains(self, points, inside, options, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    type(clsdf_array), intent(in) :: points
+    integer(c_int8_t), intent(inout), contiguous :: inside(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: from
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call rows_for_c(points, 'points', from, status)
+    call check_items('inside', size(inside, kind=c_int64_t), from%count, status)
+    if (status == CLSDF_OK) status = c_scene_contains(self%handle, from, inside, options_for_c(given, options))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The sum of the bodies' winding numbers at each point, in their order.
+  subroutine scene_winding(self, points, results, options, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    type(clsdf_array), intent(in) :: points
+    real(c_double), intent(inout), contiguous :: results(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_array) :: from
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call rows_for_c(points, 'points', from, status)
+    call check_items('results', size(results, kind=c_int64_t), from%count, status)
+    if (status == CLSDF_OK) status = c_scene_winding(self%handle, from, results, options_for_c(given, options))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The places of boxes: CLSDF_INSIDE one of the bodies, CLSDF_OUTSIDE all of them (CLSDF_BEYOND if no body has a sign),
+  !> else CLSDF_WITHIN.
+  subroutine scene_classify(self, boxes, half_width, places, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    type(clsdf_box), intent(in) :: boxes(:)
+    real(c_double), intent(in) :: half_width
+    integer(c_int8_t), intent(inout), contiguous :: places(:)
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call check_items('places', size(places, kind=c_int64_t), size(boxes, kind=c_int64_t), status)
+    if (status == CLSDF_OK) &
+        status = c_scene_classify(self%handle, boxes, size(boxes, kind=c_int64_t), without_limit(half_width), places)
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  ! REPEATED FOR r8 closest
+
+  !> The same with arrays of one kind: points(3, n) or points(n, 3).
+  subroutine scene_query_r4(self, points, half_width, distance, triangle, site, offset, gradient, barycentric, &
+      bodies, own, options, statistics, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    real(c_float), intent(in), target :: points(:, :)
+    real(c_double), intent(in) :: half_width
+    real(c_float), intent(inout), target :: distance(:)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:)
+    integer(c_int8_t), intent(inout), target, optional :: site(:)
+    real(c_float), intent(inout), target, optional :: offset(:, :), gradient(:, :), barycentric(:, :)
+    integer(c_int32_t), intent(inout), target, contiguous, optional :: bodies(:)
+    integer(c_int8_t), intent(inout), target, contiguous, optional :: own(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(6)
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(offset)) targets(4) = clsdf_target(CLSDF_OFFSET, offset)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), bodies, own, &
+        options, statistics, stat, errmsg)
+  end subroutine
+
+  !> The distances of pairs, of the points' kind.
+  subroutine scene_query_pairs_r4(self, points, pairs, half_width, distance, options, statistics, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    real(c_float), intent(in), target :: points(:, :)
+    integer(c_int32_t), intent(in) :: pairs(:, :)
+    real(c_double), intent(in) :: half_width
+    real(c_float), intent(inout), target :: distance(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%query_pairs(clsdf_array(points), pairs, half_width, [clsdf_target(CLSDF_DISTANCE, distance)], options, &
+        statistics, stat, errmsg)
+  end subroutine
+
+  subroutine scene_contains_r4(self, points, inside, options, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    real(c_float), intent(in), target :: points(:, :)
+    integer(c_int8_t), intent(inout), contiguous :: inside(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%contains(clsdf_array(points), inside, options, stat, errmsg)
+  end subroutine
+
+  subroutine scene_winding_r4(self, points, results, options, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    real(c_float), intent(in), target :: points(:, :)
+    real(c_double), intent(inout), contiguous :: results(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%winding(clsdf_array(points), results, options, stat, errmsg)
+  end subroutine
+
+  subroutine scene_set_positions_r4(self, body, positions, options, stat, errmsg)
+    class(clsdf_scene), intent(inout) :: self
+    integer(c_int64_t), intent(in) :: body
+    real(c_float), intent(in), target :: positions(:, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%set_positions(body, clsdf_array(positions), options, stat, errmsg)
+  end subroutine
+
+  ! REPEATED BY repeat.py
+
+  !> The same with arrays of one kind: points(3, n) or points(n, 3).
+  subroutine scene_query_r8(self, points, half_width, distance, triangle, site, closest, gradient, barycentric, offset, &
+      bodies, own, options, statistics, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    real(c_double), intent(in), target :: points(:, :)
+    real(c_double), intent(in) :: half_width
+    real(c_double), intent(inout), target :: distance(:)
+    integer(c_int32_t), intent(inout), target, optional :: triangle(:)
+    integer(c_int8_t), intent(inout), target, optional :: site(:)
+    real(c_double), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
+    real(c_double), intent(inout), target, optional :: offset(:, :)
+    integer(c_int32_t), intent(inout), target, contiguous, optional :: bodies(:)
+    integer(c_int8_t), intent(inout), target, contiguous, optional :: own(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_target) :: targets(7)
+    targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
+    if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
+    if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
+    if (present(closest)) targets(4) = clsdf_target(CLSDF_CLOSEST, closest)
+    if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
+    if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
+    if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
+    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), bodies, own, &
+        options, statistics, stat, errmsg)
+  end subroutine
+
+  !> The distances of pairs, of the points' kind.
+  subroutine scene_query_pairs_r8(self, points, pairs, half_width, distance, options, statistics, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    real(c_double), intent(in), target :: points(:, :)
+    integer(c_int32_t), intent(in) :: pairs(:, :)
+    real(c_double), intent(in) :: half_width
+    real(c_double), intent(inout), target :: distance(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%query_pairs(clsdf_array(points), pairs, half_width, [clsdf_target(CLSDF_DISTANCE, distance)], options, &
+        statistics, stat, errmsg)
+  end subroutine
+
+  subroutine scene_contains_r8(self, points, inside, options, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    real(c_double), intent(in), target :: points(:, :)
+    integer(c_int8_t), intent(inout), contiguous :: inside(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%contains(clsdf_array(points), inside, options, stat, errmsg)
+  end subroutine
+
+  subroutine scene_winding_r8(self, points, results, options, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    real(c_double), intent(in), target :: points(:, :)
+    real(c_double), intent(inout), contiguous :: results(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%winding(clsdf_array(points), results, options, stat, errmsg)
+  end subroutine
+
+  subroutine scene_set_positions_r8(self, body, positions, options, stat, errmsg)
+    class(clsdf_scene), intent(inout) :: self
+    integer(c_int64_t), intent(in) :: body
+    real(c_double), intent(in), target :: positions(:, :)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    call self%set_positions(body, clsdf_array(positions), options, stat, errmsg)
+  end subroutine
+
+  ! END
+
   !> The directions (3, Q) of a stencil, 'D3Q15', 'D3Q19' or 'D3Q27', in the order of a code: 'OpenLB', 'waLBerla',
   !> 'lbmpy', 'Palabos' or 'XLB'.
   subroutine clsdf_stencil(name, code, directions, stat, errmsg)
@@ -6708,7 +7388,8 @@ contains
     call self%release()
   end subroutine
 
-  ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan | device=link_plan | device=sparse_plan | device=field
+  ! REPEATED FOR device=mesh | device=transform | device=scene | device=plan | device=point_plan | device=link_plan |
+  !     device=sparse_plan | device=field
 
   elemental function device_is_set(self) result(is_set)
     class(clsdf_device), intent(in) :: self
@@ -6726,6 +7407,12 @@ contains
 
   elemental function transform_is_set(self) result(is_set)
     class(clsdf_transform), intent(in) :: self
+    logical :: is_set
+    is_set = c_associated(self%handle)
+  end function
+
+  elemental function scene_is_set(self) result(is_set)
+    class(clsdf_scene), intent(in) :: self
     logical :: is_set
     is_set = c_associated(self%handle)
   end function
@@ -6762,7 +7449,7 @@ contains
 
   ! END
 
-  ! REPEATED FOR device=mesh | device=transform | device=plan | device=point_plan | device=link_plan |
+  ! REPEATED FOR device=mesh | device=transform | device=scene | device=plan | device=point_plan | device=link_plan |
   !     device=sparse_plan | device=field | device=thread_limit
 
   subroutine device_release(self)
@@ -6827,6 +7514,27 @@ contains
 
   impure elemental subroutine transform_end(self)
     type(clsdf_transform), intent(inout) :: self
+    call self%release()
+  end subroutine
+
+  subroutine scene_release(self)
+    class(clsdf_scene), intent(inout) :: self
+    call c_scene_release(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  impure elemental subroutine scene_assign(left, right)
+    class(clsdf_scene), intent(inout) :: left
+    type(clsdf_scene), intent(in) :: right
+    type(c_ptr) :: before
+    before = left%handle
+    call c_scene_retain(right%handle)
+    left%handle = right%handle
+    call c_scene_release(before)
+  end subroutine
+
+  impure elemental subroutine scene_end(self)
+    type(clsdf_scene), intent(inout) :: self
     call self%release()
   end subroutine
 

@@ -42,25 +42,42 @@ struct Body {
     bool is_active;
 };
 
-/// Throws Error(invalid_argument) that names the body.
-scenes::Frame frame_of(const Pose& pose, std::size_t body) {
+/// Throws Error(invalid_argument) that names the body, if it is one of a scene.
+scenes::Frame frame_of(const Pose& pose, std::optional<std::size_t> body = {}) {
+    const auto whose = [&] { return body ? fmt::format(" of body {}", *body) : std::string(); };
     for (const double t : pose.translation)
         if (!std::isfinite(t))
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the translation of body {} is ({}, {}, {}), and must be finite", body,
+                        fmt::format("the translation{} is ({}, {}, {}), and must be finite", whose(),
                                     pose.translation[0], pose.translation[1], pose.translation[2]));
     const std::optional<scenes::Rotation> rotation = scenes::nearest_rotation(pose.rotation);
     if (!rotation)
         throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the matrix of body {} is no rotation to 1e-5, or is a reflection; its rows must be "
-                                "unit vectors at right angles, and its determinant 1",
-                                body));
+                    fmt::format("the matrix{} is no rotation to 1e-5, or is a reflection; its rows must be unit "
+                                "vectors at right angles, and its determinant 1",
+                                whose()));
     scenes::Frame frame{*rotation, pose.translation};
     frame.is_turned = frame.rotation != scenes::Frame().rotation;
     return frame;
 }
 
 }  // namespace
+
+Pose pose_of(std::span<const double, 16> matrix) {
+    const std::span last = matrix.last<4>();
+    if (last[0] != 0 || last[1] != 0 || last[2] != 0 || last[3] != 1)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the last row of the 4 x 4 matrix is {}, {}, {}, {}, and must be 0, 0, 0, 1; give the "
+                                "matrix by rows",
+                                last[0], last[1], last[2], last[3]));
+    Pose pose;
+    for (std::size_t row = 0; row < 3; ++row) {
+        std::copy_n(matrix.begin() + static_cast<std::ptrdiff_t>(4 * row), 3, pose.rotation[row].begin());
+        pose.translation[row] = matrix[4 * row + 3];
+    }
+    const scenes::Frame frame = frame_of(pose);
+    return {frame.rotation, frame.translation};
+}
 
 struct Scene::State {
     State(Device device_in, const SceneOptions& options_in) : device(std::move(device_in)), options(options_in) {}
@@ -160,6 +177,7 @@ private:
         const engine::PointMesh& mesh = *searched.inputs.on_host;
         searched.sign_box = mesh.sign_box();
         searched.usable = points::usable_range(mesh.box);
+        searched.finishing.emplace(points::finishing_sources(searched.inputs));
         searched.has_film = mesh.film != nullptr;
         return searched;
     }

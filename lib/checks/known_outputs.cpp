@@ -1,5 +1,6 @@
 #include "checks/known_outputs.hpp"
 
+#include "core/floating_point.hpp"
 #include "finish/sites.hpp"
 #include "frusta/records.hpp"
 #include "lattice/layout_of.hpp"
@@ -87,6 +88,7 @@ std::string KnownOutputs::difference_from(std::uint32_t face, const HostArrays& 
             used += info.components;
         },
         expected);
+    const DefaultFloatingPoint as_kernels;
     points::finish_on_host({how_, polyhedra_.data(), sites_.data(), normals_.data()}, sample.index, face,
                            sample.distance < 0 ? CLSDF_POINT_INSIDE : CLSDF_POINT_OUTSIDE,
                            std::numeric_limits<double>::infinity(), expected);

@@ -117,7 +117,6 @@ FinishingSources finishing_sources(const PointInputs& inputs) {
 
 void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, std::uint8_t sign,
                     double half_width, const targets::HostArrays& arrays) {
-    const DefaultFloatingPoint as_kernels;
     const one_lane::Finishing finishing = finishing_of(sources, arrays);
     one_lane::finish_point(&finishing, reinterpret_cast<float*>(arrays[Output::distance].data),
                            {sample[0], sample[1], sample[2]}, polyhedron, sign, nullptr, half_width, 0);

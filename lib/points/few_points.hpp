@@ -33,7 +33,8 @@ struct FinishingSources {
 FinishingSources finishing_sources(const PointInputs& inputs);
 
 /// The outputs of one sample or point whose nearest polyhedron is known, by the code of the kernels. sample: in samples
-/// of the lattice of `how`. sign: CLSDF_POINT_INSIDE, _OUTSIDE or _ON_SURFACE.
+/// of the lattice of `how`. sign: CLSDF_POINT_INSIDE, _OUTSIDE or _ON_SURFACE. For callers that have made a
+/// DefaultFloatingPoint.
 void finish_on_host(const FinishingSources& sources, const Vec3& sample, std::uint32_t polyhedron, std::uint8_t sign,
                     double half_width, const targets::HostArrays& arrays);
 

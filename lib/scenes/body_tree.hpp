@@ -20,6 +20,9 @@ public:
     /// bodies: the number of each box's body.
     BodyTree(std::span<const Box> boxes, std::span<const std::uint32_t> bodies);
 
+    /// Around all of them; empty without bodies.
+    Box box() const { return nodes_.empty() ? Box{} : nodes_[0].box; }
+
     /// Calls visit(body) for the bodies whose boxes hold the point.
     template <typename Visit>
     void visit_holding(const Vec3& p, const Visit& visit) const {

@@ -3,6 +3,7 @@
 #include "core/floating_point.hpp"
 #include "core/outputs.hpp"
 #include "core/parallel.hpp"
+#include "points/curve_order.hpp"
 #include "points/point_run.hpp"
 #include "points/signs_by_host.hpp"
 #include "tree/wide_tree.hpp"
@@ -13,8 +14,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <mutex>
+#include <numeric>
+#include <tuple>
 
 namespace clsdf::scenes {
 
@@ -39,6 +43,12 @@ struct Found {
     bool is_inside() const { return sign == CLSDF_POINT_INSIDE; }
 };
 
+/// What one body says of a point.
+struct OfBody {
+    points::NearestOfPoint nearest;
+    std::uint8_t sign;
+};
+
 /// The squared distance with its sign, in the scene's units. A unit is a power of two, so the product is exact.
 double value_of(const points::NearestOfPoint& nearest, std::uint8_t sign, double unit) {
     if (sign == CLSDF_POINT_ON_SURFACE) return 0;
@@ -50,13 +60,13 @@ double value_of(const points::NearestOfPoint& nearest, std::uint8_t sign, double
 }
 
 /// Takes what a body says of a point: the least pair (value, body).
-void take(const points::NearestOfPoint& nearest, std::uint8_t sign, double unit, std::uint32_t body, Found& found) {
-    const double value = value_of(nearest, sign, unit);
+void take(const OfBody& of_body, double unit, std::uint32_t body, Found& found) {
+    const double value = value_of(of_body.nearest, of_body.sign, unit);
     if (value == infinity || value > found.value || (value == found.value && body > found.body)) return;
     found.value = value;
     found.body = body;
-    found.face = nearest.face;
-    found.sign = sign;
+    found.face = of_body.nearest.face;
+    found.sign = of_body.sign;
 }
 
 const engine::PointMesh& mesh_of(const SearchedBody& body) {
@@ -75,19 +85,21 @@ points::NearestOfPoint nearest_within(const SearchedBody& body, const Vec3& in_b
                                 near);
 }
 
-/// The signs of points in a body.
+/// Those of the points in a body that are CLSDF_POINT_UNDECIDED.
 void find_signs(const SearchedBody& body, std::span<const Vec3> in_body, std::span<const double> squared,
                 std::span<std::uint8_t> signs) {
     std::array<std::uint32_t, most_in_chunk> order;
     for (std::size_t i = 0; i < in_body.size(); ++i) order[i] = static_cast<std::uint32_t>(i);
-    std::ranges::fill(signs, std::uint8_t{CLSDF_POINT_UNDECIDED});
     points::find_signs({mesh_of(body), *body.shape->inputs.leaves->tree}, body.shape->inputs.sign,
                        {in_body, std::span(order).first(in_body.size()), squared}, signs);
 }
 
-/// Looks up points, at most most_in_chunk, in one body and calls use(i, nearest, sign) for each.
-template <typename PointOf, typename Use>
-void look_up(const SearchedBody& body, std::size_t count, double half_width, const PointOf& point_of, const Use& use) {
+/// Looks up points, at most most_in_chunk, in one body and calls use(i, of_body) for each. A face farther away than
+/// most_of(i) is looked for, up to the half width, only if the point is inside. needs_sign(i, nearest): false: the sign
+/// does not count, and is outside.
+template <typename PointOf, typename MostOf, typename NeedsSign, typename Use>
+void look_up(const SearchedBody& body, std::size_t count, double half_width, const PointOf& point_of,
+             const MostOf& most_of, const NeedsSign& needs_sign, const Use& use) {
     std::array<Vec3, most_in_chunk> in_body;
     std::array<points::NearestOfPoint, most_in_chunk> nearest;
     std::array<double, most_in_chunk> squared;
@@ -95,16 +107,21 @@ void look_up(const SearchedBody& body, std::size_t count, double half_width, con
     std::uint32_t near = CLSDF_NO_FACE;
     for (std::size_t i = 0; i < count; ++i) {
         in_body[i] = body.frame->to_body(point_of(i));
-        nearest[i] = nearest_within(body, in_body[i], half_width, near);
+        nearest[i] = nearest_within(body, in_body[i], most_of(i), near);
         squared[i] = nearest[i].squared;
+        signs[i] = needs_sign(i, nearest[i]) ? CLSDF_POINT_UNDECIDED : CLSDF_POINT_OUTSIDE;
     }
     find_signs(body, std::span(in_body).first(count), std::span(squared).first(count), std::span(signs).first(count));
-    for (std::size_t i = 0; i < count; ++i) use(i, nearest[i], signs[i]);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (nearest[i].face == CLSDF_NO_FACE && signs[i] == CLSDF_POINT_INSIDE && most_of(i) < half_width)
+            nearest[i] = nearest_within(body, in_body[i], half_width, near);
+        use(i, OfBody{nearest[i], signs[i]});
+    }
 }
 
 /// Calls visit(body, first, count) for the runs of equal bodies in a list that is sorted by them.
-template <typename Visit>
-void for_each_body(std::span<const Asked> asked, const Visit& visit) {
+template <typename Pair, typename Visit>
+void for_each_body(const std::vector<Pair>& asked, const Visit& visit) {
     for (std::size_t begin = 0, end = 0; begin < asked.size(); begin = end) {
         while (end < asked.size() && asked[end].body == asked[begin].body) ++end;
         visit(asked[begin].body, begin, end - begin);
@@ -140,8 +157,7 @@ public:
         bool is_within = false;
         if (found.face != CLSDF_NO_FACE) {
             const Vec3 in_units = mesh_of(*body).in_units(body->frame->to_body(point));
-            points::finish_on_host(points::finishing_sources(body->shape->inputs), in_units, found.face, found.sign,
-                                   half_width, arrays_);
+            points::finish_on_host(*body->shape->finishing, in_units, found.face, found.sign, half_width, arrays_);
             is_within = is_finite(closest());
         }
         if (is_within) {
@@ -215,30 +231,42 @@ private:
     std::array<double, 3 * CLSDF_OUTPUT_COUNT> room_{};
 };
 
+/// A body whose box holds a point of a chunk, or which has a film.
+struct Holder {
+    std::uint32_t body;
+    std::uint32_t point;  ///< in the chunk
+    bool is_first;        ///< the one whose box holds it deepest, which is likely to have the least value
+};
+
 /// The points of a chunk.
 class Chunk {
 public:
-    Chunk(const SearchedScene& scene, std::span<const Vec3> points, double half_width)
-        : scene_(scene), points_(points), half_width_(half_width) {}
+    /// chosen: the numbers of its points, at most most_in_chunk.
+    Chunk(const SearchedScene& scene, std::span<const Vec3> points, std::span<const std::uint32_t> chosen,
+          double half_width)
+        : scene_(scene), count_(chosen.size()), half_width_(half_width) {
+        for (std::size_t i = 0; i < count_; ++i) points_[i] = points[chosen[i]];
+    }
 
     void search() {
-        for (std::uint32_t i = 0; i < points_.size(); ++i)
-            if (is_finite(points_[i])) {
-                for (const std::uint32_t body : scene_.with_films) ask(i, body);
-                scene_.tree.visit_holding(points_[i], [&](std::uint32_t body) {
-                    if (!scene_.bodies[body].shape->has_film) ask(i, body);
-                });
-            }
-        std::ranges::sort(asked_, {}, [](const Asked& asked) { return std::pair(asked.body, asked.point); });
-        for_each_body(asked_, [&](std::uint32_t body, std::size_t first, std::size_t count) {
-            const SearchedBody& searched = scene_.bodies[body];
+        for (std::uint32_t i = 0; i < count_; ++i)
+            if (is_finite(points_[i])) find_holders(i);
+        std::ranges::sort(holders_, {}, [](const Holder& h) { return std::tuple(!h.is_first, h.body, h.point); });
+        for_each_body(holders_, [&](std::uint32_t body, std::size_t first, std::size_t count) {
+            const double unit = mesh_of(scene_.bodies[body]).lattice.unit;
+            const auto found_of = [&](std::size_t i) -> Found& { return found_[holders_[first + i].point]; };
             look_up(
-                searched, count, half_width_, [&](std::size_t i) { return points_[asked_[first + i].point]; },
-                [&](std::size_t i, const points::NearestOfPoint& nearest, std::uint8_t sign) {
-                    take(nearest, sign, mesh_of(searched).lattice.unit, body, found_[asked_[first + i].point]);
-                });
+                scene_.bodies[body], count, half_width_,
+                [&](std::size_t i) { return points_[holders_[first + i].point]; },
+                [&](std::size_t i) { return most_of(found_of(i)); },
+                [&](std::size_t i, const points::NearestOfPoint& nearest) {
+                    // Otherwise another body is deeper, whatever the sign.
+                    return found_of(i).value > 0 || nearest.face == CLSDF_NO_FACE ||
+                           value_of(nearest, CLSDF_POINT_INSIDE, unit) <= found_of(i).value;
+                },
+                [&](std::size_t i, const OfBody& of_body) { take(of_body, unit, body, found_of(i)); });
         });
-        for (std::uint32_t i = 0; i < points_.size(); ++i)
+        for (std::uint32_t i = 0; i < count_; ++i)
             if (found_[i].value > 0 && is_finite(points_[i])) search_outside(i);
     }
 
@@ -276,16 +304,36 @@ public:
     }
 
 private:
-    /// The body has to tell the sign if its box holds the point.
-    void ask(std::uint32_t point, std::uint32_t body) {
-        const SearchedBody& searched = scene_.bodies[body];
-        const Vec3 in_body = searched.frame->to_body(points_[point]);
-        if (!searched.shape->has_film && !engine::contains(searched.shape->sign_box, in_body)) return;
-        if (scenes::is_usable(searched, in_body))
-            asked_.push_back({point, body});
-        else
-            leave_out(searched, in_body, found_[point]);
+    /// The bodies that have to tell the sign.
+    void find_holders(std::uint32_t point) {
+        const std::size_t begin = holders_.size();
+        std::size_t first = begin;
+        double deepest = -infinity;
+        const auto ask = [&](std::uint32_t body) {
+            const SearchedBody& searched = scene_.bodies[body];
+            const Vec3 in_body = searched.frame->to_body(points_[point]);
+            const Box& box = searched.shape->sign_box;
+            if (!searched.shape->has_film && !engine::contains(box, in_body)) return;
+            if (!scenes::is_usable(searched, in_body)) return leave_out(searched, in_body, found_[point]);
+            double depth = infinity;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                depth = std::min({depth, in_body[axis] - box.lower[axis], box.upper[axis] - in_body[axis]});
+            if (depth > deepest) {
+                deepest = depth;
+                first = holders_.size();
+            }
+            holders_.push_back({body, point, false});
+        };
+        for (const std::uint32_t body : scene_.with_films) ask(body);
+        scene_.tree.visit_holding(points_[point], [&](std::uint32_t body) {
+            if (!scene_.bodies[body].shape->has_film) ask(body);
+        });
+        if (first < holders_.size()) holders_[first].is_first = true;
     }
+
+    /// How far a face of another body may be that counts, unless the point is inside that body: if the point is outside
+    /// all bodies so far, the least distance, else the greatest depth.
+    double most_of(const Found& found) const { return std::min(half_width_, std::sqrt(std::abs(found.value))); }
 
     static void leave_out(const SearchedBody& body, const Vec3& in_body, Found& found) {
         found.not_searched = std::min(found.not_searched, distance_to(mesh_of(body).box, in_body) * (1 - 1e-9));
@@ -294,11 +342,10 @@ private:
     /// The bodies whose boxes do not hold the point.
     void search_outside(std::uint32_t point) {
         Found& found = found_[point];
-        const auto bound = [&] { return std::min(half_width_, std::sqrt(found.value)); };
-        scene_.tree.visit_near(points_[point], bound(), [&](std::uint32_t body) {
+        scene_.tree.visit_near(points_[point], most_of(found), [&](std::uint32_t body) {
             const SearchedBody& searched = scene_.bodies[body];
             const Vec3 in_body = searched.frame->to_body(points_[point]);
-            const double most = bound();
+            const double most = most_of(found);
             if (searched.shape->has_film || engine::contains(searched.shape->sign_box, in_body) ||
                 distance_to(searched.shape->sign_box, in_body) * (1 - 1e-13) > most)
                 return most;
@@ -306,10 +353,10 @@ private:
                 leave_out(searched, in_body, found);
                 return most;
             }
-            std::uint32_t near = CLSDF_NO_FACE;
-            take(nearest_within(searched, in_body, most, near), CLSDF_POINT_OUTSIDE, mesh_of(searched).lattice.unit,
-                 body, found);
-            return bound();
+            if (body != last_.body) last_ = {body, CLSDF_NO_FACE};
+            take({nearest_within(searched, in_body, most, last_.near), CLSDF_POINT_OUTSIDE},
+                 mesh_of(searched).lattice.unit, body, found);
+            return most_of(found);
         });
     }
 
@@ -320,15 +367,20 @@ private:
         const points::NearestOfPoint nearest = nearest_within(body, in_body, rounding, near);
         if (nearest.face != CLSDF_NO_FACE) return true;
         std::uint8_t sign = CLSDF_POINT_UNDECIDED;
-        find_signs(body, std::span(&in_body, 1), std::span(&nearest.squared, 1), std::span(&sign, 1));
+        scenes::find_signs(body, std::span(&in_body, 1), std::span(&nearest.squared, 1), std::span(&sign, 1));
         return sign != CLSDF_POINT_OUTSIDE;
     }
 
     const SearchedScene& scene_;
-    std::span<const Vec3> points_;
+    std::size_t count_;
+    std::array<Vec3, most_in_chunk> points_;
     double half_width_;
-    std::vector<Asked> asked_;
+    std::vector<Holder> holders_;
     std::array<Found, most_in_chunk> found_;
+    /// The last body of search_outside(), and its face that was the nearest.
+    struct {
+        std::uint32_t body = no_body, near = CLSDF_NO_FACE;
+    } last_;
 };
 
 /// Those of all chunks.
@@ -347,6 +399,25 @@ private:
     UnusableOfScene all_;
 };
 
+/// The numbers of points in an order in which neighbours are near each other, if they fill more than a chunk. box:
+/// around the bodies.
+UninitializedVector<std::uint32_t> order_of(std::span<const Vec3> points, Box box) {
+    if (points.size() > most_in_chunk) {
+        const double margin = box.longest_side() / 8;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box.lower[axis] -= margin;
+            box.upper[axis] += margin;
+        }
+        if (std::ranges::all_of(points, is_finite)) return points::curve_order(points, box);
+        std::vector<Vec3> finite(points.begin(), points.end());
+        std::ranges::replace_if(finite, std::not_fn(is_finite), box.lower);
+        return points::curve_order(finite, box);
+    }
+    UninitializedVector<std::uint32_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0U);
+    return order;
+}
+
 /// The distance of a point that is not usable.
 double distance_of_unusable(bool is_finite, double half_width) {
     return is_finite && std::isfinite(half_width) ? half_width : std::numeric_limits<double>::quiet_NaN();
@@ -357,22 +428,25 @@ double distance_of_unusable(bool is_finite, double half_width) {
 UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> points, double half_width,
                               const SceneArrays& results) {
     Unusable unusable;
+    const auto order = order_of(points, scene.tree.box());
     for_each_chunk(points.size(), most_in_chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         const DefaultFloatingPoint as_kernels;
-        Chunk chunk(scene, points.subspan(begin, end - begin), half_width);
+        const std::span<const std::uint32_t> chosen(order.data() + begin, end - begin);
+        Chunk chunk(scene, points, chosen, half_width);
         chunk.search();
         Outputs outputs(results.arrays);
-        for (std::size_t i = begin; i < end; ++i) {
-            const Found& found = chunk.found(i - begin);
+        for (std::size_t k = 0; k < chosen.size(); ++k) {
+            const std::uint32_t i = chosen[k];
+            const Found& found = chunk.found(k);
             if (results.is_inside != nullptr) results.is_inside[i] = found.is_inside() ? 1 : 0;
             bool is_within = false, is_own = false;
-            if (!chunk.is_usable(i - begin)) {
+            if (!chunk.is_usable(k)) {
                 unusable.add(i, is_finite(points[i]));
                 outputs.leave(distance_of_unusable(is_finite(points[i]), half_width), i);
             } else if (results.arrays[Output::distance].data != nullptr) {
                 const SearchedBody* body = found.body == no_body ? nullptr : &scene.bodies[found.body];
                 is_within = outputs.store(body, found, points[i], half_width, i);
-                is_own = results.is_own != nullptr && (!is_within || chunk.is_own(i - begin, outputs.closest()));
+                is_own = results.is_own != nullptr && (!is_within || chunk.is_own(k, outputs.closest()));
             }
             if (results.bodies != nullptr) results.bodies[i] = is_within ? found.body : no_body;
             if (results.is_own != nullptr) results.is_own[i] = is_own ? 1 : 0;
@@ -403,10 +477,13 @@ UnusableOfScene answer_pairs(const SearchedScene& scene, std::span<const Vec3> p
             const SearchedBody& body = scene.bodies[number];
             const auto place = [&](std::size_t i) { return begin + usable[first + i].point; };
             const auto point_of = [&](std::size_t i) { return points[pairs[place(i)].point]; };
-            look_up(body, count, half_width, point_of,
-                    [&](std::size_t i, const points::NearestOfPoint& nearest, std::uint8_t sign) {
-                        outputs.store(&body, {.face = nearest.face, .sign = sign}, point_of(i), half_width, place(i));
-                    });
+            look_up(
+                body, count, half_width, point_of, [&](std::size_t) { return half_width; },
+                [](std::size_t, const points::NearestOfPoint&) { return true; },
+                [&](std::size_t i, const OfBody& of_body) {
+                    outputs.store(&body, {.face = of_body.nearest.face, .sign = of_body.sign}, point_of(i), half_width,
+                                  place(i));
+                });
         });
     });
     return unusable.all();

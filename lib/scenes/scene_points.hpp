@@ -10,14 +10,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 /// Points among many bodies, by the host.
 ///
 /// The value of a point is the least of the bodies' signed distances. First the bodies whose boxes hold the point are
-/// asked, for their sign and their distance: no other body can have the point inside. If it is in none of them, the
-/// others are searched, the nearest box first, within the least distance so far.
+/// asked, for their sign and their distance: no other body can have the point inside. The one whose box holds it
+/// deepest comes first; a face of another one that is farther away than the least value so far counts only if the point
+/// is inside that one. If it is in none of them, the others are searched, the nearest box first, within the least
+/// distance so far.
 namespace clsdf::scenes {
 
 inline constexpr std::uint32_t no_body = 0xFFFFFFFFU;
@@ -27,7 +30,8 @@ struct SearchedShape {
     points::PointInputs inputs;  ///< of points::bring_to_host()
     Box sign_box;                ///< around all that is inside
     points::UsableRange usable;
-    bool has_film = false;  ///< points outside the box may be inside
+    std::optional<points::FinishingSources> finishing{};  ///< of the inputs
+    bool has_film = false;                                ///< points outside the box may be inside
 };
 
 struct SearchedBody {

@@ -137,6 +137,33 @@ BOOST_AUTO_TEST_CASE(rotations_in_floats_are_made_rotations_again) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(a_matrix_of_four_rows_is_a_pose) {
+    Random random(19);
+    std::array<double, 16> matrix{};
+    const Pose exact{random_rotation(random), {1, 2, 3}};
+    for (std::size_t a = 0; a < 3; ++a) {
+        for (std::size_t b = 0; b < 3; ++b)
+            matrix[4 * a + b] = static_cast<double>(static_cast<float>(exact.rotation[a][b]));
+        matrix[4 * a + 3] = exact.translation[a];
+    }
+    check_throws(ErrorCode::invalid_argument, {"last row", "0, 0, 0, 0"}, [&] { pose_of(matrix); });
+    matrix[15] = 1;
+    const Pose pose = pose_of(matrix);
+    BOOST_TEST(pose.translation == exact.translation);
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b) {
+            double product = a == b ? -1 : 0;
+            for (std::size_t k = 0; k < 3; ++k) product += pose.rotation[a][k] * pose.rotation[b][k];
+            BOOST_TEST(std::abs(product) < 1e-15);
+            BOOST_TEST(std::abs(pose.rotation[a][b] - exact.rotation[a][b]) < 1e-6);
+        }
+    matrix[3] = std::nan("");
+    check_throws(ErrorCode::invalid_argument, {"translation is (nan, 2, 3)"}, [&] { pose_of(matrix); });
+    matrix[3] = 1;
+    for (double& x : std::span(matrix).first(4)) x = -x;
+    check_throws(ErrorCode::invalid_argument, {"the matrix is no rotation"}, [&] { pose_of(matrix); });
+}
+
 BOOST_AUTO_TEST_CASE(instances_follow_the_positions_of_their_mesh) {
     const Mesh mesh = cube(1);
     Scene scene(test_device());

@@ -180,6 +180,7 @@ typedef struct clsdf_devices clsdf_devices;           /* a list of the devices o
 typedef struct clsdf_device clsdf_device;             /* an OpenCL device, with a context and a queue */
 typedef struct clsdf_mesh clsdf_mesh;                 /* a checked mesh, a copy of arrays or files */
 typedef struct clsdf_transform clsdf_transform;       /* the distance to a mesh, on a device */
+typedef struct clsdf_scene clsdf_scene;               /* many bodies, each a mesh with a pose */
 typedef struct clsdf_plan clsdf_plan;                 /* boxes that are computed again and again */
 typedef struct clsdf_sparse_plan clsdf_sparse_plan;   /* a sparse field that is computed again and again */
 typedef struct clsdf_point_plan clsdf_point_plan;     /* points that are looked up again and again */
@@ -197,6 +198,8 @@ CLSDF_API void clsdf_mesh_retain(clsdf_mesh* mesh);
 CLSDF_API void clsdf_mesh_release(clsdf_mesh* mesh);
 CLSDF_API void clsdf_transform_retain(clsdf_transform* transform);
 CLSDF_API void clsdf_transform_release(clsdf_transform* transform);
+CLSDF_API void clsdf_scene_retain(clsdf_scene* scene);
+CLSDF_API void clsdf_scene_release(clsdf_scene* scene);
 CLSDF_API void clsdf_plan_retain(clsdf_plan* plan);
 /* The last release waits for what the plan has enqueued. */
 CLSDF_API void clsdf_plan_release(clsdf_plan* plan);
@@ -1074,6 +1077,88 @@ CLSDF_API clsdf_status clsdf_classify(const clsdf_transform* transform, const cl
  * finite. results->count is 0 or that of the points. */
 CLSDF_API clsdf_status clsdf_winding(const clsdf_transform* transform, const clsdf_array* points,
                                      const clsdf_array* results, const clsdf_call_options* call);
+
+/* ---- Scenes: many bodies with poses, and points among them (docs/scenes.md) ---- */
+
+/* Where a body is: its points x are at R x + t. */
+typedef struct clsdf_pose {
+    double rotation[9]; /* R, by rows */
+    double translation[3];
+} clsdf_pose;
+#define CLSDF_POSE_INIT                \
+    {                                  \
+        {1, 0, 0, 0, 1, 0, 0, 0, 1}, { \
+            0, 0, 0                    \
+        }                              \
+    }
+/* The pose of a 4 x 4 matrix by rows, double[16], whose last row is 0, 0, 0, 1. Its rotation may be rounded to floats,
+ * and is replaced by the nearest rotation, with the same bytes on every machine. */
+CLSDF_API clsdf_status clsdf_pose_of_matrix(const double* matrix, clsdf_pose* pose);
+
+typedef struct clsdf_scene_options {
+    size_t struct_size;
+    int64_t kept_bytes; /* limit of the memory that is kept of each mesh; 0: none; -1: the default */
+    int32_t index_base; /* 0 or 1: from which bodies, the points of pairs and the triangles of results count. Numbers in
+                           messages count from 0 */
+    int32_t reserved;
+} clsdf_scene_options;
+#define CLSDF_SCENE_OPTIONS_INIT \
+    { sizeof(clsdf_scene_options), -1, 0, 0 }
+
+/* A scene without bodies; `options` may be null. device: whose memory points and results may be in; the host computes.
+ * Calls that change a scene: threads: one. Calls of a const scene: threads: any number. After an error the scene is
+ * that of before. */
+CLSDF_API clsdf_status clsdf_scene_create(const clsdf_device* device, const clsdf_scene_options* options,
+                                          clsdf_scene** scene);
+/* Adds a mesh, which is copied, and gives the body's number, which stays: they are given in the order of the calls.
+ * sign: CLSDF_SIGN_AUTOMATIC ...; CLSDF_SIGN_BELOW is CLSDF_UNSUPPORTED. pose: null: R = 1, t = 0. */
+CLSDF_API clsdf_status clsdf_scene_add(clsdf_scene* scene, const clsdf_mesh* mesh, int32_t sign, const clsdf_pose* pose,
+                                       const clsdf_call_options* call, int64_t* body);
+/* Adds a body that has the mesh and the sign rule of another one. */
+CLSDF_API clsdf_status clsdf_scene_add_instance(clsdf_scene* scene, int64_t of, const clsdf_pose* pose, int64_t* body);
+/* Moves the bodies, bodies[count], or all of them if `bodies` is null and `count` is their number. Elements of R R^T
+ * may differ from the identity's by 1e-5, so that rotations may be rounded to floats: each is replaced by the nearest
+ * one. CLSDF_INVALID_ARGUMENT names the body of a matrix that is no rotation; no body moves then. */
+CLSDF_API clsdf_status clsdf_scene_set_poses(clsdf_scene* scene, const int64_t* bodies, const clsdf_pose* poses,
+                                             int64_t count);
+/* Gives the mesh of a body, and so all its instances, new positions before their poses. */
+CLSDF_API clsdf_status clsdf_scene_set_positions(clsdf_scene* scene, int64_t body, const clsdf_array* positions,
+                                                 const clsdf_call_options* call);
+/* 0: switches a body off, as if it were not there; 1: on again. */
+CLSDF_API clsdf_status clsdf_scene_set_active(clsdf_scene* scene, int64_t body, int32_t active);
+CLSDF_API clsdf_status clsdf_scene_size(const clsdf_scene* scene, int64_t* count);
+CLSDF_API clsdf_status clsdf_scene_active(const clsdf_scene* scene, int64_t body, int32_t* active);
+/* With the rotation that is used. */
+CLSDF_API clsdf_status clsdf_scene_pose(const clsdf_scene* scene, int64_t body, clsdf_pose* pose);
+/* The rule in use, never CLSDF_SIGN_AUTOMATIC. */
+CLSDF_API clsdf_status clsdf_scene_sign(const clsdf_scene* scene, int64_t body, int32_t* rule);
+/* 1: a body that is on has a sign. */
+CLSDF_API clsdf_status clsdf_scene_has_sign(const clsdf_scene* scene, int32_t* has_sign);
+/* What is kept of all meshes. */
+CLSDF_API clsdf_status clsdf_scene_memory(const clsdf_scene* scene, clsdf_kept_memory* memory);
+
+/* As clsdf_query(), of the body whose signed distance is the least; closest points, gradients and offsets are in the
+ * scene's coordinates, triangles and sites those of its mesh. `bodies` and `own`, which may be null, have an item for
+ * each point: the body of the nearest triangle (index_base - 1, in uint32, beyond the half width), and 1 if the
+ * distance is that of the union of the bodies, 0 if the union's surface may be farther away. */
+CLSDF_API clsdf_status clsdf_scene_query(const clsdf_scene* scene, const clsdf_array* points, double half_width,
+                                         const clsdf_target* targets, int64_t target_count, uint32_t* bodies,
+                                         uint8_t* own, const clsdf_call_options* call, clsdf_statistics* statistics);
+/* The outputs of pairs of a point and a body, pairs[count][2], by that body alone; targets have `count` items. */
+CLSDF_API clsdf_status clsdf_scene_query_pairs(const clsdf_scene* scene, const clsdf_array* points,
+                                               const uint32_t* pairs, int64_t count, double half_width,
+                                               const clsdf_target* targets, int64_t target_count,
+                                               const clsdf_call_options* call, clsdf_statistics* statistics);
+/* 1 for each point that is inside a body, else 0. A point on the surface of a body is not inside this one. */
+CLSDF_API clsdf_status clsdf_scene_contains(const clsdf_scene* scene, const clsdf_array* points, uint8_t* inside,
+                                            const clsdf_call_options* call);
+/* The sum of the bodies' winding numbers, in their order, for each point. */
+CLSDF_API clsdf_status clsdf_scene_winding(const clsdf_scene* scene, const clsdf_array* points, double* results,
+                                           const clsdf_call_options* call);
+/* The places of `count` boxes: CLSDF_INSIDE one of the bodies, CLSDF_OUTSIDE all of them (CLSDF_BEYOND if no body has a
+ * sign), else CLSDF_WITHIN. */
+CLSDF_API clsdf_status clsdf_scene_classify(const clsdf_scene* scene, const clsdf_box* boxes, int64_t count,
+                                            double half_width, uint8_t* places);
 
 /* Bits that tell of a link. */
 #define CLSDF_LINK_FILM 1     /* the sign changes where an open mesh has no face: no triangle, q to 2^-30 */

@@ -32,6 +32,8 @@ const char* name_of(Kind kind) noexcept {
             return "plan of links";
         case Kind::sparse_plan:
             return "sparse plan";
+        case Kind::scene:
+            return "scene";
     }
     return "kind that is not known";
 }

@@ -10,6 +10,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/plan.hpp>
 #include <clsdf/point_plan.hpp>
+#include <clsdf/scene.hpp>
 #include <clsdf/sparse.hpp>
 #include <clsdf/sparse_plan.hpp>
 
@@ -39,6 +40,7 @@ enum class Kind : std::uint64_t {
     sparse_plan,
     point_plan,
     link_plan,
+    scene,
 };
 
 const char* name_of(Kind kind) noexcept;
@@ -113,6 +115,15 @@ struct clsdf_transform : clsdf::c::Counted<clsdf_transform> {
 
     clsdf_transform(clsdf::DistanceTransform transform_in, std::int32_t index_base_in)
         : transform(std::move(transform_in)), index_base(index_base_in) {}
+};
+
+struct clsdf_scene : clsdf::c::Counted<clsdf_scene> {
+    static constexpr clsdf::c::Kind own_kind = clsdf::c::Kind::scene;
+    clsdf::Scene scene;
+    std::int32_t index_base;
+
+    clsdf_scene(clsdf::Scene scene_in, std::int32_t index_base_in)
+        : scene(std::move(scene_in)), index_base(index_base_in) {}
 };
 
 namespace clsdf::c {

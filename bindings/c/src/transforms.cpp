@@ -205,16 +205,8 @@ clsdf_status clsdf_query(const clsdf_transform* transform, const clsdf_array* po
 
 clsdf_status clsdf_classify(const clsdf_transform* transform, const clsdf_box* boxes, std::int64_t count,
                             double half_width, std::uint8_t* places) {
-    return guarded([&] {
-        c::elements(boxes, count, "boxes");
-        c::elements(places, count, "places");
-        static_assert(std::is_standard_layout_v<Box> && sizeof(Box) == sizeof(clsdf_box) &&
-                      offsetof(Box, lower) == offsetof(clsdf_box, lower) &&
-                      offsetof(Box, upper) == offsetof(clsdf_box, upper) && sizeof(BoxPlace) == 1);
-        const auto size = static_cast<std::size_t>(count);
-        of(transform).transform.classify({reinterpret_cast<const Box*>(boxes), size}, half_width,
-                                         {reinterpret_cast<BoxPlace*>(places), size});
-    });
+    return guarded(
+        [&] { of(transform).transform.classify(c::boxes_of(boxes, count), half_width, c::places_of(places, count)); });
 }
 
 clsdf_status clsdf_winding(const clsdf_transform* transform, const clsdf_array* points, const clsdf_array* results,
@@ -280,13 +272,7 @@ clsdf_status clsdf_transform_device(const clsdf_transform* transform, clsdf_devi
 }
 
 clsdf_status clsdf_transform_memory(const clsdf_transform* transform, clsdf_kept_memory* memory) {
-    return guarded([&] {
-        const KeptMemory kept = of(transform).transform.memory();
-        const clsdf_kept_memory result{
-            sizeof result, static_cast<std::int64_t>(kept.host_bytes), static_cast<std::int64_t>(kept.device_bytes),
-            static_cast<std::int64_t>(kept.shared_host_bytes), static_cast<std::int64_t>(kept.shared_device_bytes)};
-        c::write_given(result, memory, "clsdf_kept_memory");
-    });
+    return guarded([&] { c::write_given(c::as_c(of(transform).transform.memory()), memory, "clsdf_kept_memory"); });
 }
 
 clsdf_status clsdf_transform_compile(const clsdf_transform* transform, const clsdf_grid* grid, const clsdf_band* band,

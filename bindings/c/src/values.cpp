@@ -399,6 +399,26 @@ clsdf_topology as_c(const Topology& topology) {
     return result;
 }
 
+clsdf_kept_memory as_c(const KeptMemory& memory) {
+    return {sizeof(clsdf_kept_memory), static_cast<std::int64_t>(memory.host_bytes),
+            static_cast<std::int64_t>(memory.device_bytes), static_cast<std::int64_t>(memory.shared_host_bytes),
+            static_cast<std::int64_t>(memory.shared_device_bytes)};
+}
+
+std::span<const Box> boxes_of(const clsdf_box* boxes, std::int64_t count) {
+    static_assert(std::is_standard_layout_v<Box> && sizeof(Box) == sizeof(clsdf_box) &&
+                  offsetof(Box, lower) == offsetof(clsdf_box, lower) &&
+                  offsetof(Box, upper) == offsetof(clsdf_box, upper));
+    elements(boxes, count, "boxes");
+    return {reinterpret_cast<const Box*>(boxes), static_cast<std::size_t>(count)};
+}
+
+std::span<BoxPlace> places_of(std::uint8_t* places, std::int64_t count) {
+    static_assert(sizeof(BoxPlace) == 1);
+    elements(places, count, "places");
+    return {reinterpret_cast<BoxPlace*>(places), static_cast<std::size_t>(count)};
+}
+
 clsdf_statistics as_c(const TransformStatistics& statistics) {
     clsdf_statistics result = CLSDF_STATISTICS_INIT;
     result.slabs = static_cast<std::int64_t>(statistics.slabs);

@@ -30,6 +30,9 @@ inline constexpr bool is_triple =
 OutputArray output_of(const clsdf_array* array, const char* name, std::size_t points);
 Box box_of(const clsdf_box* box);
 clsdf_box as_c(const Box& box);
+/// In the same memory.
+std::span<const Box> boxes_of(const clsdf_box* boxes, std::int64_t count);
+std::span<BoxPlace> places_of(std::uint8_t* places, std::int64_t count);
 Band band_of(const clsdf_band* band);
 clsdf_band as_c(const Band& band);
 Grid grid_of(const clsdf_grid* grid);
@@ -65,6 +68,7 @@ SparseSlab sparse_slab_of(const clsdf_sparse_slab* slab);
 SignRule sign_rule_of(std::int32_t rule, const char* name);
 clsdf_topology as_c(const Topology& topology);
 clsdf_statistics as_c(const TransformStatistics& statistics);
+clsdf_kept_memory as_c(const KeptMemory& memory);
 /// With the name's address.
 clsdf_field_description as_c(const FieldDescription& field);
 FieldDescription description_of(const clsdf_field_description* description);

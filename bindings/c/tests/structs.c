@@ -325,5 +325,13 @@ int main(void) {
     MEMBER(clsdf_crossing_arrays, triangles);
     MEMBER(clsdf_crossing_arrays, counts);
     MEMBER(clsdf_crossing_arrays, inside);
+    SIZE(clsdf_pose);
+    MEMBER(clsdf_pose, rotation);
+    MEMBER(clsdf_pose, translation);
+    SIZE(clsdf_scene_options);
+    MEMBER(clsdf_scene_options, struct_size);
+    MEMBER(clsdf_scene_options, kept_bytes);
+    MEMBER(clsdf_scene_options, index_base);
+    MEMBER(clsdf_scene_options, reserved);
     return 0;
 }

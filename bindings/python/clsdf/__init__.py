@@ -24,6 +24,7 @@ from ._files import FieldWriter, read_field, write_field
 from ._links import Crossings, EdgeCrossings, Links, stencil
 from ._pictures import Picture, slice_picture
 from ._plan import LinkPlan, Plan, PointPlan, PointStatus, SparsePlan
+from ._scene import Scene, ScenePoints
 from ._shared import SharedArray
 from ._sparse import SparseField, read_sparse_field
 from ._transform import BoxPlace, Rays, Region, Request, Transform
@@ -39,6 +40,8 @@ if _typing.TYPE_CHECKING:
 #: The triangle and the site of a sample beyond the band.
 no_triangle = 0xFFFFFFFF
 no_site = 255
+#: The body of a point beyond the limit, in a scene.
+no_body = 0xFFFFFFFF
 
 __version__ = _core.version()
 __all__ = [
@@ -72,6 +75,8 @@ __all__ = [
     "Rays",
     "Region",
     "Request",
+    "Scene",
+    "ScenePoints",
     "SharedArray",
     "SparseField",
     "SparsePlan",
@@ -83,6 +88,7 @@ __all__ = [
     "find_defects",
     "make_shape",
     "mesh_hash",
+    "no_body",
     "no_site",
     "no_triangle",
     "outer",

@@ -34,10 +34,9 @@ def motion_of(name: str, rotation: Any, translation: Any = None) -> Motion:
             raise Error(f"{name}: the last row of the 4 x 4 matrix is {pose[3].tolist()}, not [0, 0, 0, 1]")
         rotation, translation = pose[:3, :3], pose[:3, 3]
     turn, shift = vectors(name, rotation, (3, 3)), vectors("translation", translation, (3,))
-    turn = np.array(_core.rotation_near(turn.tolist()), np.float64)
     error = np.abs(turn @ turn.T - np.eye(3)).max()
-    if not error <= 1e-11 or not np.linalg.det(turn) > 0:
-        kind = "a reflection" if error <= 1e-11 else f"{error:.2g} off"
+    if not error <= 1e-5 or not np.linalg.det(turn) > 0:
+        kind = "a reflection" if error <= 1e-5 else f"{error:.2g} off"
         raise Error(
             f"{name}: the matrix is no rotation to 1e-5, but {kind}; "
             "u, _, v = numpy.linalg.svd(matrix) makes the nearest one, u @ v, of a matrix that is nearly one, and "
@@ -45,6 +44,8 @@ def motion_of(name: str, rotation: Any, translation: Any = None) -> Motion:
         )
     if not np.isfinite(shift).all():
         raise Error(f"translation: {shift.tolist()} is not finite")
+    if error > 1e-12:  # not a rotation in double
+        turn = np.array(_core.rotation_near(turn.tolist()), np.float64)
     return turn, shift.copy()
 
 

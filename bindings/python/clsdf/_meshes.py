@@ -3,6 +3,7 @@ arrays."""
 
 from __future__ import annotations
 
+import operator
 import os
 from typing import Any, NamedTuple
 
@@ -122,6 +123,26 @@ def as_array(values: Any, dtype: type) -> Any:
         return np.asarray(values, dtype)
     except (TypeError, ValueError):
         raise Error(f"{repr(values)[:100]} is no array of numbers: its rows differ in length, or it has other items") from None
+
+
+def boxes_of(boxes: Any) -> npt.NDArray[np.float64]:
+    """Lower and upper corners of boxes, (n, 2, 3)."""
+    corners = np.ascontiguousarray(boxes, np.float64)
+    if corners.ndim != 3 or corners.shape[1:] != (2, 3):
+        raise Error(f"boxes has the shape {corners.shape}; expected (n, 2, 3): lower and upper corner of each box")
+    return corners
+
+
+def kept_bytes_of(kept_bytes: Any) -> int | None:
+    if kept_bytes is None:
+        return None
+    try:
+        number = -1 if isinstance(kept_bytes, bool) else operator.index(kept_bytes)
+    except TypeError:
+        number = -1
+    if not 0 <= number < 2**64:
+        raise Error("kept_bytes is not a number of bytes, 0 or more; write 1 << 30 for a GiB, or None")
+    return number
 
 
 def own_copy(values: Any, device: Device) -> Any:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _cuda, _meshes
 from ._error import Error
-from ._values import shape_of
+from ._values import Outputs, given, real_of, shape_of, type_of, wanted
 
 
 def rows_of(points: Any) -> tuple[Any, tuple[int, ...]]:
@@ -70,6 +70,28 @@ def flat(name: str, array: Any, shape: tuple[int, ...]) -> Any:
     if isinstance(array, np.ndarray) and not np.may_share_memory(rows, array):
         raise Error(f"out: the array of '{name}' has strides that cannot be those of rows; pass one in C order")
     return rows
+
+
+def arrays_for(
+    outputs: Outputs | None, out: Any, dtype: npt.DTypeLike | None, shape: tuple[int, ...]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Arrays of outputs for points of the shape (...), those of `out` or new ones: as rows, for the call, and as the caller
+    gets them, in the same memory."""
+    if out is not None:
+        if dtype is not None:
+            raise Error("dtype= and out= exclude each other: arrays that are given have a type")
+        results = given(out, outputs)
+        return (results if len(shape) < 2 else {name: flat(name, array, shape) for name, array in results.items()}), results
+    arrays, real = {}, real_of(dtype)
+    for name in wanted(outputs or ()):
+        own = type_of(name)[0]
+        arrays[name] = np.empty(shape_of(name, (math.prod(shape),)), real if own == np.float32 else own)
+    return arrays, {name: array.reshape(shape_of(name, shape)) for name, array in arrays.items()}
+
+
+def in_numbers(results: dict[str, Any]) -> dict[str, Any]:
+    """Arrays of no axes, as numbers."""
+    return {name: array[()] for name, array in results.items()}
 
 
 def _address(array: Any) -> Any:

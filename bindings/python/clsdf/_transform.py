@@ -20,9 +20,9 @@ from ._devices import device_named, device_of
 from ._error import Error, MeshWarning
 from ._frames import Motion, frame_of, into_frame, motion_of, out_of_frame, vectors
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
-from ._points import flat, limit_of, on_surface, pairs_of, rows_of
+from ._points import arrays_for, in_numbers, limit_of, on_surface, pairs_of, rows_of
 from ._progress import Progress, shown
-from ._values import Blocks, Outputs, Points, given, new_samples, real_of, shape_of, type_of, wanted
+from ._values import Blocks, Outputs, Points, given, new_samples, real_of, wanted
 from ._field import Field
 from ._links import Crossings, Links, directions_of, is_in_floats, is_of_faces
 from ._plan import LinkPlan, Plan, PointPlan, SparsePlan
@@ -145,13 +145,7 @@ class Transform:
                 floor = float(floor)
             except (TypeError, ValueError):
                 raise Error(f"floor: {floor!r} is no number; write the z of the floor, or None") from None
-        if kept_bytes is not None:
-            try:
-                kept_bytes = -1 if isinstance(kept_bytes, bool) else operator.index(kept_bytes)
-            except TypeError:
-                kept_bytes = -1
-            if not 0 <= kept_bytes < 2**64:
-                raise Error("kept_bytes is not a number of bytes, 0 or more; write 1 << 30 for a GiB, or None")
+        kept_bytes = _meshes.kept_bytes_of(kept_bytes)
         if not isinstance(sign, str):
             raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle', 'below' or 'none'")
         is_own = faces is None and isinstance(mesh, (str, os.PathLike))
@@ -685,26 +679,14 @@ class Transform:
         they raise clsdf.Error (invalid_argument) that names the row. Raises clsdf.Error for arrays as of field().
         """
         points, shape = rows_of(points)
-        is_one, count = shape == (), _cuda.shape_of(points)[0]
         within = limit_of(within)
         motion = None
         if frame is not None:
             motion = frame_of(frame)
             points = into_frame(points, *motion)
-        if out is None:
-            arrays = {}
-            real = real_of(dtype)
-            for name in wanted(outputs or ()):
-                own = type_of(name)[0]
-                arrays[name] = np.empty(shape_of(name, (count,)), real if own == np.float32 else own)
-            results = {name: array.reshape(shape_of(name, shape)) for name, array in arrays.items()}
-        else:
-            if dtype is not None:
-                raise Error("dtype= and out= exclude each other: arrays that are given have a type")
-            results = given(out, outputs)
-            arrays = results if len(shape) < 2 else {name: flat(name, array, shape) for name, array in results.items()}
-            if motion is not None and not all(isinstance(array, np.ndarray) for array in arrays.values()):
-                raise Error("frame: the arrays of out= are not NumPy's, in which the results are turned", "unsupported")
+        arrays, results = arrays_for(outputs, out, dtype, shape)
+        if out is not None and motion is not None and not all(isinstance(array, np.ndarray) for array in arrays.values()):
+            raise Error("frame: the arrays of out= are not NumPy's, in which the results are turned", "unsupported")
         if positive_inside:
             self._check_negatable(arrays)
         if progress is None:
@@ -716,9 +698,7 @@ class Transform:
             _core.negate(arrays)
         if motion is not None:
             out_of_frame(arrays, *motion)
-        if is_one and out is None:
-            results = {name: array[0] for name, array in arrays.items()}
-        return Points(results)
+        return Points(results if out is not None else in_numbers(results))
 
     def contains(self, points: Any, *, frame: Any = None) -> npt.NDArray[np.bool_]:
         """Whether points (..., 3) are inside: an array (...), exact. One on the surface is not, nor one that is not
@@ -740,10 +720,7 @@ class Transform:
         side and is farther from the surface than half_width at each of its points; that is exact. One a little farther
         away may be WITHIN, too.
         """
-        corners = np.ascontiguousarray(boxes, np.float64)
-        if corners.ndim != 3 or corners.shape[1:] != (2, 3):
-            raise Error(f"boxes has the shape {corners.shape}; expected (n, 2, 3): lower and upper corner of each box")
-        return self._body.classify(corners, half_width)
+        return self._body.classify(_meshes.boxes_of(boxes), half_width)
 
     def winding(self, points: Any, *, out: Any = None, wait_for: Any = None) -> Any:
         """The generalised winding number at points anywhere: 1 or -1 inside a closed mesh, 0 outside, and values between

@@ -26,6 +26,7 @@ void add_grids(nb::module_& module);
 void add_devices(nb::module_& module);
 void add_meshes(nb::module_& module);
 void add_transforms(nb::module_& module);
+void add_scenes(nb::module_& module);
 void add_links(nb::module_& module);
 void add_plans(nb::module_& module);
 void add_shared_arrays(nb::module_& module);

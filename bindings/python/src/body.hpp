@@ -4,11 +4,16 @@
 #include "calls.hpp"
 #include "devices.hpp"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <shared_mutex>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace clsdf::python {
 
@@ -34,36 +39,82 @@ private:
     const void* object_;
 };
 
-/// A transform of the library for Python's threads: calls that read run side by side; a call that changes positions
-/// waits for them. The GIL is released during all of them.
-class Body {
+/// What messages call an object of the library.
+template <typename Object>
+inline constexpr const char* name_of_object = nullptr;
+template <>
+inline constexpr const char* name_of_object<DistanceTransform> = "transform";
+template <>
+inline constexpr const char* name_of_object<Scene> = "scene";
+
+/// A transform or a scene of the library for Python's threads: calls that read run side by side; a call that changes
+/// positions waits for them. The GIL is released during all of them.
+template <typename Object>
+class OnDevice {
 public:
-    Body(const PyDevice& device, DistanceTransform transform)
-        : device_(device), transform_(new DistanceTransform(std::move(transform))) {}
+    OnDevice(const PyDevice& device, Object object) : device_(device), object_(new Object(std::move(object))) {}
 
     const PyDevice& device() const { return device_; }
 
-    /// Calls the function with the transform.
+    /// Calls the function with the object.
     template <typename Function>
     auto read(Function function) const {
-        const AtWork work(this, "transform");
+        const AtWork work(this, name_of_object<Object>);
         const nb::gil_scoped_release no_gil;
         const std::shared_lock lock(*mutex_);
-        return function(std::as_const(*transform_));
+        return function(std::as_const(*object_));
     }
     template <typename Function>
     auto change(Function function) {
-        const AtWork work(this, "transform");
+        const AtWork work(this, name_of_object<Object>);
         const nb::gil_scoped_release no_gil;
         const std::unique_lock lock(*mutex_);
-        return function(*transform_);
+        return function(*object_);
     }
 
 private:
     PyDevice device_;
-    Owner<DistanceTransform> transform_;
+    Owner<Object> object_;
     std::unique_ptr<std::shared_mutex> mutex_ = std::make_unique<std::shared_mutex>();
 };
+using Body = OnDevice<DistanceTransform>;
+using Bodies = OnDevice<Scene>;
+
+/// The rules that sign= names.
+SignRule sign_named(const std::string& name);
+
+/// Boxes as NumPy has them, and their places: an array that owns them.
+using Boxes = nb::ndarray<const double, nb::shape<-1, 2, 3>, nb::c_contig, nb::device::cpu>;
+using Places = nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>>;
+template <typename Object>
+Places classify(const OnDevice<Object>& object, const Boxes& boxes, double half_width) {
+    auto places = std::make_unique<std::vector<BoxPlace>>(boxes.shape(0));
+    const std::span all(reinterpret_cast<const Box*>(boxes.data()), boxes.shape(0));
+    // Part by part: the library does not ask whether Ctrl-C was pressed.
+    constexpr std::size_t part = 1 << 15;
+    const Call call;
+    object.read([&](const Object& own) {
+        try {
+            std::size_t begin = 0;
+            do {
+                const std::size_t size = std::min(part, all.size() - begin);
+                own.classify(all.subspan(begin, size), half_width, std::span(*places).subspan(begin, size));
+                call.options().should_stop();
+                begin += size;
+            } while (begin < all.size());
+        } catch (const Error& error) {
+            // The message numbers the boxes of a part. A call for all of them fails before any work, with the number
+            // among all.
+            if (error.code() == ErrorCode::invalid_argument) own.classify(all, half_width, *places);
+            throw;
+        }
+    });
+    auto* const data = reinterpret_cast<std::uint8_t*>(places->data());
+    const std::size_t count = places->size();
+    const nb::capsule owner(places.release(),
+                            [](void* own) noexcept { delete static_cast<std::vector<BoxPlace>*>(own); });
+    return Places(data, {count}, owner);
+}
 
 /// A list of (grid, band, {output: array}).
 using RequestList = nb::typed<nb::list, nb::any>;

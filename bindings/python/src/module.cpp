@@ -10,6 +10,7 @@ NB_MODULE(_core, module) {
     clsdf::python::add_devices(module);
     clsdf::python::add_meshes(module);
     clsdf::python::add_transforms(module);
+    clsdf::python::add_scenes(module);
     clsdf::python::add_links(module);
     clsdf::python::add_plans(module);
     clsdf::python::add_shared_arrays(module);

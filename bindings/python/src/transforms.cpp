@@ -25,9 +25,7 @@ Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const s
     const MeshView mesh(positions, triangles);
     const Call call;
     TransformOptions options;
-    options.sign = value_named("sign", sign,
-                               {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle,
-                                SignRule::below, SignRule::none});
+    options.sign = sign_named(sign);
     options.kept_bytes = kept_bytes;
     options.floor = floor;
     const Device& own = device.get();
@@ -149,37 +147,6 @@ void visible(const Body& body, nb::handle from, nb::handle to, const std::string
         [&](const DistanceTransform& transform) { transform.visible(first, second, result, what, call.options()); });
 }
 
-using Boxes = nb::ndarray<const double, nb::shape<-1, 2, 3>, nb::c_contig, nb::device::cpu>;
-
-auto classify(const Body& body, const Boxes& boxes, double half_width) {
-    auto places = std::make_unique<std::vector<BoxPlace>>(boxes.shape(0));
-    const std::span all(reinterpret_cast<const Box*>(boxes.data()), boxes.shape(0));
-    // Part by part: the library does not ask whether Ctrl-C was pressed.
-    constexpr std::size_t part = 1 << 15;
-    const Call call;
-    body.read([&](const DistanceTransform& transform) {
-        try {
-            std::size_t begin = 0;
-            do {
-                const std::size_t size = std::min(part, all.size() - begin);
-                transform.classify(all.subspan(begin, size), half_width, std::span(*places).subspan(begin, size));
-                call.options().should_stop();
-                begin += size;
-            } while (begin < all.size());
-        } catch (const Error& error) {
-            // The message numbers the boxes of a part. A call for all of them fails before any work, with the number
-            // among all.
-            if (error.code() == ErrorCode::invalid_argument) transform.classify(all, half_width, *places);
-            throw;
-        }
-    });
-    auto* const data = reinterpret_cast<std::uint8_t*>(places->data());
-    const std::size_t count = places->size();
-    const nb::capsule owner(places.release(),
-                            [](void* own) noexcept { delete static_cast<std::vector<BoxPlace>*>(own); });
-    return nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>>(data, {count}, owner);
-}
-
 Body restrict_to(const Body& body, const std::vector<std::tuple<Vec3, Vec3, double, double>>& regions) {
     std::vector<Region> all;
     all.reserve(regions.size());
@@ -204,43 +171,11 @@ void set_motion(Body& body, const std::array<Vec3, 3>& rotation, const Vec3& tra
 
 using Matrix = std::array<Vec3, 3>;
 
-double determinant(const Matrix& m) {
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) + m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
-           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-}
-
-// The largest difference of an element of R R^T from the identity's.
-double error_of(const Matrix& m) {
-    double largest = 0;
-    for (std::size_t a = 0; a < 3; ++a)
-        for (std::size_t b = 0; b < 3; ++b) {
-            const double product = m[a][0] * m[b][0] + m[a][1] * m[b][1] + m[a][2] * m[b][2];
-            const double error = std::abs(product - (a == b ? 1.0 : 0.0));
-            if (!(error <= largest)) largest = error;
-        }
-    return largest;
-}
-
-// The rotation that a matrix was before it was rounded to floats: Newton's iteration X <- (X + X^-T) / 2 for the polar
-// decomposition (Higham 1986). A matrix that is a rotation in double is returned as it is; one that is none, too, for
-// the library to refuse. No multiplication and addition is fused, so the bytes are the same on every machine.
 Matrix rotation_near(const Matrix& matrix) {
-    constexpr double exact = 1e-12, rounded = 1e-5;
-    const double error = error_of(matrix);
-    if (error <= exact || !(error <= rounded) || !(determinant(matrix) > 0)) return matrix;
-    Matrix x = matrix;
-    for (int step = 0; step < 3; ++step) {  // 1e-5, 1e-10, 1e-20
-        const double scale = 1 / determinant(x);
-        Matrix next;
-        for (std::size_t a = 0; a < 3; ++a)
-            for (std::size_t b = 0; b < 3; ++b) {
-                const std::size_t i = (a + 1) % 3, j = (a + 2) % 3, k = (b + 1) % 3, l = (b + 2) % 3;
-                const double cofactor = x[i][k] * x[j][l] - x[i][l] * x[j][k];
-                next[a][b] = (x[a][b] + cofactor * scale) / 2;
-            }
-        x = next;
-    }
-    return x;
+    std::array<double, 16> pose{};
+    for (std::size_t row = 0; row < 3; ++row) std::ranges::copy(matrix[row], pose.begin() + 4 * row);
+    pose.back() = 1;
+    return pose_of(pose).rotation;
 }
 
 // The positions R x + t, with the roundings of DistanceTransform::set_motion().
@@ -270,6 +205,12 @@ bool compile(const Body& body, const Grid& grid, const Band& band, const std::ve
 }
 
 }  // namespace
+
+SignRule sign_named(const std::string& name) {
+    return value_named("sign", name,
+                       {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::solid_angle,
+                        SignRule::below, SignRule::none});
+}
 
 std::vector<Request> requests_of(const RequestList& requests, Arrays& arrays) {
     std::vector<Request> boxes;
@@ -316,7 +257,7 @@ void add_transforms(nb::module_& module) {
              nb::arg("any").none(), nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
         .def("visible", &visible, nb::arg("first"), nb::arg("second"), nb::arg("hits"), nb::arg("results"),
              nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
-        .def("classify", &classify, nb::arg("boxes"), nb::arg("half_width"))
+        .def("classify", &classify<DistanceTransform>, nb::arg("boxes"), nb::arg("half_width"))
         .def("restrict_to", &restrict_to, nb::arg("regions"))
         .def("set_positions", &set_positions, nb::arg("positions"), nb::arg("wait_for").none())
         .def("set_motion", &set_motion, nb::arg("rotation"), nb::arg("translation"))
@@ -350,8 +291,7 @@ void add_transforms(nb::module_& module) {
         .def_prop_ro("device", [](const Body& body) { return body.device(); });
     module.def("make_body", &make, nb::arg("device"), nb::arg("vertices"), nb::arg("faces"), nb::arg("sign"),
                nb::arg("kept_bytes").none(), nb::arg("floor").none() = nb::none());
-    module.def("rotation_near", &rotation_near, nb::arg("matrix"),
-               "The rotation that was rounded to floats; a matrix that is one already, or is none, stays as it is.");
+    module.def("rotation_near", &rotation_near, nb::arg("matrix"), "The rotation that was rounded to floats.");
     module.def("moved", &moved, nb::arg("first"), nb::arg("rotation"), nb::arg("translation"),
                "The positions rotation @ x + translation, as a transform has them.");
     module.def(

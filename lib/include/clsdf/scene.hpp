@@ -18,6 +18,11 @@ struct Pose {
     Vec3 translation{};
 };
 
+/// The pose of a 4 x 4 matrix, by rows, whose last row is 0, 0, 0, 1. Its rotation may be rounded to floats: it is
+/// replaced by the nearest rotation, as by Scene::set_poses(), with the same bytes on every machine. Throws
+/// Error(invalid_argument) for another last row and for what that refuses.
+CLSDF_EXPORT Pose pose_of(std::span<const double, 16> matrix);
+
 /// What a scene keeps between calls.
 struct SceneOptions {
     /// Limit of the memory that is kept of each mesh: see TransformOptions::kept_bytes.
@@ -91,7 +96,7 @@ public:
 
     std::size_t size() const;
     bool is_active(std::uint32_t body) const;
-    /// With the rotation that is used.
+    /// Where the body is, with the rotation that is used.
     Pose pose(std::uint32_t body) const;
     /// Never `automatic`.
     SignRule sign(std::uint32_t body) const;

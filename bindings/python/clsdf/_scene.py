@@ -1,0 +1,273 @@
+"""Many bodies with poses, and points among them."""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, _cuda, _meshes
+from ._core import Device
+from ._devices import device_of
+from ._error import Error
+from ._points import arrays_for, in_numbers, limit_of, rows_of
+from ._progress import Progress, shown
+from ._values import Outputs, Points, Values
+
+#: What query() has beside the outputs of a transform.
+_own_types: dict[str, type] = {"body": np.uint32, "is_own": np.bool_}
+
+
+class ScenePoints(Points):
+    """What Scene.query() found: arrays (...), and (..., 3) of vectors, in the order of the points."""
+
+    @property
+    def body(self) -> npt.NDArray[np.uint32]:
+        """The body of the nearest triangle; clsdf.no_body beyond the limit."""
+        return self._array("body")
+
+    @property
+    def is_own(self) -> npt.NDArray[np.bool_]:
+        """Whether the distance is that of the union of the bodies; else the union's surface may be farther away."""
+        return self._array("is_own")
+
+
+def _numbers(what: str, values: Any, shape: tuple[int, ...] | None) -> npt.NDArray[np.float64]:
+    try:
+        array = np.ascontiguousarray(values, np.float64)
+    except (TypeError, ValueError):
+        raise Error(f"{what}: {repr(values)[:100]} is no array of numbers") from None
+    if shape is not None and array.shape != shape:
+        raise Error(f"{what} has the shape {array.shape}; expected {shape}")
+    return array
+
+
+def poses_of(poses: Any) -> npt.NDArray[np.float64]:
+    """Rows of rotations and translations (n, 3, 4), of poses as users give them."""
+    if isinstance(poses, tuple) and len(poses) == 2:
+        rotation, translation = _numbers("rotation", poses[0], None), _numbers("translation", poses[1], None)
+        if rotation.ndim != 3 or rotation.shape[1:] != (3, 3) or translation.shape != (len(rotation), 3):
+            raise Error(f"rotation and translation have the shapes {rotation.shape} and {translation.shape}; expected "
+                        "(n, 3, 3) and (n, 3)")
+        return np.concatenate([rotation, translation[:, :, None]], axis=2)
+    rows = _numbers("poses", poses, None)
+    if rows.ndim != 3 or rows.shape[1:] not in ((3, 4), (4, 4)):
+        raise Error(f"poses has the shape {rows.shape}; expected (n, 4, 4) or (n, 3, 4), or a tuple of rotations "
+                    "(n, 3, 3) and translations (n, 3)")
+    if rows.shape[1] == 3:
+        return rows
+    wrong = np.flatnonzero((rows[:, 3] != (0, 0, 0, 1)).any(axis=1))
+    if wrong.size:
+        raise Error(f"poses: the last row of matrix {wrong[0]} is {rows[wrong[0], 3].tolist()}, not [0, 0, 0, 1]")
+    return np.ascontiguousarray(rows[:, :3])
+
+
+def _one_pose(pose: Any) -> npt.NDArray[np.float64] | None:
+    if pose is None:
+        return None
+    if isinstance(pose, tuple) and len(pose) == 2:
+        return poses_of((_numbers("rotation", pose[0], (3, 3))[None], _numbers("translation", pose[1], (3,))[None]))
+    return poses_of(_numbers("pose", pose, None)[None])
+
+
+def _whole(what: str, values: Any, columns: int) -> npt.NDArray[np.uint32]:
+    """Numbers of points and bodies, (n,) or (n, columns)."""
+    array = np.asarray(values)
+    shape = "(n,)" if columns == 1 else f"(n, {columns})"
+    if array.size == 0:
+        array = np.empty((0,) if columns == 1 else (0, columns), np.uint32)
+    if array.dtype.kind not in "iu" or array.ndim != (1 if columns == 1 else 2) or array.shape[1:] not in ((), (columns,)):
+        raise Error(f"{what} has the type {array.dtype} and the shape {array.shape}; expected whole numbers {shape}")
+    if array.size and not (0 <= array.min() and array.max() < 2**32):
+        raise Error(f"{what} has the numbers {array.min()} to {array.max()}; they count from 0")
+    return np.ascontiguousarray(array, np.uint32)
+
+
+class Scene:
+    """Many bodies, each a mesh with its own sign rule and pose, and points among them (docs/scenes.md).
+
+    A body is added, gets a number, counted from 0, and keeps it. Bodies may share a mesh (instances), which is prepared
+    once. Nothing is prepared again when poses change. The distance is the least of the bodies' signed distances: outside
+    all of them that to their union, inside the depth in the deepest body.
+
+    A pose is a 4 x 4 or 3 x 4 matrix, or a tuple (R, t): the body's points x are at R @ x + t. Matrices may be float32:
+    each rotation is replaced by the nearest one.
+
+    device: as for Transform. kept_bytes: limit of the memory that is kept of each mesh; None: the library's default.
+    Raises clsdf.Error; the scene stays as it was. Any number of threads may ask; calls that change the scene wait for
+    them.
+    """
+
+    def __init__(self, *, device: Any = None, kept_bytes: int | None = None) -> None:
+        self._bodies = _core.make_bodies(device_of(device), _meshes.kept_bytes_of(kept_bytes))
+
+    def __repr__(self) -> str:
+        return f"<clsdf.Scene: {len(self)} bodies, on {self.device.name}>"
+
+    def __len__(self) -> int:
+        return self._bodies.size()
+
+    def __bool__(self) -> bool:
+        return True
+
+    @property
+    def device(self) -> Device:
+        return self._bodies.device
+
+    @property
+    def memory(self) -> tuple[int, int]:
+        """Bytes that are kept of all meshes between calls: of the host, and of the device."""
+        return self._bodies.memory
+
+    @property
+    def has_sign(self) -> bool:
+        """Whether a body that is on has a sign."""
+        return self._bodies.has_sign
+
+    # Bodies.
+
+    def _number(self, body: Any) -> int:
+        try:
+            number = operator.index(body)
+        except TypeError:
+            raise Error(f"body: {body!r} is no whole number") from None
+        if not 0 <= number < 2**32:
+            raise Error(f"there is no body {number}: the scene has {len(self)}, counted from 0")
+        return number
+
+    def add(self, mesh: Any, faces: Any = None, *, pose: Any = None, sign: str = "auto") -> int:
+        """Adds a body and returns its number. mesh, faces, sign: as for Transform; 'below' is refused, whose walls do not
+        turn with a body."""
+        if not isinstance(sign, str):
+            raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle' or 'none'")
+        vertices, faces, _ = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
+        return self._bodies.add(vertices, faces, _one_pose(pose), sign)
+
+    def add_instance(self, of: int, pose: Any = None) -> int:
+        """Adds a body that has the mesh and the sign rule of another one, and returns its number."""
+        return self._bodies.add_instance(self._number(of), _one_pose(pose))
+
+    def set_poses(self, poses: Any, bodies: Any = None) -> None:
+        """Moves all bodies, or those of the numbers `bodies`. poses: an array (n, 4, 4) or (n, 3, 4), float32 or float64,
+        or a tuple of rotations (n, 3, 3) and translations (n, 3). Raises clsdf.Error (invalid_argument) that names the
+        body of a matrix that is no rotation to 1e-5."""
+        self._bodies.set_poses(poses_of(poses), None if bodies is None else _whole("bodies", bodies, 1))
+
+    def set_positions(self, body: int, positions: Any) -> None:
+        """Gives the mesh of a body, and so all its instances, new positions (n, 3) before their poses."""
+        self._bodies.set_positions(self._number(body), _meshes.as_array(positions, np.float64))
+
+    def set_active(self, body: int, is_active: bool = True) -> None:
+        """Switches a body off, as if it were not there, or on again."""
+        self._bodies.set_active(self._number(body), bool(is_active))
+
+    def is_active(self, body: int) -> bool:
+        """Whether a body is on."""
+        return self._bodies.is_active(self._number(body))
+
+    def pose(self, body: int) -> npt.NDArray[np.float64]:
+        """(4, 4), with the rotation that is used."""
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = self._bodies.pose(self._number(body))
+        return matrix
+
+    def sign(self, body: int) -> str:
+        """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
+        return self._bodies.sign(self._number(body))
+
+    # Points.
+
+    def query(
+        self,
+        points: Any,
+        outputs: Outputs | None = None,
+        *,
+        within: float | None = math.inf,
+        out: Any = None,
+        progress: Progress = None,
+        wait_for: Any = None,
+        refuse_unusable_points: bool = False,
+        dtype: npt.DTypeLike | None = None,
+    ) -> ScenePoints:
+        """The least signed distance of the bodies at points anywhere, and other outputs, in the scene's coordinates.
+
+        outputs: those of a transform, and 'body', the body of the nearest triangle (the lowest number of several;
+            clsdf.no_body beyond the limit), and 'is_own', whether the distance is that of the union. triangle and site
+            are those of the body's mesh. In `out` their arrays are uint32, and bool or uint8, packed and of the host.
+        points, within, out, progress, wait_for, refuse_unusable_points, dtype: as of Transform.query().
+        """
+        points, shape = rows_of(points)
+        count = _cuda.shape_of(points)[0]
+        arrays_out, own = self._own_arrays(out, shape)
+        if out is None:
+            asked = outputs.replace(",", " ").split() if isinstance(outputs, str) else list(outputs or ())
+            outputs = [name for name in asked if name not in _own_types]
+            own = {name: np.empty(shape, dtype) for name, dtype in _own_types.items() if name in asked}
+        elif outputs is not None:
+            raise Error("outputs= and out= exclude each other: the arrays that are given say what is computed")
+        arrays, results = arrays_for(outputs, arrays_out, dtype, shape)
+        rows = {name: array.reshape(count) for name, array in own.items()}
+        is_own = rows.get("is_own")
+        with shown(progress) as show:
+            self._bodies.query(
+                points, limit_of(within), arrays, rows.get("body"), None if is_own is None else is_own.view(np.uint8),
+                show, wait_for, refuse_unusable_points,
+            )
+        results = {**results, **own}
+        return ScenePoints(results if out is not None else in_numbers(results))
+
+    @staticmethod
+    def _own_arrays(out: Any, shape: tuple[int, ...]) -> tuple[Any, dict[str, npt.NDArray[Any]]]:
+        """The arrays of `out` that a transform writes, and those of a scene alone."""
+        arrays = out.arrays if isinstance(out, Values) else out
+        if not hasattr(arrays, "keys"):
+            return out, {}
+        own = {name: arrays[name] for name in arrays if name in _own_types}
+        for name, array in own.items():
+            if not isinstance(array, np.ndarray) or array.shape != shape or not array.flags.c_contiguous:
+                raise Error(f"out: the array of '{name}' is no NumPy array of the shape {shape} in C order")
+        return {name: arrays[name] for name in arrays if name not in _own_types}, own
+
+    def query_pairs(
+        self,
+        points: Any,
+        pairs: Any,
+        outputs: Outputs | None = None,
+        *,
+        within: float | None = math.inf,
+        out: Any = None,
+        progress: Progress = None,
+        refuse_unusable_points: bool = False,
+        dtype: npt.DTypeLike | None = None,
+    ) -> Points:
+        """The outputs of each pair of a point and a body, by that body alone. pairs: whole numbers (m, 2), the rows of
+        points (n, 3), and bodies that are on. Other parameters: as of query()."""
+        points, _ = rows_of(points)
+        asked = _whole("pairs", pairs, 2)
+        arrays, results = arrays_for(outputs, out, dtype, (len(asked),))
+        with shown(progress) as show:
+            self._bodies.query_pairs(points, asked, limit_of(within), arrays, show, refuse_unusable_points)
+        return Points(results)
+
+    def contains(self, points: Any) -> npt.NDArray[np.bool_]:
+        """Whether points (..., 3) are inside a body: an array (...), exact. One on the surface of a body is not inside
+        this one; one that is not finite is not inside."""
+        points, shape = rows_of(points)
+        found = np.empty(_cuda.shape_of(points)[0], np.uint8)
+        self._bodies.contains(points, found)
+        return found.view(np.bool_).reshape(shape)
+
+    def classify(self, boxes: Any, half_width: float) -> npt.NDArray[np.uint8]:
+        """The place of each box (n, 2, 3), as numbers of clsdf.BoxPlace: INSIDE if it is inside one of the bodies,
+        OUTSIDE (BEYOND if no body has a sign) if it is that of all of them. As of Transform.classify()."""
+        return self._bodies.classify(_meshes.boxes_of(boxes), half_width)
+
+    def winding(self, points: Any) -> npt.NDArray[np.float64]:
+        """The sum of the bodies' winding numbers, in their order: an array (...). As of Transform.winding()."""
+        points, shape = rows_of(points)
+        sums = np.empty(_cuda.shape_of(points)[0])
+        self._bodies.winding(points, sums)
+        return sums.reshape(shape)
