@@ -250,7 +250,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     const auto need_sign = [&](const char* what, const char* instead) {
         require_sign(sign.rule, topology, options.mesh, options.sign, what, instead);
     };
-    if (band.has_signs_only) need_sign("--band 0 needs", "give the band a width");
+    if (band.has_signs_only) need_sign("--band 0, the signs alone, needs", "give the band a width");
     if (options.positive_inside) need_sign("--positive-inside needs", "leave that out");
     if (options.exact_signs) need_sign("--exact-signs needs", "leave that out");
     if (options.positive_inside && band.has_signs_only)

@@ -232,7 +232,7 @@ BOOST_AUTO_TEST_CASE(what_needs_a_sign_names_the_mesh_and_options_that_help) {
     check({"compute", "-o", field, "--resolution", "9", "--exact-signs"},
           {"--exact-signs needs one", "leave that out"});
     check({"compute", "-o", field, "--resolution", "9", "--band", "0", "--margin", "1"},
-          {"--band 0 needs one", "give the band a width"});
+          {"--band 0, the signs alone, needs one", "give the band a width"});
     check({"query", inputs.folder.file("points.csv", "x,y,z\n0,0,0\n"), "-o", inputs.folder.file("d.csv"),
            "--positive-inside"},
           {"--positive-inside needs one"});
