@@ -261,6 +261,26 @@ BOOST_AUTO_TEST_CASE(points_and_results_in_memory_of_the_device_stay_there) {
     }
 }
 
+// The exact sides of samples stay on the device, and so do the crossings that they are made of.
+BOOST_AUTO_TEST_CASE(exact_signs_are_made_on_the_device) {
+    const DistanceTransform transform(test_device(), mesh());
+    std::vector<float> distance(grid().sample_count()), usual(grid().sample_count());
+    transform.compute(grid(), band(), usual);
+    transform.compute(grid(), band().with_exact_signs(), distance);
+    // The same lattice: sign and lists alone are made.
+    const Band other = Band::symmetric(2 * grid().voxel()).with_exact_signs();
+    disguise::restart();
+    transform.compute(grid(), other, distance);
+    disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    BOOST_TEST(counts.kernels["exact_crossings"].runs >= 1U);
+    BOOST_TEST(counts.kernels["exact_rows"].runs == 1U);
+    BOOST_TEST(!counts.kernels.contains("sign_rows"));
+    BOOST_TEST(counts.bytes_up <= 4096U);  // coordinates of samples, and the order of the lists
+    BOOST_TEST(counts.bytes_down <= distance.size() * sizeof(float) + 1024U);
+    BOOST_TEST(counts.blocking_waits <= 4U);
+}
+
 // Beside the bricks go down a mark for each brick of the grid and the number of each that has values.
 BOOST_AUTO_TEST_CASE(the_host_gets_little_more_than_the_bricks_of_a_sparse_field) {
     const DistanceTransform transform(test_device(), mesh());

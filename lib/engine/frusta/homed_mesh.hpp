@@ -66,6 +66,8 @@ public:
     const std::shared_ptr<const NamedFaces>& names();
     /// The same if they are there already; else null.
     const std::shared_ptr<const NamedFaces>& made_names() const;
+    /// The present positions on the device: Vec3 of each vertex, as the names number them.
+    const std::shared_ptr<const device::BufferPool::Lease>& positions_on_device() { return positions_.on_device(); }
 
     /// Makes the frusta, and their records for the lattice if kernels make them. lattice: may be null.
     std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);

@@ -89,10 +89,10 @@ void set_sign_surface(PointMesh& result, const Mesh& mesh, const SignSurface& su
 
 }  // namespace
 
-LatticeView lattice_for_points(const Mesh& mesh) {
-    const double longest = mesh.box().longest_side();
+LatticeView lattice_for_points(const Box& mesh, const std::string& name) {
+    const double longest = mesh.longest_side();
     LatticeView lattice;
-    lattice.origin = mesh.box().lower;
+    lattice.origin = mesh.lower;
     if (longest > 0) lattice.unit = std::ldexp(1.0, std::max(std::ilogb(longest) - 8, -1000));
     constexpr auto smallest = static_cast<double>(std::numeric_limits<float>::min()),
                    largest = static_cast<double>(std::numeric_limits<float>::max());
@@ -100,14 +100,14 @@ LatticeView lattice_for_points(const Mesh& mesh) {
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("the longest side of {}, {}, is beyond the floats that distances are given in; scale "
                                 "the mesh",
-                                mesh.name(), longest));
+                                name, longest));
     return lattice;
 }
 
 PointMesh make_host_point_mesh(const Mesh& mesh, const SignSurface& surface,
                                std::shared_ptr<const MeshTopology> topology) {
     PointMesh result;
-    result.lattice = lattice_for_points(mesh);
+    result.lattice = lattice_for_points(mesh.box(), mesh.name());
     result.box = mesh.box();
     result.topology = std::move(topology);
     const UninitializedVector<std::uint32_t>& vertices = result.topology->faces.vertices;

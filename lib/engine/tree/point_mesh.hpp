@@ -18,6 +18,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace clsdf::engine {
@@ -25,7 +26,7 @@ namespace clsdf::engine {
 /// The lattice that points are measured in: its origin is the lower corner of the mesh's box, its unit the greatest
 /// power of two not above 1/256 of the box's longest side, or 1 if the mesh has no extent. Throws
 /// Error(invalid_argument) if a float cannot hold the unit.
-LatticeView lattice_for_points(const Mesh& mesh);
+LatticeView lattice_for_points(const Box& mesh, const std::string& name);
 
 /// Whether a closed box contains the point.
 inline bool contains(const Box& box, const Vec3& p) {

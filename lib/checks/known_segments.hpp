@@ -1,0 +1,10 @@
+#pragma once
+
+#include "checks/self_test.hpp"
+
+namespace clsdf::checks {
+
+/// The kernels that find the exact sides of samples on a GPU: engine::find_exact_sides().
+TestSubject exact_sides_subject(const Device& device, const engine::Programs& programs);
+
+}  // namespace clsdf::checks
