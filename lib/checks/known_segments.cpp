@@ -2,7 +2,9 @@
 
 #include "core/floating_point.hpp"
 #include "device/read_back.hpp"
+#include "segments/device_links.hpp"
 #include "segments/device_samples.hpp"
+#include "segments/links.hpp"
 #include "segments/sample_sides.hpp"
 #include "sign/exact_sides.hpp"
 #include "topology/device_topology.hpp"
@@ -106,6 +108,33 @@ std::optional<std::string> difference_of_sides(const Device& device, const engin
     return std::nullopt;
 }
 
+std::optional<std::string> difference_of_links(const Device& device, const engine::Programs& programs, SignRule rule) {
+    const KnownOnDevice known(device, programs);
+    std::vector<LinkDirection> directions = stencil("D3Q27");
+    directions.push_back({2, -1, 3});
+    const Grid& grid = known.known.grid;
+    const Links expected = segments::find_links({known.faces, nullptr, rule, {}}, grid, directions, {});
+    const segments::DeviceLinkInputs inputs{known.tools, known.mesh, rule, {}};
+    const auto found = segments::links_by_kernels(inputs, grid, directions);
+    if (!found) return "links are left to the host";
+    if (found->inside.bits != expected.inside.bits) return "samples are on the wrong side";
+    if (found->samples != expected.samples || found->directions != expected.directions) return "there are other links";
+    if (found->triangles != expected.triangles || found->counts != expected.counts || found->flags != expected.flags)
+        return "links meet other walls";
+    if (found->q != expected.q) return "walls are at wrong places";
+    const auto planned = segments::links_on_device(inputs, grid, directions, expected.size());
+    if (!planned) return "links are left to the host";
+    std::vector<float> floats(expected.size());
+    std::vector<std::uint8_t> inside(grid.sample_count());
+    device::read_values(known.tools.context, *planned->q_floats, floats);
+    device::read_values(known.tools.context, *planned->inside, inside);
+    for (std::size_t n = 0; n < floats.size(); ++n)
+        if (floats[n] != as_float_part(expected.q[n])) return "places of walls are wrong floats";
+    for (std::size_t n = 0; n < inside.size(); ++n)
+        if (inside[n] != (expected.inside.bits[n / 8] >> n % 8 & 1U)) return "samples are on the wrong side";
+    return std::nullopt;
+}
+
 }  // namespace
 
 TestSubject exact_sides_subject(const Device& device, const engine::Programs& programs) {
@@ -117,6 +146,20 @@ TestSubject exact_sides_subject(const Device& device, const engine::Programs& pr
     subject.difference = [&device, &programs](const device::BuildWatch&) -> std::optional<std::string> {
         for (const SignRule rule : {SignRule::nonzero, SignRule::parity})
             if (auto difference = difference_of_sides(device, programs, rule)) return difference;
+        return std::nullopt;
+    };
+    return subject;
+}
+
+TestSubject links_subject(const Device& device, const engine::Programs& programs) {
+    TestSubject subject;
+    subject.name = "links";
+    subject.build = [&programs](const device::BuildWatch& watch) {
+        return std::vector{programs.exact_sides.get(watch), programs.links.get(watch), programs.scan.get(watch)};
+    };
+    subject.difference = [&device, &programs](const device::BuildWatch&) -> std::optional<std::string> {
+        for (const SignRule rule : {SignRule::nonzero, SignRule::parity})
+            if (auto difference = difference_of_links(device, programs, rule)) return difference;
         return std::nullopt;
     };
     return subject;
