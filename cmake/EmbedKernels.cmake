@@ -1,6 +1,6 @@
 # The kernels of the core, a folder for each stage, in an order in which a folder includes files of the folders before it. A
 # file's name is unique among them: kernels and the host include it by its name alone.
-set(CLSDF_KERNEL_FOLDERS common topology frusta tree lists sign finish bricks targets points)
+set(CLSDF_KERNEL_FOLDERS common topology frusta tree lists sign finish bricks targets points segments)
 list(TRANSFORM CLSDF_KERNEL_FOLDERS PREPEND ${PROJECT_SOURCE_DIR}/kernels/)
 
 # clsdf_embed_kernels(<target> <file>...): the kernels' sources become strings of the library, so that nothing is looked

@@ -1,4 +1,4 @@
-// One definition for the host and the kernels: what the sweep for the sign works on.
+// One definition for the host and the kernels: what sweeps of rows for sides work on, and records of rows.
 #ifndef CLSDF_SWEEP_H
 #define CLSDF_SWEEP_H
 
@@ -18,11 +18,11 @@ typedef struct SweepVertex {
     double x;          // in samples of the lattice
 } SweepVertex;
 
-// A crossing of a row and the surface.
+// What a row meets; of the sweep for the sign a crossing with the surface.
 typedef struct SweepRecord {
     clsdf_uint32 row;
-    clsdf_uint32 key;    // 2 k + (1 if the surface faces -x there), see sign_sweep.cl
-    clsdf_uint32 index;  // among the row's crossings, in no order
+    clsdf_uint32 key;    // see sign_sweep.cl, exact_sides.cl and link_crossings.cl
+    clsdf_uint32 index;  // among the row's records, in no order
 } SweepRecord;
 
 // Counters of the work-items.
@@ -31,11 +31,23 @@ typedef struct SweepTotals {
     clsdf_uint32 large;         // triangles that wait for the second launch
     clsdf_uint32 large_blocks;  // their rows, by CLSDF_LARGE_ROWS
     clsdf_uint32 largest_rows;  // of one of them
+    clsdf_uint32 inexact;       // exact sides: of triangles whose coordinates are out of range (expansions.h)
 } SweepTotals;
+
+// The samples whose exact sides are found. Their coordinates, in units, are in one array: those along x, then y, z.
+typedef struct SampleRows {
+    double per_unit;        // what the caller's coordinates are multiplied by; a power of two
+    double per_spacing[3];  // 1 / the spacing in units
+    clsdf_int32 size[3];
+    clsdf_uint32 words;  // of 32 sides, in a row along x; rows follow each other by y, then by z
+} SampleRows;
+
+// The most samples of a row: a key of exact_sides.cl has so many bits for them.
+#define CLSDF_MOST_EXACT_SAMPLES (1 << 22)
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(SweepVertex) == 24 && offsetof(SweepVertex, x) == 16);
-static_assert(sizeof(SweepRecord) == 12 && sizeof(SweepTotals) == 16);
+static_assert(sizeof(SweepRecord) == 12 && sizeof(SweepTotals) == 20 && sizeof(SampleRows) == 48);
 }  // namespace clsdf
 #endif
 

@@ -13,7 +13,7 @@
 // number.
 
 #include "layout.h"
-#include "shares.h"
+#include "row_records.h"
 #include "sweep_edges.h"
 
 // A crossing has the same coordinate on every device.
@@ -42,34 +42,6 @@ INLINE ulong row_count(RowRange rows) {
                : (ulong)(rows.end_y - rows.begin_y + 1) * (ulong)(rows.end_z - rows.begin_z + 1);
 }
 
-// Room for a work-item's crossings: records [next, end).
-typedef struct Writer {
-    __global uint* row_counts;
-    __global SweepRecord* records;
-    uint capacity, block;
-    __global SweepTotals* totals;
-    uint next, end;
-} Writer;
-
-INLINE void write_crossing(__private Writer* writer, uint row, uint key) {
-    if (writer->next == writer->end) {
-        writer->next = atomic_add(&writer->totals->records, writer->block);
-        writer->end = writer->next + writer->block;
-    }
-    const uint index = atomic_inc(writer->row_counts + row);
-    if (writer->next < writer->capacity) {
-        __global SweepRecord* record = writer->records + writer->next;
-        record->row = row;
-        record->key = key;
-        record->index = index;
-    }
-    ++writer->next;
-}
-
-INLINE void leave_records(Writer writer) {
-    for (uint n = writer.next; n < min(writer.end, writer.capacity); ++n) writer.records[n].row = CLSDF_NO_ROW;
-}
-
 // Writes the crossing of a row with the triangle, at the position that the weights give.
 INLINE void write_weighted(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, double wa, double wb, double wc,
                            uint row, uint faces_back, __private Writer* writer) {
@@ -79,7 +51,7 @@ INLINE void write_weighted(Layout layout, SweepVertex a, SweepVertex b, SweepVer
     const double limited = clamp(x, (double)first, (double)end);
     const int truncated = (int)limited;
     const uint sample = (uint)(truncated + (limited > truncated) - first);
-    write_crossing(writer, row, 2 * sample + faces_back);
+    write_record(writer, row, 2 * sample + faces_back);
 }
 
 // Writes the crossings of a range of rows of a triangle's box.
@@ -143,10 +115,7 @@ INLINE void sweep_triangle(Layout layout, uint t, uint strip, uint strips, __glo
         rows.begin_z = begin_z + slices * strip / strips;
         rows.end_z = begin_z + slices * (strip + 1) / strips - 1;
     } else if (number > CLSDF_LARGE_ROWS) {
-        __global SweepTotals* const totals = writer->totals;
-        large[atomic_inc(&totals->large)] = t;
-        atomic_add(&totals->large_blocks, (uint)(number / CLSDF_LARGE_ROWS));
-        atomic_max(&totals->largest_rows, (uint)number);
+        leave_large(t, number, large, writer->totals);
         return;
     }
     find_crossings(layout, a, b, c, rows, bits_y, bits_z, writer);
@@ -157,9 +126,9 @@ INLINE void sweep_triangle(Layout layout, uint t, uint strip, uint strips, __glo
 // range of the strips of all triangles. It takes room for `block` records at a time. Keys: 2 k + (1 if the surface
 // faces -x), k the first sample at or after the crossing, counted from the first brick's first sample and clamped to
 // [0, row_length].
-__kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
-                             __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* row_counts,
-                             uint capacity, uint block, __global SweepRecord* records, __global SweepTotals* totals,
+__kernel void sign_crossings(Layout layout, __global const uint* triangles, __global const SweepVertex* vertices,
+                             int bits_y, int bits_z, uint begin, uint end, __global uint* row_counts, uint capacity,
+                             uint block, __global SweepRecord* records, __global SweepTotals* totals,
                              __global uint* large, int has_chosen, __global const uint* chosen, uint strips) {
     const uint part = get_global_id(0), parts = get_global_size(0), count = (end - begin) * max(strips, 1u);
     const uint own_end = share_of(count, part + 1, parts);
@@ -170,44 +139,6 @@ __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const
                        &writer);
     }
     leave_records(writer);
-}
-
-// Moves the key of a record, one per work-item, to its row. starts: where the keys of each row begin.
-__kernel void sign_scatter(uint begin, uint end, __global const SweepRecord* records, __global const uint* starts,
-                           __global uint* keys) {
-    const uint n = begin + get_global_id(0);
-    if (n >= end || records[n].row == CLSDF_NO_ROW) return;
-    keys[starts[records[n].row] + records[n].index] = records[n].key;
-}
-
-// Sorts keys[0, count) by insertion at falling strides (D. L. Shell; strides of R. Sedgewick, 1986: about count^(4/3)
-// steps, up to 2^28 keys). Most rows have few crossings.
-__constant uint strides[] = {1, 8, 23, 77, 281, 1073, 4193, 16577, 65921, 262913, 1050113, 4197377, 16783361};
-static inline void sort_keys(__global uint* keys, uint count) {
-    for (int n = count <= 16 ? 0 : 12; n >= 0; --n) {
-        const uint stride = strides[n];
-        for (uint i = stride; i < count; ++i) {
-            const uint key = keys[i];
-            uint j = i;
-            for (; j >= stride && keys[j - stride] > key; j -= stride) keys[j] = keys[j - stride];
-            keys[j] = key;
-        }
-    }
-}
-
-// Bits [begin, end) of a row, which are 0 so far.
-INLINE void set_bits(__global uint* bits, uint begin, uint end) {
-    if (begin >= end) return;
-    uint word = begin >> 5;
-    const uint last = (end - 1) >> 5;
-    const uint from_begin = 0xFFFFFFFFu << (begin & 31), to_end = 0xFFFFFFFFu >> (31 - ((end - 1) & 31));
-    if (word == last) {
-        bits[word] |= from_begin & to_end;
-        return;
-    }
-    bits[word] |= from_begin;
-    while (++word < last) bits[word] = 0xFFFFFFFFu;
-    bits[last] |= to_end;
 }
 
 // Each work-item takes `rows_per_item` of the rows [begin_row, end_row) of samples of the part's bricks: their sign

@@ -1,9 +1,11 @@
 #include "calls/transform_state.hpp"
+#include "checks/known_segments.hpp"
 #include "core/floating_point.hpp"
 #include "core/large_memory.hpp"
 #include "core/stopwatch.hpp"
 #include "plan/slabs.hpp"
 #include "segments/crossings.hpp"
+#include "segments/device_links.hpp"
 #include "segments/link_arrays.hpp"
 #include "segments/links.hpp"
 #include "targets/mapped_memory.hpp"
@@ -13,15 +15,36 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace clsdf {
 
+bool DistanceTransform::State::find_links_by_kernels(const FindByKernels& find, calls::RunningCall& running) {
+    const KeepsBudget keeps_budget(*this);
+    const std::scoped_lock lock(mutex);
+    context().begin_call();
+    try {
+        return calls::with_remedies(&running, {forgetting()}, [&] {
+            const std::optional<engine::CrossedMesh> mesh = kept_mesh->crossed_mesh();
+            if (!mesh) return false;
+            test(checks::links_subject(device, programs), running);
+            bool are_found = false;
+            context().run_or_drain([&] { are_found = find({tools(), *mesh, sign, running.between(0, 0.5)}); });
+            return are_found;
+        });
+    } catch (const Error& error) {
+        if (!running.is_short_of_memory(error)) throw;
+        return false;
+    }
+}
+
 template <typename Find>
 CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std::array<std::int32_t, 3>& margin,
-                                                    Hits hits, const CallOptions& call, const Find& find) {
+                                                    Hits hits, const CallOptions& call, const Find& find,
+                                                    const FindByKernels& by_kernels) {
     grid.validate();
     Grid with_margin = grid;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -52,6 +75,12 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     }
     CallStatistics& statistics = running.statistics;
     const Stopwatch preparing;
+    const bool is_tried = by_kernels && programs.body == KernelBody::by_group;
+    if (is_tried && find_links_by_kernels(by_kernels, running)) {
+        statistics.triangles = kept_mesh->face_count();
+        statistics.field_seconds = preparing.seconds();
+        return running.finish();
+    }
     std::shared_ptr<const engine::WideTree> tree;
     const auto mesh = [&] {
         const KeepsBudget keeps_budget(*this);
@@ -69,7 +98,7 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     statistics.polyhedra_seconds = preparing.seconds();
     const Stopwatch finding;
     const DefaultFloatingPoint usual;
-    find(segments::LinkInputs{{*mesh, numbers}, tree.get(), sign, running.between(0, 1)});
+    find(segments::LinkInputs{{*mesh, numbers}, tree.get(), sign, running.between(is_tried ? 0.5 : 0, 1)});
     statistics.field_seconds = finding.seconds();
     return running.finish();
 }
@@ -107,7 +136,58 @@ segments::LinkChoice choice_of(const LinkOptions& options) {
     return {.hits = options.hits, .with_between = options.with_between};
 }
 
+/// Room for any number of links.
+constexpr auto all_rows = std::numeric_limits<std::size_t>::max();
+
+/// Whether all arrays that are given are memory of the device.
+bool are_on_device(const LinkTargets& targets) {
+    bool are = false;
+    for (const OutputArray* array : {&targets.samples, &targets.directions, &targets.q, &targets.triangles,
+                                     &targets.counts, &targets.flags, &targets.inside, &targets.dense}) {
+        if (!array->is_given()) continue;
+        if (array->device == nullptr) return false;
+        are = true;
+    }
+    return are;
+}
+
+/// A function of State::find_links() that finds links by kernels; empty if they are of another kind than kernels find.
+using FindByKernels = std::function<bool(const segments::DeviceLinkInputs&)>;
+FindByKernels for_kernels(const segments::LinkChoice& choice, FindByKernels find) {
+    const bool are_usual = choice.hits == Hits::walls && !choice.with_between && !choice.with_gaps;
+    return are_usual ? std::move(find) : FindByKernels();
+}
+
 }  // namespace
+
+DistanceTransform::State::FoundLinks DistanceTransform::State::find_planned_links(const plans::AskedLinks& asked,
+                                                                                  const CallOptions& call) {
+    segments::check_directions(asked.directions);
+    const segments::LinkChoice choice = choice_of(asked.options);
+    FoundLinks found;
+    found.statistics = find_links(
+                           asked.grid, segments::margin_of(asked.directions), asked.options.hits, call,
+                           [&](const auto& inputs) {
+                               found.on_host = segments::find_links(inputs, asked.grid, asked.directions, choice);
+                           },
+                           for_kernels(choice,
+                                       [&](const auto& inputs) {
+                                           found.on_device = segments::links_on_device(inputs, asked.grid,
+                                                                                       asked.directions, asked.room);
+                                           return found.on_device.has_value();
+                                       }))
+                           .published();
+    return found;
+}
+
+TransformStatistics DistanceTransform::State::store(const plans::AskedLinks& asked, FoundLinks found,
+                                                    const LinkTargets& targets, const CallOptions& call) {
+    plans::LinkPlanState made(device, pool, programs);
+    plan(made, asked, std::move(found), call);
+    device::guarded([&] { made.enqueue({}, targets, {}); });
+    made.give_back();  // waits
+    return made.published;
+}
 
 Links DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> directions, const LinkOptions& options,
                                const CallOptions& call, TransformStatistics* statistics) const {
@@ -117,7 +197,12 @@ Links DistanceTransform::links(const Grid& grid, std::span<const LinkDirection> 
         Links links;
         const CallStatistics made = state().find_links(
             grid, segments::margin_of(directions), options.hits, call,
-            [&](const auto& inputs) { links = segments::find_links(inputs, grid, directions, choice); });
+            [&](const auto& inputs) { links = segments::find_links(inputs, grid, directions, choice); },
+            for_kernels(choice, [&](const auto& inputs) {
+                auto found = segments::links_by_kernels(inputs, grid, directions);
+                if (found) links = std::move(*found);
+                return found.has_value();
+            }));
         if (statistics != nullptr) *statistics = made.published();
         return links;
     });
@@ -132,19 +217,22 @@ TransformStatistics DistanceTransform::links(const Grid& grid, std::span<const L
         segments::check_directions(directions);
         targets::MappedMemory memory(state().context());
         segments::LinkArrays arrays(targets, grid, directions.size(), memory);
-        TransformStatistics statistics;
-        const Links found = links(grid, directions, options, call, &statistics);
-        count = found.size();
+        State& own = state();
+        const plans::AskedLinks asked{grid, {directions.begin(), directions.end()}, options, all_rows};
+        State::FoundLinks found = are_on_device(targets) ? own.find_planned_links(asked, call) : State::FoundLinks();
+        if (!are_on_device(targets)) found.on_host = links(grid, directions, options, call, &found.statistics);
+        count = found.on_device ? found.on_device->count : found.on_host.size();
         arrays.require_room(count);
         try {
+            if (found.on_device) return own.store(asked, std::move(found), targets, call);
             memory.map({});
-            arrays.store(found, memory);
+            arrays.store(found.on_host, memory);
             memory.unmap();
         } catch (...) {
             count = 0;
             throw;
         }
-        return statistics;
+        return found.statistics;
     });
 }
 
@@ -178,9 +266,14 @@ std::size_t DistanceTransform::count_links(const Grid& grid, std::span<const Lin
         segments::check_directions(directions);
         const segments::LinkChoice choice = choice_of(options);
         std::size_t count = 0;
-        state().find_links(grid, segments::margin_of(directions), options.hits, call, [&](const auto& inputs) {
-            count = segments::count_links(inputs, grid, directions, choice);
-        });
+        state().find_links(
+            grid, segments::margin_of(directions), options.hits, call,
+            [&](const auto& inputs) { count = segments::count_links(inputs, grid, directions, choice); },
+            for_kernels(choice, [&](const auto& inputs) {
+                const auto found = segments::count_links_by_kernels(inputs, grid, directions);
+                if (found) count = *found;
+                return found.has_value();
+            }));
         return count;
     });
 }

@@ -10,15 +10,18 @@
 
 namespace clsdf {
 
-void DistanceTransform::State::plan(plans::LinkPlanState& plan, const plans::AskedLinks& asked, const Links& links,
-                                    const TransformStatistics& found, const CallOptions& call) {
+void DistanceTransform::State::plan(plans::LinkPlanState& plan, const plans::AskedLinks& asked, FoundLinks found,
+                                    const CallOptions& call) {
     plan.require_device(device);
     make(plan, asked, call, [&](calls::RunningCall& running) {
         test(checks::stored_links_subject(device, programs), running);
         plans::PlannedLinks made;
-        make_and_wait(running, [&] { made = plans::uploaded(context(), pool, links, asked.room); });
+        make_and_wait(running, [&] {
+            made = found.on_device ? plans::planned(context(), pool, *std::exchange(found.on_device, {}))
+                                   : plans::uploaded(context(), pool, found.on_host, asked.room);
+        });
         CallStatistics& statistics = running.statistics;
-        static_cast<TransformStatistics&>(statistics) = found;
+        static_cast<TransformStatistics&>(statistics) = found.statistics;
         statistics.triangles = kept_mesh->face_count();
         statistics.device_bytes = made.device_bytes();
         plan.replace(std::move(made));
@@ -78,9 +81,8 @@ void LinkPlan::update(const DistanceTransform& transform, const Grid& grid, std:
         plans::AskedLinks asked = own.asked();
         asked.grid = grid;
         asked.room = room;
-        TransformStatistics statistics;
-        const Links links = transform.links(grid, asked.directions, asked.options, call, &statistics);
-        transform.state().plan(own, asked, links, statistics, call);
+        auto found = transform.state().find_planned_links(asked, call);
+        transform.state().plan(own, asked, std::move(found), call);
     });
 }
 
@@ -89,9 +91,8 @@ LinkPlan DistanceTransform::plan_links(const Grid& grid, std::span<const LinkDir
     return with_host_memory("for the plan; plan a part of the grid", [&] {
         State& self = state();
         auto made = std::make_unique<LinkPlan::State>(self.device, self.pool, self.programs);
-        TransformStatistics statistics;
-        const Links links = this->links(grid, directions, options, call, &statistics);
-        self.plan(*made, {grid, {directions.begin(), directions.end()}, options, room}, links, statistics, call);
+        const plans::AskedLinks asked{grid, {directions.begin(), directions.end()}, options, room};
+        self.plan(*made, asked, self.find_planned_links(asked, call), call);
         return LinkPlan(std::move(made));
     });
 }

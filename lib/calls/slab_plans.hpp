@@ -24,7 +24,8 @@ public:
 
 private:
     engine::Inputs inputs_of(const engine::Job& job) const;
-    engine::WriteSignBits exact_signs(const engine::Job& job) const;
+    engine::MakeSignBits exact_signs(const engine::Job& job) const;
+    engine::MakeSignBits exact_signs_by_host(const engine::Job& job) const;
 
     State& state_;
     engine::Workshop workshop_;

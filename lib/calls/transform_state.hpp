@@ -18,8 +18,10 @@
 #include "points/kept_points.hpp"
 #include "points/point_query.hpp"
 #include "points/usable_points.hpp"
+#include "segments/device_links.hpp"
 #include "targets/output_targets.hpp"
 
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -166,9 +168,17 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     void plan(plans::PlanState& plan, plans::AskedBoxes asked, const CallOptions& call);
     void plan(plans::SparsePlanState& plan, const plans::AskedBricks& asked, const CallOptions& call);
     void plan(plans::PointPlanState& plan, const plans::AskedPoints& asked, const CallOptions& call);
-    /// Of links that were found; found: what that took.
-    void plan(plans::LinkPlanState& plan, const plans::AskedLinks& asked, const Links& links,
-              const TransformStatistics& found, const CallOptions& call);
+    /// Links of a plan, in memory of the device if kernels find them, and what that took.
+    struct FoundLinks {
+        std::optional<segments::DeviceLinks> on_device;
+        Links on_host;
+        TransformStatistics statistics;
+    };
+    FoundLinks find_planned_links(const plans::AskedLinks& asked, const CallOptions& call);
+    void plan(plans::LinkPlanState& plan, const plans::AskedLinks& asked, FoundLinks found, const CallOptions& call);
+    /// Stores links that are on the device in arrays there, which have room for them. Waits.
+    TransformStatistics store(const plans::AskedLinks& asked, FoundLinks found, const LinkTargets& targets,
+                              const CallOptions& call);
     /// By way of a plan.
     CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
 
@@ -202,9 +212,13 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     // link_calls.cpp
     /// Calls find(inputs) with what links of the grid need. margin: samples that they reach beyond it. Throws as
     /// DistanceTransform::links() does.
+    /// If kernels may find them, by_kernels(inputs) is called before, unless it is empty; it returns whether it has.
+    using FindByKernels = std::function<bool(const segments::DeviceLinkInputs&)>;
     template <typename Find>
     CallStatistics find_links(const Grid& grid, const std::array<std::int32_t, 3>& margin, Hits hits,
-                              const CallOptions& call, const Find& find);
+                              const CallOptions& call, const Find& find, const FindByKernels& by_kernels = {});
+    /// False if the host has to find the links: also if the device is short of memory.
+    bool find_links_by_kernels(const FindByKernels& find, calls::RunningCall& running);
 
     // segment_calls.cpp
     struct SegmentInputs {

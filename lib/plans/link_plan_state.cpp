@@ -13,23 +13,26 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <utility>
 #include <vector>
 
 namespace clsdf::plans {
 
-std::size_t PlannedLinks::device_bytes() const {
-    std::size_t bytes = 0;
-    for (const Lease* lease : {&totals, &inside, &samples, &directions, &q, &q_floats, &triangles, &counts, &flags})
-        bytes += lease->bytes();
-    return bytes;
+PlannedLinks planned(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                     segments::DeviceLinks links) {
+    PlannedLinks planned{std::move(links), {}};
+    planned.totals = device::uploaded(context, pool,
+                                      std::array{DeviceLinkCount{planned.count, 1}, DeviceLinkCount{planned.count, 0}},
+                                      "links of a plan");
+    return planned;
 }
 
 PlannedLinks uploaded(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                       const Links& links, std::size_t room) {
-    PlannedLinks planned;
-    planned.count = links.size();
+    segments::DeviceLinks on_device;
+    on_device.count = links.size();
+    PlannedLinks planned = plans::planned(context, pool, std::move(on_device));
     const auto upload = [&](const auto& values) { return device::uploaded(context, pool, values, "links of a plan"); };
-    planned.totals = upload(std::array{DeviceLinkCount{links.size(), 1}, DeviceLinkCount{links.size(), 0}});
     const Index3& size = links.inside.size;
     std::vector<std::uint8_t> sides(static_cast<std::size_t>(size[0] * size[1] * size[2]));
     for (std::size_t n = 0; n < sides.size(); ++n)

@@ -5,6 +5,7 @@
 
 #include "launch/programs.hpp"
 #include "plans/planned.hpp"
+#include "segments/device_links.hpp"
 
 #include <cstddef>
 #include <memory>
@@ -21,20 +22,17 @@ struct AskedLinks {
 };
 
 /// The links at positions of a transform, on the device. Without rows if there are more than the plan has room for.
-struct PlannedLinks {
-    using Lease = device::BufferPool::Lease;
+struct PlannedLinks : segments::DeviceLinks {
+    std::size_t device_bytes() const { return row_bytes() + totals.bytes(); }
 
-    std::size_t device_bytes() const;
-
-    std::size_t count = 0;
     Lease totals;  ///< a DeviceLinkCount of complete arrays, then one of arrays with too little room
-    Lease inside;  ///< a byte for each sample
-    Lease samples, directions, q, q_floats, triangles, counts, flags;
 };
 
-/// Enqueues copies to the device.
+/// Enqueue copies to the device: of links that the host has found, or of the number of those that are there.
 PlannedLinks uploaded(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                       const Links& links, std::size_t room);
+PlannedLinks planned(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                     segments::DeviceLinks links);
 
 /// The state of a LinkPlan.
 class LinkPlanState : public Planned<AskedLinks, PlannedLinks> {

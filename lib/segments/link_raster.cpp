@@ -4,6 +4,22 @@
 
 namespace clsdf::segments {
 
+PairedDirections paired(std::span<const Place> directions) {
+    PairedDirections paired;
+    for (std::size_t direction = 0; direction < directions.size(); ++direction) {
+        const Place& step = directions[direction];
+        if (step == Place{}) continue;
+        const auto opposite = std::ranges::find(paired.steps, Place{-step[0], -step[1], -step[2]});
+        if (opposite != paired.steps.end()) {
+            paired.pairs[static_cast<std::size_t>(opposite - paired.steps.begin())].backward = direction;
+        } else {
+            paired.steps.push_back(step);
+            paired.pairs.push_back({direction});
+        }
+    }
+    return paired;
+}
+
 LinkRaster::LinkRaster(const SampleBox& box, std::span<const Place> steps) : box_(box) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         origin_[axis] = box.grid.origin[axis] * box.scale;
@@ -49,6 +65,33 @@ LinkRaster::LinkRaster(const SampleBox& box, std::span<const Place> steps) : box
             across(second, batch.v_of, batch.v_from, batch.least_v, batch.most_v);
         }
     }
+}
+
+void LinkRaster::describe(const PairedDirections& paired, LinkLattice& lattice, std::vector<LinkLine>& lines) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        lattice.origin[axis] = origin_[axis];
+        lattice.per_unit[axis] = per_unit_[axis];
+    }
+    lattice.far = far_;
+    lattice.slope = slope_;
+    lattice.rounding = box_.rounding;
+    const auto number_of = [](std::size_t direction) {
+        return direction == DirectionPair::not_asked ? CLSDF_NO_DIRECTION : static_cast<clsdf_uint32>(direction);
+    };
+    for (const Batch& batch : batches_)
+        for (std::size_t lane = 0; lane < batch.steps.size(); ++lane) {
+            const Batch::Lane& of = batch.steps[lane];
+            const Place& step = paired.steps[of.step];
+            const DirectionPair& pair = paired.pairs[of.step];
+            lines.push_back({{step[0], step[1], step[2]},
+                             static_cast<clsdf_int32>(of.along),
+                             static_cast<clsdf_int32>(of.first),
+                             static_cast<clsdf_int32>(of.second),
+                             static_cast<clsdf_int32>(of.begin),
+                             static_cast<clsdf_int32>(batch.most_k[lane]),
+                             number_of(pair.forward),
+                             number_of(pair.backward)});
+        }
 }
 
 CLSDF_SEVERAL_TARGETS

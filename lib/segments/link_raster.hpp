@@ -1,5 +1,6 @@
 #pragma once
 
+#include "link_lattice.h"
 #include "segments/sample_box.hpp"
 
 #include <algorithm>
@@ -12,6 +13,18 @@
 #include <vector>
 
 namespace clsdf::segments {
+
+/// A direction and its opposite, which have the same lines of links.
+struct DirectionPair {
+    static constexpr std::size_t not_asked = 32;
+    std::size_t forward = not_asked, backward = not_asked;  ///< their numbers
+};
+/// All directions but zero, in pairs, and the step of each pair.
+struct PairedDirections {
+    std::vector<Place> steps;
+    std::vector<DirectionPair> pairs;
+};
+PairedDirections paired(std::span<const Place> directions);
 
 /// The links of a box that may cross a face, by the lines of the lattice along each direction: seen along it, the face
 /// is a triangle in a plane in which the lines are the points of whole coordinates.
@@ -27,6 +40,10 @@ public:
     /// the link crosses the face between its ends, in every look. No other link crosses the face.
     template <typename Visit>
     void visit_links(const crossing::Corners& corners, const Visit& visit) const;
+
+    /// The same as kernels read it: sets origin, per_unit, far, slope and rounding, and adds the lines. paired: those
+    /// of the constructor's steps.
+    void describe(const PairedDirections& paired, LinkLattice& lattice, std::vector<LinkLine>& lines) const;
 
 private:
     /// Lines that are projected together.

@@ -30,19 +30,9 @@ constexpr std::int32_t longest_component = 16;
 /// Faces that one task looks at: few if there are few, which may be large.
 constexpr std::size_t usual_faces = 256;
 
-Place negative(const Place& step) {
-    return {-step[0], -step[1], -step[2]};
-}
-
 Place sum(const Place& a, const Place& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
-
-/// A line of links: both directions have the same ones.
-struct Line {
-    static constexpr std::size_t not_asked = 32;
-    std::size_t forward = not_asked, backward = not_asked;  ///< numbers of directions
-};
 
 /// A face that a link may cross; `link` is a number in the table, or a sample and a direction.
 struct Record {
@@ -158,7 +148,6 @@ private:
     std::vector<Extra> solve_extras();
     void solve_table(Links& links, std::size_t count);
     void merge(Links& links, std::size_t count, const std::vector<Extra>& extras) const;
-    [[noreturn]] void refuse(const std::array<std::int32_t, 3>& sample, std::size_t direction) const;
 
     const LinkInputs& inputs_;
     const LinkChoice choice_;
@@ -186,20 +175,9 @@ Records sorted_records(PerThread& found) {
 }
 
 void Finder::search() {
-    // A line for each direction and its opposite.
-    std::vector<Place> steps;
-    std::vector<Line> lines;
-    for (std::size_t direction = 0; direction < steps_.size(); ++direction) {
-        const Place& step = steps_[direction];
-        if (step == Place{}) continue;
-        const auto opposite = std::ranges::find(steps, negative(step));
-        if (opposite != steps.end()) {
-            lines[static_cast<std::size_t>(opposite - steps.begin())].backward = direction;
-        } else {
-            steps.push_back(step);
-            lines.push_back({direction});
-        }
-    }
+    const PairedDirections directions = paired(steps_);
+    const std::vector<Place>& steps = directions.steps;
+    const std::vector<DirectionPair>& pairs = directions.pairs;
     if (table_) {
         first_faces_.resize(table_->size());
         for_each_range(
@@ -228,10 +206,12 @@ void Finder::search() {
                     const bool from_inside = sides_.is_inside(from), to_inside = sides_.is_inside(to);
                     const bool in_table = table_ && from_inside != to_inside;
                     if (!in_table && !as_given && !(from_inside ? choice_.with_gaps : choice_.with_between)) return;
-                    const std::size_t forward = box_.is_in_grid(from) ? lines[number].forward : Line::not_asked,
-                                      backward = box_.is_in_grid(to) ? lines[number].backward : Line::not_asked;
-                    if (forward == Line::not_asked && backward == Line::not_asked) return;
-                    if (in_table && (from_inside ? backward : forward) == Line::not_asked) return;
+                    const std::size_t forward =
+                                          box_.is_in_grid(from) ? pairs[number].forward : DirectionPair::not_asked,
+                                      backward =
+                                          box_.is_in_grid(to) ? pairs[number].backward : DirectionPair::not_asked;
+                    if (forward == DirectionPair::not_asked && backward == DirectionPair::not_asked) return;
+                    if (in_table && (from_inside ? backward : forward) == DirectionPair::not_asked) return;
                     if (!is_sure &&
                         crossing::crossing_of(corners, crossing::segment(box_.position(from), box_.position(to)))
                                 .looks == 0)
@@ -246,8 +226,8 @@ void Finder::search() {
                             own_further.push_back({link, record});
                         return;
                     }
-                    if (forward != Line::not_asked) own_extras.push_back({key_of(from, forward), record});
-                    if (backward != Line::not_asked) own_extras.push_back({key_of(to, backward), record});
+                    if (forward != DirectionPair::not_asked) own_extras.push_back({key_of(from, forward), record});
+                    if (backward != DirectionPair::not_asked) own_extras.push_back({key_of(to, backward), record});
                 });
             }
         },
@@ -286,13 +266,6 @@ std::vector<Finder::Extra> Finder::solve_extras() {
     return all;
 }
 
-void Finder::refuse(const std::array<std::int32_t, 3>& sample, std::size_t direction) const {
-    throw Error(ErrorCode::wrong_results,
-                fmt::format("the link from sample ({}, {}, {}) in direction {} joins outside and inside and meets no "
-                            "wall; this is a fault of clsdf: please report it with the mesh and the grid",
-                            sample[0], sample[1], sample[2], direction));
-}
-
 void Finder::solve_table(Links& links, std::size_t count) {
     const bool has_film = faces_.mesh.film != nullptr;
     for_each_range(
@@ -329,7 +302,7 @@ void Finder::solve_table(Links& links, std::size_t count) {
                 if (face != no_face) faces.push_back(face);
                 for (; next != further_.end() && next->link == n; ++next) faces.push_back(next->face);
                 const Met met = solve(sample, direction, walls, faces);
-                if (met.count % 2 == 0) refuse(links.samples[n], direction);
+                if (met.count % 2 == 0) refuse_link(links.samples[n], direction);
                 links.q[n] = met.q;
                 links.triangles[n] = met.triangle;
                 links.counts[n] = met.count;
@@ -369,6 +342,13 @@ void Finder::merge(Links& links, std::size_t count, const std::vector<Extra>& ex
 }
 
 }  // namespace
+
+void refuse_link(const std::array<std::int32_t, 3>& sample, std::size_t direction) {
+    throw Error(ErrorCode::wrong_results,
+                fmt::format("the link from sample ({}, {}, {}) in direction {} joins outside and inside and meets no "
+                            "wall; this is a fault of clsdf: please report it with the mesh and the grid",
+                            sample[0], sample[1], sample[2], direction));
+}
 
 void check_directions(std::span<const LinkDirection> directions) {
     if (directions.empty() || directions.size() > most_directions)

@@ -6,6 +6,7 @@
 #include <clsdf/segments.hpp>
 #include <clsdf/topology.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -33,6 +34,9 @@ struct LinkChoice {
     bool with_between = false;  ///< of both ends outside, with walls
     bool with_gaps = false;     ///< of both ends inside, with walls
 };
+
+/// Throws Error(wrong_results): such a link has a wall.
+[[noreturn]] void refuse_link(const std::array<std::int32_t, 3>& sample, std::size_t direction);
 
 /// Checks directions: at most 32, components up to 16, none twice. Throws Error(invalid_argument).
 void check_directions(std::span<const LinkDirection> directions);

@@ -56,7 +56,7 @@ string(REGEX REPLACE "^set\\(CLSDF_KERNEL_FOLDERS (.*)\\)$" "\\1" kernel_folders
 separate_arguments(kernel_folders)
 set(stages ${folders})
 list(TRANSFORM stages REPLACE ".*/" "")
-list(FILTER stages INCLUDE REGEX "^(topology|frusta|tree|lists|sign|finish|bricks|targets|points)$")
+list(FILTER stages INCLUDE REGEX "^(topology|frusta|tree|lists|sign|finish|bricks|targets|points|segments)$")
 if(NOT "common;${stages}" STREQUAL "${kernel_folders}")
   message(SEND_ERROR "the folders of kernels are ${kernel_folders}; by the order of lib they would be common;${stages}")
 endif()

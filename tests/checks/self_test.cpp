@@ -86,6 +86,22 @@ Use sparse_fields(OutputSet extras) {
     };
 }
 
+TransformStatistics exact_signs(const Device& device, KernelBody body, const CallOptions& call) {
+    const Mesh mesh = make_shape("cube");
+    TransformStatistics statistics;
+    DistanceTransform(device, mesh, {.body = body})
+        .compute(Grid::around(mesh, 16, narrow), narrow.with_exact_signs(), Output::distance, call, &statistics);
+    return statistics;
+}
+
+TransformStatistics links(const Device& device, KernelBody body, const CallOptions& call) {
+    const Mesh mesh = make_shape("cube");
+    TransformStatistics statistics;
+    DistanceTransform(device, mesh, {.body = body})
+        .links(Grid::around(mesh, 16, narrow), stencil("D3Q19"), {}, call, &statistics);
+    return statistics;
+}
+
 Use slices(SliceMinimum minimum) {
     return [=](const Device& device, KernelBody body, const CallOptions& call) {
         const Mesh mesh = make_shape("cube");
@@ -351,6 +367,15 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_kernels_before_the_first_result) {
          sparse_plan,
          vectors,
          {"brick_order.cl", "behind % row != 0 && marks", "marks"}},
+        {"a sample on a wall that is inside",
+         exact_signs,
+         groups,
+         {"exact_sides.cl", "is_tie ? looks & FORWARD_LOOKS : 0u", "is_tie ? looks : 0u"}},
+        {"the highest of the triangles at a place",
+         links,
+         groups,
+         {"links.cl", "crossed[i].triangle < crossed[lowest].triangle",
+          "crossed[i].triangle > crossed[lowest].triangle"}},
         {"slices in the places of rows",
          boxes,
          vectors,

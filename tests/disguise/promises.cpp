@@ -261,6 +261,82 @@ BOOST_AUTO_TEST_CASE(points_and_results_in_memory_of_the_device_stay_there) {
     }
 }
 
+// The exact sides of samples stay on the device, and so do the crossings that they are made of.
+BOOST_AUTO_TEST_CASE(exact_signs_are_made_on_the_device) {
+    const DistanceTransform transform(test_device(), mesh());
+    std::vector<float> distance(grid().sample_count()), usual(grid().sample_count());
+    transform.compute(grid(), band(), usual);
+    transform.compute(grid(), band().with_exact_signs(), distance);
+    // The same lattice: sign and lists alone are made.
+    const Band other = Band::symmetric(2 * grid().voxel()).with_exact_signs();
+    disguise::restart();
+    transform.compute(grid(), other, distance);
+    disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    BOOST_TEST(counts.kernels["exact_crossings"].runs >= 1U);
+    BOOST_TEST(counts.kernels["exact_rows"].runs == 1U);
+    BOOST_TEST(!counts.kernels.contains("sign_rows"));
+    BOOST_TEST(counts.bytes_up <= 4096U);  // coordinates of samples, and the order of the lists
+    BOOST_TEST(counts.bytes_down <= distance.size() * sizeof(float) + 1024U);
+    BOOST_TEST(counts.blocking_waits <= 4U);
+}
+
+// The host gets the rows of links, or, for a plan, their number.
+BOOST_AUTO_TEST_CASE(the_host_gets_the_rows_of_links_alone) {
+    const DistanceTransform transform(test_device(), mesh());
+    const std::vector<LinkDirection> directions = stencil("D3Q19");
+    const std::size_t samples = grid().sample_count();
+    transform.links(grid(), directions);
+    disguise::restart();
+    const Links links = transform.links(grid(), directions);
+    disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    const std::size_t row_bytes = 12 + 1 + 8 + 4 + 4 + 1;
+    BOOST_TEST(links.size() > 1000U);
+    BOOST_TEST(counts.kernels["solve_links"].runs == 1U);
+    BOOST_TEST(counts.bytes_down >= row_bytes * links.size() + samples / 8);
+    BOOST_TEST(counts.bytes_down <= row_bytes * links.size() + samples / 8 + 1024U);
+    BOOST_TEST(counts.bytes_up <= 8192U);
+    BOOST_TEST(counts.launches <= 40U);
+
+    disguise::restart();
+    BOOST_TEST(transform.count_links(grid(), directions) == links.size());
+    counts = disguise::counts();
+    BOOST_TEST(!counts.kernels.contains("solve_links"));
+    BOOST_TEST(counts.bytes_down <= 128U);
+
+    LinkPlan plan = transform.plan_links(grid(), directions, links.size());
+    disguise::restart();
+    plan.update(transform);
+    counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    BOOST_TEST(counts.kernels["solve_links"].runs == 1U);
+    BOOST_TEST(counts.bytes_down <= 256U);
+    BOOST_TEST(counts.bytes_up <= 8192U);
+
+    const device::Context& context = device::context_of(test_device());
+    const DeviceMemory floats(test_device().context(), links.size());
+    std::vector<float> expected;
+    for (const double q : links.q) expected.push_back(as_float_part(q));
+    const LinkTargets targets{.room = links.size(), .q = {floats.handle(), ElementType::float32}};
+    disguise::restart();
+    std::size_t count = 0;
+    transform.links(grid(), directions, targets, count);
+    BOOST_TEST(count == links.size());
+    BOOST_TEST(disguise::counts().bytes_down <= 256U);
+    BOOST_TEST((floats.read(context.queue()) == bits_of(expected)));
+    context.queue().enqueueFillBuffer(cl::Buffer(floats.handle(), true), cl_uint{0}, 0, sizeof(float));
+    context.queue().finish();
+    disguise::restart();
+    cl_event done = nullptr;
+    plan.enqueue(nullptr, targets, {}, {}, &done);
+    counts = disguise::counts();
+    cl::Event(done).wait();
+    BOOST_TEST(counts.bytes_down + counts.bytes_up == 0U);
+    BOOST_TEST(counts.blocking_waits == 0U);
+    BOOST_TEST((floats.read(context.queue()) == bits_of(expected)));
+}
+
 // Beside the bricks go down a mark for each brick of the grid and the number of each that has values.
 BOOST_AUTO_TEST_CASE(the_host_gets_little_more_than_the_bricks_of_a_sparse_field) {
     const DistanceTransform transform(test_device(), mesh());

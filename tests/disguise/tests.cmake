@@ -143,6 +143,8 @@ clsdf_disguised(calls_same_bytes)
 clsdf_disguised(frusta_kernel_frusta)
 clsdf_disguised(targets_callers_memory)
 clsdf_disguised(segments_exact_signs)
+clsdf_disguised(segments_links)
+clsdf_disguised(plans_links)
 
 # Kernels that only a GPU runs, on oclgrind, which calls itself a processor (tests/races).
 if(TARGET test_races AND CLSDF_OCLGRIND_DRIVER)

@@ -9,6 +9,8 @@
 
 #include "device/opencl.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <tbb/global_control.h>
 
 #include <map>
@@ -55,6 +57,16 @@ std::array<std::vector<double>, 3> places_of(const Grid& grid, std::int64_t marg
 Vec3 position(const std::array<std::vector<double>, 3>& places, const Index3& sample) {
     return {places[0][static_cast<std::size_t>(sample[0])], places[1][static_cast<std::size_t>(sample[1])],
             places[2][static_cast<std::size_t>(sample[2])]};
+}
+
+/// The families, and meshes of many faces that nothing lies on.
+std::vector<Family> tilted_families() {
+    std::vector<Family> all = families();
+    for (const char* const shape : {"knot", "sphere4"}) {
+        const Mesh mesh = tilted(make_shape(shape));
+        all.push_back({shape, mesh, Grid::around(mesh, 30, Band::full())});
+    }
+    return all;
 }
 
 struct Totals {
@@ -311,6 +323,30 @@ BOOST_AUTO_TEST_CASE(moved_and_restricted_meshes_have_the_links_of_their_positio
     BOOST_TEST(is_same(restricted.links(part, all_directions), transform.links(part, all_directions)));
     check_throws(ErrorCode::invalid_argument, {"restricted", "region"},
                  [&] { restricted.links(part.grown(1), all_directions); });
+}
+
+// Kernels find them for the body by_group, the host for the other one.
+BOOST_AUTO_TEST_CASE(kernels_find_the_rows_of_the_host) {
+    std::vector<LinkDirection> long_ones{{3, 1, -2}, {-3, -1, 2}, {16, -5, 1}, {0, 2, 0}, {1, 0, 0}};
+    const std::vector<std::vector<LinkDirection>> asked{stencil("D3Q15"), stencil("D3Q27", "OpenLB"), long_ones};
+    std::size_t rows = 0;
+    for (const Family& family : tilted_families())
+        for (const auto& directions : asked)
+            BOOST_TEST_CONTEXT(family.name << ", " << directions.size() << " directions") {
+                const auto found_by = [&](KernelBody body) {
+                    return DistanceTransform(test_device(), family.mesh, {.sign = family.rule, .body = body});
+                };
+                const DistanceTransform by_kernels = found_by(KernelBody::by_group),
+                                        by_host = found_by(KernelBody::by_vector);
+                for (const Grid& grid : {family.grid, family.grid.part({1, 0, 1}, {3, family.grid.size[1], 3})}) {
+                    const Links found = by_kernels.links(grid, directions), expected = by_host.links(grid, directions);
+                    BOOST_TEST(is_same(found, expected));
+                    BOOST_TEST(by_kernels.count_links(grid, directions) == expected.size());
+                    rows += found.size();
+                }
+            }
+    BOOST_TEST_MESSAGE(rows << " rows");
+    BOOST_TEST(rows > 10000U);
 }
 
 BOOST_AUTO_TEST_CASE(links_are_counted_and_written_into_the_callers_arrays) {

@@ -66,6 +66,8 @@ public:
     const std::shared_ptr<const NamedFaces>& names();
     /// The same if they are there already; else null.
     const std::shared_ptr<const NamedFaces>& made_names() const;
+    /// The present positions on the device: Vec3 of each vertex, as the names number them.
+    const std::shared_ptr<const device::BufferPool::Lease>& positions_on_device() { return positions_.on_device(); }
 
     /// The topology on the device if kernels have made it; else null. The positions there, for those who have it.
     std::shared_ptr<const DeviceTopology> topology_by_kernels() const {

@@ -173,4 +173,8 @@ std::size_t sign_row_count(const Layout& layout) {
            CLSDF_BRICK;
 }
 
+std::size_t sign_bytes(const Layout& layout) {
+    return sign_row_count(layout) * static_cast<std::size_t>(layout.sign_words) * sizeof(std::uint32_t);
+}
+
 }  // namespace clsdf::engine

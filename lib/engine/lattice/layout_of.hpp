@@ -37,5 +37,7 @@ std::size_t coarse_brick_count(const Layout& layout);
 std::size_t sign_bytes_of_slice(const Grid& grid);
 /// Rows of sign bits: every row of samples of the part's bricks.
 std::size_t sign_row_count(const Layout& layout);
+/// Bytes of all rows of sign bits.
+std::size_t sign_bytes(const Layout& layout);
 
 }  // namespace clsdf::engine

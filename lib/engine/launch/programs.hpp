@@ -37,6 +37,10 @@ using device::ProgramSource;
     ROW(radix_sort, "radix_sort.cl", lanes, group_option(), true)                                    \
     ROW(coarse_lists, by_body("coarse_lists.cl", "coarse_lists_by_group.cl"), lanes, "", true)       \
     ROW(sign_sweep, "sign_sweep.cl", 1, "", true)                                                    \
+    /* exact sides of samples, on GPUs */                                                            \
+    ROW(exact_sides, "exact_sides.cl", 1, "", is_by_group())                                         \
+    /* links of a lattice, on GPUs */                                                                \
+    ROW(links, "links.cl", 1, "", is_by_group())                                                     \
     ROW(fill, "fill.cl", lanes, "", true)                                                            \
     ROW(face_records, "face_records.cl", mesh_lanes(), "", true)                                     \
     ROW(mesh_topology, "mesh_topology.cl", lanes, group_option(), is_by_group())                     \

@@ -20,7 +20,7 @@ struct Inputs {
     std::shared_ptr<const SurfacePoints> points;  ///< null if the band is so narrow that no bound would be below it
     std::shared_ptr<const SweepMesh> sweep_mesh;  ///< null if the field has no sign, or exact ones
     SweepSelection sweep_selection;               ///< its triangles that matter
-    WriteSignBits write_sign_bits;                ///< of exact signs; gone when the plan is made
+    MakeSignBits make_sign_bits;                  ///< of exact signs; gone when the plan is made
     std::shared_ptr<const DeviceSites> sites;     ///< null for the distance alone
     bool needs_normals = false;                   ///< set for outputs that take normals: see KeptMesh::needs_normals()
     bool is_inside_out = false;                   ///< the faces look inwards, and the field has a sign

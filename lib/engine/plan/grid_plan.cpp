@@ -18,8 +18,8 @@ GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in
     Stopwatch sign_watch;
     const DeviceTools tools = workshop.tools();
     SignSweep sweep({tools, job.layout, inputs.sweep_mesh.get(), inputs.sweep_selection, workshop.sign, launches,
-                     inputs.write_sign_bits});
-    inputs.write_sign_bits = {};  // which holds the mesh of points
+                     inputs.make_sign_bits});
+    inputs.make_sign_bits = {};  // which holds the mesh of points
     statistics.sign_seconds = sign_watch.seconds();
     const PreparedMesh& records = *inputs.records;
     if (inputs.sites) finishing_.emplace(job.grid, job.band, job.layout, inputs.sites, inputs.is_inside_out);

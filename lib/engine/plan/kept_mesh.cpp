@@ -4,6 +4,7 @@
 #include "lattice/layout_of.hpp"
 #include "mesh/box_index.hpp"
 #include "surface/topology.hpp"
+#include "tree/point_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -192,6 +193,14 @@ SweepMesh KeptMesh::near_sweep_mesh(const Job& job, const NearRecords& near) {
         return engine::near_sweep_mesh(mesh_.set_up(), job.grid, job.lattice, box(), *faces, near);
     return engine::near_sweep_mesh(tools(), job.grid, job.lattice, mesh(), sign_surface(), boundary().get(), topology(),
                                    near.faces);
+}
+
+std::optional<CrossedMesh> KeptMesh::crossed_mesh() {
+    if (options_.programs.body != KernelBody::by_group || restriction_ || open_loops_ || !sign_surface().is_mesh())
+        return std::nullopt;
+    return prepare([&] {
+        return CrossedMesh{mesh_.names(), mesh_.positions_on_device(), 1 / lattice_for_points(box(), name()).unit};
+    });
 }
 
 bool KeptMesh::needs_normals(Lattice& lattice) {

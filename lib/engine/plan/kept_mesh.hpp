@@ -14,6 +14,7 @@
 #include "plan/job.hpp"
 #include "plan/lattice.hpp"
 #include "plan/restriction.hpp"
+#include "sign/exact_sides.hpp"
 #include "sign/sweep_mesh.hpp"
 #include "surface/open_edges.hpp"
 #include "surface/sign_surface.hpp"
@@ -162,6 +163,10 @@ public:
     SweepMesh sweep_mesh(const Job& job);
     /// The same of the faces near a grid alone.
     SweepMesh near_sweep_mesh(const Job& job, const NearRecords& near);
+    /// The mesh as kernels cross it exactly; null if the host does: on a processor by its own body, of a part of a
+    /// mesh, and if another surface than the mesh decides the sign, or its open edges count. Throws
+    /// Error(invalid_argument or out_of_memory).
+    std::optional<CrossedMesh> crossed_mesh();
     /// The clusters of faces, for what is near a box.
     const ClusterIndex& index();
     /// Whether the frusta are made, of which index() is made.

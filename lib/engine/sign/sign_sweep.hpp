@@ -9,18 +9,16 @@
 #include "sign/film.hpp"
 #include "sign/sweep_mesh.hpp"
 
-#include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 
 namespace clsdf::engine {
 
 class CrossingSearch;
 struct Programs;
 
-/// Writes all words of the sign bits of a part whose layout this is; throws Error.
-using WriteSignBits = std::function<void(const Layout& layout, std::span<std::uint32_t> words)>;
+/// Makes the sign bits of a part whose layout this is, sign_bytes() of them; throws Error.
+using MakeSignBits = std::function<device::BufferPool::Lease(const Layout& layout)>;
 
 /// The inputs of a sweep; all of them must outlive it.
 struct SweepInputs {
@@ -30,7 +28,7 @@ struct SweepInputs {
     const SweepSelection& selection;
     SignRule rule;
     const ShortLaunches& launches;
-    const WriteSignBits& write_bits;  ///< empty: kernels make the bits; else this alone does
+    const MakeSignBits& make_bits;  ///< empty: the sweep makes the bits; else this alone does
 };
 
 /// The sweep that makes one bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words

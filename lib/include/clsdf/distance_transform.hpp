@@ -257,9 +257,9 @@ public:
     /// of the faces as given.
     ///
     /// A row depends on the lattice, the direction and the mesh's positions: not on the block of the lattice, other
-    /// directions or threads. Works on the host, on all cores; blocks. Keeps what query() keeps. Of a restricted
-    /// transform the grid, with as many samples more on each side as the directions reach, must lie in a region, and
-    /// with the rule `below` above the floor.
+    /// directions or threads. On a GPU kernels find the links of walls; else the host works, on all cores. Blocks.
+    /// Keeps what query() keeps. Of a restricted transform the grid, with as many samples more on each side as the
+    /// directions reach, must lie in a region, and with the rule `below` above the floor.
     ///
     /// Throws Error(invalid_argument) for directions out of range or given twice, and for a grid out of range, also if
     /// the last bit of a coordinate is above 2^-22 of the spacing, or if a coordinate is not 0 and less than 2^-300 or
@@ -359,7 +359,7 @@ public:
                           const CallOptions& call = {}) const;
 
     /// A plan of the links of a grid, as links() has them, whose runs write at most `room` rows into memory of the
-    /// device. Blocks; the host finds the links, and the plan holds them: 34 bytes each, and a byte for each sample.
+    /// device. Blocks; finds the links, on a GPU by kernels, and holds them: 34 bytes each, and a byte for each sample.
     /// Throws as links() does, and Error(device_failure).
     LinkPlan plan_links(const Grid& grid, std::span<const LinkDirection> directions, std::size_t room,
                         const LinkOptions& options = {}, const CallOptions& call = {}) const;

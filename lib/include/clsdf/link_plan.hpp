@@ -27,11 +27,11 @@ struct DeviceLinkCount {
     friend bool operator==(const DeviceLinkCount&, const DeviceLinkCount&) = default;
 };
 
-/// Links of a grid that go to the caller's device memory again and again: DistanceTransform::plan_links(). The host
-/// finds them when the plan is made or updated; a run copies them within the device, reads nothing back and waits for
-/// nothing. They have the bytes of DistanceTransform::links(). Otherwise it is as a Plan: it may outlive the transform,
-/// and its destructor waits for its runs. One thread at a time. Once moved from, every member but assignment and the
-/// destructor throws Error(invalid_argument).
+/// Links of a grid that go to the caller's device memory again and again: DistanceTransform::plan_links(). They are
+/// found when the plan is made or updated, on a GPU by kernels; a run copies them within the device, reads nothing back
+/// and waits for nothing. They have the bytes of DistanceTransform::links(). Otherwise it is as a Plan: it may outlive
+/// the transform, and its destructor waits for its runs. One thread at a time. Once moved from, every member but
+/// assignment and the destructor throws Error(invalid_argument).
 class CLSDF_EXPORT LinkPlan {
 public:
     LinkPlan(LinkPlan&&) noexcept;

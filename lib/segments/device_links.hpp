@@ -1,0 +1,56 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+#include "launch/device_tools.hpp"
+#include "launch/short_launches.hpp"
+#include "sign/exact_sides.hpp"
+
+#include <clsdf/grid.hpp>
+#include <clsdf/segments.hpp>
+#include <clsdf/topology.hpp>
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+
+/// Links by kernels (kernels/segments/links.cl): the rows of find_links() with LinkChoice(), of a mesh that decides its
+/// sign by itself. Nothing if the host has to find them: if a coordinate of the mesh or the size of the grid is out of
+/// range, or if the order of two walls on a link is not certain.
+namespace clsdf::segments {
+
+struct DeviceLinkInputs {
+    engine::DeviceTools tools;
+    const engine::CrossedMesh& mesh;
+    SignRule rule;  ///< nonzero or parity
+    /// Called between stages with the fraction done; may be empty, and may throw.
+    std::function<void(double)> between;
+};
+
+/// Links in memory of the device, packed.
+struct DeviceLinks {
+    using Lease = device::BufferPool::Lease;
+
+    std::size_t row_bytes() const {
+        std::size_t bytes = inside.bytes();
+        for (const Lease* lease : {&samples, &directions, &q, &q_floats, &triangles, &counts, &flags})
+            bytes += lease->bytes();
+        return bytes;
+    }
+
+    std::size_t count = 0;
+    Lease inside;  ///< a byte for each sample
+    Lease samples, directions, q, q_floats, triangles, counts, flags;
+};
+
+/// Waits. most: if there are more links, there are no rows. Throws as find_links() does, and Error(device_failure).
+std::optional<DeviceLinks> links_on_device(const DeviceLinkInputs& inputs, const Grid& grid,
+                                           std::span<const LinkDirection> directions, std::size_t most);
+/// The same for the host.
+std::optional<Links> links_by_kernels(const DeviceLinkInputs& inputs, const Grid& grid,
+                                      std::span<const LinkDirection> directions);
+/// Their number.
+std::optional<std::size_t> count_links_by_kernels(const DeviceLinkInputs& inputs, const Grid& grid,
+                                                  std::span<const LinkDirection> directions);
+
+}  // namespace clsdf::segments
