@@ -188,7 +188,8 @@ BOOST_AUTO_TEST_CASE(points_of_a_body_that_moves_on_the_device_are_those_of_the_
     const unsigned seed = std::random_device()();
     Random random(seed);
     for (const Body& body : bodies())
-        for (const std::optional<std::size_t> kept_bytes : {std::optional<std::size_t>(), std::optional<std::size_t>(0)}) {
+        for (const std::optional<std::size_t> kept_bytes :
+             {std::optional<std::size_t>(), std::optional<std::size_t>(0)}) {
             TransformOptions options{.sign = body.sign, .floor = body.floor};
             options.kept_bytes = kept_bytes;
             DistanceTransform transform(test_device(), body.mesh, options),
