@@ -1,5 +1,5 @@
-// Exclusive prefix sums of 32-bit counts on a GPU, in three launches: each work-group sums a part of the counts, one
-// group sums the sums, and each group writes its part. A work-item takes a range of its group's part.
+// Exclusive prefix sums of 32-bit counts on a GPU, in two launches: each work-group sums a part of the counts; each
+// group sums the sums of the parts before its own, and writes its part. A work-item takes a range of its group's part.
 
 #include "group_sum.h"
 #include "shares.h"
@@ -30,34 +30,27 @@ __kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void scan_sums(uint 
     if (get_local_id(0) == 0) sums[get_group_id(0)] = item_sums[ITEMS - 1];
 }
 
-// One group. sums[parts] becomes the total: 64 bits, so that the host can tell a list that is too long.
-__kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void scan_offsets(uint parts, __global ulong* sums) {
-    __local ulong item_sums[ITEMS];
-    const Range range = range_of_item(parts, 0, 1);
-    ulong sum = 0;
-    for (uint i = range.begin; i < range.end; ++i) sum += sums[i];
-    sum = sum_before(sum, item_sums);
-    for (uint i = range.begin; i < range.end; ++i) {
-        const ulong value = sums[i];
-        sums[i] = sum;
-        sum += value;
-    }
-    if (get_local_id(0) == 0) sums[parts] = item_sums[ITEMS - 1];
-}
-
+// sums[parts] becomes the total: 64 bits, so that the host can tell a list that is too long.
 __kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void scan_write(uint count, __global const uint* values,
-                                                                            __global const ulong* sums,
+                                                                            __global ulong* sums,
                                                                             __global uint* starts) {
     __local ulong item_sums[ITEMS];
     const uint part = get_group_id(0), parts = get_num_groups(0);
+    ulong before = 0;
+    for (uint i = get_local_id(0); i < part; i += ITEMS) before += sums[i];
+    sum_before(before, item_sums);
+    before = item_sums[ITEMS - 1];
     const Range range = range_of_item(count, part, parts);
     ulong sum = 0;
     for (uint i = range.begin; i < range.end; ++i) sum += values[i];
-    sum = sum_before(sum, item_sums) + sums[part];
+    sum = sum_before(sum, item_sums) + before;
     for (uint i = range.begin; i < range.end; ++i) {
         const uint value = values[i];
         starts[i] = (uint)sum;
         sum += value;
     }
-    if (part + 1 == parts && get_local_id(0) + 1 == ITEMS) starts[count] = (uint)sum;
+    if (part + 1 == parts && get_local_id(0) + 1 == ITEMS) {
+        starts[count] = (uint)sum;
+        sums[parts] = sum;
+    }
 }

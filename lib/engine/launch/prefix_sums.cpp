@@ -28,21 +28,20 @@ Error too_many(const char* what) {
 }
 
 SumLaunches::SumLaunches(const DeviceTools& tools, const cl::Buffer& values, const cl::Buffer& starts,
-                         std::size_t count, const char* what) {
+                         std::size_t count, const char* what)
+    : by_group_(tools.programs.body == KernelBody::by_group),
+      parts_(parts_of(count, by_group_)),
+      all_{by_group_ ? parts_ * common_group : parts_} {
     if (count >= std::numeric_limits<cl_uint>::max()) throw too_many(what);
-    const bool by_group = tools.programs.body == KernelBody::by_group;
-    parts_ = parts_of(count, by_group);
-    one_part_ = by_group ? WorkItems{common_group} : WorkItems{1, 1};
-    all_ = {parts_ * one_part_.count};
     device::guarded([&] {
         sums_ = tools.pool->lease((parts_ + 1) * sizeof(cl_ulong), "sums of a scan");
         const cl::Program program = tools.programs.scan;
         sum_ = tools.kernel(program, "scan_sums");
-        offset_ = tools.kernel(program, "scan_offsets");
+        if (!by_group_) offset_ = tools.kernel(program, "scan_offsets");
         write_ = tools.kernel(program, "scan_write");
         const auto values_count = static_cast<cl_uint>(count);
         set_arguments(sum_, 0, values_count, values, *sums_);
-        set_arguments(offset_, 0, static_cast<cl_uint>(parts_), *sums_);
+        if (!by_group_) set_arguments(offset_, 0, static_cast<cl_uint>(parts_), *sums_);
         set_arguments(write_, 0, values_count, values, *sums_, starts);
     });
 }

@@ -26,7 +26,7 @@ public:
     template <class Launch>
     void each(const Launch& launch) {
         launch(sum_, all_);
-        launch(offset_, one_part_);
+        if (!by_group_) launch(offset_, {1, 1});
         launch(write_, all_);
     }
 
@@ -36,8 +36,9 @@ public:
     std::size_t bytes() const { return sums_.bytes(); }
 
 private:
+    bool by_group_;  ///< then each group sums the parts before its own
     std::size_t parts_;
-    WorkItems all_, one_part_;  ///< those that scan the values, and the parts' sums
+    WorkItems all_;
     device::BufferPool::Lease sums_;
     device::LentKernel sum_, offset_, write_;
 };
