@@ -72,6 +72,10 @@ std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<s
     return files;
 }
 
+bool is_scene_file(const std::string& file) {
+    return std::filesystem::path(file).extension() == ".json";
+}
+
 std::string paths_of(const std::vector<std::string>& files) {
     return joined(files, true);
 }
@@ -161,6 +165,13 @@ clsdf::Mesh welded(clsdf::Mesh mesh, const std::string& length,
 
 clsdf::Mesh read_body(const std::vector<std::string>& files, const MeshReading& reading,
                       const std::function<void(const std::string& message)>& warn) {
+    for (const std::string& file : files)
+        if (is_scene_file(file))
+            throw clsdf::Error(
+                clsdf::ErrorCode::unsupported,
+                fmt::format("'{}' is a scene of many bodies, which \"clsdf query\" alone takes, in place "
+                            "of all meshes; elsewhere give one mesh",
+                            file));
     clsdf::ReadOptions options = read_options(reading);
     options.log = warn;
     return welded(clsdf::read_meshes(files, options), reading.weld, warn);

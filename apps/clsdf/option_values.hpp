@@ -48,6 +48,9 @@ void add_mesh_and_argument(Parser& parser, std::string& mesh, const std::string&
 /// The files of the mesh among these two.
 std::vector<std::string> mesh_files(const std::string& mesh, const std::vector<std::string>& more);
 
+/// Whether a name ends like that of a file of many bodies: .json.
+bool is_scene_file(const std::string& file);
+
 /// How the files of a mesh are read: its unit, axes and place, bad facets, vertices that are joined, groups.
 struct MeshReading {
     double scale = 1;

@@ -3,6 +3,7 @@
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "scene_file.hpp"
 
 #include "core/stopwatch.hpp"
 
@@ -42,26 +43,100 @@ struct QueryOptions {
     const std::string& points() const { return more.back(); }
 };
 
+/// A mesh, or many bodies.
+struct Asked {
+    std::optional<SceneFile> scene{};
+    std::vector<clsdf::Mesh> meshes{};
+    std::vector<std::size_t> mesh_of{};  ///< of each body of a scene
+
+    std::size_t triangles() const {
+        std::size_t sum = 0;
+        for (const clsdf::Mesh& mesh : meshes) sum += mesh.triangles().size();
+        return sum;
+    }
+};
+
 /// The outputs of all points, and what making them took.
 struct Found {
-    clsdf::Field values;         ///< of a grid of one row
-    std::vector<float> winding;  ///< empty unless asked for
+    clsdf::Field values;                ///< of a grid of one row
+    std::vector<float> winding;         ///< empty unless asked for
+    std::vector<std::uint32_t> bodies;  ///< of a scene
     clsdf::TransformStatistics statistics;
-    clsdf::SignRule sign = clsdf::SignRule::none;
-    clsdf::Topology topology;
+    std::vector<clsdf::SignRule> signs;  ///< of the mesh, or of each body
+    bool has_sign = false;
+    clsdf::Topology topology;  ///< of the mesh
     std::string device_name;
     std::string device_platform;
     double seconds = 0;
 };
 
 /// In the mesh's units; a voxel of points is 1/256 of the mesh's longest side.
-double limit_of(const QueryOptions& options, const clsdf::Mesh& mesh) {
-    const double longest = mesh.box().longest_side();
-    return clsdf::Length::parse(options.half_width, "--half-width").resolve(longest > 0 ? longest / 256 : 1, longest);
+double limit_of(const QueryOptions& options, const Asked& asked) {
+    const clsdf::Length length = clsdf::Length::parse(options.half_width, "--half-width");
+    if (asked.scene) {
+        if (!length.is_infinite() && length.unit != clsdf::Length::Unit::mesh)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("--half-width: '{}' follows from the size of a mesh, and a scene has many; give it "
+                                    "in the scene's units",
+                                    options.half_width));
+        return length.value;
+    }
+    const double longest = asked.meshes[0].box().longest_side();
+    return length.resolve(longest > 0 ? longest / 256 : 1, longest);
 }
 
-void find(const QueryOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
-          std::span<const Vec3> points, double half_width, Report& report, const std::stop_token& stop, Found& found) {
+/// Throws Error(invalid_argument) for options that a scene's file has, or that are of one mesh.
+SceneFile scene_of(const QueryOptions& options) {
+    const char* option = options.meshes().size() > 1                        ? "several files"
+                         : options.sign.rule != "auto"                      ? "--sign"
+                         : options.sign.floor                               ? "--floor"
+                         : std::ranges::count(options.with, group_word) > 0 ? "--with group"
+                                                                            : nullptr;
+    if (option != nullptr)
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("{}: '{}' is a scene, which is given alone, and whose file has the sign rules; leave it "
+                        "out",
+                        option, options.mesh));
+    return read_scene(options.mesh);
+}
+
+Asked read_bodies(const QueryOptions& options, Report& report) {
+    Asked asked;
+    if (!std::ranges::any_of(options.meshes(), is_scene_file)) {
+        asked.meshes.push_back(read_body(options.meshes(), options.reading, report));
+        return asked;
+    }
+    asked.scene = scene_of(options);
+    for (const SceneFile::Body& body : asked.scene->bodies) {
+        asked.mesh_of.push_back(body.of ? asked.mesh_of[*body.of] : asked.meshes.size());
+        if (!body.of) asked.meshes.push_back(read_body(body.files, options.reading, report));
+    }
+    return asked;
+}
+
+void find_in_scene(const Asked& asked, const clsdf::Device& device, std::span<const Vec3> points, double half_width,
+                   bool winding, const clsdf::CallOptions& call, Found& found) {
+    clsdf::Scene scene(device);
+    for (std::size_t i = 0; i < asked.mesh_of.size(); ++i) {
+        const SceneFile::Body& body = asked.scene->bodies[i];
+        if (body.of)
+            scene.add_instance(static_cast<std::uint32_t>(*body.of), body.pose);
+        else
+            scene.add(asked.meshes[asked.mesh_of[i]], body.pose, body.sign, call);
+        found.signs.push_back(scene.sign(static_cast<std::uint32_t>(i)));
+    }
+    found.has_sign = scene.has_sign();
+    found.bodies.resize(points.size());
+    found.statistics = scene.query(points, half_width, {found.values.targets(), found.bodies}, call);
+    if (!winding) return;
+    std::vector<double> sums(points.size());
+    scene.winding(points, sums, call);
+    for (const double sum : sums) found.winding.push_back(static_cast<float>(sum));
+}
+
+void find(const QueryOptions& options, const clsdf::Device& device, const Asked& asked, std::span<const Vec3> points,
+          double half_width, Report& report, const std::stop_token& stop, Found& found) {
     ProgressBar progress(!report.quiet);
     clsdf::TransformOptions transform_options;
     transform_options.sign = parse_sign(options.sign);
@@ -78,25 +153,43 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
         if (info.output == clsdf::Output::distance || parse_outputs(options.with).contains(info.output))
             found.values.resize(info.output, points.size());
     const Stopwatch watch;
-    const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
-    found.sign = transform.sign();
-    found.topology = transform.topology();
-    found.statistics = transform.query(points, half_width, found.values.targets(), call);
-    if (options.winding) {
-        found.winding.resize(points.size());
-        transform.winding(points, found.winding, call);
+    if (asked.scene) {
+        find_in_scene(asked, device, points, half_width, options.winding, call, found);
+    } else {
+        const clsdf::DistanceTransform transform(device, asked.meshes[0], transform_options, call);
+        found.signs = {transform.sign()};
+        found.topology = transform.topology();
+        found.has_sign = transform.sign() != clsdf::SignRule::none;
+        found.statistics = transform.query(points, half_width, found.values.targets(), call);
+        if (options.winding) {
+            found.winding.resize(points.size());
+            transform.winding(points, found.winding, call);
+        }
     }
     found.seconds = std::max(0.0, watch.seconds() - found.statistics.compile_seconds);
     found.device_name = device.name();
     found.device_platform = device.platform();
 }
 
-Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
+/// What the JSON has of the bodies of a scene.
+Json bodies_of(const Asked& asked, const Found& found) {
+    Json bodies = Json::array();
+    for (std::size_t i = 0; i < asked.mesh_of.size(); ++i) {
+        const clsdf::Mesh& mesh = asked.meshes[asked.mesh_of[i]];
+        bodies.push_back({{"name", asked.scene->bodies[i].name},
+                          {"mesh", mesh.name()},
+                          {"triangles", mesh.triangles().size()},
+                          {"sign", name_of(found.signs[i])}});
+    }
+    return bodies;
+}
+
+Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& device, const Asked& asked,
                               std::span<const Vec3> points, double half_width, Report& report) {
     const Interruption interruption;
     try {
         Found found;
-        find(options, device, mesh, points, half_width, report, interruption.token(), found);
+        find(options, device, asked, points, half_width, report, interruption.token(), found);
         if (!interruption.token().stop_requested()) return found;
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory,
@@ -114,34 +207,45 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     keep_input(options.points(), options.output, "file of points");
     const clsdf::Device device = open_device(options.device, report);
     const Stopwatch read;
-    const clsdf::Mesh mesh = read_body(meshes, options.reading, report);
+    const Asked asked = read_bodies(options, report);
+    if (asked.scene) keep_mesh(asked.scene->files(), options.output);
     const std::vector<Vec3> points =
         clsdf::read_points(options.points(), [&](const std::string& message) { report.warn(message); });
     const double read_seconds = read.seconds();
-    const double half_width = limit_of(options, mesh);
+    const double half_width = limit_of(options, asked);
+    const clsdf::Mesh& mesh = asked.meshes[0];
     const clsdf::FaceGroups* const groups = wants_groups(options.with, mesh) ? &mesh.groups() : nullptr;
 
-    Found found = find_unless_interrupted(options, device, mesh, points, half_width, report);
-    if (options.positive_inside)
-        require_sign(found.sign, found.topology, meshes, options.sign, "--positive-inside needs", "leave that out");
+    Found found = find_unless_interrupted(options, device, asked, points, half_width, report);
+    if (options.positive_inside && asked.scene && !found.has_sign)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: no body has a sign, and --positive-inside needs one: leave that out, or choose "
+                                "another sign in the file",
+                                options.mesh));
+    if (options.positive_inside && !asked.scene)
+        require_sign(found.signs[0], found.topology, meshes, options.sign, "--positive-inside needs", "leave that out");
     const std::span<const float> distance = found.values.slab().distance();
     const auto inside = static_cast<std::size_t>(
         std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));
     if (options.positive_inside) found.values.negate();
     const Stopwatch write;
-    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with), found.winding,
-                        groups);
+    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with), found.winding, groups,
+                        found.bodies);
     output_is_written();
     const double write_seconds = write.seconds();
 
     if (!report.quiet) {
-        report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(meshes), mesh.vertices().size(),
-                     mesh.triangles().size());
+        if (asked.scene)
+            report.print("scene   {}: {} bodies, {} triangles in their meshes\n", options.mesh, asked.mesh_of.size(),
+                         asked.triangles());
+        else
+            report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(meshes), mesh.vertices().size(),
+                         mesh.triangles().size());
         if (groups != nullptr) report.print("groups  {}\n", human(*groups));
         report.print("device  {} ({})\n", found.device_name, found.device_platform);
-        report.print("done    {} points in {:.3f} s, {}\n", points.size(), found.seconds,
-                     found.sign == clsdf::SignRule::none ? "without a sign: the mesh has no inside"
-                                                         : fmt::format("{} of them inside", inside));
+        report.print(
+            "done    {} points in {:.3f} s, {}\n", points.size(), found.seconds,
+            found.has_sign ? fmt::format("{} of them inside", inside) : "without a sign: the mesh has no inside");
         report.print("wrote   {}\n", options.output);
     }
     report.result = {{"mesh", paths_of(meshes)},
@@ -149,7 +253,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
                      {"count", points.size()},
                      {"unusable_points", found.statistics.unusable_points},
                      {"half_width", half_width},
-                     {"sign", name_of(found.sign)},
+                     {"sign", asked.scene ? Json() : Json(name_of(found.signs[0]))},
                      {"inside", inside},
                      {"positive_inside", options.positive_inside},
                      {"winding", options.winding},
@@ -165,6 +269,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
                      {"first_use", found.statistics.first_use},
                      {"output", options.output}};
     if (groups != nullptr) report.result["groups"] = groups->names;
+    if (asked.scene) report.result["bodies"] = bodies_of(asked, found);
     return ExitStatus::done;
 }
 
@@ -192,11 +297,14 @@ Command add_query(Parser& program) {
         "mesh's units) or full (without end). Farther points have the distance LENGTH, with their sign.\n"
         "A point that is not finite has the distance nan, and a warning has the number of such points.\n"
         "The winding number says how clearly a point is inside: 1 or -1 inside a closed mesh, 0 outside, and values\n"
-        "between near the holes of an open one.\n\n"
+        "between near the holes of an open one.\n"
+        "In place of meshes, a file .json has many bodies with poses (docs/scenes.md). The result has the nearest\n"
+        "body of each point, too.\n\n"
         "Examples:\n"
         "  clsdf query bunny.off particles.npy -o distances.npy\n"
         "  clsdf query part.stl scan.ply -o deviation.csv --with closest,triangle\n"
         "  clsdf query inlet.stl wall.stl cells.csv -o patches.csv --with group\n"
-        "  clsdf query bunny.off particles.csv -o contacts.csv --half-width 0.01 --with gradient");
+        "  clsdf query bunny.off particles.csv -o contacts.csv --half-width 0.01 --with gradient\n"
+        "  clsdf query arm.json obstacles.csv -o clearance.csv --with closest");
     return {parser, [options](Report& report) { return run(*options, report); }};
 }

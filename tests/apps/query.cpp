@@ -324,6 +324,67 @@ BOOST_AUTO_TEST_CASE(takes_several_files_as_one_body) {
     check_refused(run_command({"compute", inputs.mesh, second, "-o", second}), 2, {"second.stl"});
 }
 
+BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
+    const Inputs inputs;
+    const std::string result = inputs.folder.file("found.csv"), array = inputs.folder.file("found.npy");
+    const std::string head = R"({"bodies": [{"name": "base", "mesh": "cube.off"})";
+    const auto scene = [&](const std::string& more) { return inputs.folder.file("scene.json", head + more + "]}"); };
+    const std::string points = inputs.folder.file("row.csv", "x,y,z\n0,0,3\n10,0,3\n0,0,0.5\n10,0,90\n");
+    const std::string rows = "[[0, -1, 0, 10], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]";
+    const std::string numbers = "[0, -1, 0, 10, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]";
+    for (const std::string& pose : {rows, numbers}) {
+        const std::string path = scene(R"(, {"name": "arm", "instance": "base", "pose": )" + pose + "}");
+        const Outcome outcome = run_command(
+            {"query", path, points, "-o", result, "--with", "closest", "--half-width", "9", "--winding", "--json"});
+        BOOST_TEST_REQUIRE(outcome.status == 0, outcome.error);
+        const auto table = table_of(result);
+        BOOST_TEST((table[0] == std::vector<std::string>{"x", "y", "z", "distance", "closest_x", "closest_y",
+                                                         "closest_z", "body", "winding"}));
+        BOOST_TEST((table[1][3] == "2" && table[1][7] == "0" && table[1][8] == "0"));
+        BOOST_TEST((table[2][3] == "2" && table[2][7] == "1" && std::stod(table[2][4]) == 10));
+        BOOST_TEST((table[3][3] == "-0.5" && table[3][7] == "0" && table[3][8] == "1"));
+        BOOST_TEST((table[4][3] == "9" && table[4][7] == "4294967295"));
+        const auto json = nlohmann::json::parse(outcome.out);
+        BOOST_TEST(json["inside"] == 1);
+        BOOST_TEST(json["bodies"].size() == 2U);
+        BOOST_TEST(json["bodies"][1]["name"] == "arm");
+        BOOST_TEST(json["bodies"][1]["triangles"] == 12);
+        BOOST_TEST(json["bodies"][1]["sign"] == "nonzero");
+        BOOST_TEST(outcome.error.find("2 bodies") != std::string::npos, outcome.error);
+    }
+    BOOST_TEST(run_command({"query", scene(""), points, "-o", array, "--quiet"}).status == 0);
+    BOOST_TEST(content_of(array).find("('body', '<u4')]") != std::string::npos);
+    BOOST_TEST(
+        run_command({"query", scene(R"(, {"mesh": ["cube.off"], "sign": "none"})"), points, "-o", result}).status == 0);
+
+    for (const auto& [more, message] : std::vector<std::pair<std::string, std::string>>{
+             {", {}", "body 1, counted from 0: it needs either 'mesh'"},
+             {R"(, {"mesh": "cube.off", "instance": "base"})", "either 'mesh'"},
+             {R"(, {"instance": "arm"})", "no body before it has the name 'arm'"},
+             {R"(, {"instance": "base", "sign": "none"})", "leave 'sign' out"},
+             {R"(, {"instance": "base", "name": "base"})", "has the name 'base', too"},
+             {R"(, {"instance": "base", "place": 1})", "no member 'place'"},
+             {R"(, {"instance": "base", "pose": [1, 2]})", "no 4 x 4 matrix"},
+             {R"(, {"instance": "base", "pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, "a"]})", "no number"},
+             {R"(, {"instance": "base", "pose": [2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]})", "no rotation"},
+             {R"(, {"instance": "base", "pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2]})", "last row"},
+             {R"(, {"mesh": "cube.off", "sign": "below"})", "sign rule 'below' is not one of"},
+             {", 7", "no object"},
+             {",", "scene.json"}})
+        check_refused(run_command({"query", scene(more), points, "-o", result}), 3, {"scene.json", message});
+    check_refused(run_command({"query", inputs.folder.file("none.json", "{\"bodies\": []}"), points, "-o", result}), 3,
+                  {"none.json", "empty list"});
+    const std::string path = scene("");
+    check_refused(run_command({"query", path, points, "-o", result, "--sign", "none"}), 2, {"--sign", "scene.json"});
+    check_refused(run_command({"query", path, points, "-o", result, "--with", "group"}), 2, {"--with group"});
+    check_refused(run_command({"query", path, points, "-o", result, "--half-width", "10%"}), 2,
+                  {"--half-width", "10%"});
+    check_refused(run_command({"query", path, inputs.mesh, points, "-o", result}), 2, {"several files"});
+    const Outcome field = run_command({"compute", path, "-o", inputs.folder.file("field.nrrd")});
+    BOOST_TEST(field.status != 0);
+    BOOST_TEST(field.error.find("scene of many bodies") != std::string::npos, field.error);
+}
+
 BOOST_AUTO_TEST_CASE(writes_the_group_of_the_nearest_triangle) {
     const Inputs inputs;
     const std::string second = inputs.folder.file("second.stl"), result = inputs.folder.file("found.csv"),

@@ -82,6 +82,29 @@ BOOST_AUTO_TEST_CASE(equal_bodies_have_the_lowest_number) {
     for (const std::uint32_t body : query(scene, points).body) BOOST_TEST(body == 0U);
 }
 
+// Body 1 is three cubes: its box holds points of the first cube deeper than that of body 0.
+BOOST_AUTO_TEST_CASE(the_lowest_number_wins_in_whatever_order_bodies_are_searched) {
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    const Mesh one = cube(1);
+    for (const double shift : {0.0, 8.0, -8.0}) {
+        const auto first = static_cast<std::uint32_t>(vertices.size());
+        for (const auto& [a, b, c] : one.triangles()) triangles.push_back({a + first, b + first, c + first});
+        for (const auto& [x, y, z] : one.vertices()) vertices.push_back({x + shift, y + shift, z + shift});
+    }
+    Scene scene(test_device());
+    scene.add(one);
+    scene.add(Mesh(vertices, triangles, "three cubes"));
+    // Inside the first cube, with few bits, so that both bodies have exactly the same values.
+    Random random(23);
+    std::vector<Vec3> points;
+    for (int i = 0; i < 200; ++i) {
+        Vec3& p = points.emplace_back(random.point(-0.9, 0.9));
+        for (double& x : p) x = std::round(64 * x) / 64;
+    }
+    for (const std::uint32_t body : query(scene, points).body) BOOST_TEST(body == 0U);
+}
+
 BOOST_AUTO_TEST_CASE(a_body_that_has_not_moved_has_the_bytes_of_its_transform) {
     const Mesh mesh = make_shape("torus");
     Scene scene(test_device());

@@ -209,7 +209,7 @@ struct Columns {
     std::vector<std::uint32_t> group_numbers;
 
     Columns(std::size_t points, const FieldSlab& results, OutputSet wanted, std::span<const float> winding,
-            const FaceGroups* groups) {
+            const FaceGroups* groups, std::span<const std::uint32_t> bodies) {
         infos.push_back(info_of(Output::distance));
         for (const OutputInfo& info : extra_outputs())
             if (wanted.contains(info.output) || !results.bytes(info.output).empty()) infos.push_back(info);
@@ -222,14 +222,21 @@ struct Columns {
                                 info.name, values.back().size() / bytes_of(info.type), points * info.components));
         }
         if (groups != nullptr) add_groups(points, results.triangle(), *groups);
-        if (winding.empty()) return;
-        if (winding.size() != points)
+        add_own(points, bodies,
+                {.name = "body", .description = "body of the nearest triangle", .type = ElementType::uint32});
+        add_own(points, winding, {.name = "winding", .description = "winding number"});
+    }
+
+    /// A column of an array that is no output's, unless it is empty.
+    template <typename Value>
+    void add_own(std::size_t points, std::span<const Value> own, const OutputInfo& info) {
+        if (own.empty()) return;
+        if (own.size() != points)
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("there are {} points, and the array of winding numbers holds {} values; give as "
-                                    "many",
-                                    points, winding.size()));
-        infos.push_back({.name = "winding", .description = "winding number"});
-        values.push_back(std::as_bytes(winding));
+                        fmt::format("there are {} points, and the array of the column {} holds {} values; give as many",
+                                    points, info.name, own.size()));
+        infos.push_back(info);
+        values.push_back(std::as_bytes(own));
     }
 
     void add_groups(std::size_t points, std::span<const std::uint32_t> triangles, const FaceGroups& groups) {
@@ -454,9 +461,9 @@ std::vector<Vec3> read_points(const std::string& path, const std::function<void(
 }
 
 void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path, OutputSet wanted,
-                  std::span<const float> winding, const FaceGroups* groups) {
+                  std::span<const float> winding, const FaceGroups* groups, std::span<const std::uint32_t> bodies) {
     const PointFormat format = format_of_points(path);
-    const Columns columns(points.size(), results, wanted, winding, groups);
+    const Columns columns(points.size(), results, wanted, winding, groups, bodies);
     AtomicFile file(path);
     switch (format) {
         case PointFormat::npy:
