@@ -207,13 +207,12 @@ public:
         const std::size_t high = line(plane, side);
         const auto k = static_cast<std::size_t>(along);
         const double length = lines_.length(high, k);
-        std::array<double, 3> found{length, length, lines_.moment(high, k)};  // the side's coordinate is 1 there
+        std::array<double, 3> found{length, length / 2, lines_.moment(high, k)};  // the side's coordinate is 1 there
         if (sums != nullptr) {
             found[0] += sums->area.value();
             found[1] += sums->first.value();
             found[2] += sums->second.value();
         }
-        found[1] -= 0;
         return found;
     }
     std::size_t side() const { return side_; }

@@ -1,1 +1,3 @@
-clsdf_test(cutting_outer outer.cpp LABELS cutting mesh sign)
+foreach(name outer fractions)
+  clsdf_test(cutting_${name} ${name}.cpp LABELS cutting mesh)
+endforeach()

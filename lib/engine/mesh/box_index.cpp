@@ -5,13 +5,6 @@
 
 namespace clsdf {
 
-bool overlap(const Box& a, const Box& b) {
-    bool result = true;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        result &= a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
-    return result;
-}
-
 Box widened(Box box, double margin) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         box.lower[axis] -= margin + 1e-12 * std::abs(box.lower[axis]);
@@ -25,6 +18,7 @@ BoxIndex::BoxIndex(std::span<const Box> boxes) : boxes_(boxes.begin(), boxes.end
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     nodes_.emplace_back();
     divide(0, 0, boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) boxes_[i] = boxes[order_[i]];
 }
 
 // At the median of the upper limits along the axis on which these lie farthest apart.

@@ -25,7 +25,12 @@ inline void add(Box& box, const Box& other) {
 }
 
 /// Whether the boxes have a point in common; their limits belong to them.
-bool overlap(const Box& a, const Box& b);
+inline bool overlap(const Box& a, const Box& b) {
+    bool result = true;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        result &= a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
+    return result;
+}
 
 /// The box widened by `margin`, in the mesh's units, and by the rounding of its coordinates.
 Box widened(Box box, double margin);
@@ -46,7 +51,7 @@ public:
             open.pop_back();
             if (!overlap(node.box, box)) continue;
             for (std::size_t i = node.begin; i < node.end; ++i)
-                if (overlap(boxes_[order_[i]], box) && holds(order_[i])) return true;
+                if (overlap(boxes_[i], box) && holds(order_[i])) return true;
             if (node.begin == node.end) {
                 open.push_back(node.child);
                 open.push_back(node.child + 1);
@@ -66,7 +71,7 @@ private:
     };
     void divide(std::uint32_t number, std::size_t begin, std::size_t end);
 
-    std::vector<Box> boxes_;
+    std::vector<Box> boxes_;  // in the order of leaves
     std::vector<std::size_t> order_;
     std::vector<Node> nodes_;
 };
