@@ -21,6 +21,7 @@ from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemor
 from ._values import Blocks, Points
 from ._field import Field
 from ._files import FieldWriter, read_field, write_field
+from ._fractions import Fractions, fractions
 from ._links import Crossings, EdgeCrossings, Links, stencil
 from ._pictures import Picture, slice_picture
 from ._plan import LinkPlan, Plan, PointPlan, PointStatus, SparsePlan
@@ -56,6 +57,7 @@ __all__ = [
     "Error",
     "Field",
     "FieldWriter",
+    "Fractions",
     "Grid",
     "Groups",
     "InvalidArgument",
@@ -86,6 +88,7 @@ __all__ = [
     "close_down",
     "devices",
     "find_defects",
+    "fractions",
     "make_shape",
     "mesh_hash",
     "no_body",

@@ -2,6 +2,7 @@
 #include "binding.hpp"
 #include "calls.hpp"
 
+#include <clsdf/fractions.hpp>
 #include <clsdf/mesh_files.hpp>
 #include <clsdf/outer.hpp>
 #include <clsdf/topology.hpp>
@@ -94,6 +95,51 @@ auto outer_of(nb::handle vertices, nb::handle faces, const std::string& sign) {
     return nb::make_tuple(
         own_vertices, own_faces, nb::ndarray<nb::numpy, std::uint32_t, nb::shape<-1>>(data, {count}, owner),
         surface.whole_faces, surface.partial_faces, surface.hidden_faces, surface.volume, surface.area);
+}
+
+// A NumPy array that owns its values: of each cell so many, which values(cell, n) tells.
+template <typename Value, typename Values>
+nb::object column(const std::vector<CellFraction>& cells, const std::vector<std::size_t>& each, const Values& values) {
+    std::size_t per_cell = 1;
+    std::vector<std::size_t> shape{cells.size()};
+    for (const std::size_t count : each) {
+        per_cell *= count;
+        shape.push_back(count);
+    }
+    auto memory = std::make_unique<std::vector<Value>>();
+    memory->reserve(cells.size() * per_cell);
+    for (const CellFraction& cell : cells)
+        for (std::size_t n = 0; n < per_cell; ++n) memory->push_back(static_cast<Value>(values(cell, n)));
+    auto* const data = memory->data();
+    const nb::capsule owner(memory.release(),
+                            [](void* array) noexcept { delete static_cast<std::vector<Value>*>(array); });
+    return nb::cast(nb::ndarray<nb::numpy, Value>(data, shape.size(), shape.data(), owner));
+}
+
+nb::tuple fractions_of(nb::handle vertices, nb::handle faces, const Grid& grid, const std::string& sign) {
+    const SignRule rule = value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity});
+    const Call call;
+    Fractions found =
+        with_mesh(vertices, faces, [&](const Mesh& mesh) { return fractions(mesh, grid, rule, call.options()); });
+    const std::vector<CellFraction>& cells = found.cells;
+    auto memory = std::make_unique<std::vector<std::uint8_t>>(std::move(found.full));
+    auto* const data = memory->data();
+    const std::size_t bytes = memory->size();
+    const nb::capsule owner(memory.release(),
+                            [](void* array) noexcept { delete static_cast<std::vector<std::uint8_t>*>(array); });
+    using Cell = CellFraction;
+    return nb::make_tuple(
+        column<std::int32_t>(cells, {3}, [](const Cell& cell, std::size_t n) { return cell.cell[n]; }),
+        column<std::uint32_t>(cells, {}, [](const Cell& cell, std::size_t) { return cell.pieces; }),
+        column<double>(cells, {}, [](const Cell& cell, std::size_t) { return cell.volume; }),
+        column<double>(cells, {3}, [](const Cell& cell, std::size_t n) { return cell.centroid[n]; }),
+        column<double>(cells, {}, [](const Cell& cell, std::size_t) { return cell.area; }),
+        column<double>(cells, {3}, [](const Cell& cell, std::size_t n) { return cell.vector_area[n]; }),
+        column<double>(cells, {3}, [](const Cell& cell, std::size_t n) { return cell.surface_centroid[n]; }),
+        column<double>(cells, {6}, [](const Cell& cell, std::size_t n) { return cell.face_fractions[n]; }),
+        column<double>(cells, {6, 2},
+                       [](const Cell& cell, std::size_t n) { return cell.face_centroids[n / 2][n % 2]; }),
+        nb::ndarray<nb::numpy, std::uint8_t, nb::shape<-1>>(data, {bytes}, owner));
 }
 
 Defects defects_of(nb::handle vertices, nb::handle faces) {
@@ -311,6 +357,8 @@ void add_meshes(nb::module_& module) {
     module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"), nb::arg("tolerance") = 0.0);
     module.def("close_down", &closed_down, nb::arg("vertices"), nb::arg("faces"), nb::arg("floor"));
     module.def("outer", &outer_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("sign") = "auto");
+    module.def("fractions", &fractions_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("grid"),
+               nb::arg("sign") = "auto");
     module.def("find_defects", &defects_of, nb::arg("vertices"), nb::arg("faces"));
     module.def(
         "make_shape", [](const std::string& name) { return arrays_of(make_shape(name)); }, nb::arg("name"),

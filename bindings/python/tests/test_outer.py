@@ -1,0 +1,56 @@
+"""The outer surface of parts that overlap, and the parts of cells that they fill."""
+
+import numpy as np
+import pytest
+
+import clsdf
+
+CUBE = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], float)
+SIDES = np.array([[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 4, 6],
+                  [0, 6, 2], [1, 3, 7], [1, 7, 5]])
+
+
+def bar():
+    """Two cubes of side 2: a bar of 3 by 2 by 2."""
+    groups = (["left", "right"], np.repeat([0, 1], 12))
+    return clsdf.Mesh(np.concatenate([CUBE, CUBE + (1, 0, 0)]), np.concatenate([SIDES, SIDES + 8]), groups, "bar")
+
+
+def test_the_outer_surface_of_two_cubes():
+    mesh = bar()
+    surface = clsdf.outer(mesh)
+    assert surface.volume == 12 and surface.area == 32
+    assert surface.whole_faces + surface.partial_faces + surface.hidden_faces == 24 and surface.hidden_faces >= 4
+    assert surface.faces.shape == (len(surface.mesh.faces),) and surface.faces.dtype == np.uint32
+    assert surface.mesh.name == "bar" and surface.mesh.groups.names == ["left", "right"]
+    assert np.array_equal(surface.mesh.groups.numbers, surface.faces // 12)
+    with pytest.warns(clsdf.MeshWarning, match="outer"):
+        given = clsdf.Transform(mesh)
+    union = clsdf.Transform(surface.mesh)
+    points = [[0.5, 0, 0], [0.5, 0.5, 0.5], [-0.5, 0, 0]]
+    assert np.allclose(union.query(points).distance, [-1, -0.5, -0.5])
+    assert np.allclose(given.query(points).distance, [-0.5, -0.5, -0.5])
+    assert len(clsdf.outer((mesh.vertices, mesh.faces[:12])).faces) == 12
+    with pytest.raises(clsdf.Error, match="close the mesh") as error:
+        clsdf.outer((mesh.vertices, mesh.faces[:11]))
+    assert error.value.code == "unsupported"
+    with pytest.raises(clsdf.Error, match="sign"):
+        clsdf.outer(mesh, sign="below")
+
+
+def test_fractions_of_two_cubes():
+    grid = clsdf.Grid((-1.25, -1.25, -1.25), (0.5, 0.5, 0.5), (8, 6, 6))
+    found = clsdf.fractions(bar(), grid)
+    dense = found.dense()
+    assert dense.shape == (5, 5, 7) and found.full.shape == (5, 5, 7) and found.full.dtype == np.bool_
+    assert np.isclose(dense.sum() * 0.125, 12) and np.isclose(found.area.sum(), 32)
+    along = np.array([0.5, 1, 1, 1, 1, 1, 0.5])
+    across = np.array([0.5, 1, 1, 1, 0.5])
+    assert np.allclose(dense, across[:, None, None] * across[:, None] * along)
+    corner = found.cells.tolist().index([0, 0, 0])
+    assert np.allclose(found.centroid[corner], 0.25) and np.allclose(found.face_fractions[corner], [0, 0.25] * 3)
+    assert found.pieces[corner] == 1 and np.allclose(found.vector_area[corner], -0.0625)
+    assert np.allclose(found.face_centroids[corner][1::2], 0.25)
+    assert found.face_centroids.shape == (len(found.cells), 6, 2) and found.surface_centroid.shape == (len(found.cells), 3)
+    with pytest.raises(clsdf.InvalidArgument, match="two samples"):
+        clsdf.fractions(bar(), clsdf.Grid((0, 0, 0), (1, 1, 1), (3, 3, 1)))
