@@ -50,6 +50,7 @@ BOOST_AUTO_TEST_CASE(has_usage_lines_with_what_is_required_in_the_order_of_the_c
                                                                         {"info", "MESH..."},
                                                                         {"polyhedra", "MESH... -o FILE"},
                                                                         {"close", "MESH... -o FILE --floor Z"},
+                                                                        {"outer", "MESH... -o FILE"},
                                                                         {"shape", "SHAPE -o FILE"},
                                                                         {"devices", ""},
                                                                         {"bench", "BENCHMARK [MESHES...]"},
@@ -229,6 +230,38 @@ BOOST_AUTO_TEST_CASE(says_what_to_install_where_there_is_no_device_and_writes_no
     check_refused(run_command({"compute", mesh, "-o", folder.file("field.nrrd")}, no_devices), 4,
                   {"OpenCL", "pocl-opencl-icd"});
     BOOST_TEST(folder.file_count() == 1U);
+}
+
+BOOST_AUTO_TEST_CASE(writes_the_outer_surface_of_several_files) {
+    const TemporaryFolder folder;
+    const std::string cube = folder.file("cube.off"), output = folder.file("outer.ply");
+    write_mesh(clsdf::make_shape("cube"), cube);
+    const clsdf::Vec3 side = clsdf::read_mesh(cube).box().extent();
+    // Twice the same, and a third one, moved by half its side.
+    const std::string moved = folder.file("moved.off");
+    const clsdf::Mesh given = clsdf::read_mesh(cube);
+    std::vector<clsdf::Vec3> vertices = given.vertices();
+    for (clsdf::Vec3& vertex : vertices) vertex[0] += side[0] / 2;
+    write_mesh(clsdf::Mesh(vertices, given.triangles()), moved);
+    const Outcome outcome = run_command({"outer", cube, cube, moved, "-o", output, "--json"}, no_devices);
+    BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.error);
+    const nlohmann::json report = nlohmann::json::parse(outcome.out);
+    BOOST_TEST(report["volume"] == 1.5 * side[0] * side[1] * side[2]);
+    BOOST_TEST(report["hidden_faces"] >= given.triangles().size());
+    const clsdf::Mesh surface = clsdf::read_meshes(std::array{output}, {.group_by = "given_face"});
+    BOOST_TEST(surface.triangles().size() == report["triangles"]);
+    BOOST_TEST(describe_topology(surface).balanced);
+    BOOST_TEST(surface.groups().names.size() ==
+               report["whole_faces"].get<std::size_t>() + report["partial_faces"].get<std::size_t>());
+    const nlohmann::json info = nlohmann::json::parse(run_command({"info", output, "--json"}, no_devices).out);
+    BOOST_TEST(info["outer"]["volume"] == report["volume"]);
+    BOOST_TEST(info["outer"]["hidden_faces"] == 0);
+    check_refused(run_command({"outer", cube, "-o", cube}, no_devices), 2, {"is the mesh that is read"});
+    check_refused(run_command({"outer", cube, "-o", folder.file("outer.txt")}, no_devices), 2, {".ply"});
+    check_refused(
+        run_command({"outer", folder.file("sheet.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "-o", output},
+                    no_devices),
+        2, {"sheet.off", "close the mesh"});
 }
 
 BOOST_AUTO_TEST_CASE(closes_a_terrain_by_walls_and_a_floor) {
