@@ -7,6 +7,7 @@
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <map>
 #include <string>
 
@@ -234,8 +235,10 @@ BOOST_AUTO_TEST_CASE(says_what_to_install_where_there_is_no_device_and_writes_no
 
 BOOST_AUTO_TEST_CASE(writes_the_outer_surface_of_several_files) {
     const TemporaryFolder folder;
-    const std::string cube = folder.file("cube.off"), output = folder.file("outer.ply");
+    const std::string cube = folder.file("cube.off"), again = folder.file("again.off"),
+                      output = folder.file("outer.ply");
     write_mesh(clsdf::make_shape("cube"), cube);
+    write_mesh(clsdf::make_shape("cube"), again);
     const clsdf::Vec3 side = clsdf::read_mesh(cube).box().extent();
     // Twice the same, and a third one, moved by half its side.
     const std::string moved = folder.file("moved.off");
@@ -243,7 +246,7 @@ BOOST_AUTO_TEST_CASE(writes_the_outer_surface_of_several_files) {
     std::vector<clsdf::Vec3> vertices = given.vertices();
     for (clsdf::Vec3& vertex : vertices) vertex[0] += side[0] / 2;
     write_mesh(clsdf::Mesh(vertices, given.triangles()), moved);
-    const Outcome outcome = run_command({"outer", cube, cube, moved, "-o", output, "--json"}, no_devices);
+    const Outcome outcome = run_command({"outer", cube, again, moved, "-o", output, "--json"}, no_devices);
     BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.error);
     const nlohmann::json report = nlohmann::json::parse(outcome.out);
     BOOST_TEST(report["volume"] == 1.5 * side[0] * side[1] * side[2]);
