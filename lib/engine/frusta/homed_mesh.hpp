@@ -69,11 +69,10 @@ public:
     /// The present positions on the device: Vec3 of each vertex, as the names number them.
     const std::shared_ptr<const device::BufferPool::Lease>& positions_on_device() { return positions_.on_device(); }
 
-    /// The topology on the device if kernels have made it; else null. The positions there, for those who have it.
+    /// The topology on the device if kernels have made it; else null.
     std::shared_ptr<const DeviceTopology> topology_by_kernels() const {
         return set_up_.ways.topology_by_kernels ? topology_.if_on_device() : nullptr;
     }
-    const std::shared_ptr<const device::BufferPool::Lease>& positions_on_device() { return positions_.on_device(); }
 
     /// Makes the frusta, and their records for the lattice if kernels make them. lattice: may be null.
     std::optional<PreparedMesh> make_frusta(const LatticeView* lattice);
