@@ -39,7 +39,7 @@ set(folders foundations/core foundations/device)
 foreach(stage launch homes mesh surface topology lattice frusta tree lists sign finish bricks plan)
   list(APPEND folders engine/${stage})
 endforeach()
-list(APPEND folders targets points scenes segments checks plans calls)
+list(APPEND folders cutting targets points scenes segments checks plans calls)
 
 # What is in lib, and the folders beside the core.
 file(GLOB all RELATIVE ${SOURCE}/lib LIST_DIRECTORIES true ${SOURCE}/lib/* ${SOURCE}/lib/foundations/* ${SOURCE}/lib/engine/*)
@@ -75,7 +75,7 @@ list(APPEND known ${public_headers})
 
 # The public headers: those of the core that every layer may include, the faces of the top layers, and those beside the core,
 # which the core does not include. Each is in one of the lists.
-set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hpp grid.hpp mesh.hpp output_table.h outputs.hpp
+set(public_of_core arrays.hpp calls.hpp device.hpp error.hpp export.hpp field.hpp fractions.hpp grid.hpp mesh.hpp outer.hpp output_table.h outputs.hpp
                    segments.hpp sparse.hpp topology.hpp tuning.hpp version.hpp)
 set(face_of_plans link_plan.hpp plan.hpp point_plan.hpp sparse_plan.hpp)
 set(face clsdf.hpp distance_transform.hpp scene.hpp)

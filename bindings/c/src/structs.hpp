@@ -57,10 +57,11 @@ inline void check_reserved(std::int32_t value, const char* name) {
 
 /// Structs that calls only fill. Their struct_size is CLSDF_RESULT_SIZE.
 template <typename Struct>
-inline constexpr bool is_result = std::is_same_v<Struct, clsdf_output_info> ||
-                                  std::is_same_v<Struct, clsdf_device_info> || std::is_same_v<Struct, clsdf_topology> ||
-                                  std::is_same_v<Struct, clsdf_defects> || std::is_same_v<Struct, clsdf_weld_report> ||
-                                  std::is_same_v<Struct, clsdf_statistics> || std::is_same_v<Struct, clsdf_kept_memory>;
+inline constexpr bool is_result =
+    std::is_same_v<Struct, clsdf_output_info> || std::is_same_v<Struct, clsdf_device_info> ||
+    std::is_same_v<Struct, clsdf_topology> || std::is_same_v<Struct, clsdf_defects> ||
+    std::is_same_v<Struct, clsdf_weld_report> || std::is_same_v<Struct, clsdf_outer_report> ||
+    std::is_same_v<Struct, clsdf_statistics> || std::is_same_v<Struct, clsdf_kept_memory>;
 
 template <typename Struct>
 std::size_t checked_size(const Struct* given_struct, const char* name) {
