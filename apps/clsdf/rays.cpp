@@ -113,7 +113,7 @@ ExitStatus run(const RayCallOptions& options, Report& report) {
     std::size_t hit = 0;
     for (std::size_t i = 0; i < count; ++i) hit += std::isfinite(found.t[i * options.most]) ? 1U : 0U;
     const Stopwatch write;
-    clsdf::write_rays(rays, {options.most, found.t, found.triangles, found.counts, groups}, options.output);
+    clsdf::write_rays(rays, {options.most, found.t, found.triangles, found.counts}, options.output, groups);
     output_is_written();
     const double write_seconds = write.seconds();
 

@@ -137,13 +137,14 @@ struct RayHits {
     std::span<const double> t{};  ///< packed
     std::span<const std::uint32_t> triangles{};
     std::span<const std::uint32_t> counts{};  ///< or empty: no column
-    const FaceGroups* groups = nullptr;       ///< of the mesh: the number of the group of each triangle; null: none
 };
 
 /// Writes them, a row for each ray, by the file's ending: .npy (a structured array of t, triangle, group and count; of
 /// several hits t, triangle and group are vectors) or .csv (with x, y, z, dx, dy and dz before them); complete or not
 /// at all. Throws as write_points().
-CLSDF_EXPORT void write_rays(const RayRows& rays, const RayHits& hits, const std::string& path);
+/// groups: of the mesh, for a column with the number of the group of each triangle; null: none.
+CLSDF_EXPORT void write_rays(const RayRows& rays, const RayHits& hits, const std::string& path,
+                             const FaceGroups* groups = nullptr);
 
 /// Throws the error that write_rays() would throw for the ending or the folder. Leaves no file.
 CLSDF_EXPORT void check_rays_path(const std::string& path);

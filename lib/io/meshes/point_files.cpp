@@ -394,9 +394,9 @@ void check_rays_ending(const std::string& path) {
                     fmt::format("'{}' does not end like a file of rays; the endings are .npy and .csv", path));
 }
 
-void write_npy_rays(std::size_t rays, const RayHits& hits, AtomicFile& file) {
+void write_npy_rays(std::size_t rays, const RayHits& hits, const FaceGroups* groups, AtomicFile& file) {
     const std::string shape = hits.most == 1 ? "" : fmt::format(", ({},)", hits.most);
-    const std::string group = hits.groups == nullptr ? "" : fmt::format(", ('group', '<u4'{})", shape);
+    const std::string group = groups == nullptr ? "" : fmt::format(", ('group', '<u4'{})", shape);
     file.write(npy_header(fmt::format("[('t', '<f8'{0}), ('triangle', '<u4'{0}){1}{2}]", shape, group,
                                       hits.counts.empty() ? "" : ", ('count', '<u4')"),
                           {static_cast<std::int64_t>(rays)}));
@@ -405,21 +405,21 @@ void write_npy_rays(std::size_t rays, const RayHits& hits, AtomicFile& file) {
         for (std::size_t k = 0; k < hits.most; ++k) rows.add(hits.t[i * hits.most + k]);
         const auto triangles = hits.triangles.subspan(i * hits.most, hits.most);
         for (const std::uint32_t triangle : triangles) rows.add(triangle);
-        if (hits.groups != nullptr)
-            for (const std::uint32_t triangle : triangles) rows.add(hits.groups->of(triangle));
+        if (groups != nullptr)
+            for (const std::uint32_t triangle : triangles) rows.add(groups->of(triangle));
         if (!hits.counts.empty()) rows.add(hits.counts[i]);
     }
     rows.flush();
 }
 
-void write_csv_rays(const RayRows& rays, const RayHits& hits, AtomicFile& file) {
+void write_csv_rays(const RayRows& rays, const RayHits& hits, const FaceGroups* groups, AtomicFile& file) {
     fmt::memory_buffer text;
     const auto add = [&](auto value) { fmt::format_to(std::back_inserter(text), "{}", value); };
     add("x,y,z,dx,dy,dz");
     for (std::size_t k = 0; k < hits.most; ++k) {
         const std::string number = hits.most == 1 ? "" : fmt::format("_{}", k + 1);
         add(fmt::format(",t{0},triangle{0}", number));
-        if (hits.groups != nullptr) add(",group" + number);
+        if (groups != nullptr) add(",group" + number);
     }
     if (!hits.counts.empty()) add(",count");
     for (std::size_t i = 0; i < rays.origins.size(); ++i) {
@@ -429,7 +429,7 @@ void write_csv_rays(const RayRows& rays, const RayHits& hits, AtomicFile& file) 
             const double t = hits.t[i * hits.most + k];
             const std::uint32_t triangle = hits.triangles[i * hits.most + k];
             add(fmt::format(",{},{}", std::isnan(t) ? std::abs(t) : t, triangle));
-            if (hits.groups != nullptr) add(fmt::format(",{}", hits.groups->of(triangle)));
+            if (groups != nullptr) add(fmt::format(",{}", groups->of(triangle)));
         }
         if (!hits.counts.empty()) add(fmt::format(",{}", hits.counts[i]));
         if (text.size() < (std::size_t{1} << 16U)) continue;
@@ -497,7 +497,7 @@ RayRows read_rays(const std::string& path) try {
     throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
 }
 
-void write_rays(const RayRows& rays, const RayHits& hits, const std::string& path) {
+void write_rays(const RayRows& rays, const RayHits& hits, const std::string& path, const FaceGroups* groups) {
     check_rays_ending(path);
     const std::size_t count = rays.origins.size();
     if (rays.directions.size() != count || hits.most == 0 || hits.t.size() != count * hits.most ||
@@ -509,9 +509,9 @@ void write_rays(const RayRows& rays, const RayHits& hits, const std::string& pat
                                 hits.most));
     AtomicFile file(path);
     if (format_of_points(path) == PointFormat::npy)
-        write_npy_rays(count, hits, file);
+        write_npy_rays(count, hits, groups, file);
     else
-        write_csv_rays(rays, hits, file);
+        write_csv_rays(rays, hits, groups, file);
     file.commit();
 }
 
