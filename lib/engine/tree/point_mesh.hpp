@@ -77,7 +77,8 @@ struct PointFaces {
     }
 
     std::size_t host_bytes() const { return (film ? film->host_bytes() : 0) + (walls ? walls->host_bytes() : 0); }
-    std::size_t device_bytes() const { return polyhedra->bytes() + faces->bytes(); }
+    /// 0 without polyhedra and faces: the host alone reads it.
+    std::size_t device_bytes() const { return (polyhedra ? polyhedra->bytes() : 0) + (faces ? faces->bytes() : 0); }
 };
 
 /// The same with what the host reads, for signs above all.
