@@ -30,6 +30,7 @@ struct InfoOptions {
     std::vector<std::string> mesh;
     MeshReading reading;
     bool self_intersections = false;
+    bool outer = false;
 };
 
 /// The faces of a group: one or more.
@@ -61,16 +62,6 @@ std::vector<Group> groups_of(const clsdf::Mesh& mesh) {
     return groups;
 }
 
-/// Nothing if nothing is inside.
-std::optional<clsdf::OuterSurface> outer_of(const clsdf::Mesh& mesh) {
-    try {
-        return clsdf::outer(mesh);
-    } catch (const clsdf::Error& error) {
-        if (error.code() != clsdf::ErrorCode::invalid_mesh) throw;
-        return std::nullopt;
-    }
-}
-
 struct Info {
     Info(const InfoOptions& options, const clsdf::Mesh& mesh)
         : vertices(mesh.vertices().size()),
@@ -80,8 +71,7 @@ struct Info {
           kinds(classify_convexity(mesh)),
           saddles(examine_saddles(mesh)),
           groups(groups_of(mesh)) {
-        const clsdf::SignRule rule = resolve_sign_rule(clsdf::SignRule::automatic, topology).rule;
-        if (rule == clsdf::SignRule::nonzero || rule == clsdf::SignRule::parity) outer = outer_of(mesh);
+        if (options.outer) outer = clsdf::outer(mesh);
         if (options.self_intersections) self_intersections = clsdf::reference::find_self_intersections(mesh).size();
     }
 
@@ -134,7 +124,7 @@ Json describe(const Info& info) {
                  {"overlapping_rim_edges", info.topology.overlapping_rim_edges},
                  {"detail_parts", info.topology.detail_parts},
                  {"detail_faces", info.topology.detail_faces}};
-    Json outer;
+    Json outer;  // null unless it is asked for
     if (info.outer)
         outer = {{"triangles", info.outer->faces.size()},
                  {"whole_faces", info.outer->whole_faces},
@@ -328,11 +318,11 @@ ExitStatus describe_field(const std::string& path, Report& report) {
 
 ExitStatus run(const InfoOptions& options, Report& report) {
     if (options.mesh.size() == 1 && is_field(options.mesh.front())) {
-        if (options.self_intersections || !options.reading.weld.empty() || options.reading.skip_bad_facets ||
-            !options.reading.group_by.empty())
+        if (options.self_intersections || options.outer || !options.reading.weld.empty() ||
+            options.reading.skip_bad_facets || !options.reading.group_by.empty())
             throw clsdf::Error(
                 clsdf::ErrorCode::invalid_argument,
-                fmt::format("{}: --weld, --skip-bad-facets, --group-by and --self-intersections are about "
+                fmt::format("{}: --weld, --skip-bad-facets, --group-by, --outer and --self-intersections are about "
                             "meshes, and this is a field; leave them out",
                             options.mesh.front()));
         return describe_field(options.mesh.front(), report);
@@ -360,11 +350,11 @@ Command add_info(Parser& program) {
     add_weld_option(parser, options->reading);
     add_skip_option(parser, options->reading);
     add_group_option(parser, options->reading);
+    parser.add("--outer", options->outer, "volume and area of the outer surface, and faces hidden within others, too");
     parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
     parser.set_footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"
-        "Both are decided exactly on the coordinates as given. A mesh with an inside has the volume and area of its\n"
-        "outer surface, and counts of the faces that are on it wholly, in part, and hidden in others. The file of a "
+        "Both are decided exactly on the coordinates as given. The file of a "
         "field is read whole, and its grid, band,\n"
         "sign, outputs and, if it is sparse, its bricks are told.\n\n"
         "Examples:\n"

@@ -1,5 +1,9 @@
 #include "cutting/cut_points.hpp"
 
+#include <clsdf/error.hpp>
+
+#include <CGAL/Quotient.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -85,7 +89,7 @@ double rounding_of(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t u, s
            std::max({std::abs(a[u]), std::abs(a[v]), std::abs(b[u]), std::abs(b[v]), std::abs(c[u]), std::abs(c[v])});
 }
 
-/// The double nearest to x / w, of even ones in a tie. `near`: within few ulp of it.
+/// The double nearest to x / w, of even ones in a tie. `near`: within few ulp of it, and finite.
 double nearest_double(const Exact& x, const Exact& w, double near) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     // Whether x / w is above the middle of two doubles (1), below (-1) or there.
@@ -196,7 +200,9 @@ CutPoints::Found CutPoints::find(const Source& source) const {
         std::optional<double> value = nearest_double(found.near.at[axis], found.near.w);
         if (!value) {
             if (!exact) exact = place<Exact>(source);
-            const double near = CGAL::to_double(exact->at[axis]) / CGAL::to_double(exact->w);
+            const double near = CGAL::to_double(CGAL::Quotient<Exact>(exact->at[axis], exact->w));
+            if (!std::isfinite(near))
+                throw Error(ErrorCode::unsupported, "a point at which faces meet is out of the range of numbers");
             value = nearest_double(exact->at[axis], exact->w, near);
         }
         found.rounded[axis] = *value + 0.0;

@@ -5,6 +5,7 @@
 #include "core/parallel.hpp"
 #include "core/vectors.hpp"
 #include "cutting/caller.hpp"
+#include "mesh/disjoint_sets.hpp"
 
 #include <fmt/format.h>
 
@@ -382,7 +383,8 @@ private:
         CellFraction row;
         row.cell = {static_cast<std::int32_t>(first_[0] + i), static_cast<std::int32_t>(first_[1] + j),
                     static_cast<std::int32_t>(first_[2])};
-        row.pieces = pieces(sums.faces);
+        row.pieces = pieces(sums.faces, {static_cast<double>(row.cell[0]), static_cast<double>(row.cell[1]),
+                                         static_cast<double>(row.cell[2])});
         std::array<std::array<double, 3>, 6> sections;
         sections[0] = x_.at(i, 0, j);
         sections[1] = x_.at(i + 1, 0, j);
@@ -410,14 +412,9 @@ private:
         return row;
     }
 
-    /// Faces with two vertices in common are joined.
-    std::uint32_t pieces(std::span<const std::uint32_t> faces) const {
-        std::vector<std::size_t> set(faces.size());
-        for (std::size_t n = 0; n < set.size(); ++n) set[n] = n;
-        const auto root = [&](std::size_t n) {
-            while (set[n] != n) n = set[n];
-            return n;
-        };
+    /// Faces are joined over an edge that has a part in the cell.
+    std::uint32_t pieces(std::span<const std::uint32_t> faces, const Vec3& low) const {
+        DisjointSets sets(faces.size());
         auto count = static_cast<std::uint32_t>(faces.size());
         using Edge = std::array<std::uint32_t, 3>;  // its vertices, and a place in `faces`
         std::vector<Edge> edges;
@@ -430,11 +427,28 @@ private:
         std::ranges::sort(edges);
         for (std::size_t n = 1; n < edges.size(); ++n) {
             if (edges[n][0] != edges[n - 1][0] || edges[n][1] != edges[n - 1][1]) continue;
-            const std::size_t a = root(edges[n][2]), b = root(edges[n - 1][2]);
-            if (a != b) --count;
-            set[std::max(a, b)] = std::min(a, b);
+            if (sets.root(edges[n][2]) == sets.root(edges[n - 1][2]) || !meets(edges[n], low)) continue;
+            --count;
+            sets.join(edges[n][2], edges[n - 1][2]);
         }
         return count;
+    }
+
+    /// Whether an edge has a part in the cell.
+    bool meets(const std::array<std::uint32_t, 3>& edge, const Vec3& low) const {
+        const Vec3 &p = positions_[edge[0]], &q = positions_[edge[1]];
+        double from = 0, to = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double step = q[axis] - p[axis];
+            if (step == 0) {
+                if (p[axis] < low[axis] || p[axis] > low[axis] + 1) return false;
+                continue;
+            }
+            const auto [first, last] = std::minmax({(low[axis] - p[axis]) / step, (low[axis] + 1 - p[axis]) / step});
+            from = std::max(from, first);
+            to = std::min(to, last);
+        }
+        return from <= to;
     }
 
     const Mesh& mesh_;

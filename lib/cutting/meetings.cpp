@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 namespace clsdf::cutting {
@@ -234,7 +235,13 @@ Meetings::Meetings(CutPoints& points, std::span<const View> views, const Caller&
                 if (const std::uint32_t number = points.number(end); number != segment.from) segment.to = number;
             numbered.emplace_back(raw.face, segment);
         }
-    std::ranges::stable_sort(numbered, {}, [](const auto& entry) { return entry.first; });
+    // The edges of a face in the same plane come once more from their other faces.
+    const auto key = [](const auto& entry) {
+        const auto& [face, segment] = entry;
+        return std::tuple(face, std::min(segment.from, segment.to), std::max(segment.from, segment.to), segment.cutter);
+    };
+    std::ranges::sort(numbered, {}, key);
+    numbered.erase(std::ranges::unique(numbered, {}, key).begin(), numbered.end());
     segments_.reserve(numbered.size());
     for (const auto& [face, segment] : numbered) {
         segments_.push_back(segment);

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -86,6 +87,39 @@ std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views, con
     return pieces;
 }
 
+/// Of the power of two by which the largest coordinate is between 1/2 and 1.
+int exponent_of(const Mesh& mesh) {
+    double largest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        largest = std::max({largest, std::abs(mesh.box().lower[axis]), std::abs(mesh.box().upper[axis])});
+    int exponent = 0;
+    static_cast<void>(std::frexp(largest, &exponent));
+    return exponent;
+}
+
+/// Whether each edge of triangles is used equally often in both directions.
+bool are_balanced(std::span<const Triangle> triangles) {
+    struct Edge {
+        std::uint32_t from, to;  ///< from < to
+        int way;
+    };
+    std::vector<Edge> edges;
+    edges.reserve(3 * triangles.size());
+    for (const Triangle& triangle : triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t a = triangle[i], b = triangle[(i + 1) % 3];
+            edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+        }
+    std::ranges::sort(edges, {}, [](const Edge& edge) { return std::pair(edge.from, edge.to); });
+    for (std::size_t i = 0; i < edges.size();) {
+        const Edge& first = edges[i];
+        int sum = 0;
+        for (; i < edges.size() && edges[i].from == first.from && edges[i].to == first.to; ++i) sum += edges[i].way;
+        if (sum != 0) return false;
+    }
+    return true;
+}
+
 void measure(OuterSurface& surface) {
     const Vec3& origin = surface.mesh.box().lower;
     double volume = 0, area = 0;
@@ -109,12 +143,17 @@ OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
     const auto [topology, surface] = describe_mesh(mesh, asked);
     const SignRule rule = checked_rule(asked, given, topology);
 
+    // Products of seven lengths must be numbers.
+    const int exponent = exponent_of(mesh);
+    std::vector<Vec3> scaled = mesh.vertices();
+    for (Vec3& vertex : scaled)
+        for (double& x : vertex) x = std::ldexp(x, -exponent);
     std::vector<Triangle> triangles;
     triangles.reserve(mesh.triangles().size());
     for (const auto& [a, b, c] : mesh.triangles())
         triangles.push_back({surface.vertex(a), surface.vertex(b), surface.vertex(c)});
-    const std::vector<View> views = cutting::views_of(mesh.vertices(), triangles);
-    CutPoints points(mesh.vertices(), triangles);
+    const std::vector<View> views = cutting::views_of(scaled, triangles);
+    CutPoints points(scaled, triangles);
     const std::vector<Piece> pieces = pieces_of(points, views, caller);
     const std::vector<Fate> fates = cutting::fates_of(points, views, pieces, surface, rule, caller);
 
@@ -131,7 +170,10 @@ OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
         for (std::uint32_t& corner : corners) {
             if (numbers[corner] == none) {
                 numbers[corner] = static_cast<std::uint32_t>(vertices.size());
-                vertices.push_back(points.rounded(corner));
+                Vec3 vertex = corner < scaled.size() ? mesh.vertices()[corner] : points.rounded(corner);
+                if (corner >= scaled.size())
+                    for (double& x : vertex) x = std::ldexp(x, exponent);
+                vertices.push_back(vertex);
             }
             corner = numbers[corner];
         }
@@ -146,6 +188,12 @@ OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
                         "gives the distance to the faces as given",
                         given.name(), name_of(rule)));
 
+    if (pieces.size() != triangles.size() && !are_balanced(kept))
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("{}: the pieces of its faces form no closed surface, which must not happen: please report "
+                        "the mesh",
+                        given.name()));
     OuterSurface result{Mesh(std::move(vertices), std::move(kept), given.name()), std::move(faces)};
     for (const auto& [on, off] : counts)
         ++(on == 0 ? result.hidden_faces : off == 0 ? result.whole_faces : result.partial_faces);

@@ -152,13 +152,13 @@ std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views,
         pieces.size(),
         [&](std::size_t patch) {
             if (patches[patch] != patch) return;
-            caller.ask();
             const Piece& piece = pieces[largest[patch]];
             const View& view = views[piece.face];
             std::optional<Windings> windings;
-            // Points whose rays meet no edge are everywhere; these lie on no common line.
-            for (int attempt = 0; !windings; ++attempt) {
-                const Vec3 weights{1.0 + 7 * attempt % 5, 1.0 + 3 * attempt % 7, 1.0 + attempt};
+            // Of these points at most two lie on a line, and each edge that a ray may meet is a line: one is free.
+            for (double t = 1; !windings; ++t) {
+                caller.ask();
+                const Vec3 weights{1, t, t * t};
                 CutPoints::Inner point(points, piece.corners, weights);
                 windings = windings_at(point, piece.face, view, points, *columns[view.axis], surface);
             }

@@ -1,5 +1,9 @@
 #include "cutting/triangulation.hpp"
 
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -10,6 +14,13 @@ FaceTriangulation::FaceTriangulation(const CutPoints& points, const Triangle& co
     : points_(points), view_(view) {
     cells_.emplace_back();
     set(0, corners, {none, none, none});
+}
+
+void FaceTriangulation::refuse() const {
+    const Vec3& at = points_.rounded(cells_[0].corners[0]);
+    throw Error(ErrorCode::unsupported,
+                fmt::format("a face near ({}, {}, {}) cannot be cut, which must not happen: please report the mesh",
+                            at[0], at[1], at[2]));
 }
 
 int FaceTriangulation::orientation(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -72,7 +83,7 @@ std::pair<std::uint32_t, unsigned> FaceTriangulation::locate(std::uint32_t point
 void FaceTriangulation::add_point(std::uint32_t point) {
     if (cell_of_.contains(point)) return;
     const auto [cell, on] = locate(point);
-    if (cell == none) return;
+    if (cell == none) refuse();
     if (on == 0)
         split_cell(cell, point);
     else
@@ -240,7 +251,8 @@ void FaceTriangulation::add_segment(std::uint32_t from, std::uint32_t to) {
         cell = cells_[at].beyond[place];
         return true;
     });
-    while (cell != none && !crossed.empty()) {
+    if (crossed.empty()) refuse();
+    while (cell != none) {
         const auto [right, left] = crossed.back();
         std::uint32_t ahead = none;
         for (const std::uint32_t corner : cells_[cell].corners)
@@ -252,6 +264,7 @@ void FaceTriangulation::add_segment(std::uint32_t from, std::uint32_t to) {
         cell = side.cell == cell ? beyond : side.cell;
         crossed.push_back(next);
     }
+    if (cell == none) refuse();
     // S. W. Sloan, A fast algorithm for generating constrained Delaunay triangulations, 1993.
     while (!crossed.empty()) {
         const Edge edge = crossed.front();

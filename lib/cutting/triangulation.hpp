@@ -39,6 +39,7 @@ private:
         unsigned corner;
     };
 
+    [[noreturn]] void refuse() const;
     int orientation(std::uint32_t a, std::uint32_t b, std::uint32_t c);
     /// The cell of a point, and on which edges of it the point lies, as bits.
     std::pair<std::uint32_t, unsigned> locate(std::uint32_t point);

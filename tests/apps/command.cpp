@@ -256,7 +256,8 @@ BOOST_AUTO_TEST_CASE(writes_the_outer_surface_of_several_files) {
     BOOST_TEST(describe_topology(surface).balanced);
     BOOST_TEST(surface.groups().names.size() ==
                report["whole_faces"].get<std::size_t>() + report["partial_faces"].get<std::size_t>());
-    const nlohmann::json info = nlohmann::json::parse(run_command({"info", output, "--json"}, no_devices).out);
+    const nlohmann::json info =
+        nlohmann::json::parse(run_command({"info", output, "--outer", "--json"}, no_devices).out);
     BOOST_TEST(info["outer"]["volume"] == report["volume"]);
     BOOST_TEST(info["outer"]["hidden_faces"] == 0);
     check_refused(run_command({"outer", cube, "-o", cube}, no_devices), 2, {"is the mesh that is read"});

@@ -236,6 +236,16 @@ BOOST_AUTO_TEST_CASE(parts_of_a_grid_have_the_bytes_of_the_whole) {
                 BOOST_TEST(found.is_full(i, j, k) == whole.is_full(i + 7, j + 5, k + 2));
 }
 
+BOOST_AUTO_TEST_CASE(two_walls_of_a_wedge_are_two_pieces) {
+    // Its ridge is far beyond the middle cell, which both sides cross.
+    const Mesh wedge({{-4, -0.2, -1}, {-4, 0.2, -1}, {4, 0, -1}, {-4, -0.2, 2}, {-4, 0.2, 2}, {4, 0, 2}},
+                     {{0, 1, 2}, {3, 5, 4}, {0, 2, 5}, {0, 5, 3}, {2, 1, 4}, {2, 4, 5}, {1, 0, 3}, {1, 3, 4}}, "wedge");
+    const Fractions found = fractions(wedge, Grid{{-0.5, -0.5, 0}, {1, 1, 1}, {2, 2, 2}});
+    BOOST_REQUIRE(found.cells.size() == 1U);
+    BOOST_TEST(found.cells[0].pieces == 2U);
+    BOOST_TEST(std::abs(found.cells[0].volume - 0.2) < 1e-12);
+}
+
 BOOST_AUTO_TEST_CASE(a_grid_without_cells_is_refused) {
     const Mesh box = box_mesh({{0, 0, 0}, {1, 1, 1}});
     check_throws(ErrorCode::invalid_argument, {"1 sample along y"}, [&] {

@@ -246,6 +246,66 @@ BOOST_AUTO_TEST_CASE(turned_bodies) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(tetrahedra_of_any_size) {
+    constexpr std::uint64_t seed = 8;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    for (const double scale : {1e-300, 1e-60, 1e-9, 1e9, 1e40, 1e150}) {
+        Random random(seed);
+        std::vector<Mesh> meshes;
+        double volume = 0;
+        for (int i = 0; i < 8; ++i) {
+            std::vector<Vec3> vertices{random.point(0, 1), random.point(0, 1), random.point(0, 1), random.point(0, 1)};
+            std::vector<Triangle> faces{{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}};
+            const double twice = dot(cross(difference(vertices[1], vertices[0]), difference(vertices[2], vertices[0])),
+                                     difference(vertices[3], vertices[0]));
+            if (twice < 0)
+                for (Triangle& face : faces) std::swap(face[0], face[1]);
+            for (Vec3& vertex : vertices)
+                for (double& x : vertex) x *= scale;
+            meshes.emplace_back(vertices, faces);
+            volume += std::abs(twice) / 6;
+        }
+        const OuterSurface surface = outer(together(meshes, "tetrahedra"));
+        BOOST_TEST(describe_topology(surface.mesh).balanced);
+        BOOST_TEST(surface.partial_faces > 0U);
+        if (scale > 1e-100 && scale < 1e100) BOOST_TEST(surface.volume < volume * scale * scale * scale);
+    }
+}
+
+// A ray must miss the edges of a fan, wherever they lie.
+BOOST_AUTO_TEST_CASE(a_face_below_a_fan) {
+    std::vector<Vec3> vertices{{0, 0, 0}, {27720, 0, 0}, {0, 27720, 0}, {0, 0, 1}, {27720, 0, 1}, {0, 27720, 1}};
+    std::set<double> spokes;
+    for (int a = 1; a <= 12; ++a)
+        for (int b = 1; b <= 12; ++b) spokes.insert(std::round(27720.0 * a / (a + b)));
+    std::vector<std::uint32_t> top{3};
+    for (const double x : spokes) {
+        top.push_back(static_cast<std::uint32_t>(vertices.size()));
+        vertices.push_back({x, 0, 1});
+    }
+    top.push_back(4);
+    std::vector<Triangle> faces{{1, 0, 2}, {0, 1, 4}, {2, 0, 3}, {2, 3, 5}, {1, 2, 5}, {1, 5, 4}};
+    for (std::size_t i = 0; i + 1 < top.size(); ++i) {
+        faces.push_back({5, top[i], top[i + 1]});
+        faces.push_back({0, top[i + 1], top[i]});
+    }
+    const Mesh prism(vertices, faces, "prism");
+    BOOST_TEST(outer(prism).whole_faces == faces.size());
+}
+
+BOOST_AUTO_TEST_CASE(houses_on_their_ground) {
+    constexpr std::uint64_t seed = 4;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    std::vector<Box> boxes(12);
+    for (Box& box : boxes) {
+        box.lower = {random.uniform(0, 2), random.uniform(0, 2), 0};
+        box.upper = {box.lower[0] + random.uniform(0.2, 1), box.lower[1] + random.uniform(0.2, 1),
+                     random.uniform(0.1, 1)};
+    }
+    check_boxes(boxes, random, "houses");
+}
+
 BOOST_AUTO_TEST_CASE(a_mesh_without_meetings_stays) {
     const Mesh sphere = make_shape("sphere3");
     const OuterSurface surface = outer(sphere);

@@ -21,10 +21,10 @@ struct OuterSurface {
 
     std::size_t whole_faces = 0;    ///< faces as given that are on the outer surface wholly,
     std::size_t partial_faces = 0;  ///< in parts,
-    std::size_t hidden_faces = 0;   ///< and not at all: within others, repeated, or with nothing or something inside on
-                                    ///< both sides
-    double volume = 0;              ///< inside, in cubed units of the mesh
-    double area = 0;                ///< of the outer surface, in squared units
+    std::size_t hidden_faces =
+        0;              ///< and not at all: within others, repeated, without area, or with the same on both sides
+    double volume = 0;  ///< inside, in cubed units of the mesh
+    double area = 0;    ///< of the outer surface, in squared units
 };
 
 /// The outer surface of a mesh whose parts may overlap, touch, repeat or contain each other: those parts of its faces
