@@ -49,21 +49,23 @@ Plane<Number> plane_of(const Triangle& face, std::span<const Vec3> vertices) {
     return {a, cross(difference<Number>(b, a), difference<Number>(c, a))};
 }
 
-/// The place with w > 0. Nothing is known of it if the sign of w is not.
-Place<Near> made_positive(Place<Near> place) {
-    const std::optional<int> sign = place.w.sign();
-    if (!sign || *sign == 0) return {{Near::unknown(), Near::unknown(), Near::unknown()}, Near::unknown()};
-    if (*sign > 0) return place;
-    return {{-place.at[0], -place.at[1], -place.at[2]}, -place.w};
+/// The point with w > 0. Nothing is known of it if the sign of w is not.
+HomogeneousPoint<FilteredNumber> made_positive(HomogeneousPoint<FilteredNumber> point) {
+    const std::optional<int> sign = point.w.sign();
+    if (!sign || *sign == 0)
+        return {{FilteredNumber::unknown(), FilteredNumber::unknown(), FilteredNumber::unknown()},
+                FilteredNumber::unknown()};
+    if (*sign > 0) return point;
+    return {{-point.at[0], -point.at[1], -point.at[2]}, -point.w};
 }
 
-Place<Exact> made_positive(Place<Exact> place) {
-    if (sign_of(place.w) > 0) return place;
-    return {{-place.at[0], -place.at[1], -place.at[2]}, -place.w};
+HomogeneousPoint<Exact> made_positive(HomogeneousPoint<Exact> point) {
+    if (sign_of(point.w) > 0) return point;
+    return {{-point.at[0], -point.at[1], -point.at[2]}, -point.w};
 }
 
 template <typename Number>
-Number determinant(const std::array<const Place<Number>*, 3>& p, std::size_t u, std::size_t v) {
+Number determinant(const std::array<const HomogeneousPoint<Number>*, 3>& p, std::size_t u, std::size_t v) {
     const auto minor = [&](std::size_t i, std::size_t j) {
         return p[i]->at[u] * p[j]->at[v] - p[i]->at[v] * p[j]->at[u];
     };
@@ -109,9 +111,9 @@ double nearest_double(const Exact& x, const Exact& w, double near) {
 }
 
 /// The quotient, and a bound of its error.
-std::pair<double, double> quotient(const Near& x, const Near& w) {
+std::pair<double, double> quotient(const FilteredNumber& x, const FilteredNumber& w) {
     const double first = x.high / w.high;
-    const Near rest = x - Near(first) * w;
+    const FilteredNumber rest = x - FilteredNumber(first) * w;
     const double second = (rest.high + rest.low) / (w.high + w.low);
     const double least = std::abs(w.high) - std::abs(w.low) - w.error;
     if (!(least > 0)) return {first, std::numeric_limits<double>::infinity()};
@@ -122,7 +124,7 @@ std::pair<double, double> quotient(const Near& x, const Near& w) {
 }
 
 /// The double nearest to x / w, if that is certain.
-std::optional<double> nearest_double(const Near& x, const Near& w) {
+std::optional<double> nearest_double(const FilteredNumber& x, const FilteredNumber& w) {
     if (const std::optional<int> sign = x.sign(); sign && *sign == 0) return 0.0;
     const auto [value, off] = quotient(x, w);
     const double smaller = std::nextafter(std::abs(value), 0.0);
@@ -160,7 +162,7 @@ CutPoints::CutPoints(std::span<const Vec3> vertices, std::span<const Triangle> t
 }
 
 template <typename Number>
-Place<Number> CutPoints::place(const Source& source) const {
+HomogeneousPoint<Number> CutPoints::homogeneous(const Source& source) const {
     const Vec3& from = vertices_[source.vertices[0]];
     if (source.kind == Source::vertex) return {{Number(from[0]), Number(from[1]), Number(from[2])}, Number(1)};
     const auto plane = [&](const Cutter& cutter) -> Plane<Number> {
@@ -174,9 +176,9 @@ Place<Number> CutPoints::place(const Source& source) const {
         const auto [at, normal] = plane(source.cutters[0]);
         const Vector<Number> along = difference<Number>(vertices_[source.vertices[1]], from);
         const Number w = dot(normal, along), way = dot(normal, difference<Number>(at, from));
-        Place<Number> place{{}, w};
-        for (std::size_t axis = 0; axis < 3; ++axis) place.at[axis] = Number(from[axis]) * w + along[axis] * way;
-        return made_positive(place);
+        HomogeneousPoint<Number> point{{}, w};
+        for (std::size_t axis = 0; axis < 3; ++axis) point.at[axis] = Number(from[axis]) * w + along[axis] * way;
+        return made_positive(point);
     }
     const std::array<Plane<Number>, 3> planes{plane(source.cutters[0]), plane(source.cutters[1]),
                                               plane(source.cutters[2])};
@@ -186,20 +188,20 @@ Place<Number> CutPoints::place(const Source& source) const {
     const Number w = dot(planes[2].normal, second),
                  of_first = dot(planes[1].normal, difference<Number>(planes[1].at, origin)),
                  of_second = dot(planes[2].normal, difference<Number>(planes[2].at, origin));
-    Place<Number> place{{}, w};
+    HomogeneousPoint<Number> point{{}, w};
     for (std::size_t axis = 0; axis < 3; ++axis)
-        place.at[axis] = Number(origin[axis]) * w + first[axis] * of_first + second[axis] * of_second;
-    return made_positive(place);
+        point.at[axis] = Number(origin[axis]) * w + first[axis] * of_first + second[axis] * of_second;
+    return made_positive(point);
 }
 
 CutPoints::Found CutPoints::find(const Source& source) const {
     if (source.kind == Source::vertex) return points_[source.vertices[0]];
-    Found found{source, place<Near>(source), {}};
-    std::optional<Place<Exact>> exact;
+    Found found{source, homogeneous<FilteredNumber>(source), {}};
+    std::optional<HomogeneousPoint<Exact>> exact;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         std::optional<double> value = nearest_double(found.near.at[axis], found.near.w);
         if (!value) {
-            if (!exact) exact = place<Exact>(source);
+            if (!exact) exact = homogeneous<Exact>(source);
             const double near = CGAL::to_double(CGAL::Quotient<Exact>(exact->at[axis], exact->w));
             if (!std::isfinite(near))
                 throw Error(ErrorCode::unsupported, "a point at which faces meet is out of the range of numbers");
@@ -213,18 +215,18 @@ CutPoints::Found CutPoints::find(const Source& source) const {
 std::uint32_t CutPoints::number(const Found& found) {
     const std::uint64_t hash = hash_of(found.rounded);
     const auto [first, last] = by_rounded_.equal_range(hash);
-    std::optional<Place<Exact>> exact_found;
+    std::optional<HomogeneousPoint<Exact>> exact_found;
     for (auto known = first; known != last; ++known) {
         const Found& other = points_[known->second];
         if (other.source == found.source) return known->second;
         if (other.rounded != found.rounded) continue;
         bool are_equal = true;
         for (std::size_t axis = 0; axis < 3 && are_equal; ++axis) {
-            const Near apart = other.near.at[axis] * found.near.w - found.near.at[axis] * other.near.w;
+            const FilteredNumber apart = other.near.at[axis] * found.near.w - found.near.at[axis] * other.near.w;
             std::optional<int> sign = apart.sign();
             if (!sign) {
-                if (!exact_found) exact_found = place<Exact>(found.source);
-                const Place<Exact> exact_other = place<Exact>(other.source);
+                if (!exact_found) exact_found = homogeneous<Exact>(found.source);
+                const HomogeneousPoint<Exact> exact_other = homogeneous<Exact>(other.source);
                 sign = sign_of(exact_other.at[axis] * exact_found->w - exact_found->at[axis] * exact_other.w);
             }
             are_equal = *sign == 0;
@@ -237,10 +239,10 @@ std::uint32_t CutPoints::number(const Found& found) {
     return number;
 }
 
-const Place<Exact>& CutPoints::exact(std::uint32_t point, Cache& cache) const {
+const HomogeneousPoint<Exact>& CutPoints::exact(std::uint32_t point, Cache& cache) const {
     const auto known = cache.find(point);
     if (known != cache.end()) return known->second;
-    return cache.emplace(point, place<Exact>(points_[point].source)).first->second;
+    return cache.emplace(point, homogeneous<Exact>(points_[point].source)).first->second;
 }
 
 int CutPoints::orientation(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::size_t axis, Cache& cache) const {
@@ -249,7 +251,8 @@ int CutPoints::orientation(std::uint32_t a, std::uint32_t b, std::uint32_t c, st
     if (const std::optional<int> sign =
             sign_in_plane({p[u], p[v]}, {q[u], q[v]}, {r[u], r[v]}, rounding_of(p, q, r, u, v)))
         return *sign;
-    const Near near = determinant<Near>({&points_[a].near, &points_[b].near, &points_[c].near}, u, v);
+    const FilteredNumber near =
+        determinant<FilteredNumber>({&points_[a].near, &points_[b].near, &points_[c].near}, u, v);
     if (const std::optional<int> sign = near.sign()) return *sign;
     return sign_of(determinant<Exact>({&exact(a, cache), &exact(b, cache), &exact(c, cache)}, u, v));
 }
@@ -258,14 +261,15 @@ int CutPoints::compare(std::uint32_t a, std::uint32_t b, std::size_t axis, Cache
     if (a == b) return 0;
     const double first = points_[a].rounded[axis], second = points_[b].rounded[axis];
     if (first != second) return first > second ? 1 : -1;
-    const Near near = points_[a].near.at[axis] * points_[b].near.w - points_[b].near.at[axis] * points_[a].near.w;
+    const FilteredNumber near =
+        points_[a].near.at[axis] * points_[b].near.w - points_[b].near.at[axis] * points_[a].near.w;
     if (const std::optional<int> sign = near.sign()) return *sign;
-    const Place<Exact>&p = exact(a, cache), &q = exact(b, cache);
+    const HomogeneousPoint<Exact>&p = exact(a, cache), &q = exact(b, cache);
     return sign_of(p.at[axis] * q.w - q.at[axis] * p.w);
 }
 
 CutPoints::Inner::Inner(const CutPoints& points, const std::array<std::uint32_t, 3>& corners, const Vec3& weights)
-    : points_(points), corners_(corners), weights_(weights), near_(made_positive(place<Near>())) {
+    : points_(points), corners_(corners), weights_(weights), near_(made_positive(homogeneous<FilteredNumber>())) {
     const double all = weights_[0] + weights_[1] + weights_[2];
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (std::size_t i = 0; i < 3; ++i) {
@@ -286,21 +290,21 @@ Box CutPoints::Inner::box() const {
 }
 
 template <typename Number>
-Place<Number> CutPoints::Inner::place() const {
-    std::array<Place<Number>, 3> corners;
+HomogeneousPoint<Number> CutPoints::Inner::homogeneous() const {
+    std::array<HomogeneousPoint<Number>, 3> corners;
     for (std::size_t i = 0; i < 3; ++i)
-        corners[i] = points_.template place<Number>(points_.points_[corners_[i]].source);
-    Place<Number> place{{Number(0), Number(0), Number(0)}, Number(0)};
+        corners[i] = points_.template homogeneous<Number>(points_.points_[corners_[i]].source);
+    HomogeneousPoint<Number> point{{Number(0), Number(0), Number(0)}, Number(0)};
     for (std::size_t i = 0; i < 3; ++i) {
         const Number share = Number(weights_[i]) * corners[(i + 1) % 3].w * corners[(i + 2) % 3].w;
-        for (std::size_t axis = 0; axis < 3; ++axis) place.at[axis] = place.at[axis] + share * corners[i].at[axis];
-        place.w = place.w + share * corners[i].w;
+        for (std::size_t axis = 0; axis < 3; ++axis) point.at[axis] = point.at[axis] + share * corners[i].at[axis];
+        point.w = point.w + share * corners[i].w;
     }
-    return place;
+    return point;
 }
 
-const Place<Exact>& CutPoints::Inner::exact() {
-    if (exact_.empty()) exact_.push_back(place<Exact>());
+const HomogeneousPoint<Exact>& CutPoints::Inner::exact() {
+    if (exact_.empty()) exact_.push_back(homogeneous<Exact>());
     return exact_.front();
 }
 
@@ -310,7 +314,7 @@ int CutPoints::Inner::orientation(std::uint32_t a, std::uint32_t b, std::size_t 
     if (const std::optional<int> sign = sign_in_plane({p[u], p[v]}, {q[u], q[v]}, {middle_[u], middle_[v]},
                                                       off_ + rounding_of(p, q, middle_, u, v)))
         return *sign;
-    const auto value = [&]<typename Number>(const Place<Number>& point) {
+    const auto value = [&]<typename Number>(const HomogeneousPoint<Number>& point) {
         const Vec3 &from = points_.vertex(a), &to = points_.vertex(b);
         return (Number(to[u]) - Number(from[u])) * (point.at[v] - Number(from[v]) * point.w) -
                (Number(to[v]) - Number(from[v])) * (point.at[u] - Number(from[u]) * point.w);
@@ -320,7 +324,7 @@ int CutPoints::Inner::orientation(std::uint32_t a, std::uint32_t b, std::size_t 
 }
 
 int CutPoints::Inner::side(const Triangle& face) {
-    const auto value = [&]<typename Number>(const Place<Number>& point) {
+    const auto value = [&]<typename Number>(const HomogeneousPoint<Number>& point) {
         const auto [at, normal] = plane_of<Number>(face, points_.vertices());
         Vector<Number> from;
         for (std::size_t axis = 0; axis < 3; ++axis) from[axis] = point.at[axis] - Number(at[axis]) * point.w;

@@ -2,7 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "cutting/near.hpp"
+#include "cutting/filtered_number.hpp"
 #include "mesh/mesh_arrays.hpp"
 
 #include <CGAL/MP_Float.h>
@@ -35,7 +35,7 @@ struct Cutter {
     friend auto operator<=>(const Cutter&, const Cutter&) = default;
 };
 
-/// How a point comes about: a vertex; an edge and a plane; three planes.
+/// The definition of a cut point: a vertex; an edge and a plane; three planes.
 struct Source {
     enum Kind : std::uint8_t { vertex, edge, planes };
 
@@ -63,7 +63,7 @@ struct Source {
 
 /// Homogeneous coordinates: a point (x / w, y / w, z / w), w > 0.
 template <typename Number>
-struct Place {
+struct HomogeneousPoint {
     std::array<Number, 3> at;
     Number w;
 };
@@ -72,12 +72,12 @@ struct Place {
 class CutPoints {
 public:
     /// Exact places that are needed more than once. For one thread.
-    using Cache = std::unordered_map<std::uint32_t, Place<Exact>>;
+    using Cache = std::unordered_map<std::uint32_t, HomogeneousPoint<Exact>>;
 
     /// A point that has no number yet.
     struct Found {
         Source source;
-        Place<Near> near;
+        HomogeneousPoint<FilteredNumber> near;
         Vec3 rounded;  ///< to the nearest doubles
     };
 
@@ -88,7 +88,7 @@ public:
     std::span<const Triangle> triangles() const { return triangles_; }
     const Vec3& vertex(std::uint32_t v) const { return vertices_[v]; }
 
-    /// May run beside itself.
+    /// Thread-safe.
     Found find(const Source& source) const;
     /// The number of a point: that of an equal one, or a new one.
     std::uint32_t number(const Found& found);
@@ -117,22 +117,22 @@ public:
 
     private:
         template <typename Number>
-        Place<Number> place() const;
-        const Place<Exact>& exact();
+        HomogeneousPoint<Number> homogeneous() const;
+        const HomogeneousPoint<Exact>& exact();
 
         const CutPoints& points_;
         std::array<std::uint32_t, 3> corners_;
         Vec3 weights_;
-        Place<Near> near_;
-        std::vector<Place<Exact>> exact_;  // none or one
-        Vec3 middle_{};                    // near the point,
-        double off_ = 0;                   // off by at most that
+        HomogeneousPoint<FilteredNumber> near_;
+        std::vector<HomogeneousPoint<Exact>> exact_;  // none or one
+        Vec3 middle_{};                               // near the point,
+        double off_ = 0;                              // off by at most that
     };
 
 private:
     template <typename Number>
-    Place<Number> place(const Source& source) const;
-    const Place<Exact>& exact(std::uint32_t point, Cache& cache) const;
+    HomogeneousPoint<Number> homogeneous(const Source& source) const;
+    const HomogeneousPoint<Exact>& exact(std::uint32_t point, Cache& cache) const;
 
     std::span<const Vec3> vertices_;
     std::span<const Triangle> triangles_;

@@ -4,7 +4,7 @@
 
 #include "core/parallel.hpp"
 #include "core/vectors.hpp"
-#include "cutting/caller.hpp"
+#include "cutting/cancellation.hpp"
 #include "mesh/disjoint_sets.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ namespace clsdf {
 
 namespace {
 
-using cutting::Caller;
+using cutting::Cancellation;
 
 /// A sum that rounds once (A. Neumaier, 1974).
 class Sum {
@@ -180,7 +180,7 @@ private:
 class Sections {
 public:
     Sections(std::size_t across, std::size_t side, std::size_t along)
-        : across_(across), side_(side), along_(along), turn_((across + 1) % 3 == side ? 1 : -1) {}
+        : across_(across), side_(side), along_(along), orientation_((across + 1) % 3 == side ? 1 : -1) {}
 
     /// first: the first cell, on the lattice; counts: of cells on the three axes; planes: of planes.
     void reset(const std::array<std::int64_t, 3>& first, const std::array<std::int64_t, 3>& counts,
@@ -237,7 +237,7 @@ private:
         for (std::size_t i = 0; i < 3; ++i)
             if (const std::size_t next = (i + 1) % 3; are_above[i] != are_above[next])
                 (are_above[i] ? down : up) = point_at(corners[i], corners[next], across_, plane);
-        if (turn_ < 0) std::swap(down, up);
+        if (orientation_ < 0) std::swap(down, up);
         const auto number = static_cast<std::int64_t>(plane) - first_[across_];
         add_lines(number, down, up);
         const auto range = [&](const Vec3& p, const Vec3& q, std::size_t axis) {
@@ -285,7 +285,7 @@ private:
     }
 
     std::size_t across_, side_, along_;
-    int turn_;
+    int orientation_;
     std::array<std::int64_t, 3> first_{}, counts_{};
     std::int64_t planes_ = 0;
     FewItems<FaceSums> sums_;
@@ -469,7 +469,7 @@ Fractions fractions(const Mesh& mesh, const Grid& grid, SignRule sign, const Cal
                 ErrorCode::invalid_argument,
                 fmt::format("the grid has {} sample along {}, so no cells: give two samples or more on each axis",
                             grid.size[axis], "xyz"[axis]));
-    const Caller caller(call.should_stop);
+    const Cancellation cancellation(call.should_stop);
     const Mesh surface = outer(mesh, sign, call).mesh;
 
     // In cells of the lattice, so that a part has the bytes of the whole.
@@ -496,7 +496,7 @@ Fractions fractions(const Mesh& mesh, const Grid& grid, SignRule sign, const Cal
         [&](std::size_t begin, std::size_t end) {
             Slab slab(surface, positions, grid);
             for (std::size_t k = begin; k != end; ++k) {
-                caller.ask();
+                cancellation.check();
                 if (faces[k].empty()) continue;
                 are_full[k].assign(per_slab, false);
                 slab.run(static_cast<std::int64_t>(k), faces[k], rows[k], are_full[k]);

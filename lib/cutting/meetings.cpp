@@ -201,7 +201,8 @@ std::vector<View> views_of(std::span<const Vec3> vertices, std::span<const Trian
     return views;
 }
 
-Meetings::Meetings(CutPoints& points, std::span<const View> views, const Caller& caller) : begins_(views.size() + 1) {
+Meetings::Meetings(CutPoints& points, std::span<const View> views, const Cancellation& cancellation)
+    : begins_(views.size() + 1) {
     const std::span<const Triangle> triangles = points.triangles();
     std::vector<std::uint32_t> faces;  // with an area
     std::vector<Box> boxes;
@@ -215,7 +216,7 @@ Meetings::Meetings(CutPoints& points, std::span<const View> views, const Caller&
     constexpr std::size_t grain = 64;
     std::vector<std::vector<RawSegment>> found(chunk_count(faces.size(), grain));
     for_each_chunk(faces.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        caller.ask();
+        cancellation.check();
         for (std::size_t i = begin; i != end; ++i) {
             std::vector<std::size_t> partners;
             index.any(boxes[i], [&](std::size_t other) {

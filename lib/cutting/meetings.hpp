@@ -2,7 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "cutting/caller.hpp"
+#include "cutting/cancellation.hpp"
 #include "cutting/cut_points.hpp"
 
 #include <cstddef>
@@ -31,7 +31,7 @@ struct FaceSegment {
 class Meetings {
 public:
     /// Numbers the points.
-    Meetings(CutPoints& points, std::span<const View> views, const Caller& caller);
+    Meetings(CutPoints& points, std::span<const View> views, const Cancellation& cancellation);
 
     /// Of a face; none if it meets no other.
     std::span<const FaceSegment> of(std::uint32_t face) const {

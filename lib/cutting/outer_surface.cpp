@@ -24,7 +24,7 @@ namespace clsdf {
 
 namespace {
 
-using cutting::Caller;
+using cutting::Cancellation;
 using cutting::CutPoints;
 using cutting::FaceCuts;
 using cutting::Fate;
@@ -45,10 +45,10 @@ SignRule checked_rule(SignRule asked, const Mesh& mesh, const Topology& topology
                     name_of(resolved.rule), why));
 }
 
-/// The faces that meet no other whole, and the others cut.
-std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views, const Caller& caller) {
+/// Whole faces that meet no other face, and the pieces of those that do.
+std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views, const Cancellation& cancellation) {
     const std::span<const Triangle> triangles = points.triangles();
-    const Meetings meetings(points, views, caller);
+    const Meetings meetings(points, views, cancellation);
     std::vector<std::uint32_t> met;
     for (std::uint32_t face = 0; face < triangles.size(); ++face)
         if (!meetings.of(face).empty()) met.push_back(face);
@@ -57,7 +57,7 @@ std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views, con
     for_each_index(
         met.size(),
         [&](std::size_t i) {
-            caller.ask();
+            cancellation.check();
             cuts[i] = std::make_unique<FaceCuts>(points, met[i], views[met[i]], meetings.of(met[i]));
         },
         4);
@@ -68,7 +68,7 @@ std::vector<Piece> pieces_of(CutPoints& points, std::span<const View> views, con
     for_each_index(
         met.size(),
         [&](std::size_t i) {
-            caller.ask();
+            cancellation.check();
             parts[i] = cuts[i]->pieces(points, crossings[i]);
         },
         4);
@@ -138,7 +138,7 @@ void measure(OuterSurface& surface) {
 }  // namespace
 
 OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
-    const Caller caller(call.should_stop);
+    const Cancellation cancellation(call.should_stop);
     const Mesh mesh = merged(given, first_equal_vertices(given.vertices()));
     const auto [topology, surface] = describe_mesh(mesh, asked);
     const SignRule rule = checked_rule(asked, given, topology);
@@ -154,8 +154,8 @@ OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
         triangles.push_back({surface.vertex(a), surface.vertex(b), surface.vertex(c)});
     const std::vector<View> views = cutting::views_of(scaled, triangles);
     CutPoints points(scaled, triangles);
-    const std::vector<Piece> pieces = pieces_of(points, views, caller);
-    const std::vector<Fate> fates = cutting::fates_of(points, views, pieces, surface, rule, caller);
+    const std::vector<Piece> pieces = pieces_of(points, views, cancellation);
+    const std::vector<Fate> fates = cutting::fates_of(points, views, pieces, surface, rule, cancellation);
 
     constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> numbers(points.size(), none);
@@ -177,7 +177,7 @@ OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
             }
             corner = numbers[corner];
         }
-        if (fates[i] == Fate::turned) std::swap(corners[1], corners[2]);
+        if (fates[i] == Fate::flipped) std::swap(corners[1], corners[2]);
         kept.push_back(corners);
         faces.push_back(pieces[i].face);
     }

@@ -132,7 +132,7 @@ std::optional<Windings> windings_at(CutPoints::Inner& point, std::uint32_t own, 
 }  // namespace
 
 std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views, std::span<const Piece> pieces,
-                           const SignSurface& surface, SignRule rule, const Caller& caller) {
+                           const SignSurface& surface, SignRule rule, const Cancellation& cancellation) {
     const std::vector<std::uint32_t> patches = patches_of(pieces);
     std::vector<double> areas(pieces.size());
     for_each_index(pieces.size(), [&](std::size_t i) { areas[i] = twice_area(points, pieces[i].corners); });
@@ -157,7 +157,7 @@ std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views,
             std::optional<Windings> windings;
             // Of these points at most two lie on a line, and each edge that a ray may meet is a line: one is free.
             for (double t = 1; !windings; ++t) {
-                caller.ask();
+                cancellation.check();
                 const Vec3 weights{1, t, t * t};
                 CutPoints::Inner point(points, piece.corners, weights);
                 windings = windings_at(point, piece.face, view, points, *columns[view.axis], surface);
@@ -168,7 +168,7 @@ std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views,
             const auto is_inside = [&](int winding) {
                 return rule == SignRule::parity ? winding % 2 != 0 : winding != 0;
             };
-            if (is_inside(front) != is_inside(back)) fates[patch] = is_inside(back) ? Fate::kept : Fate::turned;
+            if (is_inside(front) != is_inside(back)) fates[patch] = is_inside(back) ? Fate::kept : Fate::flipped;
         },
         8);
     for (std::size_t i = 0; i < pieces.size(); ++i) fates[i] = fates[patches[i]];

@@ -3,7 +3,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
-#include "cutting/caller.hpp"
+#include "cutting/cancellation.hpp"
 #include "cutting/meetings.hpp"
 #include "surface/sign_surface.hpp"
 
@@ -21,7 +21,7 @@ struct Piece {
 
 /// What becomes of a piece.
 enum class Fate : std::int8_t {
-    turned = -1,  ///< kept, with its normal turned around
+    flipped = -1,  ///< kept, with its normal reversed
     dropped = 0,
     kept = 1,
 };
@@ -30,6 +30,6 @@ enum class Fate : std::int8_t {
 /// that lie in each other, those of the lowest face. One exact winding number decides about a patch: pieces that are
 /// joined over edges of exactly two. rule: nonzero or parity.
 std::vector<Fate> fates_of(const CutPoints& points, std::span<const View> views, std::span<const Piece> pieces,
-                           const SignSurface& surface, SignRule rule, const Caller& caller);
+                           const SignSurface& surface, SignRule rule, const Cancellation& cancellation);
 
 }  // namespace clsdf::cutting

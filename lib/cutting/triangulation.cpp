@@ -34,7 +34,7 @@ std::vector<Triangle> FaceTriangulation::triangles() const {
     return all;
 }
 
-unsigned FaceTriangulation::place_of(std::uint32_t cell, std::uint32_t corner) const {
+unsigned FaceTriangulation::corner_index(std::uint32_t cell, std::uint32_t corner) const {
     const Triangle& corners = cells_[cell].corners;
     return corners[0] == corner ? 0 : corners[1] == corner ? 1 : 2;
 }
@@ -117,15 +117,15 @@ void FaceTriangulation::split_edge(const Side& side, std::uint32_t point) {
         set(half, {top, point, b}, {none, beyond_a, side.cell});
         return;
     }
-    const unsigned place = place_of(across, [&] {
+    const unsigned index = corner_index(across, [&] {
         for (const std::uint32_t corner : cells_[across].corners)
             if (corner != a && corner != b) return corner;
         return none;
     }());
-    const std::uint32_t bottom = cells_[across].corners[place], other_half = half + 1;
+    const std::uint32_t bottom = cells_[across].corners[index], other_half = half + 1;
     // Seen from the other side the edge runs from b to a.
-    const std::uint32_t below_b = cells_[across].beyond[(place + 1) % 3],
-                        below_a = cells_[across].beyond[(place + 2) % 3];
+    const std::uint32_t below_b = cells_[across].beyond[(index + 1) % 3],
+                        below_a = cells_[across].beyond[(index + 2) % 3];
     cells_.resize(cells_.size() + 2);
     cells_[side.cell].corners = {top, a, point};
     cells_[half].corners = {top, point, b};
@@ -154,12 +154,12 @@ void FaceTriangulation::flip(const Side& side) {
     const std::uint32_t across = beyond[side.corner], top = corners[side.corner], a = corners[(side.corner + 1) % 3],
                         b = corners[(side.corner + 2) % 3];
     const auto [others, others_beyond] = cells_[across];
-    unsigned place = 0;
-    while (others[place] == a || others[place] == b) ++place;
-    const std::uint32_t bottom = others[place];
+    unsigned index = 0;
+    while (others[index] == a || others[index] == b) ++index;
+    const std::uint32_t bottom = others[index];
     const std::uint32_t beyond_a = beyond[(side.corner + 1) % 3], beyond_b = beyond[(side.corner + 2) % 3];
     // The other cell is (bottom, b, a).
-    const std::uint32_t below_b = others_beyond[(place + 1) % 3], below_a = others_beyond[(place + 2) % 3];
+    const std::uint32_t below_b = others_beyond[(index + 1) % 3], below_a = others_beyond[(index + 2) % 3];
     cells_[side.cell].corners = {a, bottom, top};
     cells_[across].corners = {b, top, bottom};
     set(side.cell, {a, bottom, top}, {across, beyond_b, below_b});
@@ -197,7 +197,7 @@ void FaceTriangulation::improve(std::uint32_t point) {
     for (std::size_t flips = 0; !open.empty() && flips < 64;) {
         const std::uint32_t cell = open.back();
         open.pop_back();
-        const Side side{cell, place_of(cell, point)};
+        const Side side{cell, corner_index(cell, point)};
         if (cells_[cell].corners[side.corner] != point) continue;
         const std::uint32_t across = cells_[cell].beyond[side.corner];
         if (across == none || !is_better_flipped(side) || !is_convex(side)) continue;
@@ -213,25 +213,25 @@ bool FaceTriangulation::any_cell_at(std::uint32_t point, const Function& f) cons
     const std::uint32_t start = cell_of_.at(point);
     std::uint32_t cell = start;
     do {  // counterclockwise
-        const unsigned place = place_of(cell, point);
-        if (f(cell, place)) return true;
-        cell = cells_[cell].beyond[(place + 1) % 3];
+        const unsigned index = corner_index(cell, point);
+        if (f(cell, index)) return true;
+        cell = cells_[cell].beyond[(index + 1) % 3];
     } while (cell != none && cell != start);
     if (cell == start) return false;
-    for (cell = cells_[start].beyond[(place_of(start, point) + 2) % 3]; cell != none;) {
-        const unsigned place = place_of(cell, point);
-        if (f(cell, place)) return true;
-        cell = cells_[cell].beyond[(place + 2) % 3];
+    for (cell = cells_[start].beyond[(corner_index(start, point) + 2) % 3]; cell != none;) {
+        const unsigned index = corner_index(cell, point);
+        if (f(cell, index)) return true;
+        cell = cells_[cell].beyond[(index + 2) % 3];
     }
     return false;
 }
 
 FaceTriangulation::Side FaceTriangulation::side_of(std::uint32_t from, std::uint32_t to) const {
     Side side{none, 0};
-    any_cell_at(from, [&](std::uint32_t cell, unsigned place) {
+    any_cell_at(from, [&](std::uint32_t cell, unsigned index) {
         const Triangle& corners = cells_[cell].corners;
-        if (corners[(place + 1) % 3] == to) side = {cell, (place + 2) % 3};
-        if (corners[(place + 2) % 3] == to) side = {cell, (place + 1) % 3};
+        if (corners[(index + 1) % 3] == to) side = {cell, (index + 2) % 3};
+        if (corners[(index + 2) % 3] == to) side = {cell, (index + 1) % 3};
         return side.cell != none;
     });
     return side;
@@ -243,12 +243,12 @@ void FaceTriangulation::add_segment(std::uint32_t from, std::uint32_t to) {
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
     std::deque<Edge> crossed;
     std::uint32_t cell = none;
-    any_cell_at(from, [&](std::uint32_t at, unsigned place) {
+    any_cell_at(from, [&](std::uint32_t at, unsigned index) {
         const Triangle& corners = cells_[at].corners;
-        const std::uint32_t right = corners[(place + 1) % 3], left = corners[(place + 2) % 3];
+        const std::uint32_t right = corners[(index + 1) % 3], left = corners[(index + 2) % 3];
         if (orientation(from, to, right) >= 0 || orientation(from, to, left) <= 0) return false;
         crossed.emplace_back(right, left);
-        cell = cells_[at].beyond[place];
+        cell = cells_[at].beyond[index];
         return true;
     });
     if (crossed.empty()) refuse();

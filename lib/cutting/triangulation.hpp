@@ -47,7 +47,7 @@ private:
     void split_edge(const Side& side, std::uint32_t point);
     /// Sets a cell, and what its neighbours and corners know of it.
     void set(std::uint32_t cell, const Triangle& corners, const Triangle& beyond);
-    unsigned place_of(std::uint32_t cell, std::uint32_t corner) const;
+    unsigned corner_index(std::uint32_t cell, std::uint32_t corner) const;
     /// Whether the two cells at an edge form a convex quadrangle without a straight angle.
     bool is_convex(const Side& side);
     /// Gives the two cells at an edge (a, b) the other diagonal: the first becomes (a, bottom, top), the other one
@@ -55,7 +55,7 @@ private:
     void flip(const Side& side);
     void improve(std::uint32_t point);
     bool is_better_flipped(const Side& side) const;
-    /// Calls f(cell, place of the point in it) for the cells at a point until f returns true.
+    /// Calls f(cell, index of the point in it) for the cells at a point until f returns true.
     template <typename Function>
     bool any_cell_at(std::uint32_t point, const Function& f) const;
     /// The side of the edge from one point to another, if there is one.

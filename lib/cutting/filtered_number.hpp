@@ -10,23 +10,23 @@ namespace clsdf::cutting {
 /// A number that is known up to an error: the sum of two doubles, the second at most half an ulp of the first
 /// (T. J. Dekker, A floating-point technique for extending the available precision, 1971). Sums and products of few
 /// digits have no error at all.
-struct Near {
+struct FilteredNumber {
     double high = 0, low = 0;
     double error = 0;  ///< a bound; infinite if nothing is known
 
-    Near() = default;
-    Near(double value) : high(value) {}  // NOLINT(google-explicit-constructor): a double is such a number
-    Near(double given_high, double given_low, double given_error)
+    FilteredNumber() = default;
+    FilteredNumber(double value) : high(value) {}  // NOLINT(google-explicit-constructor): a double is such a number
+    FilteredNumber(double given_high, double given_low, double given_error)
         : high(given_high), low(given_low), error(given_error) {}
 
-    static Near unknown() { return {0, 0, std::numeric_limits<double>::infinity()}; }
+    static FilteredNumber unknown() { return {0, 0, std::numeric_limits<double>::infinity()}; }
 
     /// Nothing if the error is too large to tell.
     std::optional<int> sign() const {
         if (std::abs(high) - std::abs(low) > error) return high > 0 ? 1 : -1;
         return high == 0 && error == 0 ? std::optional<int>(0) : std::nullopt;
     }
-    Near operator-() const { return {-high, -low, error}; }
+    FilteredNumber operator-() const { return {-high, -low, error}; }
 };
 
 namespace detail {
@@ -34,24 +34,24 @@ constexpr double rounding = 0x1p-52;          // twice that of an operation
 constexpr double above_errors = 1 + 0x1p-48;  // more than the roundings of a sum of bounds
 constexpr double least_exact = 0x1p-900;      // smaller products may lose digits
 
-inline Near with_rest(double high, double rest, double error) {
+inline FilteredNumber with_rest(double high, double rest, double error) {
     const double sum = high + rest;
     return {sum, rest - (sum - high), error * above_errors};
 }
 }  // namespace detail
 
-inline Near operator+(const Near& a, const Near& b) {
+inline FilteredNumber operator+(const FilteredNumber& a, const FilteredNumber& b) {
     const double sum = a.high + b.high, part = sum - a.high;
     const double rest = (a.high - (sum - part)) + (b.high - part), low = a.low + b.low;
     const double off = low == 0 ? 0 : detail::rounding * (std::abs(a.low) + std::abs(b.low) + std::abs(rest));
     return detail::with_rest(sum, rest + low, a.error + b.error + off);
 }
 
-inline Near operator-(const Near& a, const Near& b) {
+inline FilteredNumber operator-(const FilteredNumber& a, const FilteredNumber& b) {
     return a + -b;
 }
 
-inline Near operator*(const Near& a, const Near& b) {
+inline FilteredNumber operator*(const FilteredNumber& a, const FilteredNumber& b) {
     const double product = a.high * b.high, rest = std::fma(a.high, b.high, -product);
     double error =
         a.error * (std::abs(b.high) + std::abs(b.low) + b.error) + b.error * (std::abs(a.high) + std::abs(a.low));

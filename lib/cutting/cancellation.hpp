@@ -7,13 +7,13 @@
 
 namespace clsdf::cutting {
 
-/// Whom loops on all cores ask whether to go on: on the caller's thread alone.
-class Caller {
+/// Asks should_stop in loops on all cores, on the calling thread alone.
+class Cancellation {
 public:
-    explicit Caller(const std::function<bool()>& should_stop) : should_stop_(should_stop) {}
+    explicit Cancellation(const std::function<bool()>& should_stop) : should_stop_(should_stop) {}
 
     /// Throws Error(cancelled) if the caller says so.
-    void ask() const {
+    void check() const {
         if (should_stop_ && std::this_thread::get_id() == thread_ && should_stop_())
             throw Error(ErrorCode::cancelled, "the search for the outer surface was cancelled");
     }
