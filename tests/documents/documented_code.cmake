@@ -1,5 +1,6 @@
 # Every block of code of the PAGE, in C, C++, Fortran or Python, is a part of one of the SOURCES, but for the indentation:
-# what the page shows is compiled and tested. At least BLOCKS of them.
+# what the page shows is compiled and tested. At least BLOCKS of them. Python that is a program of its own (RUNS_PYTHON) is
+# run by the package's tests.
 cmake_minimum_required(VERSION 3.25)
 function(read_code file variable)
   file(READ ${file} text)
@@ -17,6 +18,9 @@ foreach(source IN LISTS SOURCES)
   read_code(${source} text)
   string(APPEND sources "${text}")
 endforeach()
+if(RUNS_PYTHON)
+  string(REGEX REPLACE "\n```python\n[^`]*\n```" "\n" page "${page}")
+endif()
 string(REGEX MATCHALL "\n```(cpp|c|fortran|python)\n[^`]*\n```" blocks "${page}")
 list(LENGTH blocks count)
 if(count LESS BLOCKS)

@@ -4,12 +4,12 @@ function(clsdf_documented_code page blocks label)
   add_test(
     NAME code_of_${page}
     COMMAND ${CMAKE_COMMAND} -DPAGE=${PROJECT_SOURCE_DIR}/docs/${page}.md "-DSOURCES=${ARGN}" -DBLOCKS=${blocks}
-            -P ${PROJECT_SOURCE_DIR}/tests/documents/documented_code.cmake)
+            -DRUNS_PYTHON=$<STREQUAL:${page},scenes> -P ${PROJECT_SOURCE_DIR}/tests/documents/documented_code.cmake)
   set_tests_properties(code_of_${page} PROPERTIES LABELS ${label})
 endfunction()
 
 clsdf_documented_code(parallel 8 examples examples/mesh_on_ranks.cpp)
-clsdf_documented_code(scenes 2 examples examples/links_of_an_arm.cpp)
+clsdf_documented_code(scenes 2 examples examples/links_of_an_arm.cpp)  # and a program in Python, which its tests run
 clsdf_documented_code(petsc 4 integrations integrations/petsc/examples/dmda.cpp integrations/petsc/examples/dmda.c
                       integrations/petsc/examples/dmda.F90 integrations/petsc/tests/dmda_test.cpp)
 clsdf_documented_code(flow 2 integrations integrations/peclet/flow_past_a_body.py integrations/lbmpy/drag_of_a_body.py)
