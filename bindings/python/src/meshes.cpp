@@ -356,9 +356,13 @@ void add_meshes(nb::module_& module) {
     module.def("mesh_hash", &hash_of_mesh, nb::arg("vertices"), nb::arg("faces"));
     module.def("weld", &welded, nb::arg("vertices"), nb::arg("faces"), nb::arg("tolerance") = 0.0);
     module.def("close_down", &closed_down, nb::arg("vertices"), nb::arg("faces"), nb::arg("floor"));
-    module.def("outer", &outer_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("sign") = "auto");
+    module.def("outer", &outer_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("sign") = "auto",
+               nb::sig("def outer(vertices: typing.Any, faces: typing.Any, sign: str = 'auto') -> "
+                       "tuple[typing.Any, ...]"));
     module.def("fractions", &fractions_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("grid"),
-               nb::arg("sign") = "auto");
+               nb::arg("sign") = "auto",
+               nb::sig("def fractions(vertices: typing.Any, faces: typing.Any, grid: Grid, sign: str = 'auto') -> "
+                       "tuple[typing.Any, ...]"));
     module.def("find_defects", &defects_of, nb::arg("vertices"), nb::arg("faces"));
     module.def(
         "make_shape", [](const std::string& name) { return arrays_of(make_shape(name)); }, nb::arg("name"),
