@@ -573,7 +573,7 @@ module clsdf
 
   ! ---- Scenes: many bodies with poses, and points among them (docs/scenes.md) ----
 
-  !> Where a body is: its points x are at matmul(rotation, x) + translation.
+  !> The pose of a body, whose points x are at matmul(rotation, x) + translation.
   type :: clsdf_pose
     real(c_double) :: rotation(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
     real(c_double) :: translation(3) = 0
@@ -5464,7 +5464,7 @@ contains
     has_sign = flag == 1
   end function
 
-  !> What is kept of all meshes.
+  !> The memory that is kept of all meshes.
   function scene_memory(self, stat, errmsg) result(memory)
     class(clsdf_scene), intent(in) :: self
     integer, intent(out), optional :: stat

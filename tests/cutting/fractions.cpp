@@ -1,6 +1,7 @@
 // Fractions of cells: boxes against closed forms, sums against the mesh, cells against their parts.
 
 #include "core/vectors.hpp"
+#include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "support/throws.hpp"
 
@@ -22,37 +23,7 @@ using namespace test;
 
 namespace {
 
-Mesh box_mesh(const Box& box) {
-    std::vector<Vec3> vertices;
-    for (unsigned i = 0; i < 8; ++i)
-        vertices.push_back({(i & 1U) == 0 ? box.lower[0] : box.upper[0], (i & 2U) == 0 ? box.lower[1] : box.upper[1],
-                            (i & 4U) == 0 ? box.lower[2] : box.upper[2]});
-    return {std::move(vertices),
-            {{0, 2, 3},
-             {0, 3, 1},
-             {4, 5, 7},
-             {4, 7, 6},
-             {0, 1, 5},
-             {0, 5, 4},
-             {2, 6, 7},
-             {2, 7, 3},
-             {0, 4, 6},
-             {0, 6, 2},
-             {1, 3, 7},
-             {1, 7, 5}},
-            "box"};
-}
-
-Mesh together(const Mesh& a, const Mesh& b) {
-    std::vector<Vec3> vertices = a.vertices();
-    std::vector<Triangle> triangles = a.triangles();
-    const auto first = static_cast<std::uint32_t>(vertices.size());
-    vertices.insert(vertices.end(), b.vertices().begin(), b.vertices().end());
-    for (const auto& [i, j, k] : b.triangles()) triangles.push_back({first + i, first + j, first + k});
-    return {std::move(vertices), std::move(triangles), "two"};
-}
-
-/// Of all cells: the fraction of each, by its indices on the lattice.
+/// The fraction of each cell, by its indices on the lattice.
 std::map<Index3, double> volumes(const Fractions& found) {
     std::map<Index3, double> all;
     const auto [nx, ny, nz] = found.counts();
@@ -117,7 +88,7 @@ BOOST_AUTO_TEST_CASE(a_box_has_closed_forms) {
             box.lower[axis] = std::min(a, b);
             box.upper[axis] = std::max(a, b);
         }
-        const Fractions found = fractions(box_mesh(box), grid);
+        const Fractions found = fractions(test::box(box.lower, box.upper), grid);
         const auto side = [&](std::int64_t cell, std::size_t axis) {
             const double low = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(cell);
             return covered(low, low + grid.spacing[axis], box.lower[axis], box.upper[axis]);
@@ -150,7 +121,7 @@ BOOST_AUTO_TEST_CASE(a_box_has_closed_forms) {
 
 BOOST_AUTO_TEST_CASE(a_box_in_the_planes_between_cells) {
     const Grid grid{{0, 0, 0}, {1, 1, 1}, {5, 5, 5}};
-    const Fractions found = fractions(box_mesh({{1, 1, 1}, {2, 2, 2}}), grid);
+    const Fractions found = fractions(test::box({1, 1, 1}, {2, 2, 2}), grid);
     for (const auto& [cell, fraction] : volumes(found)) BOOST_TEST(fraction == (cell == Index3{1, 1, 1} ? 1 : 0));
     // Each piece of the surface belongs to the cell above it.
     double area = 0;
@@ -167,7 +138,8 @@ BOOST_AUTO_TEST_CASE(sums_are_those_of_the_mesh) {
         check_sums(mesh, Grid::around(mesh.box(), {.resolution = 24}), outer(mesh));
     }
     // Unequal spacings; parts that overlap, so that no cell has more than 1.
-    const Mesh two = together(box_mesh({{0, 0, 0}, {1, 1, 1}}), box_mesh({{0.3, 0.4, 0.5}, {1.5, 1.6, 1.7}}));
+    const Mesh two =
+        together({test::box({0, 0, 0}, {1, 1, 1}), test::box({0.3, 0.4, 0.5}, {1.5, 1.6, 1.7})}, "two boxes");
     check_sums(two, Grid{{-0.1, -0.2, -0.03}, {0.1, 0.7, 0.011}, {19, 5, 180}}, outer(two));
 }
 
@@ -247,7 +219,7 @@ BOOST_AUTO_TEST_CASE(two_walls_of_a_wedge_are_two_pieces) {
 }
 
 BOOST_AUTO_TEST_CASE(a_grid_without_cells_is_refused) {
-    const Mesh box = box_mesh({{0, 0, 0}, {1, 1, 1}});
+    const Mesh box = test::box({0, 0, 0}, {1, 1, 1});
     check_throws(ErrorCode::invalid_argument, {"1 sample along y"}, [&] {
         fractions(box, Grid{{0, 0, 0}, {1, 1, 1}, {3, 1, 3}});
     });

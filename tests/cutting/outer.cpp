@@ -1,6 +1,7 @@
 // The outer surface: of unions of boxes against closed forms, of turned bodies against winding numbers.
 
 #include "core/vectors.hpp"
+#include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "support/throws.hpp"
 #include "support/winding.hpp"
@@ -21,18 +22,6 @@ namespace clsdf {
 using namespace test;
 
 namespace {
-
-/// Several meshes as one.
-Mesh together(const std::vector<Mesh>& bodies, const std::string& name) {
-    std::vector<Vec3> vertices;
-    std::vector<Triangle> triangles;
-    for (const Mesh& body : bodies) {
-        const auto first = static_cast<std::uint32_t>(vertices.size());
-        vertices.insert(vertices.end(), body.vertices().begin(), body.vertices().end());
-        for (const auto& [a, b, c] : body.triangles()) triangles.push_back({first + a, first + b, first + c});
-    }
-    return {std::move(vertices), std::move(triangles), name};
-}
 
 /// diagonals: which way each of its six faces is cut, as bits.
 Mesh box_mesh(const Box& box, unsigned diagonals, bool looks_inwards = false) {

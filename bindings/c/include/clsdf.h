@@ -785,8 +785,8 @@ typedef struct clsdf_outer_report {
  * mesh does not meet the rule or nothing is inside. */
 CLSDF_API clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, int32_t sign, const clsdf_call_options* call,
                                         clsdf_mesh** outer, clsdf_outer_report* report);
-/* Of a mesh of clsdf_mesh_outer(): for each triangle the number of the face as given that it is a part of, from 0
- * whatever the index base, in the mesh's own memory, as long as it lives; of other meshes 0 numbers. */
+/* The number of the face as given that each triangle of a mesh of clsdf_mesh_outer() is a part of, from 0 whatever the
+ * index base, in the mesh's own memory, as long as it lives; 0 numbers for other meshes. */
 CLSDF_API clsdf_status clsdf_mesh_given_faces(const clsdf_mesh* mesh, const uint32_t** faces, int64_t* count);
 
 /* Times (wall-clock seconds of the host) and memory of a call. */
@@ -1080,7 +1080,7 @@ CLSDF_API clsdf_status clsdf_winding(const clsdf_transform* transform, const cls
 
 /* ---- Scenes: many bodies with poses, and points among them (docs/scenes.md) ---- */
 
-/* Where a body is: its points x are at R x + t. */
+/* The pose of a body, whose points x are at R x + t. */
 typedef struct clsdf_pose {
     double rotation[9]; /* R, by rows */
     double translation[3];
@@ -1134,7 +1134,7 @@ CLSDF_API clsdf_status clsdf_scene_pose(const clsdf_scene* scene, int64_t body, 
 CLSDF_API clsdf_status clsdf_scene_sign(const clsdf_scene* scene, int64_t body, int32_t* rule);
 /* 1: a body that is on has a sign. */
 CLSDF_API clsdf_status clsdf_scene_has_sign(const clsdf_scene* scene, int32_t* has_sign);
-/* What is kept of all meshes. */
+/* The memory that is kept of all meshes. */
 CLSDF_API clsdf_status clsdf_scene_memory(const clsdf_scene* scene, clsdf_kept_memory* memory);
 
 /* As clsdf_query(), of the body whose signed distance is the least; closest points, gradients and offsets are in the

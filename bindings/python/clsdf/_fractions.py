@@ -47,4 +47,4 @@ def fractions(mesh: Any, grid: Grid, sign: str = "auto") -> Fractions:
     *columns, bits = _core.fractions(vertices, faces, grid, sign)
     shape = tuple(count - 1 for count in grid.shape)
     full = np.unpackbits(bits, count=int(np.prod(shape)), bitorder="little").astype(bool).reshape(shape)
-    return Fractions(*columns, full, grid)
+    return Fractions._make((*columns, full, grid))

@@ -258,7 +258,7 @@ public:
     ///
     /// A row depends on the lattice, the direction and the mesh's positions: not on the block of the lattice, other
     /// directions or threads. On a GPU kernels find the links of walls; else the host works, on all cores. Blocks.
-    /// Keeps what query() keeps. Of a restricted transform the grid, with as many samples more on each side as the
+    /// Keeps what query() keeps. The grid of a restricted transform, with as many samples more on each side as the
     /// directions reach, must lie in a region, and with the rule `below` above the floor.
     ///
     /// Throws Error(invalid_argument) for directions out of range or given twice, and for a grid out of range, also if

@@ -15,8 +15,7 @@ namespace clsdf {
 struct OuterSurface {
     /// Closed and balanced; faces look outwards. Its groups are those of the faces as given.
     Mesh mesh;
-    /// Of each triangle of `mesh`: the number of the face as given that it is a part of; of coincident faces the
-    /// lowest.
+    /// The number of the face as given that each triangle of `mesh` is a part of; the lowest of coincident faces.
     std::vector<std::uint32_t> faces;
 
     std::size_t whole_faces = 0;    ///< faces as given that are on the outer surface wholly,
@@ -35,7 +34,7 @@ struct OuterSurface {
 ///
 /// Walls between two insides vanish, and so do sheets with the same on both sides: there the distance to the outer
 /// surface is larger than that to the mesh, and it is never smaller. Uses all cores; may be called by many threads.
-/// Memory and time grow with the number of pairs of faces that meet.
+/// Memory and time grow with the number of pairs of faces that meet, and faster where many overlap in one plane.
 ///
 /// sign: automatic, nonzero or parity. Throws the errors of resolve_sign_rule(); Error(invalid_mesh) if nothing is
 /// inside; Error(unsupported) for the other rules, and for automatic if the mesh has none of these two:

@@ -12,7 +12,7 @@
 
 namespace clsdf {
 
-/// Where a body is: its points x are at R x + t. `rotation` has the rows of R.
+/// The pose of a body, whose points x are at R x + t. `rotation` has the rows of R.
 struct Pose {
     std::array<Vec3, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     Vec3 translation{};
@@ -102,7 +102,7 @@ public:
     SignRule sign(std::uint32_t body) const;
     /// Whether a body that is on has a sign.
     bool has_sign() const;
-    /// What is kept of all meshes.
+    /// The memory that is kept of all meshes.
     KeptMemory memory() const;
 
     // Points. All throw Error(invalid_argument) if there is no body that is on.
