@@ -379,6 +379,16 @@ std::vector<DeviceInfo> chosen(const std::string& name) {
     return infos;
 }
 
+/// A GPU that WSL2 shows to Linux, by a file that is no driver of OpenCL.
+void tell_of_wsl(const std::vector<DeviceInfo>& devices) {
+    std::error_code error;
+    const bool has_gpu = std::any_of(devices.begin(), devices.end(), [](const DeviceInfo& info) {
+        return info.kind == DeviceKind::gpu && info.usable();
+    });
+    if (!has_gpu && std::filesystem::exists("/dev/dxg", error))
+        print_text("This is WSL2: no maker of GPUs has an OpenCL driver for it, so processors compute.\n");
+}
+
 ExitStatus run(const DevicesOptions& options, Report& report) {
     if (options.prepare) {
         prepare(report, chosen(options.device), options.again);
@@ -389,6 +399,7 @@ ExitStatus run(const DevicesOptions& options, Report& report) {
         for (const DeviceInfo& info : devices.all) print_human(info);
         if (devices.taken != nullptr)
             print_text("Taken is device {}: {}.\n", devices.taken->index, reason_of_choice(devices));
+        tell_of_wsl(devices.all);
     }
     report.result = describe(devices);
     if (devices.failure) throw clsdf::Error(*devices.failure);
