@@ -97,10 +97,10 @@ CLSDF_INLINED void set_determinant(const Normal& normal, const Vectors& w, TwoLa
     is_certain = of_all >= 0x1p-40 * size ? Lanes{} + 1.0 : Lanes{};
 }
 
-}  // namespace
-
-CLSDF_SEVERAL_TARGETS
-void LinkPlaces::compute_quickly() {
+/// Sets the places of the segments, and which of them are certain.
+CLSDF_SEVERAL_TARGETS void compute_by_vectors(const std::array<std::array<LinkPlaces::Numbers, 3>, 3>& corners,
+                                              const std::array<std::array<LinkPlaces::Numbers, 3>, 2>& ends,
+                                              LinkPlaces::Numbers& places, LinkPlaces::Numbers& are_certain) {
     Vectors ab, ac, from_begin, along;
     set_difference(corners[1], corners[0], ab);
     set_difference(corners[2], corners[0], ac);
@@ -121,13 +121,16 @@ void LinkPlaces::compute_quickly() {
     const Lanes place = first + (rest.high + rest.low) / d.high;
     const Lanes is_certain = n.high == 0 ? Lanes{} : of_n * of_d;
     std::memcpy(places.of.data(), &place, sizeof place);
-    std::memcpy(are_certain_.of.data(), &is_certain, sizeof is_certain);
+    std::memcpy(are_certain.of.data(), &is_certain, sizeof is_certain);
 }
 
+}  // namespace
+
 void LinkPlaces::compute() {
-    compute_quickly();
+    Numbers are_certain{};
+    compute_by_vectors(corners, ends, places, are_certain);
     for (std::size_t n = 0; n < most; ++n) {
-        if (are_certain_.of[n] != 0) continue;
+        if (are_certain.of[n] != 0) continue;
         const auto point = [n](const std::array<Numbers, 3>& p) { return Vec3{p[0].of[n], p[1].of[n], p[2].of[n]}; };
         const crossing::Corners face{point(corners[0]), point(corners[1]), point(corners[2])};
         const Vec3 from = point(ends[0]), to = point(ends[1]);

@@ -28,11 +28,6 @@ struct LinkPlaces {
     std::array<std::array<Numbers, 3>, 3> corners{};
     std::array<std::array<Numbers, 3>, 2> ends{};
     Numbers places{};
-
-private:
-    void compute_quickly();
-
-    Numbers are_certain_{};
 };
 
 }  // namespace clsdf::segments

@@ -94,8 +94,12 @@ void LinkRaster::describe(const PairedDirections& paired, LinkLattice& lattice, 
         }
 }
 
-CLSDF_SEVERAL_TARGETS
-void LinkRaster::see(const Batch& batch, const std::array<Vec3, 3>& at, double margin, Seen& seen) const {
+namespace {
+
+CLSDF_SEVERAL_TARGETS void see_by_vectors(const LineBatch& batch, const std::array<Vec3, 3>& at, double margin,
+                                          SeenFace& seen) {
+    constexpr std::size_t lanes = LineBatch::lanes;
+    using Values = LineBatch::Lanes<double>;
     for (std::size_t i = 0; i < 3; ++i) {
         const double x = at[i][0], y = at[i][1], z = at[i][2];
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -107,8 +111,8 @@ void LinkRaster::see(const Batch& batch, const std::array<Vec3, 3>& at, double m
                 batch.k_from[lane] + batch.k_of[0][lane] * x + batch.k_of[1][lane] * y + batch.k_of[2][lane] * z;
         }
     }
-    const auto range = [margin](const std::array<Lanes<double>, 3>& of, const Lanes<double>& least,
-                                const Lanes<double>& most, Lanes<double>& begin, Lanes<double>& end) {
+    const auto range = [margin](const std::array<Values, 3>& of, const Values& least, const Values& most, Values& begin,
+                                Values& end) {
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             const double a = of[0][lane], b = of[1][lane], c = of[2][lane];
             const double low_of_two = a < b ? a : b, high_of_two = a < b ? b : a;
@@ -120,6 +124,12 @@ void LinkRaster::see(const Batch& batch, const std::array<Vec3, 3>& at, double m
     };
     range(seen.u, batch.least_u, batch.most_u, seen.begin_u, seen.end_u);
     range(seen.v, batch.least_v, batch.most_v, seen.begin_v, seen.end_v);
+}
+
+}  // namespace
+
+void LinkRaster::see(const Batch& batch, const std::array<Vec3, 3>& at, double margin, Seen& seen) {
+    see_by_vectors(batch, at, margin, seen);
 }
 
 }  // namespace clsdf::segments

@@ -26,6 +26,36 @@ struct PairedDirections {
 };
 PairedDirections paired(std::span<const Place> directions);
 
+/// Lines of directions: a place x has the coordinates u, v across the line and k along it, in steps, each linear in
+/// x. Of a step with a component of 2 or more on the axis along which its links are counted, every so many samples
+/// on that axis belong to one lane.
+struct LineBatch {
+    /// Lines that are projected together.
+    static constexpr std::size_t lanes = 16;
+    template <typename T>
+    using Lanes = std::array<T, lanes>;
+
+    std::array<Lanes<double>, 3> u_of{}, v_of{}, k_of{};
+    Lanes<double> u_from{}, v_from{}, k_from{};
+    Lanes<double> least_u{}, most_u{}, least_v{}, most_v{}, most_k{};  ///< of samples of the box
+    struct Lane {
+        std::size_t step;
+        std::size_t along, first, second;  ///< axes
+        std::int64_t begin, stride;        ///< of the samples on the axis `along`
+        std::int64_t first_slope, second_slope;
+    };
+    std::vector<Lane> steps;
+};
+
+/// A face as the lines of a batch see it.
+struct SeenFace {
+    template <typename T>
+    using Lanes = LineBatch::Lanes<T>;
+
+    std::array<Lanes<double>, 3> u, v, k;
+    Lanes<double> begin_u, end_u, begin_v, end_v;  ///< of lines that may cross it, both included
+};
+
 /// The links of a box that may cross a face, by the lines of the lattice along each direction: seen along it, the face
 /// is a triangle in a plane in which the lines are the points of whole coordinates.
 ///
@@ -46,32 +76,11 @@ public:
     void describe(const PairedDirections& paired, LinkLattice& lattice, std::vector<LinkLine>& lines) const;
 
 private:
-    /// Lines that are projected together.
-    static constexpr std::size_t lanes = 16;
+    static constexpr std::size_t lanes = LineBatch::lanes;
     template <typename T>
-    using Lanes = std::array<T, lanes>;
-
-    /// Lines of directions: a place x has the coordinates u, v across the line and k along it, in steps, each linear in
-    /// x. Of a step with a component of 2 or more on the axis along which its links are counted, every so many samples
-    /// on that axis belong to one lane.
-    struct Batch {
-        std::array<Lanes<double>, 3> u_of{}, v_of{}, k_of{};
-        Lanes<double> u_from{}, v_from{}, k_from{};
-        Lanes<double> least_u{}, most_u{}, least_v{}, most_v{}, most_k{};  ///< of samples of the box
-        struct Lane {
-            std::size_t step;
-            std::size_t along, first, second;  ///< axes
-            std::int64_t begin, stride;        ///< of the samples on the axis `along`
-            std::int64_t first_slope, second_slope;
-        };
-        std::vector<Lane> steps;
-    };
-
-    /// A face as the lines of a batch see it.
-    struct Seen {
-        std::array<Lanes<double>, 3> u, v, k;
-        Lanes<double> begin_u, end_u, begin_v, end_v;  ///< of lines that may cross it, both included
-    };
+    using Lanes = LineBatch::Lanes<T>;
+    using Batch = LineBatch;
+    using Seen = SeenFace;
 
     static double least_of(const std::array<double, 3>& x) {
         const double of_two = x[0] < x[1] ? x[0] : x[1];
@@ -81,7 +90,7 @@ private:
         const double of_two = x[0] < x[1] ? x[1] : x[0];
         return x[2] < of_two ? of_two : x[2];
     }
-    void see(const Batch& batch, const std::array<Vec3, 3>& at, double margin, Seen& seen) const;
+    static void see(const Batch& batch, const std::array<Vec3, 3>& at, double margin, Seen& seen);
     template <typename Visit>
     void visit_lines(const Batch& batch, std::size_t lane, const Seen& seen, double margin, const Visit& visit) const;
     template <typename Visit>

@@ -49,9 +49,17 @@ TreeRay tree_ray(const PointMesh& mesh, const Vec3& from, const Vec3& slope) {
     return ray;
 }
 
-CLSDF_SEVERAL_TARGETS std::uint32_t children_on_ray(const PointNode& node, const one_lane::BoxRay& ray, float end,
-                                                    float* distances) {
+namespace {
+
+CLSDF_SEVERAL_TARGETS std::uint32_t children_by_vectors(const PointNode& node, const one_lane::BoxRay& ray, float end,
+                                                        float* distances) {
     return one_lane::children_on_ray(&node, &ray, end, distances);
+}
+
+}  // namespace
+
+std::uint32_t children_on_ray(const PointNode& node, const one_lane::BoxRay& ray, float end, float* distances) {
+    return children_by_vectors(node, ray, end, distances);
 }
 
 }  // namespace clsdf::engine

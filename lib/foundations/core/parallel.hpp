@@ -107,7 +107,8 @@ void with_helpers(std::size_t count, const Help& help, const Function& f) {
 }  // namespace clsdf
 
 /// An attribute of a function: it is compiled for several vector widths, and the program picks the one of its
-/// processor. All give the same bytes, because multiply-adds are not fused. Functions that it calls must be inlined.
+/// processor. All give the same bytes, because multiply-adds are not fused. Functions that it calls must be inlined. It
+/// belongs in an unnamed namespace: GCC exports others, whatever their visibility is.
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__OPTIMIZE__)
 #define CLSDF_SEVERAL_TARGETS __attribute__((target_clones("avx512f", "avx2", "default")))
