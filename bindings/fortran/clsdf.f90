@@ -3896,20 +3896,22 @@ contains
 
   !> The outer surface of a mesh whose parts may overlap, touch, repeat or contain each other: closed, its faces look
   !> outwards. sign: CLSDF_SIGN_AUTOMATIC, CLSDF_SIGN_NONZERO or CLSDF_SIGN_PARITY.
-  subroutine mesh_outer(self, outer, sign, report, stat, errmsg)
+  subroutine mesh_outer(self, outer, sign, report, options, stat, errmsg)
     class(clsdf_mesh), intent(in) :: self
     type(clsdf_mesh), intent(inout) :: outer
     integer(c_int32_t), intent(in), optional :: sign
     type(clsdf_outer_report), intent(out), optional :: report
+    class(clsdf_call_options), intent(inout), target, optional :: options
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
     type(clsdf_outer_report) :: found
     type(c_ptr) :: handle
     integer(c_int32_t) :: status, rule
     rule = CLSDF_SIGN_AUTOMATIC
     if (present(sign)) rule = sign
     found%struct_size = c_sizeof(found) + 1  ! calls fill it
-    status = c_mesh_outer(self%handle, rule, c_null_ptr, handle, found)
+    status = c_mesh_outer(self%handle, rule, options_for_c(given, options), handle, found)
     if (present(report)) report = found
     call outer%release()
     outer%handle = handle
@@ -5375,6 +5377,8 @@ contains
     if (size(bodies) /= size(poses)) then
       status = refused('the arrays of the bodies and of the poses have the shapes '//joined(shape(bodies, c_int64_t))// &
           ' and '//joined(shape(poses, c_int64_t)))
+    else if (size(bodies) == 0) then
+      status = CLSDF_OK  ! a null pointer would mean all bodies
     else
       status = c_scene_set_poses(self%handle, c_loc(numbers), pose_for_c(poses), size(poses, kind=c_int64_t))
     end if

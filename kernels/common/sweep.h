@@ -21,7 +21,7 @@ typedef struct SweepVertex {
 // What a row meets; of the sweep for the sign a crossing with the surface.
 typedef struct SweepRecord {
     clsdf_uint32 row;
-    clsdf_uint32 key;    // see sign_sweep.cl, exact_sides.cl and link_crossings.cl
+    clsdf_uint32 key;    // see sign_sweep.cl, exact_sides.cl and links.cl
     clsdf_uint32 index;  // among the row's records, in no order
 } SweepRecord;
 

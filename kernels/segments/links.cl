@@ -510,7 +510,7 @@ __kernel void solve_links(LinkLattice lattice, __global const int4* steps, __glo
 }
 
 // The sides of samples [begin, end) of the grid, x fastest: a byte each, one per work-item, or, if are_packed, a bit
-// each, the lowest one first, 32 per work-item; then count is that of words.
+// each, the lowest one first, 32 per work-item.
 __kernel void store_sides(LinkLattice lattice, __global const uint* sides, ulong count, int are_packed,
                           __global uchar* bytes, uint begin, uint end) {
     const uint item = begin + (uint)get_global_id(0);

@@ -73,7 +73,7 @@ INLINE void cross_rows(SampleRows samples, __global const double* at, double3 a,
         }
 }
 
-// As sweep_triangle() of sign_sweep.cl.
+// Writes the crossings of a triangle and the rows that it may meet, as sweep_triangle() of sign_sweep.cl does.
 INLINE void cross_triangle(SampleRows samples, uint t, uint strip, uint strips, __global const uint* triangles,
                            __global const double* positions, __global const double* at, __global uint* large,
                            __private Writer* writer) {

@@ -17,7 +17,8 @@ void DistanceTransform::State::plan(plans::LinkPlanState& plan, const plans::Ask
         test(checks::stored_links_subject(device, programs), running);
         plans::PlannedLinks made;
         make_and_wait(running, [&] {
-            made = found.on_device ? plans::planned(context(), pool, *std::exchange(found.on_device, {}))
+            // Called again if memory is short: planned() takes the links when it has the rest.
+            made = found.on_device ? plans::planned(context(), pool, std::move(*found.on_device))
                                    : plans::uploaded(context(), pool, found.on_host, asked.room);
         });
         CallStatistics& statistics = running.statistics;

@@ -19,12 +19,10 @@
 namespace clsdf::plans {
 
 PlannedLinks planned(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                     segments::DeviceLinks links) {
-    PlannedLinks planned{std::move(links), {}};
-    planned.totals = device::uploaded(context, pool,
-                                      std::array{DeviceLinkCount{planned.count, 1}, DeviceLinkCount{planned.count, 0}},
-                                      "links of a plan");
-    return planned;
+                     segments::DeviceLinks&& links) {
+    auto totals = device::uploaded(
+        context, pool, std::array{DeviceLinkCount{links.count, 1}, DeviceLinkCount{links.count, 0}}, "links of a plan");
+    return {std::move(links), std::move(totals)};
 }
 
 PlannedLinks uploaded(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,

@@ -32,7 +32,7 @@ struct PlannedLinks : segments::DeviceLinks {
 PlannedLinks uploaded(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                       const Links& links, std::size_t room);
 PlannedLinks planned(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                     segments::DeviceLinks links);
+                     segments::DeviceLinks&& links);
 
 /// The state of a LinkPlan.
 class LinkPlanState : public Planned<AskedLinks, PlannedLinks> {

@@ -10,8 +10,10 @@
 #include "segments/links.hpp"
 #include "sign/row_records.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -44,6 +46,8 @@ public:
         words_ = words * static_cast<std::size_t>(box_.size[1] - 2 * box_.margin[1]) *
                  static_cast<std::size_t>(box_.size[2] - 2 * box_.margin[2]);
         if (box_.size[0] > CLSDF_MOST_EXACT_SAMPLES || box_.row_count() * words >= most) return false;
+        // Samples have a byte each at the end, and places on lines are integers of 32 bits.
+        if (sample_count() >= most || longest_step() * *std::ranges::max_element(box_.size) >= 1 << 30) return false;
         samples_.emplace(tools_, box_, words);
         sides_ = engine::find_exact_sides(tools_, launches_, inputs_.mesh, inputs_.rule, samples_->rows, *samples_->at);
         if (!sides_) return false;
@@ -134,6 +138,14 @@ private:
         for (std::size_t axis = 0; axis < 3; ++axis)
             count *= static_cast<std::size_t>(box_.size[axis] - 2 * box_.margin[axis]);
         return count;
+    }
+
+    /// The largest component of a direction, at least 1.
+    std::int64_t longest_step() const {
+        std::int64_t longest = 1;
+        for (const Place& step : steps_)
+            for (const auto component : step) longest = std::max<std::int64_t>(longest, std::abs(component));
+        return longest;
     }
 
     /// Launches a kernel whose last arguments are a range of [0, items), behind these.

@@ -43,7 +43,8 @@ struct DeviceLinks {
     Lease samples, directions, q, q_floats, triangles, counts, flags;
 };
 
-/// Waits. most: if there are more links, there are no rows. Throws as find_links() does, and Error(device_failure).
+/// Waits, but not for `inside`, which is enqueued. most: if there are more links, there are no rows. Throws as
+/// find_links() does, and Error(device_failure).
 std::optional<DeviceLinks> links_on_device(const DeviceLinkInputs& inputs, const Grid& grid,
                                            std::span<const LinkDirection> directions, std::size_t most);
 /// The same for the host.

@@ -78,6 +78,7 @@ clsdf_status clsdf_mesh_outer(const clsdf_mesh* mesh, std::int32_t sign, const c
                               clsdf_mesh** outer_mesh, clsdf_outer_report* report) {
     return made(outer_mesh, "outer", [&] {
         const clsdf_mesh& self = of(mesh);
+        c::check_result(report, "clsdf_outer_report");
         OuterSurface found = outer(self.mesh, c::sign_rule_of(sign, "sign"), c::Call(call));
         const clsdf_outer_report result{sizeof result,
                                         static_cast<std::int64_t>(found.whole_faces),

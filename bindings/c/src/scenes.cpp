@@ -206,7 +206,8 @@ clsdf_status clsdf_scene_contains(const clsdf_scene* scene, const clsdf_array* p
     return guarded([&] {
         const Call caller(call);
         const InputArray from = c::input_of(points, "points");
-        of(scene).scene.contains(from, {&given(inside, "inside"), from.count}, caller);
+        of(scene).scene.contains(
+            from, {c::elements(inside, static_cast<std::int64_t>(from.count), "inside"), from.count}, caller);
     });
 }
 
@@ -215,7 +216,8 @@ clsdf_status clsdf_scene_winding(const clsdf_scene* scene, const clsdf_array* po
     return guarded([&] {
         const Call caller(call);
         const InputArray from = c::input_of(points, "points");
-        of(scene).scene.winding(from, {&given(results, "results"), from.count}, caller);
+        of(scene).scene.winding(
+            from, {c::elements(results, static_cast<std::int64_t>(from.count), "results"), from.count}, caller);
     });
 }
 

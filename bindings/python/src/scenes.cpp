@@ -109,6 +109,8 @@ void query_pairs(const Bodies& bodies, nb::handle points, const Pairs& pairs, do
     arrays.place({&asked}, {&targets, 1});
     Call call(std::move(progress));
     call.refuse_unusable_points(refuse_unusable_points);
+    static_assert(sizeof(PointOfBody) == 2 * sizeof(std::uint32_t) &&
+                  offsetof(PointOfBody, body) == sizeof(std::uint32_t));
     const std::span all(reinterpret_cast<const PointOfBody*>(pairs.data()), pairs.shape(0));
     arrays.begin();
     bodies.read([&](const Scene& scene) { scene.query_pairs(asked, all, within, targets, call.options()); });

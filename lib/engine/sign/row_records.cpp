@@ -129,7 +129,8 @@ RowKeys RowRecords::finish() {
         // The counter of records has 32 bits and wraps; the scan's total shows it.
         if (found_.count > record_count_) throw too_many(search_.listed);
         if (record_count_ <= capacity_) break;
-        capacity_ = record_count_;
+        // Parts leave other rests in another run: the order in which large triangles are listed differs.
+        capacity_ = std::min<std::size_t>(record_count_ + parts_ * block_, std::numeric_limits<cl_uint>::max());
         records_ = {};  // the smaller one goes back first
         records_ = tools.pool->lease_for_list(capacity_ * sizeof(SweepRecord), search_.purpose);
         begin();
