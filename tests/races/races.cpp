@@ -243,6 +243,24 @@ BOOST_AUTO_TEST_CASE(completed_frusta_of_a_gpu) {
                                   &engine::SiteFrustum::vertex));
 }
 
+BOOST_AUTO_TEST_CASE(links_and_exact_signs_of_a_gpu) {
+    const Mesh mesh = together({tilted(make_shape("sphere1")), shifted(cube(1), {1.5, 0, 0})}, "ball and box");
+    const Grid grid = around_cube(10, 0.3);
+    const std::vector<LinkDirection> directions = stencil("D3Q19");
+    Band band = Band::symmetric(0.5);
+    band.has_exact_signs = true;
+    const DistanceTransform host(test_device(), mesh, {.body = KernelBody::by_vector}),
+        gpu(test_device(), mesh, {.body = KernelBody::by_group});
+    const Links expected = host.links(grid, directions), found = gpu.links(grid, directions);
+    BOOST_TEST(found.size() > 500U);
+    BOOST_TEST((found.samples == expected.samples && found.directions == expected.directions));
+    BOOST_TEST((found.q == expected.q && found.triangles == expected.triangles && found.counts == expected.counts));
+    BOOST_TEST((found.inside.bits == expected.inside.bits));
+    const Field field = gpu.compute(grid, band);
+    for (std::size_t n = 0; n < grid.sample_count(); ++n)
+        BOOST_TEST((field.distance()[n] < 0) == ((found.inside.bits[n / 8] >> n % 8 & 1U) != 0));
+}
+
 BOOST_AUTO_TEST_CASE(groups_that_share_a_list) {
     const Grid grid = around_cube(8, 0.4);
     const Band band = Band::symmetric(0.5);
