@@ -1,4 +1,4 @@
-"""The programs of docs/python.md, learning.md, segments.md, rays.md and scenes.md run as they stand, and their lists name what there is."""
+"""The programs of docs/python.md, learning.md, segments.md, rays.md, scenes.md and fractions.md run as they stand, and their lists name what there is."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def packages_of(program):
 
 
 def programs():
-    for page in (PAGE, DOCS / "learning.md", DOCS / "segments.md", DOCS / "rays.md", DOCS / "scenes.md"):
+    for page in (PAGE, DOCS / "learning.md", DOCS / "segments.md", DOCS / "rays.md", DOCS / "scenes.md", DOCS / "fractions.md"):
         for title, program in programs_of(page):
             name = "-".join([page.stem, *packages_of(program), *title.lower().replace(",", "").split()])
             yield pytest.param(program, id=name)
