@@ -27,6 +27,15 @@ namespace clsdf {
 enum class KernelBody : std::int32_t;  // clsdf/tuning.hpp
 
 /// How the sign is decided, and what is kept between calls.
+/// The surface that distances are measured to. The values of the enumerators never change.
+enum class Surface : std::int32_t {
+    given = 0,  ///< all faces as given, also within other parts
+    outer = 1,  ///< the outer surface of overlapping parts, see outer()
+};
+
+/// "given", "outer".
+CLSDF_EXPORT const char* name_of(Surface surface);
+
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
     /// Limit of the device memory that is kept between calls, in bytes; 0 keeps nothing. Data that all grids and points
@@ -36,6 +45,7 @@ struct TransformOptions {
     KernelBody body{};  ///< for measuring
     /// Of the rule `below`, which needs one, and no other: z of the floor, below all vertices, also when they move.
     std::optional<double> floor{};
+    Surface surface = Surface::given;
 };
 
 namespace detail {
