@@ -33,6 +33,7 @@ module clsdf
       clsdf_grid, clsdf_region, clsdf_request, clsdf_block_set, clsdf_statistics, clsdf_progress, clsdf_call_options, &
       clsdf_slab, clsdf_slab_sink, clsdf_sparse_counts, clsdf_sparse_request, clsdf_sparse_slab, clsdf_sparse_sink, &
       clsdf_links, clsdf_link_sink, clsdf_crossings
+  public :: clsdf_fraction_options, clsdf_fraction_request, clsdf_cell_fraction, clsdf_fraction_convention
   public :: clsdf_progress_procedure, clsdf_stop_procedure, clsdf_log_procedure, clsdf_slab_procedure, &
       clsdf_sparse_procedure, clsdf_link_procedure
   public :: clsdf_version, clsdf_version_text, clsdf_last_error, clsdf_last_opencl_error, clsdf_set_last_error, &
@@ -76,6 +77,9 @@ module clsdf
   integer(c_int32_t), parameter, public :: CLSDF_WITHIN = 0, CLSDF_INSIDE = 1, CLSDF_OUTSIDE = 2, CLSDF_BEYOND = 3
   !> What counts where a segment meets the surface.
   integer(c_int32_t), parameter, public :: CLSDF_WALLS = 0, CLSDF_FACES = 1
+  !> The part of a cell that is measured; the cell that has a piece of surface in the face between two cells; types of cells.
+  integer(c_int32_t), parameter, public :: CLSDF_PART_SOLID = 0, CLSDF_PART_FLUID = 1, CLSDF_WALL_ABOVE = 0, &
+      CLSDF_WALL_SOLID = 1, CLSDF_WALL_FLUID = 2, CLSDF_CELL_EMPTY = 0, CLSDF_CELL_FULL = 1, CLSDF_CELL_CUT = 2
   !> What is said of a link, as bits: the film of an open mesh; a body between both ends; of faces: both on one side.
   integer(c_int32_t), parameter, public :: CLSDF_LINK_FILM = 1, CLSDF_LINK_BETWEEN = 2, CLSDF_LINK_SHEET = 8, &
     CLSDF_LINK_CLOSING = 16
@@ -433,6 +437,44 @@ module clsdf
     real(c_double) :: volume = 0, area = 0
   end type
 
+  ! ---- Fractions of cells ----
+
+  !> What the numbers of a cell mean: of clsdf_fraction_convention('amrex'), for instance.
+  type, bind(C) :: clsdf_fraction_options
+    integer(c_size_t) :: struct_size = 48
+    integer(c_int32_t) :: part = CLSDF_PART_SOLID, walls = CLSDF_WALL_ABOVE
+    integer(c_int32_t) :: normals_into_solid = 0   !< 1: vector areas and normals point into the solid
+    integer(c_int32_t) :: areas_of_faces = 0       !< 1: areas are parts of a cell's face across the normal, as AMReX's
+    integer(c_int32_t) :: centroids_as_points = 0  !< 1: centroids in the mesh's space; 0: in cells from the middle
+    integer(c_int32_t) :: reserved = 0
+    real(c_double) :: snap = 0                     !< vertices so near to a plane between cells are moved onto it: in cells
+    real(c_double) :: no_surface_centroid = 0      !< of arrays: the surface's centroid in cells without surface
+  end type
+
+  !> A cell that the surface meets; cells lie between neighbouring samples.
+  type, bind(C) :: clsdf_cell_fraction
+    integer(c_int32_t) :: cell(3) = 0       !< the sample at its low corner, on the lattice, from 1
+    integer(c_int32_t) :: pieces = 0        !< parts of the surface in the cell that are joined over edges
+    real(c_double) :: volume = 0            !< of the part, as a fraction of the cell
+    real(c_double) :: centroid(3) = 0
+    real(c_double) :: area = 0              !< of the surface in the cell
+    real(c_double) :: vector_area(3) = 0    !< the integral of its normal
+    real(c_double) :: surface_centroid(3) = 0
+    real(c_double) :: face_fractions(6) = 0       !< of the part in the low and high face across x, y and z
+    real(c_double) :: face_centroids(2, 6) = 0    !< in these faces, along the two other axes
+  end type
+
+  !> A box of cells and the arrays for them, each of which may be missing, as clsdf_array(volume). Arrays of cells have one
+  !> item less than the grid has samples along each axis, those of faces across an axis as many as samples along it.
+  type :: clsdf_fraction_request
+    type(clsdf_grid) :: grid
+    type(clsdf_array) :: types, pieces       !< integer(1): CLSDF_CELL_EMPTY ...; integer(1) or integer(4)
+    type(clsdf_array) :: volume, area        !< real(4) or real(8), as those that follow
+    type(clsdf_array) :: centroid, vector_area, normal, surface_centroid  !< three components
+    type(clsdf_array) :: face_fractions(3)
+    type(clsdf_array) :: face_centroids(3)   !< two components
+  end type
+
   type :: clsdf_mesh
     type(c_ptr), private :: handle = c_null_ptr
   contains
@@ -445,6 +487,8 @@ module clsdf
     procedure :: close_down => mesh_close_down
     procedure :: outer => mesh_outer
     procedure :: given_faces => mesh_given_faces
+    procedure :: fractions => mesh_fractions
+    procedure :: fraction_arrays => mesh_fraction_arrays
     procedure :: write => mesh_write
     procedure, private :: mesh_set_positions, mesh_set_positions_r4, mesh_set_positions_r8
     generic :: set_positions => mesh_set_positions, mesh_set_positions_r4, mesh_set_positions_r8
@@ -863,6 +907,11 @@ module clsdf
     integer(c_int64_t) :: most = 1
     type(clsdf_c_array) :: t, triangles, counts, any
   end type
+  type, bind(C) :: c_fraction_request
+    type(clsdf_c_grid) :: grid
+    type(clsdf_c_array) :: types, pieces, volume, centroid, area, vector_area, normal, surface_centroid
+    type(clsdf_c_array) :: face_fractions(3), face_centroids(3)
+  end type
   type, bind(C) :: c_request
     type(clsdf_c_grid) :: grid
     type(clsdf_band) :: band
@@ -934,6 +983,9 @@ module clsdf
   type :: sparse_taker
     class(clsdf_sparse_sink), pointer :: sink => null()
     integer(c_int32_t) :: index_base = 1
+  end type
+  type :: cell_taker
+    type(clsdf_cell_fraction), allocatable :: cells(:)
   end type
   type :: link_taker
     class(clsdf_link_sink), pointer :: sink => null()
@@ -1415,6 +1467,33 @@ module clsdf
       integer(c_int32_t), value :: sign
       type(c_ptr), intent(out) :: outer
       type(clsdf_outer_report), intent(inout) :: report
+    end function
+    function c_fraction_convention(name, options) bind(C, name="clsdf_fraction_convention") result(value)
+      import
+      integer(c_int32_t) :: value
+      character(kind=c_char), intent(in) :: name(*)
+      type(clsdf_fraction_options), intent(inout) :: options
+    end function
+    function c_fractions(mesh, sign, grids, grid_count, options, sink, user, call) bind(C, name="clsdf_fractions") &
+        result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh, user, call
+      integer(c_int32_t), value :: sign
+      type(clsdf_c_grid), intent(in) :: grids(*)
+      integer(c_int64_t), value :: grid_count
+      type(clsdf_fraction_options), intent(in) :: options
+      type(c_funptr), value :: sink
+    end function
+    function c_fraction_arrays(mesh, sign, requests, request_count, options, call) bind(C, name="clsdf_fraction_arrays") &
+        result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: mesh, call
+      integer(c_int32_t), value :: sign
+      type(c_fraction_request), intent(in) :: requests(*)
+      integer(c_int64_t), value :: request_count
+      type(clsdf_fraction_options), intent(in) :: options
     end function
     function c_mesh_given_faces(mesh, faces, count) bind(C, name="clsdf_mesh_given_faces") result(value)
       import
@@ -3916,6 +3995,120 @@ contains
     call outer%release()
     outer%handle = handle
     call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The options of a convention: 'plain', 'amrex', 'chombo' or 'vtk'.
+  function clsdf_fraction_convention(name, stat, errmsg) result(options)
+    character(*), intent(in) :: name
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_fraction_options) :: options
+    integer(c_int32_t) :: status
+    options%struct_size = c_sizeof(options)
+    status = c_fraction_convention(trim(name)//c_null_char, options)
+    call clsdf_finish(status, stat, errmsg)
+  end function
+
+  !> The cells of a grid that the surface meets, by z, y, x: the parts that the mesh fills. A mesh of outer() is used as it
+  !> is; of others the outer surface is made.
+  subroutine mesh_fractions(self, grid, cells, options, sign, call_options, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_cell_fraction), allocatable, intent(out) :: cells(:)
+    type(clsdf_fraction_options), intent(in), optional :: options
+    integer(c_int32_t), intent(in), optional :: sign
+    class(clsdf_call_options), intent(inout), target, optional :: call_options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(cell_taker), target :: taker
+    type(caller), target :: given
+    type(clsdf_fraction_options) :: own
+    integer(c_int32_t) :: status, rule
+    integer(c_int64_t) :: n
+    rule = CLSDF_SIGN_AUTOMATIC
+    if (present(sign)) rule = sign
+    if (present(options)) own = options
+    own%struct_size = c_sizeof(own)
+    status = c_fractions(self%handle, rule, [clsdf_grid_for_c(grid)], 1_c_int64_t, own, c_funloc(on_cells), c_loc(taker), &
+        options_for_c(given, call_options))
+    if (status == CLSDF_OK) then
+      call move_alloc(taker%cells, cells)
+      do n = 1, size(cells, kind=c_int64_t)
+        cells(n)%cell = cells(n)%cell + 1
+      end do
+    end if
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  function on_cells(user, grid_number, cells, cell_count, full) bind(C, name="") result(status)
+    type(c_ptr), value :: user, cells, full
+    integer(c_int64_t), value :: grid_number, cell_count
+    integer(c_int32_t) :: status
+    type(cell_taker), pointer :: taker
+    type(clsdf_cell_fraction), pointer :: found(:)
+    status = CLSDF_OK
+    if (grid_number /= 0 .or. .not. c_associated(full)) status = CLSDF_UNEXPECTED
+    call c_f_pointer(user, taker)
+    if (cell_count > 0) then
+      call c_f_pointer(cells, found, [cell_count])
+      taker%cells = found
+    else
+      allocate (taker%cells(0))
+    end if
+  end function
+
+  !> The same into arrays of boxes.
+  subroutine mesh_fraction_arrays(self, requests, options, sign, call_options, stat, errmsg)
+    class(clsdf_mesh), intent(in) :: self
+    type(clsdf_fraction_request), intent(in) :: requests(:)
+    type(clsdf_fraction_options), intent(in), optional :: options
+    integer(c_int32_t), intent(in), optional :: sign
+    class(clsdf_call_options), intent(inout), target, optional :: call_options
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(c_fraction_request) :: c(size(requests))
+    type(caller), target :: given
+    type(clsdf_fraction_options) :: own
+    integer(c_int32_t) :: status, rule
+    integer(c_int64_t) :: cells(3), faces(3)
+    integer :: n, axis
+    status = CLSDF_OK
+    rule = CLSDF_SIGN_AUTOMATIC
+    if (present(sign)) rule = sign
+    if (present(options)) own = options
+    own%struct_size = c_sizeof(own)
+    do n = 1, size(requests)
+      associate (from => requests(n), to => c(n))
+        to%grid = clsdf_grid_for_c(from%grid)
+        cells = from%grid%size - 1
+        call cells_for_c(from%types, 'types', 1_c_int64_t, cells, to%types)
+        call cells_for_c(from%pieces, 'pieces', 1_c_int64_t, cells, to%pieces)
+        call cells_for_c(from%volume, 'volume', 1_c_int64_t, cells, to%volume)
+        call cells_for_c(from%centroid, 'centroid', 3_c_int64_t, cells, to%centroid)
+        call cells_for_c(from%area, 'area', 1_c_int64_t, cells, to%area)
+        call cells_for_c(from%vector_area, 'vector_area', 3_c_int64_t, cells, to%vector_area)
+        call cells_for_c(from%normal, 'normal', 3_c_int64_t, cells, to%normal)
+        call cells_for_c(from%surface_centroid, 'surface_centroid', 3_c_int64_t, cells, to%surface_centroid)
+        do axis = 1, 3
+          faces = cells
+          faces(axis) = faces(axis) + 1
+          call cells_for_c(from%face_fractions(axis), 'face_fractions', 1_c_int64_t, faces, to%face_fractions(axis))
+          call cells_for_c(from%face_centroids(axis), 'face_centroids', 2_c_int64_t, faces, to%face_centroids(axis))
+        end do
+      end associate
+    end do
+    if (status == CLSDF_OK) status = c_fraction_arrays(self%handle, rule, c, size(c, kind=c_int64_t), own, &
+        options_for_c(given, call_options))
+    call clsdf_finish(status, stat, errmsg)
+  contains
+    subroutine cells_for_c(array, what, components, items, to)
+      type(clsdf_array), intent(in) :: array
+      character(*), intent(in) :: what
+      integer(c_int64_t), intent(in) :: components, items(3)
+      type(clsdf_c_array), intent(inout) :: to
+      if (array%rank == 0 .or. status /= CLSDF_OK) return
+      call for_c(array, what, components, items, 3, to, status)
+    end subroutine
   end subroutine
 
   !> A copy: of each triangle of an outer surface the number, from 1, of the face as given that it is a part of; empty of

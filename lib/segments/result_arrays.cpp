@@ -19,6 +19,14 @@ ResultArray::ResultArray(const OutputArray& given, const char* name, const Index
     memory.add(given.device, range(), targets::MappedMemory::Use::write, std::string("items of ") + name);
 }
 
+ResultArray ResultArray::on_host(const OutputArray& given, const char* name, const Index3& size,
+                                 std::size_t components, std::initializer_list<ElementType> types, bool are_fields) {
+    if (given.device != nullptr)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("{} is memory of a device, and the host writes it; give it memory of the host", name));
+    return {given, name, size, components, types, are_fields};
+}
+
 ResultArray ResultArray::on_device(const OutputArray& given, const char* name, const Index3& size,
                                    std::size_t components, std::initializer_list<ElementType> types,
                                    const device::Context& context, bool are_fields) {

@@ -25,6 +25,9 @@ public:
     /// none.
     ResultArray(const OutputArray& given, const char* name, const Index3& size, std::size_t components,
                 std::initializer_list<ElementType> types, targets::MappedMemory& memory, bool are_fields = false);
+    /// The same in memory of the host alone. Throws Error(unsupported) for memory of a device.
+    static ResultArray on_host(const OutputArray& given, const char* name, const Index3& size, std::size_t components,
+                               std::initializer_list<ElementType> types, bool are_fields = false);
     /// The same in memory of the device, which its commands write. Throws Error(unsupported) for memory of the host.
     static ResultArray on_device(const OutputArray& given, const char* name, const Index3& size, std::size_t components,
                                  std::initializer_list<ElementType> types, const device::Context& context,

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <span>
 #include <vector>
 
 namespace clsdf {
@@ -206,6 +207,352 @@ BOOST_AUTO_TEST_CASE(parts_of_a_grid_have_the_bytes_of_the_whole) {
         for (std::size_t j = 0; j < ny; ++j)
             for (std::size_t i = 0; i < nx; ++i)
                 BOOST_TEST(found.is_full(i, j, k) == whole.is_full(i + 7, j + 5, k + 2));
+}
+
+BOOST_AUTO_TEST_CASE(a_box_in_the_planes_between_cells_by_convention) {
+    const Mesh box = test::box({1, 2, 3}, {2, 3, 4});
+    const Grid grid{{0, 0, 0}, {1, 1, 1}, {6, 6, 6}};
+    const Index3 own{1, 2, 3};
+    const auto by_cell = [](const Fractions& found) {
+        std::map<Index3, CellFraction> all;
+        for (const CellFraction& cell : found.cells) all[{cell.cell[0], cell.cell[1], cell.cell[2]}] = cell;
+        return all;
+    };
+    const auto expect_faces = [](const CellFraction& cell, const std::array<double, 6>& expected) {
+        BOOST_TEST((cell.face_fractions == expected));
+        for (std::size_t d = 0; d < 3; ++d) BOOST_TEST(cell.vector_area[d] == expected[2 * d] - expected[2 * d + 1]);
+    };
+
+    // The low walls in the box's own cell, the high ones beyond it.
+    const std::map<Index3, CellFraction> plain = by_cell(fractions(box, grid));
+    BOOST_TEST(plain.size() == 4U);
+    BOOST_TEST(plain.at(own).volume == 1);
+    BOOST_TEST(plain.at(own).area == 3);
+    expect_faces(plain.at(own), {0, 1, 0, 1, 0, 1});
+
+    // All walls in the box's own cell, and no solid in its faces.
+    const std::map<Index3, CellFraction> of_solid = by_cell(fractions(box, grid, {.walls = WallCell::solid}));
+    BOOST_TEST(of_solid.size() == 1U);
+    BOOST_TEST(of_solid.at(own).volume == 1);
+    BOOST_TEST(of_solid.at(own).area == 6);
+    expect_faces(of_solid.at(own), {});
+
+    // Each wall in the cell beyond it; the box's own cell has no surface, and is full.
+    const Fractions of_fluid = fractions(box, grid, {.walls = WallCell::fluid});
+    const std::map<Index3, CellFraction> beyond = by_cell(of_fluid);
+    BOOST_TEST(beyond.size() == 6U);
+    BOOST_TEST(of_fluid.is_full(1, 2, 3));
+    for (std::size_t face = 0; face < 6; ++face) {
+        Index3 cell = own;
+        cell[face / 2] += face % 2 == 0 ? -1 : 1;
+        const CellFraction& found = beyond.at(cell);
+        BOOST_TEST(found.volume == 0);
+        BOOST_TEST(found.area == 1);
+        std::array<double, 6> faces{};
+        faces[face ^ 1U] = 1;
+        expect_faces(found, faces);
+        BOOST_TEST(found.surface_centroid[face / 2] == (face % 2 == 0 ? 0.5 : -0.5));
+        BOOST_TEST((found.face_centroids[face ^ 1U] == std::array{0.0, 0.0}));
+    }
+
+    // AMReX: whole cells of fluid with one closed face, the normal towards it.
+    const Fractions amrex = fractions(box, grid, FractionOptions::of("amrex"));
+    BOOST_TEST(amrex.cells.size() == 6U);
+    BOOST_TEST(!amrex.is_full(1, 2, 3));
+    BOOST_TEST(amrex.is_full(0, 0, 0));
+    for (const auto& [cell, found] : by_cell(amrex)) {
+        BOOST_TEST(found.volume == 1);
+        BOOST_TEST(found.area == 1);
+        for (std::size_t d = 0; d < 3; ++d) {
+            BOOST_TEST(found.vector_area[d] == static_cast<double>(own[d] - cell[d]));
+            BOOST_TEST(found.vector_area[d] == found.face_fractions[2 * d] - found.face_fractions[2 * d + 1]);
+        }
+    }
+    const Fractions chombo = fractions(box, grid, FractionOptions::of("chombo"));
+    for (std::size_t n = 0; n < 6; ++n)
+        for (std::size_t d = 0; d < 3; ++d)
+            BOOST_TEST(chombo.cells.at(n).vector_area[d] == -amrex.cells[n].vector_area[d]);
+
+    // A part of the grid whose ends are in the walls has the cells of the whole.
+    for (const WallCell walls : {WallCell::solid, WallCell::fluid}) {
+        const std::map<Index3, CellFraction> whole = by_cell(fractions(box, grid, {.walls = walls}));
+        for (const Grid& part : {grid.block({1, 2, 3}, {2, 2, 2}), grid.block({0, 2, 3}, {2, 2, 2}),
+                                 grid.block({1, 2, 2}, {2, 2, 2}), grid.block({1, 3, 3}, {3, 2, 2})}) {
+            const Fractions found = fractions(box, part, {.walls = walls});
+            for (const auto& [cell, known] : whole) {
+                bool is_in = true;
+                for (std::size_t d = 0; d < 3; ++d)
+                    is_in = is_in && cell[d] >= part.first[d] && cell[d] < part.first[d] + part.size[d] - 1;
+                const std::map<Index3, CellFraction> own_cells = by_cell(found);
+                BOOST_REQUIRE(own_cells.contains(cell) == is_in);
+                if (is_in) BOOST_TEST((own_cells.at(cell).face_fractions == known.face_fractions));
+            }
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(walls_of_unequal_steps_belong_to_one_side) {
+    // A staircase of boxes in cell planes: every wall is in a face between cells.
+    const Mesh stairs = together({test::box({1, 1, 1}, {5, 3, 2}), test::box({1, 1, 2}, {3, 3, 3})}, "stairs");
+    const Grid grid{{0, 0, 0}, {1, 1, 1}, {8, 7, 7}};
+    const OuterSurface surface = outer(stairs);
+    for (const WallCell walls : {WallCell::above, WallCell::solid, WallCell::fluid}) {
+        const Fractions found = fractions(surface, grid, {.walls = walls});
+        double area = 0;
+        for (const CellFraction& cell : found.cells) {
+            area += cell.area;
+            BOOST_TEST((cell.volume == 0 || cell.volume == 1));
+            if (walls != WallCell::above) BOOST_TEST(cell.volume == (walls == WallCell::solid ? 1 : 0));
+            for (std::size_t d = 0; d < 3; ++d)
+                BOOST_TEST(cell.face_fractions[2 * d + 1] - cell.face_fractions[2 * d] == -cell.vector_area[d]);
+        }
+        BOOST_TEST(area == surface.area);
+        double volume = 0;
+        for (const auto& [cell, fraction] : volumes(found)) volume += fraction;
+        BOOST_TEST(volume == surface.volume);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(solid_and_fluid_are_the_cell) {
+    const Mesh mesh = make_shape("knot");
+    const Grid grid = Grid::around(mesh.box(), {.resolution = 25});
+    const OuterSurface surface = outer(mesh);
+    const Fractions solid = fractions(surface, grid), fluid = fractions(surface, grid, {.part = CellPart::fluid});
+    BOOST_REQUIRE(solid.cells.size() == fluid.cells.size());
+    for (std::size_t n = 0; n < solid.cells.size(); ++n) {
+        const CellFraction &of_solid = solid.cells[n], &of_fluid = fluid.cells[n];
+        BOOST_TEST(std::abs(of_solid.volume + of_fluid.volume - 1) < 1e-15);
+        for (std::size_t d = 0; d < 3; ++d) {
+            BOOST_TEST(std::abs(of_solid.volume * of_solid.centroid[d] + of_fluid.volume * of_fluid.centroid[d]) <
+                       1e-13);
+            BOOST_TEST(of_solid.vector_area[d] == of_fluid.vector_area[d]);
+        }
+        for (std::size_t face = 0; face < 6; ++face)
+            BOOST_TEST(std::abs(of_solid.face_fractions[face] + of_fluid.face_fractions[face] - 1) < 1e-15);
+    }
+    const auto [nx, ny, nz] = solid.counts();
+    std::size_t full = 0;
+    for (std::size_t k = 0; k < nz; ++k)
+        for (std::size_t j = 0; j < ny; ++j)
+            for (std::size_t i = 0; i < nx; ++i) full += solid.is_full(i, j, k) + fluid.is_full(i, j, k);
+    BOOST_TEST(full + solid.cells.size() == nx * ny * nz);
+}
+
+BOOST_AUTO_TEST_CASE(three_directions_give_one_volume) {
+    constexpr std::uint64_t seed = 23;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    // Shells within each other; vertices on planes between cells; thin triangles; a body far from the origin.
+    std::vector<Mesh> meshes{make_shape("stairs"), make_shape("knot")};
+    const Vec3 far{1e6, -1e6, 1e6};
+    const auto inside_out = [](Mesh mesh) {
+        std::vector<Triangle> faces = mesh.triangles();
+        for (Triangle& face : faces) std::swap(face[0], face[1]);
+        return Mesh(mesh.vertices(), faces);
+    };
+    meshes.push_back(together({test::box({0, 0, 0}, {4, 4, 4}), inside_out(test::box({1, 1, 1}, {3.5, 3, 3})),
+                               test::box({1.5, 1.5, 2}, {2, 2.5, 2.5})},
+                              "shells"));
+    meshes.push_back(test::box(far, {far[0] + 1.25, far[1] + 1.5, far[2] + 1.75}));
+    std::vector<Vec3> needle(4);
+    for (Vec3& vertex : needle) vertex = {random.uniform(0, 5), random.uniform(0, 1e-7), random.uniform(0, 1e-3)};
+    if (dot(cross(difference(needle[1], needle[0]), difference(needle[2], needle[0])),
+            difference(needle[3], needle[0])) < 0)
+        std::swap(needle[0], needle[1]);
+    meshes.emplace_back(needle, std::vector<Triangle>{{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}}, "needle");
+    for (const Mesh& mesh : meshes) {
+        const Grid grid = Grid::around(mesh.box(), {.resolution = 17, .margin = Length::in_voxels(1)});
+        const std::map<Index3, double> first = volumes(fractions(mesh, grid));
+        for (std::size_t turn = 1; turn < 3; ++turn) {
+            const auto turned = [&](auto values) {
+                auto result = values;
+                for (std::size_t d = 0; d < 3; ++d) result[d] = values[(d + turn) % 3];
+                return result;
+            };
+            std::vector<Vec3> vertices;
+            for (const Vec3& vertex : mesh.vertices()) vertices.push_back(turned(vertex));
+            const Grid own{turned(grid.origin), turned(grid.spacing), turned(grid.size), turned(grid.first)};
+            const std::map<Index3, double> other = volumes(fractions(Mesh(vertices, mesh.triangles()), own));
+            double worst = 0;
+            for (const auto& [cell, fraction] : first)
+                worst = std::max(worst, std::abs(fraction - other.at(turned(cell))));
+            BOOST_TEST(worst < 1e-12, mesh.name() << ": " << worst);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(unequal_spacings_and_far_offsets_keep_sums) {
+    const Mesh knot = make_shape("knot");
+    const double side = knot.box().longest_side();
+    Grid grid = Grid::around(knot.box(), {.spacing = Vec3{side / 8, side * 7 / 8, side * 0.01 / 8}});
+    check_sums(knot, grid, outer(knot));
+    // Moved by 1e6 of its sides: the lattice's first sample moves with it.
+    std::vector<Vec3> vertices = knot.vertices();
+    for (Vec3& vertex : vertices)
+        for (double& x : vertex) x = x / side + 1e6;
+    const Mesh far(vertices, knot.triangles(), "a far knot");
+    check_sums(far, Grid::around(far.box(), {.resolution = 20}), outer(far));
+    grid = Grid{{0, 0, 0}, {0.1, 0.1, 0.1}, {1, 1, 1}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        grid.first[axis] = static_cast<std::int64_t>(far.box().lower[axis] / 0.1) - 1;
+        grid.size[axis] = static_cast<std::int64_t>(far.box().upper[axis] / 0.1) + 3 - grid.first[axis];
+    }
+    const Fractions found = fractions(far, grid);
+    double volume = 0;
+    for (const auto& [cell, fraction] : volumes(found)) volume += fraction;
+    // Positions in cells are rounded by 1e-9 of a cell.
+    BOOST_TEST(std::abs(volume * 1e-3 - outer(far).volume) < 1e-7);
+}
+
+BOOST_AUTO_TEST_CASE(vertices_near_a_plane_are_moved_onto_it_on_request) {
+    // 0.3 / 0.1 is below 3.
+    const Mesh box = test::box({0.1, 0.1, 0.1}, {0.3, 0.3, 0.3});
+    const Grid grid{{0, 0, 0}, {0.1, 0.1, 0.1}, {6, 6, 6}};
+    FractionOptions options = FractionOptions::of("amrex");
+    const auto partial = [&] {
+        return std::ranges::count_if(fractions(box, grid, options).cells,
+                                     [](const CellFraction& cell) { return cell.volume != 0 && cell.volume != 1; });
+    };
+    BOOST_TEST(partial() > 0);
+    options.snap = 1e-9;
+    BOOST_TEST(partial() == 0);
+    options.snap = 0.1;
+    check_throws(ErrorCode::invalid_argument, {"snap is 0.1", "0.001"}, [&] { fractions(box, grid, options); });
+}
+
+BOOST_AUTO_TEST_CASE(many_boxes_have_the_bytes_of_one_each) {
+    const Mesh mesh = make_shape("knot");
+    const OuterSurface surface = outer(mesh);
+    const Grid coarse = Grid::around(mesh.box(), {.resolution = 17}), fine = coarse.refined(2);
+    std::vector<Grid> grids;
+    for (const Grid& level : {coarse, fine})
+        for (std::int64_t n = 0; n < 4; ++n)
+            grids.push_back(
+                level.block({level.first[0] + 4 * n - 1, level.first[1] + 3, level.first[2] - n}, {7, 9, 8}));
+    std::size_t next = 0;
+    for (const FractionOptions& options : {FractionOptions(), FractionOptions::of("amrex")}) {
+        next = 0;
+        fractions(
+            surface, grids,
+            [&](std::size_t n, Fractions& found) {
+                BOOST_TEST(n == next++);
+                const Fractions known = fractions(mesh, grids[n], options);
+                BOOST_TEST((found.grid == known.grid && found.full == known.full));
+                BOOST_REQUIRE(found.cells.size() == known.cells.size());
+                for (std::size_t row = 0; row < known.cells.size(); ++row)
+                    BOOST_TEST(std::memcmp(&found.cells[row], &known.cells[row], sizeof(CellFraction)) == 0);
+            },
+            options);
+        BOOST_TEST(next == grids.size());
+    }
+    CallOptions call;
+    call.should_stop = [] { return true; };
+    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { fractions(surface, coarse, {}, call); });
+}
+
+BOOST_AUTO_TEST_CASE(dense_arrays_are_the_rows) {
+    const Mesh mesh = make_shape("knot");
+    const OuterSurface surface = outer(mesh);
+    const Grid whole = Grid::around(mesh.box(), {.resolution = 21});
+    const FractionOptions options = FractionOptions::of("amrex");
+    const std::array grids{whole.part({2, 3, 1}, {9, 8, 7}), whole};
+    // As AMReX has them: components one after the other, faces in arrays of their own.
+    struct Fab {
+        std::vector<double> volume, centroid, area, normal, surface_centroid;
+        std::array<std::vector<double>, 3> face_fractions, face_centroids;
+        std::vector<std::uint8_t> types, pieces;
+    };
+    std::vector<Fab> fabs(grids.size());
+    std::vector<FractionRequest> requests;
+    for (std::size_t n = 0; n < grids.size(); ++n) {
+        const auto [nx, ny, nz] = Fractions{grids[n], {}, {}}.counts();
+        const std::size_t cells = nx * ny * nz;
+        Fab& fab = fabs[n];
+        FractionTargets& to = requests.emplace_back(FractionRequest{grids[n], {}}).targets;
+        const auto array = [](std::vector<double>& values, std::size_t items, std::size_t components) {
+            values.assign(items * components, -7);
+            OutputArray array = values;
+            if (components > 1) array.component_stride = static_cast<std::ptrdiff_t>(items * sizeof(double));
+            return array;
+        };
+        fab.types.assign(cells, 9);
+        fab.pieces.assign(cells, 9);
+        to.types = fab.types;
+        to.pieces = fab.pieces;
+        to.volume = array(fab.volume, cells, 1);
+        to.centroid = array(fab.centroid, cells, 3);
+        to.area = array(fab.area, cells, 1);
+        to.normal = array(fab.normal, cells, 3);
+        to.surface_centroid = array(fab.surface_centroid, cells, 3);
+        for (std::size_t d = 0; d < 3; ++d) {
+            const std::size_t faces = (nx + (d == 0)) * (ny + (d == 1)) * (nz + (d == 2));
+            to.face_fractions[d] = array(fab.face_fractions[d], faces, 1);
+            to.face_centroids[d] = array(fab.face_centroids[d], faces, 2);
+        }
+    }
+    fractions(surface, requests, options);
+    for (std::size_t n = 0; n < grids.size(); ++n) {
+        const Fab& fab = fabs[n];
+        const Fractions found = fractions(surface, grids[n], options);
+        const auto [nx, ny, nz] = found.counts();
+        const std::size_t cells = nx * ny * nz;
+        std::map<std::size_t, const CellFraction*> rows;
+        for (const CellFraction& cell : found.cells) {
+            const Index3& first = grids[n].first;
+            rows[(static_cast<std::size_t>(cell.cell[2] - first[2]) * ny +
+                  static_cast<std::size_t>(cell.cell[1] - first[1])) *
+                     nx +
+                 static_cast<std::size_t>(cell.cell[0] - first[0])] = &cell;
+        }
+        std::size_t wrong = 0;
+        for (std::size_t k = 0; k < nz; ++k)
+            for (std::size_t j = 0; j < ny; ++j)
+                for (std::size_t i = 0; i < nx; ++i) {
+                    const std::size_t cell = (k * ny + j) * nx + i;
+                    const auto row = rows.find(cell);
+                    const bool is_cut = row != rows.end();
+                    const double volume = is_cut                   ? std::clamp(row->second->volume, 0.0, 1.0)
+                                          : found.is_full(i, j, k) ? 1
+                                                                   : 0;
+                    wrong += fab.types[cell] != (is_cut ? 2 : static_cast<std::uint8_t>(volume));
+                    wrong += fab.pieces[cell] != (is_cut ? row->second->pieces : 0);
+                    wrong += fab.volume[cell] != volume;
+                    wrong += fab.area[cell] != (is_cut ? row->second->area : 0);
+                    double normal = 0;
+                    for (std::size_t d = 0; d < 3; ++d) {
+                        wrong += fab.centroid[d * cells + cell] != (is_cut ? row->second->centroid[d] : 0);
+                        wrong +=
+                            fab.surface_centroid[d * cells + cell] != (is_cut ? row->second->surface_centroid[d] : -1);
+                        normal += fab.normal[d * cells + cell] * fab.normal[d * cells + cell];
+                        for (std::size_t side = 0; side < 2; ++side) {
+                            const std::size_t ni = nx + (d == 0), nj = ny + (d == 1), nk = nz + (d == 2);
+                            const std::size_t at = ((k + (d == 2 ? side : 0)) * nj + j + (d == 1 ? side : 0)) * ni + i +
+                                                   (d == 0 ? side : 0);
+                            const double fraction = fab.face_fractions[d][at];
+                            // A face between an uncut cell and a cut one has the value of the latter.
+                            wrong += std::abs(fraction -
+                                              (is_cut ? row->second->face_fractions[2 * d + side] : volume)) > 1e-12;
+                            if (is_cut && fraction > 0 && fraction < 1)
+                                for (std::size_t c = 0; c < 2; ++c)
+                                    wrong += fab.face_centroids[d][c * ni * nj * nk + at] !=
+                                             row->second->face_centroids[2 * d + side][c];
+                        }
+                    }
+                    wrong += std::abs(normal - (is_cut ? 1 : 0)) > 1e-12;
+                }
+        BOOST_TEST(wrong == 0U);
+        BOOST_TEST(rows.size() > 50U);
+    }
+    std::vector<float> few(7);
+    FractionRequest request{whole, {}};
+    request.targets.volume = few;
+    check_throws(ErrorCode::invalid_argument, {"array of volumes", "room for 7 numbers"},
+                 [&] { fractions(surface, std::span(&request, 1)); });
+    request.targets.volume = requests[1].targets.volume;
+    request.targets.area = requests[1].targets.volume;
+    check_throws(ErrorCode::invalid_argument, {"array of volumes", "array of areas"},
+                 [&] { fractions(surface, std::span(&request, 1)); });
+    check_throws(ErrorCode::invalid_argument, {"'amrx'", "amrex"}, [] { FractionOptions::of("amrx"); });
 }
 
 BOOST_AUTO_TEST_CASE(two_walls_of_a_wedge_are_two_pieces) {

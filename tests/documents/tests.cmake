@@ -14,7 +14,7 @@ clsdf_documented_code(petsc 4 integrations integrations/petsc/examples/dmda.cpp 
                       integrations/petsc/examples/dmda.F90 integrations/petsc/tests/dmda_test.cpp)
 clsdf_documented_code(flow 2 integrations integrations/peclet/flow_past_a_body.py integrations/lbmpy/drag_of_a_body.py)
 clsdf_documented_code(dealii 3 integrations integrations/dealii/examples/forest.cpp integrations/dealii/tests/forest_test.cpp)
-clsdf_documented_code(amrex 4 integrations tests/documents/amrex.cpp)
+clsdf_documented_code(amrex 6 integrations tests/documents/amrex.cpp)
 
 # AMReX is not installed: a stand-in for its classes.
 add_executable(test_code_for_amrex ${CMAKE_CURRENT_LIST_DIR}/amrex.cpp)

@@ -180,9 +180,6 @@ Hits hits_of(std::int32_t hits, const char* name) {
     return enumerator(hits, Hits::faces, name);
 }
 
-namespace {
-
-/// An array that may be missing, of so many items. what: of which there are so many.
 OutputArray items_of(const clsdf_array& array, std::size_t items, const char* what, const char* name) {
     const std::size_t count = count_of(array.count, name);
     if (array.host == nullptr && array.device == nullptr) return {};
@@ -192,8 +189,6 @@ OutputArray items_of(const clsdf_array& array, std::size_t items, const char* wh
                      " items, or the count 0 if it is not known");
     return output_array_of(array);
 }
-
-}  // namespace
 
 RayTargets ray_targets_of(const clsdf_ray_request& request, std::size_t rays) {
     const auto array_of = [rays](const clsdf_array& array, const char* name) {

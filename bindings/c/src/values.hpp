@@ -44,6 +44,8 @@ InputArray input_of(const clsdf_array* array, const char* name);
 /// 0.
 OutputTargets targets_of(const clsdf_targets& targets, const Grid& grid);
 OutputTargets targets_of(const clsdf_targets& targets, std::size_t points);
+/// An array that may be missing, of so many items. what: of which there are so many; name: of the array's count.
+OutputArray items_of(const clsdf_array& array, std::size_t items, const char* what, const char* name);
 Hits hits_of(std::int32_t hits, const char* name);
 /// Throws Error(invalid_argument) if an array has another count of items than there are rays, unless it is 0.
 RayTargets ray_targets_of(const clsdf_ray_request& request, std::size_t rays);

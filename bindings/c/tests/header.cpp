@@ -20,11 +20,12 @@ int main() {
     clsdf_block_set blocks = CLSDF_BLOCK_SET_INIT;
     clsdf_slab_options slabs = CLSDF_SLAB_OPTIONS_INIT;
     clsdf_field_description field = CLSDF_FIELD_DESCRIPTION_INIT;
+    clsdf_fraction_options fractions = CLSDF_FRACTION_OPTIONS_INIT;
     const size_t sizes = output.struct_size + grid.struct_size + device.struct_size + limits.struct_size +
                          arrays.struct_size + topology.struct_size + defects.struct_size + call.struct_size +
                          statistics.struct_size + transform.struct_size + memory.struct_size + blocks.struct_size +
                          slabs.struct_size + field.struct_size + division.struct_size + read.struct_size +
-                         weld.struct_size + outer.struct_size;
+                         weld.struct_size + outer.struct_size + fractions.struct_size;
     const bool is_default = grid.resolution == 256 && transform.kept_bytes == -1 && clsdf_band_full().inside > 1e300 &&
                             clsdf_band_signs_only().signs_only == 1;
     return sizes > 500 && is_default && clsdf_version() == CLSDF_VERSION ? 0 : 1;

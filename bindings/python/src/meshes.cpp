@@ -8,6 +8,7 @@
 #include <clsdf/topology.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -116,11 +117,7 @@ nb::object column(const std::vector<CellFraction>& cells, const std::vector<std:
     return nb::cast(nb::ndarray<nb::numpy, Value>(data, shape.size(), shape.data(), owner));
 }
 
-nb::tuple fractions_of(nb::handle vertices, nb::handle faces, const Grid& grid, const std::string& sign) {
-    const SignRule rule = value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity});
-    const Call call;
-    Fractions found =
-        with_mesh(vertices, faces, [&](const Mesh& mesh) { return fractions(mesh, grid, rule, call.options()); });
+nb::tuple tuple_of(Fractions& found) {
     const std::vector<CellFraction>& cells = found.cells;
     auto memory = std::make_unique<std::vector<std::uint8_t>>(std::move(found.full));
     auto* const data = memory->data();
@@ -140,6 +137,42 @@ nb::tuple fractions_of(nb::handle vertices, nb::handle faces, const Grid& grid, 
         column<double>(cells, {6, 2},
                        [](const Cell& cell, std::size_t n) { return cell.face_centroids[n / 2][n % 2]; }),
         nb::ndarray<nb::numpy, std::uint8_t, nb::shape<-1>>(data, {bytes}, owner));
+}
+
+/// "" stands for the convention's.
+FractionOptions fraction_options_of(const std::string& convention, const std::string& part, const std::string& walls,
+                                    double snap) {
+    FractionOptions options = FractionOptions::of(convention);
+    const auto number_of = [](const char* what, const std::string& text, const std::vector<std::string>& names) {
+        const auto at = std::ranges::find(names, text);
+        if (at == names.end())
+            refuse(fmt::format("{} '{}' is not known; the choices are {}", what, text, fmt::join(names, ", ")));
+        return static_cast<std::int32_t>(at - names.begin());
+    };
+    if (!part.empty()) options.part = static_cast<CellPart>(number_of("part", part, {"solid", "fluid"}));
+    if (!walls.empty()) options.walls = static_cast<WallCell>(number_of("walls", walls, {"above", "solid", "fluid"}));
+    options.snap = snap;
+    return options;
+}
+
+nb::list fractions_of(nb::handle vertices, nb::handle faces, const std::vector<Grid>& grids, const std::string& sign,
+                      bool is_outer, const std::string& convention, const std::string& part, const std::string& walls,
+                      double snap) {
+    const SignRule rule = value_named("sign", sign, {SignRule::automatic, SignRule::nonzero, SignRule::parity});
+    const FractionOptions options = fraction_options_of(convention, part, walls, snap);
+    const Call call;
+    std::vector<Fractions> all;
+    with_mesh(vertices, faces, [&](const Mesh& mesh) {
+        fractions(
+            is_outer ? OuterSurface{mesh, {}} : outer(mesh, rule, call.options()), grids,
+            [&](std::size_t, Fractions& found) { all.push_back(std::move(found)); }, options, call.options());
+    });
+    nb::list list;
+    for (Fractions& found : all) {
+        list.append(tuple_of(found));
+        found = {};
+    }
+    return list;
 }
 
 Defects defects_of(nb::handle vertices, nb::handle faces) {
@@ -359,10 +392,11 @@ void add_meshes(nb::module_& module) {
     module.def("outer", &outer_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("sign") = "auto",
                nb::sig("def outer(vertices: typing.Any, faces: typing.Any, sign: str = 'auto') -> "
                        "tuple[typing.Any, ...]"));
-    module.def("fractions", &fractions_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("grid"),
-               nb::arg("sign") = "auto",
-               nb::sig("def fractions(vertices: typing.Any, faces: typing.Any, grid: Grid, sign: str = 'auto') -> "
-                       "tuple[typing.Any, ...]"));
+    module.def("fractions", &fractions_of, nb::arg("vertices"), nb::arg("faces"), nb::arg("grids"), nb::arg("sign"),
+               nb::arg("is_outer"), nb::arg("convention"), nb::arg("part"), nb::arg("walls"), nb::arg("snap"),
+               nb::sig("def fractions(vertices: typing.Any, faces: typing.Any, grids: typing.Sequence[Grid], sign: "
+                       "str, is_outer: bool, convention: str, part: str, walls: str, snap: float) -> "
+                       "list[tuple[typing.Any, ...]]"));
     module.def("find_defects", &defects_of, nb::arg("vertices"), nb::arg("faces"));
     module.def(
         "make_shape", [](const std::string& name) { return arrays_of(make_shape(name)); }, nb::arg("name"),

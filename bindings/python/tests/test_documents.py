@@ -34,7 +34,8 @@ def packages_of(program):
 
 
 def programs():
-    for page in (PAGE, DOCS / "learning.md", DOCS / "segments.md", DOCS / "rays.md", DOCS / "scenes.md", DOCS / "recipes.md"):
+    names = ("learning", "segments", "rays", "scenes", "recipes", "fractions")
+    for page in (PAGE, *(DOCS / f"{name}.md" for name in names)):
         for title, program in programs_of(page):
             name = "-".join([page.stem, *packages_of(program), *title.lower().replace(",", "").split()])
             yield pytest.param(program, id=name)

@@ -54,3 +54,44 @@ def test_fractions_of_two_cubes():
     assert found.face_centroids.shape == (len(found.cells), 6, 2) and found.surface_centroid.shape == (len(found.cells), 3)
     with pytest.raises(clsdf.InvalidArgument, match="two samples"):
         clsdf.fractions(bar(), clsdf.Grid((0, 0, 0), (1, 1, 1), (3, 3, 1)))
+
+
+def test_fractions_of_many_boxes_of_one_outer_surface():
+    grid = clsdf.Grid((-1.25, -1.25, -1.25), (0.5, 0.5, 0.5), (8, 6, 6))
+    surface = clsdf.outer(bar())
+    boxes = [grid.part((0, 0, 0), (5, 6, 6)), grid.part((4, 0, 0), (4, 6, 6)), grid.refined(2)]
+    left, right, fine = clsdf.fractions(surface, boxes)
+    whole = clsdf.fractions(bar(), grid)
+    assert np.array_equal(np.concatenate([left.dense(), right.dense()], 2), whole.dense())
+    of_eight = fine.dense().reshape(5, 2, 5, 2, 7, 2).mean((1, 3, 5))
+    assert np.allclose(of_eight, whole.dense(), atol=1e-13)
+    assert np.allclose(fine.dense("area").reshape(5, 2, 5, 2, 7, 2).sum((1, 3, 5)), whole.dense("area"))
+    across_x, across_y, across_z = whole.dense_faces()
+    assert across_x.shape == (5, 5, 8) and across_y.shape == (5, 6, 7) and across_z.shape == (6, 5, 7)
+    assert np.allclose(np.diff(across_x, axis=2), -whole.dense("vector_area")[..., 0] / 0.25)
+    assert np.allclose(np.diff(across_z, axis=0), -whole.dense("vector_area")[..., 2] / 0.25)
+    with pytest.raises(ValueError, match="'grid' is no column"):
+        whole.dense("grid")
+
+
+def test_conventions_of_fractions():
+    cube = (CUBE, SIDES)
+    grid = clsdf.Grid((-3, -3, -3), (2, 2, 2), (4, 4, 4))  # the walls lie between cells
+    plain = clsdf.fractions(cube, grid)
+    amrex = clsdf.fractions(cube, grid, convention="amrex")
+    # The three low walls in the cube's own cell; each of six in a cell of the fluid.
+    assert plain.area[plain.cells.tolist().index([1, 1, 1])] == 12
+    assert len(amrex.cells) == 6 and not amrex.full[1, 1, 1] and amrex.full[0, 0, 0]
+    assert (amrex.volume == 1).all() and (amrex.area == 1).all()
+    assert np.array_equal(amrex.vector_area, [1, 1, 1] - amrex.cells)
+    assert len(clsdf.fractions(cube, grid, walls="solid").cells) == 1
+    solid = clsdf.fractions(cube, grid, convention="amrex", part="solid")
+    assert solid.full[1, 1, 1] and (solid.volume == 0).all()
+    points = clsdf.fractions(cube, clsdf.Grid((-3.5, -3.5, -3.5), (2, 2, 2), (4, 4, 4)), convention="vtk")
+    assert np.allclose(points.centroid[points.volume > 0].min(0), (-0.25, -0.25, -0.25))
+    thirds = clsdf.Grid((0, 0, 0), (0.1, 0.1, 0.1), (6, 6, 6))
+    small = (0.2 + 0.1 * CUBE, SIDES)  # from 0.1 to 0.30000000000000004
+    assert len(clsdf.fractions(small, thirds, walls="solid", snap=1e-9).cells) == 8
+    for wrong in ({"convention": "amrx"}, {"part": "air"}, {"walls": "below"}, {"snap": 1}):
+        with pytest.raises(clsdf.InvalidArgument, match=next(iter(wrong.values())) if wrong.get("snap") is None else "snap"):
+            clsdf.fractions(cube, grid, **wrong)

@@ -8,6 +8,7 @@ target_sources(
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/bricks.cpp
           ${CMAKE_CURRENT_LIST_DIR}/description.cpp
           ${CMAKE_CURRENT_LIST_DIR}/field_files.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/fraction_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_write.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_old_format.cpp

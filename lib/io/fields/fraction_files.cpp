@@ -1,0 +1,205 @@
+// Files of fractions of cells.
+#include "core/files.hpp"
+#include "io/fields/segment_files.hpp"
+#include "io/meshes/raw_values.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/fractions.hpp>
+#include <clsdf/io.hpp>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <deque>
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace clsdf {
+
+namespace {
+
+std::string ending_of(const std::string& path) {
+    return std::filesystem::path(path).extension().string();
+}
+
+/// Arrays that are made for a file.
+class Arrays {
+public:
+    /// A number, or an array of numbers, of each row: what value(row) returns. shape: of one row.
+    template <typename Rows, typename Function>
+    void add_rows(const char* name, ElementType type, std::vector<std::int64_t> shape, const Rows& rows,
+                  const Function& value) {
+        using Value = decltype(value(rows.front()));
+        std::vector<std::byte>& bytes = own_.emplace_back(rows.size() * sizeof(Value));
+        std::byte* to = bytes.data();
+        for (const auto& row : rows) {
+            const Value one = value(row);
+            std::memcpy(to, &one, sizeof one);
+            to += sizeof one;
+        }
+        shape.insert(shape.begin(), static_cast<std::int64_t>(rows.size()));
+        all_.push_back({name, type, std::move(shape), bytes});
+    }
+    /// The array must live as long as this.
+    template <typename Values>
+    void add(const char* name, ElementType type, std::vector<std::int64_t> shape, const Values& values) {
+        all_.push_back({name, type, std::move(shape), std::as_bytes(std::span(values))});
+    }
+    const std::vector<FileArray>& all() const { return all_; }
+
+private:
+    std::vector<FileArray> all_;
+    std::deque<std::vector<std::byte>> own_;
+};
+
+void write_rows(const Fractions& found, const std::string& path) {
+    using Cell = CellFraction;
+    Arrays arrays;
+    const auto add = [&](const char* name, std::vector<std::int64_t> shape, const auto& value) {
+        arrays.add_rows(name, ElementType::float64, std::move(shape), found.cells, value);
+    };
+    arrays.add_rows("cells", ElementType::int32, {3}, found.cells, [](const Cell& cell) { return cell.cell; });
+    arrays.add_rows("pieces", ElementType::uint32, {}, found.cells, [](const Cell& cell) { return cell.pieces; });
+    add("volume", {}, [](const Cell& cell) { return cell.volume; });
+    add("centroid", {3}, [](const Cell& cell) { return cell.centroid; });
+    add("area", {}, [](const Cell& cell) { return cell.area; });
+    add("vector_area", {3}, [](const Cell& cell) { return cell.vector_area; });
+    add("surface_centroid", {3}, [](const Cell& cell) { return cell.surface_centroid; });
+    add("face_fractions", {6}, [](const Cell& cell) { return cell.face_fractions; });
+    add("face_centroids", {6, 2}, [](const Cell& cell) { return cell.face_centroids; });
+    const auto [nx, ny, nz] = found.counts();
+    std::vector<std::uint8_t> full(nx * ny * nz);
+    for (std::size_t n = 0; n < full.size(); ++n)
+        full[n] = static_cast<std::uint8_t>(unsigned{found.full[n / 8]} >> n % 8 & 1U);
+    arrays.add("full", ElementType::uint8,
+               {static_cast<std::int64_t>(nz), static_cast<std::int64_t>(ny), static_cast<std::int64_t>(nx)}, full);
+    arrays.add("origin", ElementType::float64, {3}, found.grid.origin);
+    arrays.add("spacing", ElementType::float64, {3}, found.grid.spacing);
+    arrays.add("size", ElementType::int64, {3}, found.grid.size);
+    arrays.add("first", ElementType::int64, {3}, found.grid.first);
+    if (ending_of(path) == ".h5")
+        write_h5_arrays(path, R"({"kind": "fractions"})", arrays.all());
+    else
+        write_npz(path, arrays.all());
+}
+
+/// An array of all cells in VTK's ImageData.
+struct CellArray {
+    const char* name;
+    const char* type;
+    std::size_t components;
+    std::size_t width;  ///< bytes of a number
+    std::vector<std::byte> bytes{};
+};
+
+/// Arrays of values that the cells have which the surface does not meet, with the rows put in.
+template <typename Value, typename Uncut, typename Cut>
+CellArray cell_array(const Fractions& found, const char* name, const char* type, std::size_t components,
+                     const Uncut& uncut, const Cut& cut) {
+    const auto [nx, ny, nz] = found.counts();
+    CellArray array{name, type, components, sizeof(Value)};
+    array.bytes.resize(nx * ny * nz * components * sizeof(Value));
+    const auto put = [&](std::size_t cell, std::size_t component, Value value) {
+        std::memcpy(array.bytes.data() + (cell * components + component) * sizeof value, &value, sizeof value);
+    };
+    for (std::size_t cell = 0; cell < nx * ny * nz; ++cell)
+        for (std::size_t n = 0; n < components; ++n) put(cell, n, uncut(cell, n));
+    for (const CellFraction& row : found.cells) {
+        std::array<std::size_t, 3> at{};
+        for (std::size_t d = 0; d < 3; ++d) at[d] = static_cast<std::size_t>(row.cell[d] - found.grid.first[d]);
+        for (std::size_t n = 0; n < components; ++n) put((at[2] * ny + at[1]) * nx + at[0], n, cut(row, n));
+    }
+    return array;
+}
+
+void write_vti(const Fractions& found, const std::string& path) {
+    const auto counts = found.counts();
+    for (const std::size_t count : counts)
+        if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("{}: VTK counts the cells of an axis in 32 bits, and {} are too many; choose .npz "
+                                    "or .h5",
+                                    path, count));
+    const auto is_full = [&](std::size_t cell) { return unsigned{found.full[cell / 8]} >> cell % 8 & 1U; };
+    const auto middle = [&](std::size_t cell, std::size_t n) {
+        if (!found.options.centroids_as_points) return 0.0;
+        const std::array<std::size_t, 3> at{cell % counts[0], cell / counts[0] % counts[1],
+                                            cell / counts[0] / counts[1]};
+        return found.grid.origin[n] +
+               found.grid.spacing[n] * (static_cast<double>(found.grid.first[n]) + static_cast<double>(at[n]) + 0.5);
+    };
+    const auto nothing = [](std::size_t, std::size_t) { return 0.0; };
+    using Cell = CellFraction;
+    const std::array arrays{
+        cell_array<double>(
+            found, "volume", "Float64", 1, [&](std::size_t cell, std::size_t) { return is_full(cell); },
+            [](const Cell& cell, std::size_t) { return cell.volume; }),
+        cell_array<std::uint8_t>(
+            found, "type", "UInt8", 1,
+            [&](std::size_t cell, std::size_t) { return static_cast<std::uint8_t>(is_full(cell)); },
+            [](const Cell&, std::size_t) { return static_cast<std::uint8_t>(CellType::cut); }),
+        cell_array<std::uint32_t>(
+            found, "pieces", "UInt32", 1, [](std::size_t, std::size_t) { return 0U; },
+            [](const Cell& cell, std::size_t) { return cell.pieces; }),
+        cell_array<double>(found, "area", "Float64", 1, nothing,
+                           [](const Cell& cell, std::size_t) { return cell.area; }),
+        cell_array<double>(found, "vector_area", "Float64", 3, nothing,
+                           [](const Cell& cell, std::size_t n) { return cell.vector_area[n]; }),
+        cell_array<double>(found, "centroid", "Float64", 3, middle,
+                           [](const Cell& cell, std::size_t n) { return cell.centroid[n]; }),
+        cell_array<double>(
+            found, "surface_centroid", "Float64", 3,
+            [&](std::size_t, std::size_t) { return found.options.no_surface_centroid; },
+            [](const Cell& cell, std::size_t n) { return cell.surface_centroid[n]; })};
+    const std::string extent = fmt::format("0 {} 0 {} 0 {}", counts[0], counts[1], counts[2]);
+    const Vec3 origin = found.grid.position(0, 0, 0), &spacing = found.grid.spacing;
+    std::string text = fmt::format(
+        "<?xml version=\"1.0\"?>\n"
+        "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+        "  <ImageData WholeExtent=\"{0}\" Origin=\"{1} {2} {3}\" Spacing=\"{4} {5} {6}\">\n"
+        "    <Piece Extent=\"{0}\">\n      <CellData Scalars=\"volume\">\n",
+        extent, origin[0], origin[1], origin[2], spacing[0], spacing[1], spacing[2]);
+    std::uint64_t offset = 0;
+    for (const CellArray& array : arrays) {
+        text += fmt::format(
+            "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
+            "offset=\"{}\"/>\n",
+            array.type, array.name, array.components, offset);
+        offset += sizeof offset + array.bytes.size();
+    }
+    text += "      </CellData>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_";
+    AtomicFile file(path);
+    file.write(text);
+    for (const CellArray& array : arrays) {
+        const std::uint64_t size = array.bytes.size();
+        write_little_endian(file, std::as_bytes(std::span(&size, 1)), sizeof size);
+        write_little_endian(file, array.bytes, array.width);
+    }
+    file.write(std::string("\n  </AppendedData>\n</VTKFile>\n"));
+    file.commit();
+}
+
+}  // namespace
+
+void check_fractions_path(const std::string& path) {
+    if (const std::string ending = ending_of(path); ending != ".npz" && ending != ".h5" && ending != ".vti")
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("'{}': fractions of cells are written as .npz, .h5 or .vti; choose one of them", path));
+}
+
+void write_fractions(const Fractions& found, const std::string& path) {
+    check_fractions_path(path);
+    if (ending_of(path) == ".vti")
+        write_vti(found, path);
+    else
+        write_rows(found, path);
+}
+
+}  // namespace clsdf
