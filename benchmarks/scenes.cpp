@@ -104,7 +104,7 @@ int run(const Case& measured, std::size_t steps) {
     std::vector<float> distance(measured.points);
     std::vector<std::array<float, 3>> gradient(measured.has_gradient ? measured.points : 0);
     std::vector<std::uint32_t> body(measured.points);
-    clsdf::SceneTargets targets{{{Output::distance, distance}}, body};
+    clsdf::SceneTargets targets{{{Output::distance, distance}, {Output::body, body}}};
     if (measured.has_gradient) targets.outputs[Output::gradient] = gradient;
     std::vector<double> wall, processor;
     int wrong = 0;

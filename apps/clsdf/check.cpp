@@ -1,6 +1,7 @@
 #include "command.hpp"
 #include "option_values.hpp"
 #include "report.hpp"
+#include "scene_file.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
@@ -70,12 +71,12 @@ std::string note_on_the_mesh(const std::vector<std::string>& mesh, const clsdf::
 }
 
 // Fields of other programs may be positive inside: then the negated field has the right sign everywhere.
-std::string note_on_signs(const clsdf::Mesh& mesh, const CheckReport& report, clsdf::Field field,
-                          const clsdf::reference::CheckOptions& options, bool was_said_positive) {
+template <typename Check>
+std::string note_on_signs(const Check& check, const CheckReport& report, clsdf::Field field, bool was_said_positive) {
     if (report.wrong_signs * 10 < report.samples * 9 || report.wrong_signs == 0) return {};
     field.negate();
     field.positive_inside = false;
-    if (clsdf::reference::check(mesh, field, options).wrong_signs > 0) return {};
+    if (check(field).wrong_signs > 0) return {};
     return was_said_positive ? "all signs are opposite: the field is negative inside; leave out --positive-inside"
                              : "all signs are opposite: positive inside? Check it with --positive-inside; other "
                                "subcommands take the field to be negative inside";
@@ -123,9 +124,53 @@ void print_human(const CheckReport& report, const clsdf::Field& field, bool is_n
     print_text("{}\n", report.passed() ? "passed: the field keeps its contract" : "FAILED");
 }
 
+/// What a field is held against: a mesh, or the bodies of a scene where they are.
+struct Asked {
+    std::vector<clsdf::reference::PlacedBody> bodies;
+    bool is_scene = false;
+    std::vector<std::string> names;
+
+    CheckReport check(const clsdf::Field& field, const clsdf::reference::CheckOptions& options) const {
+        return is_scene ? clsdf::reference::check(bodies, field, options)
+                        : clsdf::reference::check(bodies[0].mesh, field, options);
+    }
+};
+
+/// The mesh of a body where Scene::compute() has it.
+clsdf::Mesh placed(clsdf::Mesh mesh, const clsdf::Pose& pose) {
+    const auto& [r, t] = pose;
+    std::vector<clsdf::Vec3> positions(mesh.vertices().begin(), mesh.vertices().end());
+    for (clsdf::Vec3& p : positions) {
+        const clsdf::Vec3 x = p;
+        for (std::size_t a = 0; a < 3; ++a)
+            p[a] = std::fma(r[a][0], x[0], std::fma(r[a][1], x[1], std::fma(r[a][2], x[2], t[a])));
+    }
+    mesh.set_positions(std::move(positions));
+    return mesh;
+}
+
+Asked read_bodies(const Options& options, Report& report) {
+    Asked asked;
+    asked.names = options.meshes();
+    asked.is_scene = std::ranges::any_of(asked.names, is_scene_file);
+    if (!asked.is_scene) {
+        asked.bodies.push_back({read_body(asked.names, options.reading, report)});
+        return asked;
+    }
+    refuse_beside_scene(asked.names, {}, {});
+    const SceneFile file = read_scene(asked.names.front());
+    const SceneMeshes meshes = read_meshes(file, options.reading, report);
+    for (std::size_t i = 0; i < file.bodies.size(); ++i) {
+        const SceneFile::Body& body = file.bodies[i];
+        asked.bodies.push_back(
+            {placed(meshes.meshes[meshes.mesh_of[i]], body.pose), body.of ? asked.bodies[*body.of].sign : body.sign});
+    }
+    return asked;
+}
+
 ExitStatus run(const Options& options, Report& report) {
-    const std::vector<std::string> meshes = options.meshes();
-    const clsdf::Mesh mesh = read_body(meshes, options.reading, report);
+    const Asked asked = read_bodies(options, report);
+    const std::vector<std::string>& meshes = asked.names;
     clsdf::Field field = clsdf::read_field(options.field());
     if (const std::vector<std::string> missing = clsdf::missing_field_files(options.field()); !missing.empty())
         throw clsdf::Error(
@@ -135,16 +180,17 @@ ExitStatus run(const Options& options, Report& report) {
     // Its values are shown as clsdf computes them.
     const bool is_negated = make_negative_inside(field, options.positive_inside, options.field());
     if (options.floor) field.floor = options.floor;
-    if (field.sign == clsdf::SignRule::automatic)
-        field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
+    if (field.sign == clsdf::SignRule::automatic && !asked.is_scene)
+        field.sign = resolve_sign_rule(field.sign, describe_topology(asked.bodies[0].mesh)).rule;
 
     clsdf::reference::CheckOptions check_options = options.check;
     if (options.complete) check_options.samples = 0;
     const auto start = std::chrono::steady_clock::now();
-    const CheckReport found = clsdf::reference::check(mesh, field, check_options);
+    const CheckReport found = asked.check(field, check_options);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
-    std::string note = note_on_signs(mesh, found, field, check_options, options.positive_inside);
+    std::string note = note_on_signs([&](const clsdf::Field& other) { return asked.check(other, check_options); },
+                                     found, field, options.positive_inside);
     if (note.empty() && !found.passed()) note = note_on_the_mesh(meshes, field);
     if (note.empty()) note = note_on_the_band(found, field);
     if (!report.quiet || !found.passed()) print_human(found, field, is_negated, seconds.count());
@@ -184,7 +230,8 @@ Command add_check(Parser& program) {
         .takes_number_of_0_or_more("X");
     parser.set_footer(
         "Prints errors, wrong signs, samples of the band that are missed and samples beyond it that are not filled;\n"
-        "the exit status is 1 if there is one.\n\n"
+        "the exit status is 1 if there is one.\n"
+        "In place of meshes, a file .json has many bodies with poses (docs/scenes.md).\n\n"
         "Examples:\n"
         "  clsdf check bunny.off bunny.nrrd\n"
         "  clsdf check bunny.off bunny.nrrd --samples 1000000 --seed 7\n"

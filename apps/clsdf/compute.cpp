@@ -209,6 +209,7 @@ void warn(Report& report, const std::string& warning) {
 }
 
 ExitStatus run(const ComputeOptions& options, Report& report) {
+    if (std::ranges::any_of(options.mesh, is_scene_file)) return compute_scene(options, report);
     const ComputeRequest request(options);
     keep_mesh(options.mesh, options.output);
     check_sparse_format(options);

@@ -43,6 +43,8 @@ struct ComputeOptions {
 };
 
 void add_options(Parser& parser, ComputeOptions& options);
+/// "clsdf compute" of a file of many bodies (compute_scene.cpp).
+ExitStatus compute_scene(const ComputeOptions& options, Report& report);
 /// An error for too little memory gets the option that makes the grid smaller; others stay.
 clsdf::Error with_remedy(const ComputeOptions& options, const clsdf::Error& error);
 /// Those of the grid alone. `margin` describes --margin.

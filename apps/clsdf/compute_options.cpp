@@ -148,7 +148,9 @@ void add_options(Parser& parser, ComputeOptions& options) {
     parser.add("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
     parser.set_footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or\n"
-        "full (without end). Samples beyond the band carry its half width, with the sign.\n\n"
+        "full (without end). Samples beyond the band carry its half width, with the sign.\n"
+        "In place of meshes, a file .json has many bodies with poses (docs/scenes.md). The field has the least of\n"
+        "their signed distances, and --with body says which one is nearest.\n\n"
         "Examples:\n"
         "  clsdf compute bunny.off -o bunny.nrrd\n"
         "  clsdf compute bunny.off -o bunny.npy --resolution 512 --band 3v --with triangle\n"
@@ -156,6 +158,7 @@ void add_options(Parser& parser, ComputeOptions& options) {
         "  clsdf compute bunny.off -o bunny.h5 --resolution 2048 --band 3v --sparse\n"
         "  clsdf compute part.ply -o part.nrrd --size 128,128,64 --origin -1,-1,0 --spacing 0.02\n"
         "  clsdf compute part.ply -o part.nrrd --box -1,-1,0,1,1,1 --cells 128,128,64 --cell-centred\n"
+        "  clsdf compute arm.json -o arm.vti --spacing 0.01 --band 5v --with body\n"
         "  clsdf compute bunny.off --resolution 2048 --dry-run");
 }
 

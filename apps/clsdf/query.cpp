@@ -46,23 +46,18 @@ struct QueryOptions {
 /// A mesh, or many bodies.
 struct Asked {
     std::optional<SceneFile> scene{};
-    std::vector<clsdf::Mesh> meshes{};
-    std::vector<std::size_t> mesh_of{};  ///< of each body of a scene
+    SceneMeshes bodies{};  ///< the meshes, one if there is no scene
 
-    std::size_t triangles() const {
-        std::size_t sum = 0;
-        for (const clsdf::Mesh& mesh : meshes) sum += mesh.triangles().size();
-        return sum;
-    }
+    const clsdf::Mesh& mesh() const { return bodies.meshes[0]; }
 };
 
 /// The outputs of all points, and what making them took.
 struct Found {
-    clsdf::Field values;                ///< of a grid of one row
-    std::vector<float> winding;         ///< empty unless asked for
-    std::vector<std::uint32_t> bodies;  ///< of a scene
+    clsdf::Field values;         ///< of a grid of one row
+    std::vector<float> winding;  ///< empty unless asked for
     clsdf::TransformStatistics statistics;
-    std::vector<clsdf::SignRule> signs;  ///< of the mesh, or of each body
+    clsdf::SignRule sign = clsdf::SignRule::none;  ///< of the mesh
+    Json bodies;                                   ///< of a scene
     bool has_sign = false;
     clsdf::Topology topology;  ///< of the mesh
     std::string device_name;
@@ -81,54 +76,35 @@ double limit_of(const QueryOptions& options, const Asked& asked) {
                                     options.half_width));
         return length.value;
     }
-    const double longest = asked.meshes[0].box().longest_side();
+    const double longest = asked.mesh().box().longest_side();
     return length.resolve(longest > 0 ? longest / 256 : 1, longest);
 }
 
-/// Throws Error(invalid_argument) for options that a scene's file has, or that are of one mesh.
-SceneFile scene_of(const QueryOptions& options) {
-    const char* option = options.meshes().size() > 1                        ? "several files"
-                         : options.sign.rule != "auto"                      ? "--sign"
-                         : options.sign.floor                               ? "--floor"
-                         : std::ranges::count(options.with, group_word) > 0 ? "--with group"
-                                                                            : nullptr;
-    if (option != nullptr)
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("{}: '{}' is a scene, which is given alone, and whose file has the sign rules; leave it "
-                        "out",
-                        option, options.mesh));
-    return read_scene(options.mesh);
+/// The columns of outputs: in a scene the nearest body always is one.
+clsdf::OutputSet outputs_of(const QueryOptions& options, const Asked& asked) {
+    clsdf::OutputSet outputs = parse_outputs(options.with) | clsdf::Output::distance;
+    if (asked.scene) outputs.insert(clsdf::Output::body);
+    return outputs;
 }
 
 Asked read_bodies(const QueryOptions& options, Report& report) {
     Asked asked;
     if (!std::ranges::any_of(options.meshes(), is_scene_file)) {
-        asked.meshes.push_back(read_body(options.meshes(), options.reading, report));
+        asked.bodies.meshes.push_back(read_body(options.meshes(), options.reading, report));
         return asked;
     }
-    asked.scene = scene_of(options);
-    for (const SceneFile::Body& body : asked.scene->bodies) {
-        asked.mesh_of.push_back(body.of ? asked.mesh_of[*body.of] : asked.meshes.size());
-        if (!body.of) asked.meshes.push_back(read_body(body.files, options.reading, report));
-    }
+    refuse_beside_scene(options.meshes(), options.sign, options.with);
+    asked.scene = read_scene(options.mesh);
+    asked.bodies = read_meshes(*asked.scene, options.reading, report);
     return asked;
 }
 
 void find_in_scene(const Asked& asked, const clsdf::Device& device, std::span<const Vec3> points, double half_width,
                    bool winding, const clsdf::CallOptions& call, Found& found) {
-    clsdf::Scene scene(device);
-    for (std::size_t i = 0; i < asked.mesh_of.size(); ++i) {
-        const SceneFile::Body& body = asked.scene->bodies[i];
-        if (body.of)
-            scene.add_instance(static_cast<std::uint32_t>(*body.of), body.pose);
-        else
-            scene.add(asked.meshes[asked.mesh_of[i]], body.pose, body.sign, call);
-        found.signs.push_back(scene.sign(static_cast<std::uint32_t>(i)));
-    }
+    const clsdf::Scene scene = make_scene(*asked.scene, asked.bodies, device, call);
+    found.bodies = describe(*asked.scene, asked.bodies, scene);
     found.has_sign = scene.has_sign();
-    found.bodies.resize(points.size());
-    found.statistics = scene.query(points, half_width, {found.values.targets(), found.bodies}, call);
+    found.statistics = scene.query(points, half_width, {found.values.targets()}, call);
     if (!winding) return;
     std::vector<double> sums(points.size());
     scene.winding(points, sums, call);
@@ -150,14 +126,13 @@ void find(const QueryOptions& options, const clsdf::Device& device, const Asked&
     call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
     call.refuse_unusable_points = options.refuse_unusable_points;
     for (const clsdf::OutputInfo& info : clsdf::output_table())
-        if (info.output == clsdf::Output::distance || parse_outputs(options.with).contains(info.output))
-            found.values.resize(info.output, points.size());
+        if (outputs_of(options, asked).contains(info.output)) found.values.resize(info.output, points.size());
     const Stopwatch watch;
     if (asked.scene) {
         find_in_scene(asked, device, points, half_width, options.winding, call, found);
     } else {
-        const clsdf::DistanceTransform transform(device, asked.meshes[0], transform_options, call);
-        found.signs = {transform.sign()};
+        const clsdf::DistanceTransform transform(device, asked.mesh(), transform_options, call);
+        found.sign = transform.sign();
         found.topology = transform.topology();
         found.has_sign = transform.sign() != clsdf::SignRule::none;
         found.statistics = transform.query(points, half_width, found.values.targets(), call);
@@ -169,19 +144,6 @@ void find(const QueryOptions& options, const clsdf::Device& device, const Asked&
     found.seconds = std::max(0.0, watch.seconds() - found.statistics.compile_seconds);
     found.device_name = device.name();
     found.device_platform = device.platform();
-}
-
-/// What the JSON has of the bodies of a scene.
-Json bodies_of(const Asked& asked, const Found& found) {
-    Json bodies = Json::array();
-    for (std::size_t i = 0; i < asked.mesh_of.size(); ++i) {
-        const clsdf::Mesh& mesh = asked.meshes[asked.mesh_of[i]];
-        bodies.push_back({{"name", asked.scene->bodies[i].name},
-                          {"mesh", mesh.name()},
-                          {"triangles", mesh.triangles().size()},
-                          {"sign", name_of(found.signs[i])}});
-    }
-    return bodies;
 }
 
 Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& device, const Asked& asked,
@@ -213,7 +175,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
         clsdf::read_points(options.points(), [&](const std::string& message) { report.warn(message); });
     const double read_seconds = read.seconds();
     const double half_width = limit_of(options, asked);
-    const clsdf::Mesh& mesh = asked.meshes[0];
+    const clsdf::Mesh& mesh = asked.mesh();
     const clsdf::FaceGroups* const groups = wants_groups(options.with, mesh) ? &mesh.groups() : nullptr;
 
     Found found = find_unless_interrupted(options, device, asked, points, half_width, report);
@@ -223,21 +185,20 @@ ExitStatus run(const QueryOptions& options, Report& report) {
                                 "another sign in the file",
                                 options.mesh));
     if (options.positive_inside && !asked.scene)
-        require_sign(found.signs[0], found.topology, meshes, options.sign, "--positive-inside needs", "leave that out");
+        require_sign(found.sign, found.topology, meshes, options.sign, "--positive-inside needs", "leave that out");
     const std::span<const float> distance = found.values.slab().distance();
     const auto inside = static_cast<std::size_t>(
         std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));
     if (options.positive_inside) found.values.negate();
     const Stopwatch write;
-    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with), found.winding, groups,
-                        found.bodies);
+    clsdf::write_points(points, found.values.slab(), options.output, outputs_of(options, asked), found.winding, groups);
     output_is_written();
     const double write_seconds = write.seconds();
 
     if (!report.quiet) {
         if (asked.scene)
-            report.print("scene   {}: {} bodies, {} triangles in their meshes\n", options.mesh, asked.mesh_of.size(),
-                         asked.triangles());
+            report.print("scene   {}: {} bodies, {} triangles in their meshes\n", options.mesh,
+                         asked.bodies.mesh_of.size(), asked.bodies.triangles());
         else
             report.print("mesh    {}: {} vertices, {} triangles\n", paths_of(meshes), mesh.vertices().size(),
                          mesh.triangles().size());
@@ -253,7 +214,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
                      {"count", points.size()},
                      {"unusable_points", found.statistics.unusable_points},
                      {"half_width", half_width},
-                     {"sign", asked.scene ? Json() : Json(name_of(found.signs[0]))},
+                     {"sign", asked.scene ? Json() : Json(name_of(found.sign))},
                      {"inside", inside},
                      {"positive_inside", options.positive_inside},
                      {"winding", options.winding},
@@ -269,7 +230,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
                      {"first_use", found.statistics.first_use},
                      {"output", options.output}};
     if (groups != nullptr) report.result["groups"] = groups->names;
-    if (asked.scene) report.result["bodies"] = bodies_of(asked, found);
+    if (asked.scene) report.result["bodies"] = found.bodies;
     return ExitStatus::done;
 }
 

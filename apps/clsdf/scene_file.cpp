@@ -129,3 +129,58 @@ SceneFile read_scene(const std::string& path) {
     }
     return scene;
 }
+
+std::size_t SceneMeshes::triangles() const {
+    std::size_t sum = 0;
+    for (const clsdf::Mesh& mesh : meshes) sum += mesh.triangles().size();
+    return sum;
+}
+
+void refuse_beside_scene(const std::vector<std::string>& meshes, const SignChoice& sign,
+                         const std::vector<std::string>& with) {
+    const char* const option = meshes.size() > 1                          ? "several files"
+                               : sign.rule != "auto"                      ? "--sign"
+                               : sign.floor                               ? "--floor"
+                               : std::ranges::count(with, group_word) > 0 ? "--with group"
+                                                                          : nullptr;
+    if (option != nullptr)
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("{}: '{}' is a scene, which is given alone, and whose file has the sign rules; leave it "
+                        "out",
+                        option, *std::ranges::find_if(meshes, is_scene_file)));
+}
+
+SceneMeshes read_meshes(const SceneFile& file, const MeshReading& reading, Report& report) {
+    SceneMeshes result;
+    for (const SceneFile::Body& body : file.bodies) {
+        result.mesh_of.push_back(body.of ? result.mesh_of[*body.of] : result.meshes.size());
+        if (!body.of) result.meshes.push_back(read_body(body.files, reading, report));
+    }
+    return result;
+}
+
+clsdf::Scene make_scene(const SceneFile& file, const SceneMeshes& meshes, const clsdf::Device& device,
+                        const clsdf::CallOptions& call) {
+    clsdf::Scene scene(device);
+    for (std::size_t i = 0; i < file.bodies.size(); ++i) {
+        const SceneFile::Body& body = file.bodies[i];
+        if (body.of)
+            scene.add_instance(static_cast<std::uint32_t>(*body.of), body.pose);
+        else
+            scene.add(meshes.meshes[meshes.mesh_of[i]], body.pose, body.sign, call);
+    }
+    return scene;
+}
+
+Json describe(const SceneFile& file, const SceneMeshes& meshes, const clsdf::Scene& scene) {
+    Json bodies = Json::array();
+    for (std::size_t i = 0; i < file.bodies.size(); ++i) {
+        const clsdf::Mesh& mesh = meshes.meshes[meshes.mesh_of[i]];
+        bodies.push_back({{"name", file.bodies[i].name},
+                          {"mesh", mesh.name()},
+                          {"triangles", mesh.triangles().size()},
+                          {"sign", name_of(scene.sign(static_cast<std::uint32_t>(i)))}});
+    }
+    return bodies;
+}

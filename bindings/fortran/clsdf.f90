@@ -70,6 +70,8 @@ module clsdf
   !                                                                 second and third vertex
   integer(c_int32_t), parameter, public :: CLSDF_OFFSET = 7      !< real, 3 components: from the sample or point to the
   !                                                                 closest point
+  integer(c_int32_t), parameter, public :: CLSDF_BODY = 8        !< integer(4): of a scene: the body of the nearest triangle;
+  !                                                                 0 beyond the band
 
   integer(c_int32_t), parameter, public :: CLSDF_SIGN_AUTOMATIC = 0, CLSDF_SIGN_NONZERO = 1, CLSDF_SIGN_PARITY = 2, &
       CLSDF_SIGN_NONE = 3, CLSDF_SIGN_SOLID_ANGLE = 4, CLSDF_SIGN_BELOW = 5
@@ -650,7 +652,10 @@ module clsdf
     procedure :: pose => scene_pose
     procedure :: sign => scene_sign
     procedure :: has_sign => scene_has_sign
+    procedure :: box => scene_box
     procedure :: memory => scene_memory
+    procedure :: compute => scene_compute
+    procedure :: compute_field => scene_compute_field
     procedure, private :: scene_query_targets, scene_query_r4, scene_query_r8
     generic :: query => scene_query_targets, scene_query_r4, scene_query_r8
     procedure, private :: scene_query_pairs, scene_query_pairs_r4, scene_query_pairs_r8
@@ -1901,17 +1906,43 @@ module clsdf
       type(c_ptr), value :: scene
       integer(c_int32_t), intent(inout) :: has_sign
     end function
+    function c_scene_box(scene, box) bind(C, name="clsdf_scene_box") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene
+      type(clsdf_box), intent(inout) :: box
+    end function
     function c_scene_memory(scene, memory) bind(C, name="clsdf_scene_memory") result(value)
       import
       integer(c_int32_t) :: value
       type(c_ptr), value :: scene
       type(clsdf_kept_memory), intent(inout) :: memory
     end function
-    function c_scene_query(scene, points, half_width, targets, target_count, bodies, own, call, statistics) &
+    function c_scene_compute(scene, grid, band, targets, target_count, call, statistics) &
+        bind(C, name="clsdf_scene_compute") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      type(clsdf_c_target), intent(in) :: targets(*)
+      integer(c_int64_t), value :: target_count
+    end function
+    function c_scene_compute_field(scene, grid, band, outputs, call, statistics, field) &
+        bind(C, name="clsdf_scene_compute_field") result(value)
+      import
+      integer(c_int32_t) :: value
+      type(c_ptr), value :: scene, call, statistics
+      type(clsdf_c_grid), intent(in) :: grid
+      type(clsdf_band), intent(in) :: band
+      integer(c_int32_t), value :: outputs
+      type(c_ptr), intent(out) :: field
+    end function
+    function c_scene_query(scene, points, half_width, targets, target_count, own, call, statistics) &
         bind(C, name="clsdf_scene_query") result(value)
       import
       integer(c_int32_t) :: value
-      type(c_ptr), value :: scene, bodies, own, call, statistics
+      type(c_ptr), value :: scene, own, call, statistics
       type(clsdf_c_array), intent(in) :: points
       real(c_double), value :: half_width
       type(clsdf_c_target), intent(in) :: targets(*)
@@ -5662,6 +5693,15 @@ contains
   end function
 
   !> The memory that is kept of all meshes.
+  !> Around the bodies that are on, where they are.
+  function scene_box(self, stat, errmsg) result(box)
+    class(clsdf_scene), intent(in) :: self
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_box) :: box
+    call clsdf_finish(c_scene_box(self%handle, box), stat, errmsg)
+  end function
+
   function scene_memory(self, stat, errmsg) result(memory)
     class(clsdf_scene), intent(in) :: self
     integer, intent(out), optional :: stat
@@ -5671,14 +5711,51 @@ contains
     call clsdf_finish(c_scene_memory(self%handle, memory), stat, errmsg)
   end function
 
-  !> As transform%query(), of the body whose signed distance is the least. bodies(n): the body of the nearest triangle, 0
+  !> As transform%compute(): the least of the bodies' signed distances, with the outputs of the body that has it, and
+  !> CLSDF_BODY.
+  subroutine scene_compute(self, grid, band, targets, options, statistics, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    type(clsdf_target), intent(in) :: targets(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(clsdf_c_target) :: c(size(targets))
+    type(caller), target :: given
+    integer(c_int32_t) :: status
+    status = CLSDF_OK
+    call clsdf_targets_of_samples(targets, grid%size, 3, c, status)
+    if (status == CLSDF_OK) status = c_scene_compute(self%handle, clsdf_grid_for_c(grid), band, c, &
+        size(targets, kind=c_int64_t), options_for_c(given, options), statistics_for_c(statistics))
+    call clsdf_finish(status, stat, errmsg)
+  end subroutine
+
+  !> The same, as transform%compute_field().
+  subroutine scene_compute_field(self, grid, band, field, outputs, options, statistics, stat, errmsg)
+    class(clsdf_scene), intent(in) :: self
+    type(clsdf_grid), intent(in) :: grid
+    type(clsdf_band), intent(in) :: band
+    type(clsdf_field), intent(inout) :: field
+    integer(c_int32_t), intent(in), optional :: outputs(:)
+    class(clsdf_call_options), intent(inout), target, optional :: options
+    type(clsdf_statistics), intent(inout), target, optional :: statistics
+    integer, intent(out), optional :: stat
+    character(*), intent(inout), optional :: errmsg
+    type(caller), target :: given
+    call field%release()
+    call clsdf_finish(c_scene_compute_field(self%handle, clsdf_grid_for_c(grid), band, clsdf_outputs_mask(outputs), &
+        options_for_c(given, options), statistics_for_c(statistics), field%handle), stat, errmsg)
+  end subroutine
+
+  !> As transform%query(), of the body whose signed distance is the least; body(n): the body of the nearest triangle, 0
   !> beyond the half width. own(n): 1 if the distance is that of the union of the bodies, else 0.
-  subroutine scene_query_targets(self, points, half_width, targets, bodies, own, options, statistics, stat, errmsg)
+  subroutine scene_query_targets(self, points, half_width, targets, own, options, statistics, stat, errmsg)
     class(clsdf_scene), intent(in) :: self
     type(clsdf_array), intent(in) :: points
     real(c_double), intent(in) :: half_width
     type(clsdf_target), intent(in) :: targets(:)
-    integer(c_int32_t), intent(inout), target, contiguous, optional :: bodies(:)
     integer(c_int8_t), intent(inout), target, contiguous, optional :: own(:)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
@@ -5687,23 +5764,18 @@ contains
     type(clsdf_c_target) :: c(size(targets))
     type(clsdf_c_array) :: from
     type(caller), target :: given
-    type(c_ptr) :: of_bodies, of_own
+    type(c_ptr) :: of_own
     integer(c_int32_t) :: status
     status = CLSDF_OK
-    of_bodies = c_null_ptr
     of_own = c_null_ptr
     call rows_for_c(points, 'points', from, status)
     if (status == CLSDF_OK) call clsdf_targets_of_samples(targets, [from%count], 1, c, status)
-    if (present(bodies)) then
-      call check_items('bodies', size(bodies, kind=c_int64_t), from%count, status)
-      if (size(bodies) > 0) of_bodies = c_loc(bodies)
-    end if
     if (present(own)) then
       call check_items('own', size(own, kind=c_int64_t), from%count, status)
       if (size(own) > 0) of_own = c_loc(own)
     end if
     if (status == CLSDF_OK) status = c_scene_query(self%handle, from, without_limit(half_width), c, &
-        size(targets, kind=c_int64_t), of_bodies, of_own, options_for_c(given, options), statistics_for_c(statistics))
+        size(targets, kind=c_int64_t), of_own, options_for_c(given, options), statistics_for_c(statistics))
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
@@ -5799,7 +5871,7 @@ contains
 
   !> The same with arrays of one kind: points(3, n) or points(n, 3).
   subroutine scene_query_r4(self, points, half_width, distance, triangle, site, offset, gradient, barycentric, &
-      bodies, own, options, statistics, stat, errmsg)
+      body, own, options, statistics, stat, errmsg)
     class(clsdf_scene), intent(in) :: self
     real(c_float), intent(in), target :: points(:, :)
     real(c_double), intent(in) :: half_width
@@ -5807,20 +5879,21 @@ contains
     integer(c_int32_t), intent(inout), target, optional :: triangle(:)
     integer(c_int8_t), intent(inout), target, optional :: site(:)
     real(c_float), intent(inout), target, optional :: offset(:, :), gradient(:, :), barycentric(:, :)
-    integer(c_int32_t), intent(inout), target, contiguous, optional :: bodies(:)
+    integer(c_int32_t), intent(inout), target, optional :: body(:)
     integer(c_int8_t), intent(inout), target, contiguous, optional :: own(:)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
-    type(clsdf_target) :: targets(6)
+    type(clsdf_target) :: targets(8)
     targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
     if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
     if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
     if (present(offset)) targets(4) = clsdf_target(CLSDF_OFFSET, offset)
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
-    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), bodies, own, &
+    if (present(body)) targets(8) = clsdf_target(CLSDF_BODY, body)
+    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), own, &
         options, statistics, stat, errmsg)
   end subroutine
 
@@ -5873,7 +5946,7 @@ contains
 
   !> The same with arrays of one kind: points(3, n) or points(n, 3).
   subroutine scene_query_r8(self, points, half_width, distance, triangle, site, closest, gradient, barycentric, offset, &
-      bodies, own, options, statistics, stat, errmsg)
+      body, own, options, statistics, stat, errmsg)
     class(clsdf_scene), intent(in) :: self
     real(c_double), intent(in), target :: points(:, :)
     real(c_double), intent(in) :: half_width
@@ -5882,13 +5955,13 @@ contains
     integer(c_int8_t), intent(inout), target, optional :: site(:)
     real(c_double), intent(inout), target, optional :: closest(:, :), gradient(:, :), barycentric(:, :)
     real(c_double), intent(inout), target, optional :: offset(:, :)
-    integer(c_int32_t), intent(inout), target, contiguous, optional :: bodies(:)
+    integer(c_int32_t), intent(inout), target, optional :: body(:)
     integer(c_int8_t), intent(inout), target, contiguous, optional :: own(:)
     class(clsdf_call_options), intent(inout), target, optional :: options
     type(clsdf_statistics), intent(inout), target, optional :: statistics
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
-    type(clsdf_target) :: targets(7)
+    type(clsdf_target) :: targets(8)
     targets(1) = clsdf_target(CLSDF_DISTANCE, distance)
     if (present(triangle)) targets(2) = clsdf_target(CLSDF_TRIANGLE, triangle)
     if (present(site)) targets(3) = clsdf_target(CLSDF_SITE, site)
@@ -5896,7 +5969,8 @@ contains
     if (present(gradient)) targets(5) = clsdf_target(CLSDF_GRADIENT, gradient)
     if (present(barycentric)) targets(6) = clsdf_target(CLSDF_BARYCENTRIC, barycentric)
     if (present(offset)) targets(7) = clsdf_target(CLSDF_OFFSET, offset)
-    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), bodies, own, &
+    if (present(body)) targets(8) = clsdf_target(CLSDF_BODY, body)
+    call self%query(clsdf_array(points), half_width, pack(targets, targets%output >= 0), own, &
         options, statistics, stat, errmsg)
   end subroutine
 

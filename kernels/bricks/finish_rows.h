@@ -193,11 +193,17 @@ INLINE void store_by_name(__private const Finishing* finishing, __private const 
     }
 }
 
+INLINE void store_body(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
+    for (uint lane = 0; lane < LANES; ++lane)
+        ((__global uint*)finishing->of_body)[at + OFFSET_OF_LANE(lane)] =
+            rows->found >> lane & 1u ? 0u : CLSDF_NO_TRIANGLE;
+}
+
 // The outputs that have functions for rows. All others are finished sample by sample.
 #define FINISHED_BY_ROWS                                                                         \
     (1u << CLSDF_OUTPUT_distance | 1u << CLSDF_OUTPUT_triangle | 1u << CLSDF_OUTPUT_site |       \
      1u << CLSDF_OUTPUT_closest | 1u << CLSDF_OUTPUT_gradient | 1u << CLSDF_OUTPUT_barycentric | \
-     1u << CLSDF_OUTPUT_offset)
+     1u << CLSDF_OUTPUT_offset | 1u << CLSDF_OUTPUT_body)
 #define OUTPUT_BIT(name, content, element, components, number) | 1u << number
 #define FINISHED_BY_SAMPLE ((0u CLSDF_OUTPUTS(OUTPUT_BIT)) & ~FINISHED_BY_ROWS)
 
@@ -224,6 +230,7 @@ static inline void finish_rows(__private const Finishing* finishing, __private c
     if (IS_WANTED(finishing, closest)) store_closest(finishing, rows, at);
     if (IS_WANTED(finishing, offset)) store_offset(finishing, rows, at);
     if (IS_WANTED(finishing, gradient)) store_gradient(finishing, rows, at);
+    if (IS_WANTED(finishing, body)) store_body(finishing, rows, at);
     if ((finishing->how.wanted & FINISHED_BY_SAMPLE) != 0) store_by_sample(finishing, rows, at);
 }
 

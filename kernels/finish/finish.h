@@ -299,6 +299,11 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
     return named_weights(nearest->polyhedron, nearest->named, first, second);
 }
 
+// The numbers of a scene's bodies are known to the host alone.
+INLINE uint finished_body(__private const Finishing* finishing, __private const Nearest* nearest) {
+    return 0u;
+}
+
 // Stores, by the type of an output's elements.
 // -------------------------------------------------------------------------
 

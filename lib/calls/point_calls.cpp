@@ -342,7 +342,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
                                         info_of(output).name, array.strides[0], array.strides[1], array.strides[2]));
         targets::MappedMemory memory(device::context_of(state.device));
         memory.add_triples(points, "points");
-        targets::add_targets(targets, points.count, memory);
+        targets::add_targets(targets, targets::row_of(points.count), memory);
         if (state.stay_on_device(points, targets)) {
             targets::wait_for(device::context_of(state.device), call.wait_list);
             std::string warning;
@@ -353,7 +353,7 @@ TransformStatistics DistanceTransform::query(const InputArray& points, double ha
         }
         memory.map(call.wait_list);
         const PositionArray positions(memory.mapped(points));
-        const targets::HostTargets on_host(targets::on_host(targets, points.count, memory),
+        const targets::HostTargets on_host(targets::on_host(targets, targets::row_of(points.count), memory),
                                            targets::row_of(points.count), "there are {} points");
         std::vector<targets::WrittenArray> written;
         on_host.add_written(0, written);
@@ -393,12 +393,12 @@ void DistanceTransform::winding(const InputArray& points, const OutputArray& res
                             error.opencl_code());
             }
         };
-        placed([&] { targets::add_targets(targets, points.count, memory); });
+        placed([&] { targets::add_targets(targets, targets::row_of(points.count), memory); });
         memory.map(call.wait_list);
         const PositionArray positions(memory.mapped(points));
         const targets::HostTargets on_host = placed([&] {
-            return targets::HostTargets(targets::on_host(targets, points.count, memory), targets::row_of(points.count),
-                                        "there are {} points");
+            return targets::HostTargets(targets::on_host(targets, targets::row_of(points.count), memory),
+                                        targets::row_of(points.count), "there are {} points");
         });
         if (const auto* restriction = state.kept_mesh->restriction()) restriction->check(positions.get(), 0);
         const auto [mesh, tree, boundary] = state.winding_inputs();

@@ -56,6 +56,10 @@ CheckReport check(const Mesh&, const Field&, const CheckOptions&) {
     refuse();
 }
 
+CheckReport check(std::span<const PlacedBody>, const Field&, const CheckOptions&) {
+    refuse();
+}
+
 std::vector<CheckReport> check(const Mesh&, std::span<const Field>, const CheckOptions&) {
     refuse();
 }

@@ -66,10 +66,11 @@ void Judge::Case::report(std::size_t& counter, std::string what, bool of_distanc
     }
 }
 
-Judge::Judge(const TrueSamples& truth, const Field& field, const CheckOptions& options)
+Judge::Judge(const TrueSamples& truth, const Field& field, const CheckOptions& options, std::uint32_t body)
     : truth_(truth),
       field_(field),
       options_(options),
+      body_(body),
       voxel_(field.grid.voxel()),
       joined_margin_(truth.sign_surface().vertices.empty() ? 0 : 1e-12 * truth.tree().mesh().box().longest_side()) {
     if (!field.site().empty() || !field.gradient().empty()) {
@@ -172,9 +173,6 @@ void Judge::judge_distance(const Case& sample) const {
     }
 }
 
-namespace {
-
-/// Throws if an array of the field does not fit its grid.
 void require_sizes(const Field& field) {
     const std::size_t count = field.grid.sample_count();
     for (const OutputInfo& info : infos_of(field.outputs())) {
@@ -188,11 +186,8 @@ void require_sizes(const Field& field) {
     }
 }
 
-/// Runs `part(index, tallies)` for all parts on all cores, with a tally for each field, and adds the tallies in the
-/// order of the parts, so the result does not depend on the number of threads.
-template <typename Part>
 std::vector<CheckReport> tally_parts(std::size_t count, std::size_t fields, const CheckOptions& options,
-                                     const Part& part) {
+                                     const std::function<void(std::size_t, std::span<Tally>)>& part) {
     std::vector<Tally> tallies(count * fields);
     const auto tallies_of = [&](std::size_t index) { return std::span(tallies).subspan(index * fields, fields); };
     std::atomic<std::size_t> done = 0;
@@ -220,6 +215,14 @@ std::vector<CheckReport> tally_parts(std::size_t count, std::size_t fields, cons
     }
     return reports;
 }
+
+double reach_of(const Field& field, bool is_signed, const CheckOptions& options) {
+    // Large enough that a sample without a result is beyond the band's limit and its tolerance.
+    return widest(field.band, is_signed) * (1 + 1e-6 + 1e-6 * options.tolerance_ulp) +
+           (1 + options.tolerance_voxels + options.sign_margin_voxels) * field.grid.voxel();
+}
+
+namespace {
 
 /// Judges one sample of every field.
 void judge_all(std::span<const Judge> judges, const Index3& index, const TrueSample& sample, std::span<Tally> tallies) {
@@ -289,11 +292,8 @@ std::vector<CheckReport> check(const Mesh& mesh, std::span<const Field> fields, 
     const Field& first = fields.front();
     const std::size_t count = first.grid.sample_count();
 
-    // Large enough that a sample without a result is beyond the band's limit and its tolerance.
-    const double widest_half = widest(first.band, first.sign != SignRule::none);
-    const double reach = widest_half * (1 + 1e-6 + 1e-6 * options.tolerance_ulp) +
-                         (1 + options.tolerance_voxels + options.sign_margin_voxels) * first.grid.voxel();
-    const TrueSamples truth(mesh, first.grid, first.sign, first.floor, reach);
+    const TrueSamples truth(mesh, first.grid, first.sign, first.floor,
+                            reach_of(first, first.sign != SignRule::none, options));
     std::vector<Judge> judges;
     judges.reserve(fields.size());
     for (const Field& field : fields) {

@@ -3,8 +3,12 @@
 #include "mesh_sites.hpp"
 #include "true_samples.hpp"
 
+#include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace clsdf::reference {
 
@@ -18,13 +22,25 @@ struct Tally {
     CheckReport finish() const;
 };
 
+/// Runs `part(index, tallies)` for all parts on all cores, with a tally for each field, and adds the tallies in the
+/// order of the parts, so the result does not depend on the number of threads.
+std::vector<CheckReport> tally_parts(std::size_t count, std::size_t fields, const CheckOptions& options,
+                                     const std::function<void(std::size_t, std::span<Tally>)>& part);
+
+/// Throws Error(invalid_argument) if an array of the field does not fit its grid.
+void require_sizes(const Field& field);
+
+/// Distances of samples beyond this are not needed to judge a field.
+double reach_of(const Field& field, bool is_signed, const CheckOptions& options);
+
 /// The band's contract, sample by sample.
 class Judge {
 public:
-    /// All three must outlive this.
-    Judge(const TrueSamples& truth, const Field& field, const CheckOptions& options);
+    /// All three must outlive this. body: the number of the mesh's body.
+    Judge(const TrueSamples& truth, const Field& field, const CheckOptions& options, std::uint32_t body = 0);
 
     void judge(const Index3& index, const TrueSample& truth, Tally& tally) const;
+    double tolerance(double distance) const;
 
 private:
     /// One sample: the truth, the field's value, and the position in the band.
@@ -42,7 +58,6 @@ private:
 
         void report(std::size_t& counter, std::string what, bool of_distance = true) const;
     };
-    double tolerance(double distance) const;
     float fill(bool inside) const;
     void judge_sign(const Case& sample) const;
     void judge_distance(const Case& sample) const;
@@ -51,6 +66,7 @@ private:
     const TrueSamples& truth_;
     const Field& field_;
     const CheckOptions& options_;
+    std::uint32_t body_;
     double voxel_;
     double joined_margin_;            ///< how far from the surface joined vertices may change the sign
     std::optional<MeshSites> sites_;  ///< if sites or gradients are judged

@@ -92,6 +92,7 @@ struct PlainOutputs : OutputSources {
     Vec3 gradient() const;
     std::array<double, 2> barycentric() const;
     Vec3 offset() const;
+    std::uint32_t body() const { return 0; }
 };
 
 /// On the surface it is the pseudonormal; NaN if all faces there have no area.
@@ -177,6 +178,7 @@ struct OutputsOfSample {
     std::size_t at;  ///< the sample's place in the field's arrays
     double voxel;
     double tolerance;  ///< of the distance
+    std::uint32_t body;
 
     std::string wrong_triangle() const;
     std::string wrong_site() const;
@@ -184,6 +186,7 @@ struct OutputsOfSample {
     std::string wrong_gradient() const;
     std::string wrong_barycentric() const;
     std::string wrong_offset() const;
+    std::string wrong_body() const;
 
 private:
     /// Of a point that is to be the closest one. allowed: its distance from the surface.
@@ -207,6 +210,11 @@ std::string OutputsOfSample::wrong_triangle() const {
     const double distance = truths.distance_to(found, index);
     if (distance - truth.distance <= tolerance) return {};
     return fmt::format("triangle {} is {} away, triangle {} is nearer", found, distance, truth.triangle);
+}
+
+std::string OutputsOfSample::wrong_body() const {
+    const std::uint32_t found = field.body()[at];
+    return found == body ? std::string() : fmt::format("body {} is named instead of {}", found, body);
 }
 
 std::string OutputsOfSample::wrong_site() const {
@@ -341,8 +349,8 @@ std::string OutputsOfSample::wrong_barycentric() const {
 }  // namespace
 
 void Judge::judge_outputs(const Case& sample) const {
-    const OutputsOfSample outputs{truth_,        field_, sites_ ? &*sites_ : nullptr,     sample.index, sample.truth,
-                                  sample.offset, voxel_, tolerance(sample.truth.distance)};
+    const OutputsOfSample outputs{truth_,        field_, sites_ ? &*sites_ : nullptr,      sample.index, sample.truth,
+                                  sample.offset, voxel_, tolerance(sample.truth.distance), body_};
     const auto judge = [&](Output output, const auto& values, std::string (OutputsOfSample::*wrong)() const) {
         if (values.empty()) return;
         std::size_t& count = sample.tally.report.wrong_outputs[detail::index_of(output)];

@@ -161,6 +161,7 @@ public:
             is_within = is_finite(closest());
         }
         if (is_within) {
+            std::memcpy(arrays_[Output::body].data, &found.body, sizeof found.body);
             turn(Output::closest, *body->frame);
             if (wanted_[Output::gradient].is_wanted) turn(Output::gradient, *body->frame);
             if (wanted_[Output::offset].is_wanted) turn(Output::offset, *body->frame);
@@ -448,7 +449,6 @@ UnusableOfScene answer_points(const SearchedScene& scene, std::span<const Vec3> 
                 is_within = outputs.store(body, found, points[i], half_width, i);
                 is_own = results.is_own != nullptr && (!is_within || chunk.is_own(k, outputs.closest()));
             }
-            if (results.bodies != nullptr) results.bodies[i] = is_within ? found.body : no_body;
             if (results.is_own != nullptr) results.is_own[i] = is_own ? 1 : 0;
         }
     });
@@ -481,8 +481,8 @@ UnusableOfScene answer_pairs(const SearchedScene& scene, std::span<const Vec3> p
                 body, count, half_width, point_of, [&](std::size_t) { return half_width; },
                 [](std::size_t, const points::NearestOfPoint&) { return true; },
                 [&](std::size_t i, const OfBody& of_body) {
-                    outputs.store(&body, {.face = of_body.nearest.face, .sign = of_body.sign}, point_of(i), half_width,
-                                  place(i));
+                    outputs.store(&body, {.body = number, .face = of_body.nearest.face, .sign = of_body.sign},
+                                  point_of(i), half_width, place(i));
                 });
         });
     });

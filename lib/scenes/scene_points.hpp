@@ -4,6 +4,7 @@
 #include "points/usable_points.hpp"
 #include "scenes/body_tree.hpp"
 #include "scenes/frame.hpp"
+#include "scenes/least_field.hpp"
 #include "targets/host_arrays.hpp"
 
 #include <clsdf/mesh.hpp>
@@ -22,8 +23,6 @@
 /// is inside that one. If it is in none of them, the others are searched, the nearest box first, within the least
 /// distance so far.
 namespace clsdf::scenes {
-
-inline constexpr std::uint32_t no_body = 0xFFFFFFFFU;
 
 /// The mesh of one or more bodies.
 struct SearchedShape {
@@ -48,7 +47,6 @@ struct SearchedScene {
 /// Packed results.
 struct SceneArrays {
     targets::HostArrays arrays;  ///< the distance may have none
-    std::uint32_t* bodies = nullptr;
     std::uint8_t* is_own = nullptr;
     std::uint8_t* is_inside = nullptr;
 };

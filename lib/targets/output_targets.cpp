@@ -144,8 +144,7 @@ namespace {
 
 /// visit(row, target, range, is_packed) for targets in memory of the device, whose types and strides are set.
 template <typename Visit>
-OutputTargets visit_device_targets(const OutputTargets& targets, std::size_t points, const Visit& visit) {
-    const Grid grid = row_of(points);
+OutputTargets visit_device_targets(const OutputTargets& targets, const Grid& grid, const Visit& visit) {
     OutputTargets visited;
     for (const OutputTarget& given : targets.all()) {
         OutputArray& target = visited[given.output];
@@ -156,25 +155,25 @@ OutputTargets visit_device_targets(const OutputTargets& targets, std::size_t poi
         const bool is_packed = resolve_strides(row, grid, target);
         const std::size_t bytes =
             device::guarded([&] { return cl::Buffer(target.device, true).getInfo<CL_MEM_SIZE>(); });
-        visit(row, target, points == 0 ? ByteRange{} : range_of(row, grid, target, bytes), is_packed);
+        visit(row, target, range_of(row, grid, target, bytes), is_packed);
     }
     return visited;
 }
 
 }  // namespace
 
-void add_targets(const OutputTargets& targets, std::size_t points, MappedMemory& memory) {
+void add_targets(const OutputTargets& targets, const Grid& grid, MappedMemory& memory) {
     using Use = MappedMemory::Use;
-    visit_device_targets(targets, points,
+    visit_device_targets(targets, grid,
                          [&](const OutputInfo& row, const OutputArray& target, const ByteRange& range, bool is_packed) {
                              memory.add(target.device, range, is_packed ? Use::overwrite : Use::write,
                                         fmt::format("output {}", row.name));
                          });
 }
 
-OutputTargets on_host(const OutputTargets& targets, std::size_t points, const MappedMemory& memory) {
+OutputTargets on_host(const OutputTargets& targets, const Grid& grid, const MappedMemory& memory) {
     static std::byte nothing{};
-    return visit_device_targets(targets, points,
+    return visit_device_targets(targets, grid,
                                 [&](const OutputInfo&, OutputArray& target, const ByteRange& range, bool is_packed) {
                                     target.host = range.is_empty() ? &nothing : memory.at(target.device, range.begin);
                                     target.device = nullptr;

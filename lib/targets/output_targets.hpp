@@ -55,10 +55,10 @@ Grid row_of(std::size_t count, std::size_t first = 0);
 /// The targets of points from number `first` on. Strides along the row that leave no room are as if they were not
 /// given.
 OutputTargets targets_from(const OutputTargets& targets, std::size_t first);
-/// Adds what the targets of points take of device memory to what is mapped. Throws as HostTargets does.
-void add_targets(const OutputTargets& targets, std::size_t points, MappedMemory& memory);
+/// Adds what the targets of a grid take of device memory to what is mapped. Throws as HostTargets does.
+void add_targets(const OutputTargets& targets, const Grid& grid, MappedMemory& memory);
 /// The same targets when that is mapped, all in memory of the host.
-OutputTargets on_host(const OutputTargets& targets, std::size_t points, const MappedMemory& memory);
+OutputTargets on_host(const OutputTargets& targets, const Grid& grid, const MappedMemory& memory);
 
 /// The caller's device memory for a grid, with any offset and strides. Throws as HostTargets does.
 struct DeviceTargets {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <sys/stat.h>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -380,9 +381,39 @@ BOOST_AUTO_TEST_CASE(takes_a_scene_of_many_bodies) {
     check_refused(run_command({"query", path, points, "-o", result, "--half-width", "10%"}), 2,
                   {"--half-width", "10%"});
     check_refused(run_command({"query", path, inputs.mesh, points, "-o", result}), 2, {"several files"});
-    const Outcome field = run_command({"compute", path, "-o", inputs.folder.file("field.nrrd")});
-    BOOST_TEST(field.status != 0);
-    BOOST_TEST(field.error.find("scene of many bodies") != std::string::npos, field.error);
+    const Outcome info = run_command({"info", path});
+    BOOST_TEST(info.status != 0);
+    BOOST_TEST(info.error.find("scene of many bodies") != std::string::npos, info.error);
+}
+
+BOOST_AUTO_TEST_CASE(a_scene_has_a_field_that_the_reference_confirms) {
+    const Inputs inputs;
+    const std::string path = inputs.folder.file("scene.json", R"({"bodies": [{"name": "base", "mesh": "cube.off"},
+        {"instance": "base", "pose": [0, -1, 0, 1.25, 1, 0, 0, 0.125, 0, 0, 1, 0.25, 0, 0, 0, 1]}]})");
+    for (const char* const ending : {"nrrd", "npy", "vti", "h5"}) {
+        const std::string file = inputs.folder.file(std::string("field.") + ending);
+        const Outcome made = run_command({"compute", path, "-o", file, "--resolution", "24", "--band", "3v", "--with",
+                                          "body,triangle,gradient", "--json"});
+        BOOST_TEST(made.status == 0, made.error);
+        const auto json = nlohmann::json::parse(made.out);
+        BOOST_TEST(json["bodies"].size() == 2U);
+        BOOST_TEST(json["sign"] == "nonzero");
+        Field field = read_field(file);
+        for (const std::uint32_t body : {0U, 1U, no_body})
+            BOOST_TEST((std::ranges::find(field.body(), body) != field.body().end()));
+        const Outcome checked = run_command({"check", path, file, "--complete"});
+        BOOST_TEST(checked.status == 0, checked.out + checked.error);
+        std::ranges::replace(field.body(), 1U, 0U);
+        write_field(field, file);
+        const Outcome failed = run_command({"check", path, file, "--complete", "--json"});
+        BOOST_TEST(failed.status == 1);
+        BOOST_TEST(nlohmann::json::parse(failed.out)["wrong_outputs"]["body"] > 0);
+    }
+    const std::string file = inputs.folder.file("field.nrrd");
+    check_refused(run_command({"compute", path, "-o", file, "--sign", "none"}), 2, {"--sign", "scene.json"});
+    check_refused(run_command({"compute", path, inputs.mesh, "-o", file}), 2, {"several files"});
+    BOOST_TEST(run_command({"compute", path, "-o", inputs.folder.file("field.vdb")}).status != 0);
+    BOOST_TEST(run_command({"compute", path, "--dry-run"}).status == 0);
 }
 
 BOOST_AUTO_TEST_CASE(writes_the_group_of_the_nearest_triangle) {

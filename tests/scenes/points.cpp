@@ -207,6 +207,48 @@ BOOST_AUTO_TEST_CASE(instances_follow_the_positions_of_their_mesh) {
     BOOST_TEST(moved.body[2] == instance);
 }
 
+BOOST_AUTO_TEST_CASE(configurations_have_the_bytes_of_poses_and_queries) {
+    Random random(29);
+    Scene scene(test_device());
+    const std::uint32_t first = scene.add(make_shape("sphere2"));
+    scene.add_instance(first);
+    scene.add(cube(0.5), {}, SignRule::none);
+    for (const std::size_t count : {3U, 500U}) {
+        const std::size_t configurations = 90;
+        std::vector<Vec3> points;
+        for (std::size_t i = 0; i < count; ++i) points.push_back(random.point(-3, 3));
+        points[1] = {std::nan(""), 0, 0};
+        std::vector<Pose> poses;
+        for (std::size_t i = 0; i < 3 * configurations; ++i)
+            poses.push_back({random_rotation(random), random.point(-2, 2)});
+        PointValues found(configurations * count);
+        const TransformStatistics statistics = scene.query_poses(points, poses, 1, found.targets());
+        BOOST_TEST(statistics.unusable_points == configurations);
+        Scene other(test_device());
+        other.add(make_shape("sphere2"));
+        other.add_instance(0);
+        other.add(cube(0.5), {}, SignRule::none);
+        std::size_t wrong = 0;
+        for (std::size_t n = 0; n < configurations; ++n) {
+            other.set_poses(std::span(poses).subspan(3 * n, 3));
+            const PointValues one = query(other, points, 1);
+            wrong += std::memcmp(one.distance.data(), &found.distance[n * count], count * sizeof(double)) != 0 ? 1U : 0U;
+            wrong += std::memcmp(one.closest.data(), &found.closest[n * count], count * sizeof(Vec3)) != 0 ? 1U : 0U;
+            wrong += std::memcmp(one.body.data(), &found.body[n * count], count * sizeof(std::uint32_t)) != 0 ? 1U : 0U;
+            wrong += std::memcmp(one.is_own.data(), &found.is_own[n * count], count) != 0 ? 1U : 0U;
+        }
+        BOOST_TEST(wrong == 0U);
+        BOOST_TEST(scene.pose(1).translation == Vec3{});
+        std::vector<double> distance(configurations * count);
+        check_throws(ErrorCode::invalid_argument, {"269 poses and 3 bodies"}, [&] {
+            scene.query_poses(points, std::span(poses).first(269), 1, {distance});
+        });
+        poses[7].rotation[0][0] += 1;
+        check_throws(ErrorCode::invalid_argument, {"body 1 in configuration 2"},
+                     [&] { scene.query_poses(points, poses, 1, {distance}); });
+    }
+}
+
 BOOST_AUTO_TEST_CASE(many_threads_ask_while_nothing_moves) {
     Random random(17);
     Scene scene(test_device());
@@ -263,12 +305,12 @@ BOOST_AUTO_TEST_CASE(what_is_wrong_is_named_and_changes_nothing) {
     BOOST_TEST(is_near(query(scene, point).distance[0], 2));
 
     check_throws(ErrorCode::invalid_argument, {"half width"}, [&] { scene.query(point, -1, {one}); });
-    std::vector<std::uint32_t> two(2);
-    check_throws(ErrorCode::invalid_argument, {"bodies has 2 items for 1 points"}, [&] {
+    std::vector<std::uint8_t> two(2);
+    check_throws(ErrorCode::invalid_argument, {"is_own has 2 items for 1 points"}, [&] {
         scene.query(point, 1, {one, two});
     });
     check_throws(ErrorCode::invalid_argument, {}, [&] {
-        scene.query(point, 1, {one, std::span(reinterpret_cast<std::uint32_t*>(one.data()), 1)});
+        scene.query(point, 1, {one, std::span(reinterpret_cast<std::uint8_t*>(one.data()), 1)});
     });
     const auto pair = [&](PointOfBody asked) { scene.query_pairs(point, std::span(&asked, 1), 1, one); };
     check_throws(ErrorCode::invalid_argument, {"pair 0 names point 1"}, [&] { pair({1, 0}); });

@@ -14,65 +14,6 @@ using namespace clsdf::test;
 
 namespace {
 
-struct RandomScene {
-    explicit RandomScene(std::uint64_t seed) : random(seed), meshes(meshes_of_bodies(random)) {
-        const std::size_t count = seed % 100 == 0 ? 200 : seed % 10 == 0 ? 60 : 1 + random.index(8);
-        const double apart = std::array{0.0, 0.5, 2.0, 30.0}[random.index(4)];
-        const Vec3 all_at = random.index(4) == 0 ? random.point(-1e6, 1e6) : Vec3{};
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::uint32_t number = random.index(meshes.size());
-            const bool is_none = random.index(6) == 0;
-            Pose pose;
-            if (random.index(3) != 0) pose.rotation = random_rotation(random);
-            if (random.index(5) != 0 || all_at != Vec3{})
-                pose.translation = along(all_at, apart * random.uniform(0, 1), random.direction());
-            const auto same = std::ranges::find_if(
-                bodies, [&](const BodyOfTest& body) { return body.mesh == &meshes[number] && random.index(2) == 0; });
-            const bool is_instance = same != bodies.end();
-            const SignRule sign = is_instance ? same->sign : is_none ? SignRule::none : SignRule::automatic;
-            if (is_instance)
-                scene.add_instance(static_cast<std::uint32_t>(same - bodies.begin()), pose);
-            else
-                scene.add(meshes[number], pose, sign);
-            pose = scene.pose(static_cast<std::uint32_t>(i));
-            bodies.push_back({&meshes[number], sign, pose});
-            transforms.emplace_back(test_device(), meshes[number], TransformOptions{.sign = sign});
-            transforms.back().set_motion(pose.rotation, pose.translation);
-        }
-        for (int i = 0; i < 40; ++i) {
-            const std::uint32_t body = random.index(count);
-            const Mesh& mesh = *bodies[body].mesh;
-            const Pose& pose = bodies[body].pose;
-            const Vec3 p = along(mesh.vertices()[random.index(mesh.vertices().size())],
-                                 std::array{0.0, 0.01, 0.3, 1.0, 50.0}[random.index(5)], random.direction());
-            Vec3 moved = pose.translation;
-            for (std::size_t a = 0; a < 3; ++a)
-                for (std::size_t b = 0; b < 3; ++b) moved[a] += pose.rotation[a][b] * p[b];
-            points.push_back(i % 8 == 7 ? pose.translation : moved);
-        }
-        double largest = 1;
-        for (const Vec3& p : points)
-            for (const double x : p) largest = std::max(largest, std::abs(x));
-        tolerance = 2e-14 * largest;
-        for (const DistanceTransform& transform : transforms) of_bodies.push_back(distances(transform, points));
-    }
-
-    double least(std::size_t point) const {
-        double result = of_bodies[0][point];
-        for (const std::vector<double>& of_body : of_bodies) result = std::min(result, of_body[point]);
-        return result;
-    }
-
-    Random random;
-    std::vector<Mesh> meshes;
-    Scene scene{test_device()};
-    std::vector<BodyOfTest> bodies;
-    std::vector<DistanceTransform> transforms;
-    std::vector<Vec3> points;
-    std::vector<std::vector<double>> of_bodies;
-    double tolerance = 0;
-};
-
 double length(const Vec3& a, const Vec3& b) {
     return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }

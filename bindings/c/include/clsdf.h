@@ -95,8 +95,8 @@ typedef int32_t clsdf_status;
 #define CLSDF_UINT64 6
 #define CLSDF_UINT8 7
 
-/* Outputs. Beyond the band the triangle is index_base - 1 (in uint32: 4294967295 or 0), the site 255, and vectors are
- * NaN. */
+/* Outputs. Beyond the band triangle and body are index_base - 1 (in uint32: 4294967295 or 0), the site 255, and vectors
+ * are NaN. */
 #define CLSDF_DISTANCE 0    /* signed; always computed */
 #define CLSDF_TRIANGLE 1    /* the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it */
 #define CLSDF_SITE 2        /* its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face */
@@ -104,6 +104,7 @@ typedef int32_t clsdf_status;
 #define CLSDF_GRADIENT 4    /* of the signed distance: a unit vector */
 #define CLSDF_BARYCENTRIC 5 /* of the closest point: the weights of the triangle's vertices 1 and 2 (from 0) */
 #define CLSDF_OFFSET 7      /* from the sample or point to the closest point */
+#define CLSDF_BODY 8        /* of a scene: the body of the nearest triangle; of a mesh index_base */
 
 /* A set of outputs: CLSDF_SET(CLSDF_TRIANGLE) | CLSDF_SET(CLSDF_SITE). */
 #define CLSDF_SET(output) ((uint32_t)1 << (output))
@@ -1078,7 +1079,7 @@ CLSDF_API clsdf_status clsdf_classify(const clsdf_transform* transform, const cl
 CLSDF_API clsdf_status clsdf_winding(const clsdf_transform* transform, const clsdf_array* points,
                                      const clsdf_array* results, const clsdf_call_options* call);
 
-/* ---- Scenes: many bodies with poses, and points among them (docs/scenes.md) ---- */
+/* ---- Scenes: many bodies with poses, their fields, and points among them (docs/scenes.md) ---- */
 
 /* The pose of a body, whose points x are at R x + t. */
 typedef struct clsdf_pose {
@@ -1134,16 +1135,30 @@ CLSDF_API clsdf_status clsdf_scene_pose(const clsdf_scene* scene, int64_t body, 
 CLSDF_API clsdf_status clsdf_scene_sign(const clsdf_scene* scene, int64_t body, int32_t* rule);
 /* 1: a body that is on has a sign. */
 CLSDF_API clsdf_status clsdf_scene_has_sign(const clsdf_scene* scene, int32_t* has_sign);
+/* Around the bodies that are on, where they are. */
+CLSDF_API clsdf_status clsdf_scene_box(const clsdf_scene* scene, clsdf_box* box);
 /* The memory that is kept of all meshes. */
 CLSDF_API clsdf_status clsdf_scene_memory(const clsdf_scene* scene, clsdf_kept_memory* memory);
 
+/* As clsdf_compute() and clsdf_compute_field(): the least of the bodies' signed distances, with the outputs of the body
+ * that has it, and CLSDF_BODY, which count from index_base. A sample in the depth of a body, beyond its band, is beyond
+ * the band of the field. Each body has the bytes of a transform of its own that was moved there. Fields of a scene take
+ * turns. */
+CLSDF_API clsdf_status clsdf_scene_compute(const clsdf_scene* scene, const clsdf_grid* grid, const clsdf_band* band,
+                                           const clsdf_target* targets, int64_t target_count,
+                                           const clsdf_call_options* call, clsdf_statistics* statistics);
+CLSDF_API clsdf_status clsdf_scene_compute_field(const clsdf_scene* scene, const clsdf_grid* grid,
+                                                 const clsdf_band* band, uint32_t outputs,
+                                                 const clsdf_call_options* call, clsdf_statistics* statistics,
+                                                 clsdf_field** field);
+
 /* As clsdf_query(), of the body whose signed distance is the least; closest points, gradients and offsets are in the
- * scene's coordinates, triangles and sites those of its mesh. `bodies` and `own`, which may be null, have an item for
- * each point: the body of the nearest triangle (index_base - 1, in uint32, beyond the half width), and 1 if the
- * distance is that of the union of the bodies, 0 if the union's surface may be farther away. */
+ * scene's coordinates, triangles and sites those of its mesh; CLSDF_BODY says which body. `own`, which may be null, has
+ * an item for each point: 1 if the distance is that of the union of the bodies, 0 if the union's surface may be farther
+ * away. */
 CLSDF_API clsdf_status clsdf_scene_query(const clsdf_scene* scene, const clsdf_array* points, double half_width,
-                                         const clsdf_target* targets, int64_t target_count, uint32_t* bodies,
-                                         uint8_t* own, const clsdf_call_options* call, clsdf_statistics* statistics);
+                                         const clsdf_target* targets, int64_t target_count, uint8_t* own,
+                                         const clsdf_call_options* call, clsdf_statistics* statistics);
 /* The outputs of pairs of a point and a body, pairs[count][2], by that body alone; targets have `count` items. */
 CLSDF_API clsdf_status clsdf_scene_query_pairs(const clsdf_scene* scene, const clsdf_array* points,
                                                const uint32_t* pairs, int64_t count, double half_width,

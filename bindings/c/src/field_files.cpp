@@ -44,26 +44,13 @@ clsdf_status clsdf_field_missing_files(const char* path, char* text, std::int64_
     });
 }
 
-namespace {
-
-/// The values with triangles that count from 0, as files have them, which `triangles` holds if they counted from 1.
-FieldSlab counted_from_0(FieldSlab values, std::int32_t index_base, std::vector<std::uint32_t>& triangles) {
-    if (index_base == 0 || values.triangle().empty()) return values;
-    triangles.assign(values.triangle().begin(), values.triangle().end());
-    std::ranges::for_each(triangles, [](std::uint32_t& triangle) { --triangle; });
-    values.set(Output::triangle, triangles);
-    return values;
-}
-
-}  // namespace
-
 clsdf_status clsdf_field_write(const clsdf_field* field, const char* path) {
     return guarded([&] {
         const clsdf_field& self = of(field);
         const std::string to = c::text_of(path, "path");
         if (self.index_base == 0) return write_field(self.field, to);
-        std::vector<std::uint32_t> triangles;
-        const FieldSlab values = counted_from_0(self.field.slab(), self.index_base, triangles);
+        c::ShiftedValues shifted;
+        const FieldSlab values = shifted(self.field.slab(), -self.index_base);
         FieldWriter writer(to, self.field, values.outputs());
         writer.append(values);
         writer.finish();
@@ -118,9 +105,9 @@ clsdf_status clsdf_sparse_field_read(const char* path, clsdf_sparse_field** fiel
 clsdf_status clsdf_sparse_field_write(const clsdf_sparse_field* field, const char* path) {
     return guarded([&] {
         const clsdf_sparse_field& self = of(field);
-        std::vector<std::uint32_t> triangles;
+        c::ShiftedValues shifted;
         SparseSlab layers = self.field.slab();
-        layers.values = counted_from_0(layers.values, self.index_base, triangles);
+        layers.values = shifted(layers.values, -self.index_base);
         SparseFieldWriter writer(c::text_of(path, "path"), self.field, layers.values.outputs());
         writer.append(layers);
         writer.finish();

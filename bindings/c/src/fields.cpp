@@ -42,8 +42,9 @@ clsdf_status clsdf_field_set_index_base(clsdf_field* field, std::int32_t index_b
     return guarded([&] {
         clsdf_field& self = of(field);
         const std::int32_t base = c::checked_index_base(index_base);
-        for (std::uint32_t& triangle : self.field.triangle())
-            triangle += static_cast<std::uint32_t>(base) - static_cast<std::uint32_t>(self.index_base);
+        for (const std::span<std::uint32_t> numbers : {self.field.triangle(), self.field.body()})
+            for (std::uint32_t& number : numbers)
+                number += static_cast<std::uint32_t>(base) - static_cast<std::uint32_t>(self.index_base);
         self.index_base = base;
     });
 }

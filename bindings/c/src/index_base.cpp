@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "errors.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 
@@ -10,8 +11,12 @@ namespace clsdf::c {
 
 namespace {
 
-const OutputArray* triangles_of(std::int32_t base, const OutputTargets& targets) {
-    return base == 0 ? nullptr : targets.find(Output::triangle);
+/// Calls visit(array) for the arrays of numbers, if they do not count from 0.
+template <typename Visit>
+void for_each_number(std::int32_t base, const OutputTargets& targets, const Visit& visit) {
+    if (base == 0) return;
+    for (const Output output : {Output::triangle, Output::body})
+        if (const OutputArray* array = targets.find(output)) visit(*array);
 }
 
 constexpr std::ptrdiff_t width = sizeof(std::uint32_t);
@@ -56,34 +61,37 @@ std::byte* first_of(const OutputArray& array) {
 }  // namespace
 
 void check_base(std::int32_t base, OutputSet on_device) {
-    if (base != 0 && on_device.contains(Output::triangle))
-        throw Error(ErrorCode::unsupported,
-                    "triangles in memory of the device, as a plan writes them, count from 0, and the mesh has index "
-                    "base 1; compute the output triangle into an array on the host, or give the mesh index base 0");
+    if (base != 0 && (on_device.contains(Output::triangle) || on_device.contains(Output::body)))
+        throw Error(
+            ErrorCode::unsupported,
+            "triangles and bodies in memory of the device, as a plan writes them, count from 0, and the mesh has index "
+            "base 1; compute these outputs into arrays on the host, or give the mesh index base 0");
 }
 
 void check_base(std::int32_t base, const OutputTargets& targets) {
-    const OutputArray* array = triangles_of(base, targets);
-    if (array != nullptr && array->device != nullptr) check_base(base, OutputSet(Output::triangle));
+    for_each_number(base, targets, [&](const OutputArray& array) {
+        if (array.device != nullptr) check_base(base, OutputSet(Output::triangle));
+    });
 }
 
 void set_base(std::int32_t base, const OutputTargets& targets, const Index3& size) {
-    if (const OutputArray* array = triangles_of(base, targets)) shift(first_of(*array), array->strides, size);
+    for_each_number(base, targets, [&](const OutputArray& array) { shift(first_of(array), array.strides, size); });
 }
 
 void set_base(std::int32_t base, const OutputTargets& targets, std::size_t points) {
-    if (const OutputArray* array = triangles_of(base, targets))
-        shift(first_of(*array), array->strides[0] == 0 ? std::array<std::ptrdiff_t, 3>{} : array->strides,
+    for_each_number(base, targets, [&](const OutputArray& array) {
+        shift(first_of(array), array.strides[0] == 0 ? std::array<std::ptrdiff_t, 3>{} : array.strides,
               {static_cast<std::int64_t>(points), 1, 1});
+    });
 }
 
 void set_base(std::int32_t base, const BlockSet& blocks) {
-    const OutputArray* array = triangles_of(base, blocks.targets);
-    if (array == nullptr) return;
     const std::int64_t samples = blocks.size[0] * blocks.size[1] * blocks.size[2];
-    const std::ptrdiff_t step = array->block_stride != 0 ? array->block_stride : width * samples;
-    for (std::size_t n = 0; n < blocks.first.size(); ++n)
-        shift(first_of(*array) + static_cast<std::ptrdiff_t>(n) * step, array->strides, blocks.size);
+    for_each_number(base, blocks.targets, [&](const OutputArray& array) {
+        const std::ptrdiff_t step = array.block_stride != 0 ? array.block_stride : width * samples;
+        for (std::size_t n = 0; n < blocks.first.size(); ++n)
+            shift(first_of(array) + static_cast<std::ptrdiff_t>(n) * step, array.strides, blocks.size);
+    });
 }
 
 void set_base(std::int32_t base, const OutputArray& triangles, std::size_t rays, std::size_t most) {
@@ -94,9 +102,21 @@ void set_base(std::int32_t base, const OutputArray& triangles, std::size_t rays,
           {static_cast<std::int64_t>(rays), static_cast<std::int64_t>(most), 1});
 }
 
-void set_base(std::int32_t base, std::span<std::uint32_t> triangles) {
-    if (base != 0)
-        shift(std::as_writable_bytes(triangles).data(), {}, {static_cast<std::int64_t>(triangles.size()), 1, 1});
+void set_base(std::int32_t base, std::span<std::uint32_t> numbers) {
+    if (base != 0) shift(std::as_writable_bytes(numbers).data(), {}, {static_cast<std::int64_t>(numbers.size()), 1, 1});
+}
+
+FieldSlab ShiftedValues::operator()(FieldSlab values, std::int32_t by) {
+    const auto set = [&](Output output, std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& own) {
+        if (by == 0 || numbers.empty()) return;
+        own.resize(numbers.size());
+        std::ranges::transform(numbers, own.begin(),
+                               [&](std::uint32_t number) { return number + static_cast<std::uint32_t>(by); });
+        values.set(output, own);
+    };
+    set(Output::triangle, values.triangle(), triangles_);
+    set(Output::body, values.body(), bodies_);
+    return values;
 }
 
 }  // namespace clsdf::c

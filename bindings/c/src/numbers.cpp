@@ -30,7 +30,7 @@ static_assert(is(ElementType::automatic, CLSDF_AUTOMATIC) && is(ElementType::flo
 static_assert(is(Output::distance, CLSDF_DISTANCE) && is(Output::triangle, CLSDF_TRIANGLE) &&
               is(Output::site, CLSDF_SITE) && is(Output::closest, CLSDF_CLOSEST) &&
               is(Output::gradient, CLSDF_GRADIENT) && is(Output::barycentric, CLSDF_BARYCENTRIC) &&
-              is(Output::offset, CLSDF_OFFSET));
+              is(Output::offset, CLSDF_OFFSET) && is(Output::body, CLSDF_BODY));
 static_assert(is(SignRule::automatic, CLSDF_SIGN_AUTOMATIC) && is(SignRule::nonzero, CLSDF_SIGN_NONZERO) &&
               is(SignRule::parity, CLSDF_SIGN_PARITY) && is(SignRule::none, CLSDF_SIGN_NONE) &&
               is(SignRule::solid_angle, CLSDF_SIGN_SOLID_ANGLE) && is(SignRule::below, CLSDF_SIGN_BELOW));

@@ -3,6 +3,7 @@
 #include "values.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -162,25 +163,60 @@ clsdf_status clsdf_scene_has_sign(const clsdf_scene* scene, std::int32_t* has_si
     return guarded([&] { given(has_sign, "has_sign") = of(scene).scene.has_sign() ? 1 : 0; });
 }
 
+clsdf_status clsdf_scene_box(const clsdf_scene* scene, clsdf_box* box) {
+    return guarded([&] { given(box, "box") = c::as_c(of(scene).scene.box()); });
+}
+
 clsdf_status clsdf_scene_memory(const clsdf_scene* scene, clsdf_kept_memory* memory) {
     return guarded([&] { c::write_given(c::as_c(of(scene).scene.memory()), memory, "clsdf_kept_memory"); });
 }
 
+clsdf_status clsdf_scene_compute(const clsdf_scene* scene, const clsdf_grid* grid, const clsdf_band* band,
+                                 const clsdf_target* targets, std::int64_t target_count, const clsdf_call_options* call,
+                                 clsdf_statistics* statistics) {
+    return guarded([&] {
+        const clsdf_scene& self = of(scene);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        const Grid of_field = c::grid_of(grid);
+        const OutputTargets to = c::targets_of(clsdf_targets{targets, target_count}, of_field);
+        c::check_base(self.index_base, to);
+        set(self.scene.compute(of_field, c::band_of(band), to, caller), statistics);
+        c::set_base(self.index_base, to, of_field.size);
+    });
+}
+
+clsdf_status clsdf_scene_compute_field(const clsdf_scene* scene, const clsdf_grid* grid, const clsdf_band* band,
+                                       std::uint32_t outputs, const clsdf_call_options* call,
+                                       clsdf_statistics* statistics, clsdf_field** field) {
+    return made(field, "field", [&] {
+        const clsdf_scene& self = of(scene);
+        c::check_result(statistics, "clsdf_statistics");
+        const Call caller(call);
+        TransformStatistics measured;
+        auto result = std::make_unique<clsdf_field>(
+            self.scene.compute(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs), caller, &measured),
+            self.index_base);
+        c::set_base(self.index_base, result->field.triangle());
+        c::set_base(self.index_base, result->field.body());
+        set(measured, statistics);
+        return result.release();
+    });
+}
+
 clsdf_status clsdf_scene_query(const clsdf_scene* scene, const clsdf_array* points, double half_width,
-                               const clsdf_target* targets, std::int64_t target_count, std::uint32_t* bodies,
-                               std::uint8_t* own, const clsdf_call_options* call, clsdf_statistics* statistics) {
+                               const clsdf_target* targets, std::int64_t target_count, std::uint8_t* own,
+                               const clsdf_call_options* call, clsdf_statistics* statistics) {
     return guarded([&] {
         const clsdf_scene& self = of(scene);
         c::check_result(statistics, "clsdf_statistics");
         const Call caller(call);
         const InputArray from = c::input_of(points, "points");
         SceneTargets to{c::targets_of(clsdf_targets{targets, target_count}, from.count)};
-        if (bodies != nullptr) to.bodies = {bodies, from.count};
         if (own != nullptr) to.is_own = {own, from.count};
         c::check_base(self.index_base, to.outputs);
         set(self.scene.query(from, half_width, to, caller), statistics);
         c::set_base(self.index_base, to.outputs, from.count);
-        c::set_base(self.index_base, to.bodies);
     });
 }
 

@@ -39,15 +39,11 @@ SparseTargets targets_of(const clsdf_sparse_arrays* arrays) {
             c::targets_of(from.values, bricks * CLSDF_BRICK_SAMPLES)};
 }
 
-/// Hands layers on with triangles that count from the mesh's index base, in one buffer for all layers.
+/// Hands layers on with numbers that count from the mesh's index base, in one buffer for all layers.
 SparseSink sink_of(clsdf_sparse_function sink, void* user, std::int32_t index_base) {
-    return [=, triangles = std::vector<std::uint32_t>()](const SparseSlab& layers) mutable {
+    return [=, shifted = c::ShiftedValues()](const SparseSlab& layers) mutable {
         SparseSlab handed = layers;
-        if (index_base != 0 && !layers.values.triangle().empty()) {
-            triangles.assign(layers.values.triangle().begin(), layers.values.triangle().end());
-            c::set_base(index_base, triangles);
-            handed.values.set(Output::triangle, triangles);
-        }
+        handed.values = shifted(layers.values, index_base);
         const std::vector<clsdf_target> values = c::as_c(handed.values);
         const clsdf_sparse_slab slab = c::as_c(handed, values);
         clsdf_set_last_error(nullptr);
@@ -55,9 +51,10 @@ SparseSink sink_of(clsdf_sparse_function sink, void* user, std::int32_t index_ba
     };
 }
 
-/// A handle for a field whose triangles count from 0.
+/// A handle for a field whose numbers count from 0.
 std::unique_ptr<clsdf_sparse_field> handle_of(SparseField field, std::int32_t index_base) {
     c::set_base(index_base, field.triangle());
+    c::set_base(index_base, field.body());
     return std::make_unique<clsdf_sparse_field>(std::move(field), index_base);
 }
 
@@ -174,8 +171,9 @@ clsdf_status clsdf_sparse_field_set_index_base(clsdf_sparse_field* field, std::i
     return guarded([&] {
         clsdf_sparse_field& self = of(field);
         const std::int32_t base = c::checked_index_base(index_base);
-        for (std::uint32_t& triangle : self.field.triangle())
-            triangle += static_cast<std::uint32_t>(base) - static_cast<std::uint32_t>(self.index_base);
+        for (const std::span<std::uint32_t> numbers : {self.field.triangle(), self.field.body()})
+            for (std::uint32_t& number : numbers)
+                number += static_cast<std::uint32_t>(base) - static_cast<std::uint32_t>(self.index_base);
         self.index_base = base;
     });
 }

@@ -31,17 +31,11 @@ void set(const TransformStatistics& from, clsdf_statistics* to) {
     if (to != nullptr) c::write_struct(c::as_c(from), to, "clsdf_statistics");
 }
 
-/// Hands slabs on with triangles that count from the mesh's index base, in one buffer for all slabs.
+/// Hands slabs on with numbers that count from the mesh's index base, in one buffer for all slabs.
 SlabSink sink_of(clsdf_slab_function sink, void* user, std::int32_t index_base) {
-    return [=, triangles = std::vector<std::uint32_t>()](const Grid& part, const FieldSlab& values) mutable {
-        FieldSlab given_values = values;
-        if (index_base != 0 && !values.triangle().empty()) {
-            triangles.assign(values.triangle().begin(), values.triangle().end());
-            c::set_base(index_base, triangles);
-            given_values.set(Output::triangle, triangles);
-        }
+    return [=, shifted = c::ShiftedValues()](const Grid& part, const FieldSlab& values) mutable {
         const clsdf_grid grid = c::as_c(part);
-        const std::vector<clsdf_target> targets = c::as_c(given_values);
+        const std::vector<clsdf_target> targets = c::as_c(shifted(values, index_base));
         clsdf_set_last_error(nullptr);
         c::check_callback(sink(user, &grid, targets.data(), static_cast<std::int64_t>(targets.size())), "sink");
     };
@@ -171,6 +165,7 @@ clsdf_status clsdf_compute_field(const clsdf_transform* transform, const clsdf_g
             self.transform.compute(c::grid_of(grid), c::band_of(band), c::outputs_of(outputs), caller, &measured),
             self.index_base);
         c::set_base(self.index_base, result->field.triangle());
+        c::set_base(self.index_base, result->field.body());
         set(measured, statistics);
         return result.release();
     });

@@ -12,7 +12,7 @@ int main(int count, char** arguments) {
     size = fread(text, 1, sizeof text - 1, file);
     CHECK(size > 1000 && size < sizeof text - 1);
     fclose(file);
-    CHECK(clsdf_output_count() == CLSDF_OFFSET + 1);
+    CHECK(clsdf_output_count() == CLSDF_BODY + 1);
     for (output = 0; output < clsdf_output_count(); ++output) {
         clsdf_output_info info = CLSDF_OUTPUT_INFO_INIT;
         char line[128];

@@ -16,8 +16,10 @@ static clsdf_pose pose_at(double x) {
 static clsdf_status query(clsdf_scene* scene, const double* points, int64_t count, double half_width, double* distance,
                           uint32_t* bodies, uint8_t* own) {
     const clsdf_array at = clsdf_host_array(CLSDF_FLOAT64, points, count);
-    const clsdf_target target = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT64, distance, count);
-    return clsdf_scene_query(scene, &at, half_width, &target, 1, bodies, own, NULL, NULL);
+    clsdf_target targets[2];
+    targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT64, distance, count);
+    targets[1] = clsdf_host_target(CLSDF_BODY, CLSDF_UINT32, bodies, count);
+    return clsdf_scene_query(scene, &at, half_width, targets, bodies == NULL ? 1 : 2, own, NULL, NULL);
 }
 
 int main(void) {
@@ -41,8 +43,16 @@ int main(void) {
     clsdf_mesh* mesh = NULL;
     clsdf_scene* scene = NULL;
     clsdf_pose pose, poses[2];
-    clsdf_target targets[2];
+    clsdf_target targets[3];
     clsdf_array larger;
+    clsdf_field* field = NULL;
+    /* Samples along x through both cubes: beyond the band, in the first, in the second, ... */
+    static const uint32_t body_of[8] = {0, 1, 2, 0, 2, 2, 2, 0};
+    static const double value_of[8] = {-0.6, -0.5, -0.5, -0.6, -0.5, 0, 0.5, 0.6};
+    clsdf_grid grid = {{0, 0, 0}, {0.5, 0.5, 0.5}, {8, 1, 1}, {0, 0, 0}};
+    clsdf_band band = clsdf_band_symmetric(0.6);
+    float values[8];
+    uint32_t body_values[8];
     double distance[4], winding[4], vertices_of_larger[8][3];
     uint32_t bodies[4], triangle[4];
     uint8_t own[4], inside[4], places[2];
@@ -76,7 +86,8 @@ int main(void) {
     CHECK(own[0] == 1 && own[1] == 0 && own[2] == 0 && own[3] == 1);
     targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT64, distance, 4);
     targets[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_UINT32, triangle, 4);
-    OK(clsdf_scene_query(scene, &at, 5, targets, 2, bodies, NULL, NULL, &statistics));
+    targets[2] = clsdf_host_target(CLSDF_BODY, CLSDF_UINT32, bodies, 4);
+    OK(clsdf_scene_query(scene, &at, 5, targets, 3, NULL, NULL, &statistics));
     CHECK(bodies[0] == 1 && bodies[3] == 0 && distance[3] == 5);
     CHECK((triangle[0] == 3 || triangle[0] == 4) && triangle[3] == 0 && statistics.unusable_points == 0);
 
@@ -91,6 +102,15 @@ int main(void) {
           clsdf_scene_query_pairs(scene, &at, &wrong_pairs[0][0], 1, HUGE_VAL, targets, 1, NULL, NULL));
     FAILS(CLSDF_INVALID_ARGUMENT, "count from 1",
           clsdf_scene_query_pairs(scene, &at, &wrong_pairs[1][0], 1, HUGE_VAL, targets, 1, NULL, NULL));
+
+    targets[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT32, values, 8);
+    targets[1] = clsdf_host_target(CLSDF_BODY, CLSDF_UINT32, body_values, 8);
+    OK(clsdf_scene_compute(scene, &grid, &band, targets, 2, NULL, &statistics));
+    for (i = 0; i < 8; ++i) CHECK(fabs(values[i] - value_of[i]) < 1e-6 && body_values[i] == body_of[i]);
+    OK(clsdf_scene_compute_field(scene, &grid, &band, CLSDF_SET(CLSDF_BODY), NULL, NULL, &field));
+    OK(clsdf_field_array(field, CLSDF_BODY, &larger));
+    for (i = 0; i < 8; ++i) CHECK(((const uint32_t*)larger.host)[i] == body_of[i]);
+    clsdf_field_release(field);
 
     OK(clsdf_scene_contains(scene, &at, inside, NULL));
     OK(clsdf_scene_winding(scene, &at, winding, NULL));

@@ -154,7 +154,7 @@ contains
     call check(clsdf_sign_name(CLSDF_SIGN_PARITY) == 'parity', 'the name of a sign rule')
     call check(clsdf_device_kind_name(CLSDF_GPU) == 'gpu', 'the name of a kind')
     call check(clsdf_device_source_name(CLSDF_UNREGISTERED) == 'unregistered', 'the name of a source')
-    call check(clsdf_output_count() == CLSDF_OFFSET + 1, 'outputs')
+    call check(clsdf_output_count() == CLSDF_BODY + 1, 'outputs')
     call clsdf_output_describe(CLSDF_GRADIENT, info)
     call check(info%name == 'gradient' .and. info%components == 3 .and. len(info%description) > 10, 'the table of outputs')
     length = clsdf_length(2, CLSDF_VOXELS)

@@ -19,6 +19,12 @@ program scenes
   integer(c_int32_t) :: bodies(n), triangle(n), pairs(2, 3)
   integer(c_int8_t) :: own(n), inside(n), places(2)
   integer(8) :: body
+  type(clsdf_grid) :: grid
+  type(clsdf_band) :: band
+  type(clsdf_field) :: field
+  real(4), allocatable, target :: least(:, :, :), of_one(:, :, :), expected_field(:, :, :)
+  integer(c_int32_t), allocatable, target :: numbers(:, :, :)
+  integer(c_int32_t), pointer :: of_field(:, :, :)
   character(400) :: errmsg
   real(8), parameter :: no_limit = huge(1d0)
 
@@ -61,7 +67,7 @@ program scenes
     of_bodies(:, i) = of_body
     expected = min(expected, of_body)
   end do
-  call scene%query(points, no_limit, distance, triangle=triangle, closest=closest, offset=offset, bodies=bodies, own=own)
+  call scene%query(points, no_limit, distance, triangle=triangle, closest=closest, offset=offset, body=bodies, own=own)
   call check(maxval(abs(distance - expected)) < 1d-13, 'the least distance')
   do i = 1, n
     call check(abs(of_bodies(i, bodies(i)) - expected(i)) < 1d-13, 'the nearest body')
@@ -72,8 +78,30 @@ program scenes
   single = real(points, 4)
   call scene%query(single, no_limit, distance_4, offset=offset_4)
   call check(maxval(abs(distance_4 - expected)) < 1d-6, 'reals of 4 bytes')
-  call scene%query(points, 0.1d0, distance, bodies=bodies)
+  call scene%query(points, 0.1d0, distance, body=bodies)
   call check(all((bodies == 0) .eqv. (abs(expected) > 0.1d0)), 'no body beyond the half width')
+  ! A field: each body's own field, moved there, has its values.
+  boxes(1) = scene%box()
+  call check(all(boxes(1)%lower > -2) .and. all(boxes(1)%upper < 2), 'the box of the scene')
+  grid%origin = -2
+  grid%spacing = 0.25d0
+  grid%size = [17, 17, 17]
+  allocate (least(17, 17, 17), of_one(17, 17, 17), numbers(17, 17, 17), expected_field(17, 17, 17))
+  band = clsdf_band(inside=0.6d0, outside=0.6d0)
+  expected_field = 0.6
+  do i = 1, 3
+    pose = scene%pose(int(i, 8))
+    call transform%create(device, mesh, sign=scene%sign(int(i, 8)))
+    call transform%set_motion(pose%rotation, pose%translation)
+    call transform%compute(grid, band, of_one)
+    expected_field = min(expected_field, of_one)
+  end do
+  call scene%compute(grid, band, [clsdf_target(CLSDF_DISTANCE, least), clsdf_target(CLSDF_BODY, numbers)])
+  call check(all(least == expected_field) .and. any(least < 0), 'a field of bodies')
+  call check(all((numbers >= 1 .and. numbers <= 3) .or. abs(least) >= 0.6) .and. any(numbers == 0), 'bodies of samples')
+  call scene%compute_field(grid, band, field, [CLSDF_BODY])
+  call field%array(CLSDF_BODY, of_field)
+  call check(all(of_field == numbers), 'a field in the library''s memory')
   call scene%contains(points, inside)
   call scene%winding(points, winding)
   call check(all((inside == 1) .eqv. (expected < 0)) .and. any(inside == 1), 'points inside')
@@ -113,8 +141,8 @@ program scenes
   call fails(stat, CLSDF_UNSUPPORTED, errmsg, 'below')
   call pose%set_matrix(transpose(matrix), stat=stat, errmsg=errmsg)
   call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'last row')
-  call scene%query(points, no_limit, distance, bodies=bodies(2:), stat=stat, errmsg=errmsg)
-  call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'bodies')
+  call scene%query(points, no_limit, distance, body=bodies(2:), stat=stat, errmsg=errmsg)
+  call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'body')
   pairs(2, 1) = 3
   call scene%query_pairs(points, pairs, no_limit, of_pairs, stat=stat, errmsg=errmsg)
   call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'switched off')

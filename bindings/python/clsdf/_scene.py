@@ -16,18 +16,10 @@ from ._error import Error
 from ._points import arrays_for, in_numbers, limit_of, rows_of
 from ._progress import Progress, shown
 from ._values import Outputs, Points, Values
-
-#: What query() has beside the outputs of a transform.
-_own_types: dict[str, type] = {"body": np.uint32, "is_own": np.bool_}
-
+from ._with_fields import WithFields
 
 class ScenePoints(Points):
     """What Scene.query() found: arrays (...), and (..., 3) of vectors, in the order of the points."""
-
-    @property
-    def body(self) -> npt.NDArray[np.uint32]:
-        """The body of the nearest triangle; clsdf.no_body beyond the limit."""
-        return self._array("body")
 
     @property
     def is_own(self) -> npt.NDArray[np.bool_]:
@@ -86,12 +78,15 @@ def _whole(what: str, values: Any, columns: int) -> npt.NDArray[np.uint32]:
     return np.ascontiguousarray(array, np.uint32)
 
 
-class Scene:
-    """Many bodies, each a mesh with its own sign rule and pose, and points among them (docs/scenes.md).
+class Scene(WithFields):
+    """Many bodies, each a mesh with its own sign rule and pose: points among them, and their fields (docs/scenes.md).
 
     A body is added, gets a number, counted from 0, and keeps it. Bodies may share a mesh (instances), which is prepared
     once. Nothing is prepared again when poses change. The distance is the least of the bodies' signed distances: outside
     all of them that to their union, inside the depth in the deepest body.
+
+    field() and grid() are those of a Transform: the field has the least of the bodies' signed distances, and 'body' says
+    which one. A sample in the depth of a body, beyond its band, is beyond the band of the field, whatever else is near.
 
     A pose is a 4 x 4 or 3 x 4 matrix, or a tuple (R, t): the body's points x are at R @ x + t. Matrices may be float32:
     each rotation is replaced by the nearest one.
@@ -102,30 +97,33 @@ class Scene:
     """
 
     def __init__(self, *, device: Any = None, kept_bytes: int | None = None) -> None:
-        self._bodies = _core.make_bodies(device_of(device), _meshes.kept_bytes_of(kept_bytes))
+        self._body = _core.make_bodies(device_of(device), _meshes.kept_bytes_of(kept_bytes))
 
     def __repr__(self) -> str:
         return f"<clsdf.Scene: {len(self)} bodies, on {self.device.name}>"
 
     def __len__(self) -> int:
-        return self._bodies.size()
+        return self._body.size()
 
     def __bool__(self) -> bool:
         return True
 
     @property
     def device(self) -> Device:
-        return self._bodies.device
+        return self._body.device
 
     @property
     def memory(self) -> tuple[int, int]:
         """Bytes that are kept of all meshes between calls: of the host, and of the device."""
-        return self._bodies.memory
+        return self._body.memory
 
     @property
     def has_sign(self) -> bool:
         """Whether a body that is on has a sign."""
-        return self._bodies.has_sign
+        return self._body.has_sign
+
+    def _description(self) -> tuple[str, str, float | None]:
+        return self._body.field_sign, "scene", None
 
     # Bodies.
 
@@ -144,39 +142,39 @@ class Scene:
         if not isinstance(sign, str):
             raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle' or 'none'")
         vertices, faces, _ = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
-        return self._bodies.add(vertices, faces, _one_pose(pose), sign)
+        return self._body.add(vertices, faces, _one_pose(pose), sign)
 
     def add_instance(self, of: int, pose: Any = None) -> int:
         """Adds a body that has the mesh and the sign rule of another one, and returns its number."""
-        return self._bodies.add_instance(self._number(of), _one_pose(pose))
+        return self._body.add_instance(self._number(of), _one_pose(pose))
 
     def set_poses(self, poses: Any, bodies: Any = None) -> None:
         """Moves all bodies, or those of the numbers `bodies`. poses: an array (n, 4, 4) or (n, 3, 4), float32 or float64,
         or a tuple of rotations (n, 3, 3) and translations (n, 3). Raises clsdf.Error (invalid_argument) that names the
         body of a matrix that is no rotation to 1e-5."""
-        self._bodies.set_poses(poses_of(poses), None if bodies is None else _whole("bodies", bodies, 1))
+        self._body.set_poses(poses_of(poses), None if bodies is None else _whole("bodies", bodies, 1))
 
     def set_positions(self, body: int, positions: Any) -> None:
         """Gives the mesh of a body, and so all its instances, new positions (n, 3) before their poses."""
-        self._bodies.set_positions(self._number(body), _meshes.as_array(positions, np.float64))
+        self._body.set_positions(self._number(body), _meshes.as_array(positions, np.float64))
 
     def set_active(self, body: int, is_active: bool = True) -> None:
         """Switches a body off, as if it were not there, or on again."""
-        self._bodies.set_active(self._number(body), bool(is_active))
+        self._body.set_active(self._number(body), bool(is_active))
 
     def is_active(self, body: int) -> bool:
         """Whether a body is on."""
-        return self._bodies.is_active(self._number(body))
+        return self._body.is_active(self._number(body))
 
     def pose(self, body: int) -> npt.NDArray[np.float64]:
         """(4, 4), with the rotation that is used."""
         matrix = np.eye(4)
-        matrix[:3, :3], matrix[:3, 3] = self._bodies.pose(self._number(body))
+        matrix[:3, :3], matrix[:3, 3] = self._body.pose(self._number(body))
         return matrix
 
     def sign(self, body: int) -> str:
         """The rule in use: 'nonzero', 'parity', 'solid-angle' or 'none'."""
-        return self._bodies.sign(self._number(body))
+        return self._body.sign(self._number(body))
 
     # Points.
 
@@ -194,42 +192,66 @@ class Scene:
     ) -> ScenePoints:
         """The least signed distance of the bodies at points anywhere, and other outputs, in the scene's coordinates.
 
-        outputs: those of a transform, and 'body', the body of the nearest triangle (the lowest number of several;
+        outputs: those of a transform, with 'body', the body of the nearest triangle (the lowest number of several;
             clsdf.no_body beyond the limit), and 'is_own', whether the distance is that of the union. triangle and site
-            are those of the body's mesh. In `out` their arrays are uint32, and bool or uint8, packed and of the host.
+            are those of the body's mesh. In `out` the array of 'is_own' is bool or uint8, packed and of the host.
         points, within, out, progress, wait_for, refuse_unusable_points, dtype: as of Transform.query().
         """
         points, shape = rows_of(points)
         count = _cuda.shape_of(points)[0]
-        arrays_out, own = self._own_arrays(out, shape)
+        arrays_out, is_own = self._without_own(out, shape)
         if out is None:
             asked = outputs.replace(",", " ").split() if isinstance(outputs, str) else list(outputs or ())
-            outputs = [name for name in asked if name not in _own_types]
-            own = {name: np.empty(shape, dtype) for name, dtype in _own_types.items() if name in asked}
+            outputs = [name for name in asked if name != "is_own"]
+            is_own = np.empty(shape, np.bool_) if "is_own" in asked else None
         elif outputs is not None:
             raise Error("outputs= and out= exclude each other: the arrays that are given say what is computed")
         arrays, results = arrays_for(outputs, arrays_out, dtype, shape)
-        rows = {name: array.reshape(count) for name, array in own.items()}
-        is_own = rows.get("is_own")
+        own = None if is_own is None else is_own.reshape(count).view(np.uint8)
         with shown(progress) as show:
-            self._bodies.query(
-                points, limit_of(within), arrays, rows.get("body"), None if is_own is None else is_own.view(np.uint8),
-                show, wait_for, refuse_unusable_points,
-            )
-        results = {**results, **own}
+            self._body.query(points, limit_of(within), arrays, own, show, wait_for, refuse_unusable_points)
+        if is_own is not None:
+            results = {**results, "is_own": is_own}
         return ScenePoints(results if out is not None else in_numbers(results))
 
+    def query_poses(
+        self,
+        points: Any,
+        poses: Any,
+        outputs: Outputs | None = None,
+        *,
+        within: float | None = math.inf,
+        progress: Progress = None,
+        refuse_unusable_points: bool = False,
+        dtype: npt.DTypeLike | None = None,
+    ) -> ScenePoints:
+        """query() for many configurations of the bodies in one call. poses: an array (c, n, 4, 4) or (c, n, 3, 4), n
+        poses as of set_poses() for each; the scene's own poses stay. points: (..., 3). The arrays of the result are
+        (c, ...), and have the bytes of set_poses() and query()."""
+        points, shape = rows_of(points)
+        rows = _numbers("poses", poses, None)
+        if rows.ndim != 4 or rows.shape[1] != len(self):
+            raise Error(f"poses has the shape {rows.shape}; expected (c, {len(self)}, 4, 4) or (c, {len(self)}, 3, 4)")
+        flat = poses_of(rows.reshape(-1, *rows.shape[2:]))
+        shape = (len(rows), *shape)
+        asked = outputs.replace(",", " ").split() if isinstance(outputs, str) else list(outputs or ())
+        is_own = np.empty(shape, np.bool_) if "is_own" in asked else None
+        arrays, results = arrays_for([name for name in asked if name != "is_own"], None, dtype, shape)
+        own = None if is_own is None else is_own.reshape(-1).view(np.uint8)
+        with shown(progress) as show:
+            self._body.query_poses(points, flat, limit_of(within), arrays, own, show, refuse_unusable_points)
+        return ScenePoints(results if is_own is None else {**results, "is_own": is_own})
+
     @staticmethod
-    def _own_arrays(out: Any, shape: tuple[int, ...]) -> tuple[Any, dict[str, npt.NDArray[Any]]]:
-        """The arrays of `out` that a transform writes, and those of a scene alone."""
+    def _without_own(out: Any, shape: tuple[int, ...]) -> tuple[Any, npt.NDArray[Any] | None]:
+        """The arrays of `out` that a transform writes, too, and that of 'is_own'."""
         arrays = out.arrays if isinstance(out, Values) else out
-        if not hasattr(arrays, "keys"):
-            return out, {}
-        own = {name: arrays[name] for name in arrays if name in _own_types}
-        for name, array in own.items():
-            if not isinstance(array, np.ndarray) or array.shape != shape or not array.flags.c_contiguous:
-                raise Error(f"out: the array of '{name}' is no NumPy array of the shape {shape} in C order")
-        return {name: arrays[name] for name in arrays if name not in _own_types}, own
+        if not hasattr(arrays, "keys") or "is_own" not in arrays:
+            return out, None
+        own = arrays["is_own"]
+        if not isinstance(own, np.ndarray) or own.shape != shape or not own.flags.c_contiguous:
+            raise Error(f"out: the array of 'is_own' is no NumPy array of the shape {shape} in C order")
+        return {name: arrays[name] for name in arrays if name != "is_own"}, own
 
     def query_pairs(
         self,
@@ -249,7 +271,30 @@ class Scene:
         asked = _whole("pairs", pairs, 2)
         arrays, results = arrays_for(outputs, out, dtype, (len(asked),))
         with shown(progress) as show:
-            self._bodies.query_pairs(points, asked, limit_of(within), arrays, show, refuse_unusable_points)
+            self._body.query_pairs(points, asked, limit_of(within), arrays, show, refuse_unusable_points)
+        return Points(results)
+
+    def query_each(
+        self,
+        points: Any,
+        outputs: Outputs | None = None,
+        *,
+        bodies: Any = None,
+        within: float | None = math.inf,
+        progress: Progress = None,
+        refuse_unusable_points: bool = False,
+        dtype: npt.DTypeLike | None = None,
+    ) -> Points:
+        """The outputs of every point by every body alone: arrays (number of bodies, ...) of points (..., 3). bodies: the
+        numbers of some; None: all of them, which must be on. Other parameters: as of query()."""
+        points, shape = rows_of(points)
+        numbers = np.arange(len(self), dtype=np.uint32) if bodies is None else _whole("bodies", bodies, 1)
+        count = _cuda.shape_of(points)[0]
+        pairs = np.empty((len(numbers), count, 2), np.uint32)
+        pairs[..., 0], pairs[..., 1] = np.arange(count, dtype=np.uint32), numbers[:, None]
+        arrays, results = arrays_for(outputs, None, dtype, (len(numbers), *shape))
+        with shown(progress) as show:
+            self._body.query_pairs(points, pairs.reshape(-1, 2), limit_of(within), arrays, show, refuse_unusable_points)
         return Points(results)
 
     def contains(self, points: Any) -> npt.NDArray[np.bool_]:
@@ -257,17 +302,17 @@ class Scene:
         this one; one that is not finite is not inside."""
         points, shape = rows_of(points)
         found = np.empty(_cuda.shape_of(points)[0], np.uint8)
-        self._bodies.contains(points, found)
+        self._body.contains(points, found)
         return found.view(np.bool_).reshape(shape)
 
     def classify(self, boxes: Any, half_width: float) -> npt.NDArray[np.uint8]:
         """The place of each box (n, 2, 3), as numbers of clsdf.BoxPlace: INSIDE if it is inside one of the bodies,
         OUTSIDE (BEYOND if no body has a sign) if it is that of all of them. As of Transform.classify()."""
-        return self._bodies.classify(_meshes.boxes_of(boxes), half_width)
+        return self._body.classify(_meshes.boxes_of(boxes), half_width)
 
     def winding(self, points: Any) -> npt.NDArray[np.float64]:
         """The sum of the bodies' winding numbers, in their order: an array (...). As of Transform.winding()."""
         points, shape = rows_of(points)
         sums = np.empty(_cuda.shape_of(points)[0])
-        self._bodies.winding(points, sums)
+        self._body.winding(points, sums)
         return sums.reshape(shape)

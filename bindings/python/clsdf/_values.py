@@ -170,6 +170,11 @@ class Values:
         """(..., 3): from the sample or point to the closest point, in the mesh's units."""
         return self._array("offset")
 
+    @property
+    def body(self) -> npt.NDArray[np.uint32]:
+        """Of a Scene: the body of the nearest triangle, clsdf.no_body beyond the band. Of a Transform 0."""
+        return self._array("body")
+
 
 class Points(Values):
     """What query() found: arrays (n,), and (n, 3) of vectors, in the order of the points."""

@@ -86,18 +86,46 @@ void set_positions(Bodies& bodies, std::uint32_t body, nb::handle positions) {
     arrays.end();
 }
 
-void query(const Bodies& bodies, nb::handle points, double within, const ArraysByName& outputs, nb::handle body,
-           nb::handle is_own, nb::object progress, nb::handle wait_for, bool refuse_unusable_points) {
+void compute(const Bodies& bodies, const Grid& grid, const Band& band, const ArraysByName& outputs, nb::object progress,
+             nb::handle wait_for) {
+    Arrays arrays(&bodies.device());
+    OutputTargets targets = arrays.outputs(outputs, shape_of(grid.size));
+    arrays.place({}, {&targets, 1});
+    const Call call(std::move(progress), wait_for);
+    arrays.begin();
+    bodies.read([&](const Scene& scene) { scene.compute(grid, band, targets, call.options()); });
+    arrays.end();
+}
+
+void query(const Bodies& bodies, nb::handle points, double within, const ArraysByName& outputs, nb::handle is_own,
+           nb::object progress, nb::handle wait_for, bool refuse_unusable_points) {
     Arrays arrays(&bodies.device());
     InputArray asked = arrays.triples(points, "points");
     SceneTargets targets{arrays.outputs(outputs, {static_cast<std::int64_t>(asked.count)})};
-    targets.bodies = items_of<std::uint32_t>(arrays, body, "body", ElementType::uint32, asked.count);
     targets.is_own = items_of<std::uint8_t>(arrays, is_own, "is_own", ElementType::uint8, asked.count);
     arrays.place({&asked}, {&targets.outputs, 1});
     Call call(std::move(progress), wait_for);
     call.refuse_unusable_points(refuse_unusable_points);
     arrays.begin();
     bodies.read([&](const Scene& scene) { scene.query(asked, within, targets, call.options()); });
+    arrays.end();
+}
+
+/// poses: of all bodies for each configuration, one after the other.
+void query_poses(const Bodies& bodies, nb::handle points, const Poses& poses, double within, const ArraysByName& outputs,
+                 nb::handle is_own, nb::object progress, bool refuse_unusable_points) {
+    const std::vector<Pose> all = poses_of(poses);
+    const std::size_t count = bodies.read([](const Scene& scene) { return scene.size(); });
+    Arrays arrays(&bodies.device());
+    InputArray asked = arrays.triples(points, "points");
+    const std::size_t results = count == 0 ? 0 : all.size() / count * asked.count;
+    SceneTargets targets{arrays.outputs(outputs, {static_cast<std::int64_t>(results)})};
+    targets.is_own = items_of<std::uint8_t>(arrays, is_own, "is_own", ElementType::uint8, results);
+    arrays.place({&asked}, {&targets.outputs, 1});
+    Call call(std::move(progress));
+    call.refuse_unusable_points(refuse_unusable_points);
+    arrays.begin();
+    bodies.read([&](const Scene& scene) { scene.query_poses(asked, all, within, targets, call.options()); });
     arrays.end();
 }
 
@@ -159,9 +187,12 @@ void add_scenes(nb::module_& module) {
                 bodies.change([&](Scene& scene) { scene.set_active(body, is_active); });
             },
             nb::arg("body"), nb::arg("is_active"))
-        .def("query", &query, nb::arg("points"), nb::arg("within"), nb::arg("outputs"), nb::arg("body").none(),
-             nb::arg("is_own").none(), nb::arg("progress").none(), nb::arg("wait_for").none(),
-             nb::arg("refuse_unusable_points"))
+        .def("compute", &compute, nb::arg("grid"), nb::arg("band"), nb::arg("outputs"), nb::arg("progress").none(),
+             nb::arg("wait_for").none())
+        .def("query", &query, nb::arg("points"), nb::arg("within"), nb::arg("outputs"), nb::arg("is_own").none(),
+             nb::arg("progress").none(), nb::arg("wait_for").none(), nb::arg("refuse_unusable_points"))
+        .def("query_poses", &query_poses, nb::arg("points"), nb::arg("poses"), nb::arg("within"), nb::arg("outputs"),
+             nb::arg("is_own").none(), nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
         .def("query_pairs", &query_pairs, nb::arg("points"), nb::arg("pairs"), nb::arg("within"), nb::arg("outputs"),
              nb::arg("progress").none(), nb::arg("refuse_unusable_points"))
         .def("contains", &contains, nb::arg("points"), nb::arg("results"))
@@ -179,10 +210,19 @@ void add_scenes(nb::module_& module) {
         .def(
             "sign",
             [](const Bodies& bodies, std::uint32_t body) {
-                return std::string(name_of(read<&Scene::sign>(bodies, body)));
+                return std::string(name_of(bodies.read([&](const Scene& scene) { return scene.sign(body); })));
             },
             nb::arg("body"))
         .def_prop_ro("has_sign", [](const Bodies& bodies) { return read<&Scene::has_sign>(bodies); })
+        .def_prop_ro("field_sign",
+                     [](const Bodies& bodies) {
+                         return std::string(name_of(bodies.read([](const Scene& scene) { return scene.sign(); })));
+                     })
+        .def_prop_ro("box",
+                     [](const Bodies& bodies) {
+                         const Box box = read<&Scene::box>(bodies);
+                         return std::pair(box.lower, box.upper);
+                     })
         .def_prop_ro("memory",
                      [](const Bodies& bodies) {
                          const KeptMemory kept = read<&Scene::memory>(bodies);

@@ -221,3 +221,72 @@ def test_a_scene_without_bodies_is_named():
     with pytest.warns(clsdf.MeshWarning) as warned:
         assert np.isnan(scene.query([(np.nan, 0, 0)]).distance)
     assert warned[0].filename == __file__
+
+
+def least_of(transforms, grid, band):
+    """The least of the bodies' fields, and the lowest body that has it within the band."""
+    fields = [transform.field(grid, band=band, outputs="triangle gradient") for transform in transforms]
+    distance = np.stack([f.distance for f in fields])
+    least = distance.min(0)
+    body = np.full(least.shape, clsdf.no_body, np.uint32)
+    for number in reversed(range(len(fields))):
+        of_body = fields[number]
+        has_it = (of_body.distance == least) & (of_body.triangle != clsdf.no_triangle)
+        body[has_it] = number
+    for of_body in fields:
+        body[(of_body.distance == least) & (of_body.triangle == clsdf.no_triangle) & (least < 0)] = clsdf.no_body
+    return least, body, fields
+
+
+def test_a_field_has_the_least_distance_and_its_body(solid, random):
+    meshes = [solid, cube(0.4)]
+    scene, transforms = clsdf.Scene(), []
+    for i, pose in enumerate(random_poses(random, 5, 1)):
+        scene.add(*meshes[i % 2], pose=pose) if i < 2 else scene.add_instance(i % 2, pose)
+        transforms.append(clsdf.Transform(meshes[i % 2]))
+        used = scene.pose(i)
+        transforms[-1].set_motion((used[:3, :3], used[:3, 3]))
+    grid = scene.grid(32, band="3v")
+    field = scene.field(grid, band="3v", outputs="body triangle gradient")
+    least, body, fields = least_of(transforms, grid, "3v")
+    assert np.array_equal(field.distance, least) and (least < 0).any()
+    assert np.array_equal(field.body, body) and (body == clsdf.no_body).any() and len(np.unique(body)) == 6
+    for number, of_body in enumerate(fields):
+        at = body == number
+        assert np.array_equal(field.triangle[at], of_body.triangle[at])
+        assert np.array_equal(field.gradient[at], of_body.gradient[at])
+    assert field.sign == "nonzero" and field.mesh_name == "scene" and field.grid == grid
+    out = clsdf.Field(grid, field.band, "none", "", {"distance": np.empty(grid.shape), "body": np.empty(grid.shape, np.int32)})
+    assert scene.field(out=out) is out and np.allclose(out.distance, field.distance, atol=1e-6)
+    assert np.array_equal(out.body, field.body.view(np.int32))
+    assert (scene.field(grid, band=0).distance == 0).all()
+    assert np.array_equal(scene.field(grid, band="3v", positive_inside=True).distance, -least)
+    own = clsdf.Transform(solid).field(resolution=16, outputs="body triangle")
+    assert np.array_equal(own.body == 0, own.triangle != clsdf.no_triangle) and (own.body == 0).any()
+    with pytest.raises(clsdf.Error, match="bodies"):
+        clsdf.Scene().field(grid)
+
+
+def test_configurations_and_each_body(random):
+    scene = clsdf.Scene()
+    scene.add(cube(1))
+    scene.add_instance(0)
+    points = random.uniform(-3, 3, (4, 7, 3))
+    poses = np.stack([random_poses(random, 2, 2) for _ in range(6)])
+    found = scene.query_poses(points, poses, "closest body is_own", dtype="float64")
+    assert found.distance.shape == found.is_own.shape == (6, 4, 7) and found.closest.shape == (6, 4, 7, 3)
+    assert np.array_equal(scene.pose(0), np.eye(4))
+    for number, of_one in enumerate(poses):
+        scene.set_poses(of_one)
+        one = scene.query(points, "closest body is_own", dtype="float64")
+        for name in one.outputs:
+            assert np.array_equal(found[name][number], one[name], equal_nan=name == "closest")
+    each = scene.query_each(points, "offset", dtype="float64")
+    assert each.distance.shape == (2, 4, 7) and each.offset.shape == (2, 4, 7, 3)
+    assert np.array_equal(each.distance.min(0), scene.query(points, dtype="float64").distance)
+    assert np.array_equal(scene.query_each(points, bodies=[1], dtype="float64").distance[0], each.distance[1])
+    with pytest.raises(clsdf.Error, match="expected"):
+        scene.query_poses(points, poses[:, :1])
+    poses[3, 1, 0, 0] = 2
+    with pytest.raises(clsdf.Error, match="body 1 in configuration 3"):
+        scene.query_poses(points, poses)

@@ -20,6 +20,7 @@ enum class Output : std::int32_t {
     barycentric = 5,  ///< of the closest point: the weights of the triangle's vertices 1 and 2
     // 6 is kept.
     offset = 7,  ///< from the sample or point to the closest point, in the mesh's units
+    body = 8,    ///< of a Scene: the body of the nearest triangle; of a mesh 0
 };
 
 }  // namespace clsdf
@@ -34,7 +35,8 @@ enum class Output : std::int32_t {
     ROW(closest, "closest point of the surface", float64, 3, 3) \
     ROW(gradient, "gradient of the distance", float32, 3, 4)    \
     ROW(barycentric, "barycentric coordinates", float32, 2, 5)  \
-    ROW(offset, "offset to the closest point", float32, 3, 7)
+    ROW(offset, "offset to the closest point", float32, 3, 7)   \
+    ROW(body, "body of the nearest triangle", uint32, 1, 8)
 
 // The outputs that take the names of sites, and those that take their pseudonormals, as sets of bits.
 #define CLSDF_OUTPUTS_BY_NAME (1u << CLSDF_OUTPUT_triangle | 1u << CLSDF_OUTPUT_site | 1u << CLSDF_OUTPUT_barycentric)

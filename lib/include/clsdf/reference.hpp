@@ -143,6 +143,18 @@ CLSDF_EXPORT CheckReport check(const Mesh& mesh, const Field& field, const Check
 CLSDF_EXPORT std::vector<CheckReport> check(const Mesh& mesh, std::span<const Field> fields,
                                             const CheckOptions& options = {});
 
+/// A body of a scene where it is.
+struct PlacedBody {
+    Mesh mesh;
+    SignRule sign = SignRule::automatic;
+};
+
+/// Compares a field of a scene, as Scene::compute() gives it, with the least of the bodies' signed distances; triangles
+/// count within their body, and Output::body is a body's place in the list. If several bodies are nearest within the
+/// tolerance, each is right. Throws as the others; Error(invalid_argument) if there is no body.
+CLSDF_EXPORT CheckReport check(std::span<const PlacedBody> bodies, const Field& field,
+                               const CheckOptions& options = {});
+
 /// Two triangles, the lower index first.
 using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 

@@ -29,7 +29,7 @@ struct SceneOptions {
     std::optional<std::size_t> kept_bytes{};
 };
 
-/// The number of a body that there is none of.
+/// The value of Output::body beyond the half width or the band.
 inline constexpr std::uint32_t no_body = 0xFFFFFFFFU;
 
 /// A point and the body that it is looked up in, by their numbers.
@@ -38,29 +38,29 @@ struct PointOfBody {
     std::uint32_t body = 0;
 };
 
-/// The arrays to which Scene::query() writes: those of DistanceTransform::query(), and two of its own, packed and on
-/// the host, with an item for each point. Arrays that are empty are left out.
+/// The arrays to which Scene::query() writes: those of DistanceTransform::query(), with Output::body, and one of its
+/// own, packed and on the host, with an item for each point, or empty.
 struct SceneTargets {
     OutputTargets outputs;
-    std::span<std::uint32_t> bodies{};  ///< that of the nearest triangle; beyond the half width no_body
     /// 1 if the distance is that of the union of the bodies, or the half width and the union's is not less, else 0:
     /// then the union's surface may be farther away (docs/scenes.md).
     std::span<std::uint8_t> is_own{};
 };
 
-/// Many bodies, each a mesh with its own sign rule and pose, and points among them.
+/// Many bodies, each a mesh with its own sign rule and pose: points among them, and fields of all of them.
 ///
 /// A body is added, gets a number, counted from 0, and keeps it. Bodies may share a mesh (instances): then they share
 /// its prepared data, too. Points are looked up in the body's own coordinates, so nothing is prepared again when poses
-/// change.
+/// change. Fields are computed from the moved positions.
 ///
 /// The distance is the least of the bodies' signed distances. Outside all bodies it is the distance to their union.
 /// Inside it is the depth in the deepest body: the union's surface is at least as far away. A body without a sign
 /// counts with its distance. docs/scenes.md has the proof and a picture, docs/accuracy.md what poses cost.
 ///
 /// Members that are const may be called from several threads at once; the others, assignment and the destructor need
-/// the scene for themselves. After an error the scene is that of before. Once moved from, every member but assignment
-/// and the destructor throws Error(invalid_argument). Works on the host, on all cores.
+/// the scene for themselves. Fields take turns. After an error the scene is that of before. Once moved from, every
+/// member but assignment and the destructor throws Error(invalid_argument). Points are looked up by the host, on all
+/// cores.
 class CLSDF_EXPORT Scene {
 public:
     /// Without bodies. device: whose memory points and results may be in.
@@ -102,8 +102,33 @@ public:
     SignRule sign(std::uint32_t body) const;
     /// Whether a body that is on has a sign.
     bool has_sign() const;
+    /// The rule of fields: that of the bodies that are on and have a sign, `nonzero` if they have several, else none.
+    SignRule sign() const;
+    /// Around the bodies that are on, where they are. Throws Error(invalid_argument) if there is none.
+    Box box() const;
     /// The memory that is kept of all meshes.
     KeptMemory memory() const;
+
+    // Fields. All throw Error(invalid_argument) if there is no body that is on.
+
+    /// As DistanceTransform::compute(): the least of the bodies' signed distances, with the outputs of the body that
+    /// has it, and Output::body. If several have it, in the precision of the distance's array, the lowest number wins.
+    /// A sample that is in the depth of a body, beyond its band, is beyond the band of the field, whatever else is
+    /// near; there is no body then. A body without a sign has none with exact signs, either, and does not count in a
+    /// field of signs alone.
+    ///
+    /// Each body has the bytes of a transform of its own that was moved there by DistanceTransform::set_motion(), or of
+    /// its mesh if the pose is the identity. So has the field of bodies that are farther from each other than the band
+    /// is wide. Takes the time of each body's part of the grid: its box, and the half width outside around it.
+    ///
+    /// The field's rule is sign(). Throws as DistanceTransform::compute(); Error(invalid_argument) for a field of signs alone or exact signs if no body has a
+    /// sign.
+    Field compute(const Grid& grid, const Band& band, OutputSet outputs = Output::distance,
+                  const CallOptions& call = {}, TransformStatistics* statistics = nullptr) const;
+
+    /// Into the caller's arrays, of the host or of the device, which is mapped; the distance must have one.
+    TransformStatistics compute(const Grid& grid, const Band& band, const OutputTargets& targets,
+                                const CallOptions& call = {}) const;
 
     // Points. All throw Error(invalid_argument) if there is no body that is on.
 
@@ -115,9 +140,16 @@ public:
     /// A result depends on the point, the half width, and the bodies, their positions and poses, alone. A point is not
     /// usable if it is not finite, or if a body that may be nearest is too far for DistanceTransform::query().
     ///
-    /// Throws what that throws, and Error(invalid_argument) if `bodies` or `is_own` has another length than the points.
+    /// Throws what that throws, and Error(invalid_argument) if `is_own` has another length than the points.
     TransformStatistics query(const InputArray& points, double half_width, const SceneTargets& targets,
                               const CallOptions& call = {}) const;
+
+    /// As query(), for many configurations of the bodies in one call: `poses` has size() of them for each, and arrays have
+    /// an item for each configuration and point, those of a configuration one after the other. Each has the bytes of
+    /// set_poses() and query(). The scene's own poses stay. Also throws Error(invalid_argument) if the poses are no
+    /// multiple of the bodies, and names the configuration and the body of a pose that set_poses() refuses.
+    TransformStatistics query_poses(const InputArray& points, std::span<const Pose> poses, double half_width,
+                                    const SceneTargets& targets, const CallOptions& call = {}) const;
 
     /// The outputs of each pair of a point and a body, by that body alone. An array has an item for each pair. Throws
     /// as query(), and Error(invalid_argument) that names a pair whose point or body is not there, or whose body is

@@ -209,7 +209,7 @@ struct Columns {
     std::vector<std::uint32_t> group_numbers;
 
     Columns(std::size_t points, const FieldSlab& results, OutputSet wanted, std::span<const float> winding,
-            const FaceGroups* groups, std::span<const std::uint32_t> bodies) {
+            const FaceGroups* groups) {
         infos.push_back(info_of(Output::distance));
         for (const OutputInfo& info : extra_outputs())
             if (wanted.contains(info.output) || !results.bytes(info.output).empty()) infos.push_back(info);
@@ -222,8 +222,6 @@ struct Columns {
                                 info.name, values.back().size() / bytes_of(info.type), points * info.components));
         }
         if (groups != nullptr) add_groups(points, results.triangle(), *groups);
-        add_own(points, bodies,
-                {.name = "body", .description = "body of the nearest triangle", .type = ElementType::uint32});
         add_own(points, winding, {.name = "winding", .description = "winding number"});
     }
 
@@ -461,9 +459,9 @@ std::vector<Vec3> read_points(const std::string& path, const std::function<void(
 }
 
 void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path, OutputSet wanted,
-                  std::span<const float> winding, const FaceGroups* groups, std::span<const std::uint32_t> bodies) {
+                  std::span<const float> winding, const FaceGroups* groups) {
     const PointFormat format = format_of_points(path);
-    const Columns columns(points.size(), results, wanted, winding, groups, bodies);
+    const Columns columns(points.size(), results, wanted, winding, groups);
     AtomicFile file(path);
     switch (format) {
         case PointFormat::npy:

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <clsdf/scene.hpp>
+
+#include "core/call_mutex.hpp"
+#include "core/statistics.hpp"
+#include "device/context.hpp"
+#include "scenes/body_tree.hpp"
+#include "scenes/frame.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace clsdf {
+
+/// Throws Error(invalid_argument) that names what the pose is of: " of body 3".
+scenes::Frame frame_of(const Pose& pose, const std::string& owner);
+
+/// The bodies of a scene, and what is kept of their meshes.
+struct __attribute__((visibility("hidden"))) Scene::State {
+    /// The mesh of one or more bodies.
+    struct Shape {
+        DistanceTransform transform;  ///< in the mesh's own coordinates
+        Box box;
+        SignRule asked;  ///< the rule that add() was given
+
+        /// For fields of bodies that are not in their own coordinates: the same mesh, where the body of the last one
+        /// was. Both are guarded by field_mutex.
+        std::optional<DistanceTransform> moved{};
+        std::optional<scenes::Frame> moved_to{};
+    };
+
+    struct Body {
+        Shape* shape;
+        scenes::Frame frame;
+        bool is_active;
+    };
+
+    State(Device device_in, const SceneOptions& options_in) : device(std::move(device_in)), options(options_in) {}
+
+    const device::Context& context() const { return device::context_of(device); }
+
+    const Body& body(std::uint32_t number) const {
+        if (number >= bodies.size())
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("there is no body {}: the scene has {}, counted from 0", number, bodies.size()));
+        return bodies[number];
+    }
+    Body& body(std::uint32_t number) {
+        std::as_const(*this).body(number);
+        return bodies[number];
+    }
+    /// Of a body that is on.
+    bool has_sign() const {
+        return std::ranges::any_of(
+            bodies, [](const Body& body) { return body.is_active && body.shape->transform.sign() != SignRule::none; });
+    }
+
+    void require_bodies() const {
+        if (bodies.empty()) throw Error(ErrorCode::invalid_argument, "the scene has no bodies; add one");
+        if (std::ranges::none_of(bodies, &Body::is_active))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("all {} bodies of the scene are switched off; switch one on", bodies.size()));
+    }
+
+    std::shared_ptr<const scenes::BodyTree> current_tree();
+
+    // scene.cpp
+    /// Of the bodies that are on.
+    scenes::BodyTree tree_at(std::span<const scenes::Frame> frames) const;
+    template <typename MeshOrView>
+    std::uint32_t add(const MeshOrView& mesh, const Pose& pose, SignRule sign, const CallOptions& call);
+    template <typename MakeShape>
+    std::uint32_t add_body(const Pose& pose, const MakeShape& make_shape);
+
+    // scene_fields.cpp
+    SignRule field_sign() const;
+    Box box();
+    CallStatistics compute(const Request& request, const CallOptions& call);
+    /// A transform of the body's mesh in the scene's coordinates, until that of another one is asked for. Needs
+    /// field_mutex.
+    const DistanceTransform& placed(const Body& body);
+
+    // scene_queries.cpp
+    class Call;
+    /// frames: of all bodies for each configuration, or nothing for the poses that they have.
+    CallStatistics query(const InputArray& points, std::optional<std::span<const scenes::Frame>> frames,
+                         double half_width, const SceneTargets& targets, const CallOptions& call);
+
+    Device device;
+    SceneOptions options;
+    std::list<Shape> shapes{};
+    std::vector<Body> bodies{};
+
+    std::mutex mutex{};
+    std::shared_ptr<const scenes::BodyTree> tree{};  ///< null after a change; guarded by the mutex
+
+    CallMutex field_mutex{"the scene that makes the call"};  ///< for the transforms that are moved for fields
+};
+
+}  // namespace clsdf

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "targets/host_arrays.hpp"
+
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+
+#include <cstdint>
+#include <optional>
+
+/// Fields of many bodies: the least of the bodies' fields, sample by sample.
+namespace clsdf::scenes {
+
+inline constexpr std::uint32_t no_body = 0xFFFFFFFFU;
+
+/// The samples of a grid that lie in a box, or at most `margin` beside it, and one more on each side; nothing if there
+/// are none. A margin may be infinite.
+std::optional<Grid> part_near(const Grid& grid, const Box& box, double margin);
+
+/// The field of a grid as far as bodies have been added, in any order. A body is added with the samples that it
+/// reaches: all that are inside it or within the half width outside. Elsewhere its value is that beyond the band.
+class LeastField {
+public:
+    /// arrays: packed, of the grid. If there are other outputs than the distance, the body is one of them.
+    LeastField(const Grid& grid, const targets::HostArrays& arrays) : grid_(grid), arrays_(arrays) {}
+
+    /// Every sample is outside all bodies, beyond the band.
+    void clear(double outside);
+    /// The arrays already have the field of this one, as its transform made it.
+    void begin_with(std::uint32_t body);
+    /// values: of the part, as the body's transform made them, with the outputs and the elements of the arrays. Of
+    /// equal distances the body that is within the band counts at the outer limit, that beyond it at the inner one;
+    /// then the lowest body.
+    void add(const Grid& part, const targets::HostArrays& values, std::uint32_t body);
+
+private:
+    template <typename Distance>
+    void add_row(std::size_t to, std::size_t from, std::size_t count, const targets::HostArrays& values,
+                 std::uint32_t body);
+
+    Grid grid_;
+    targets::HostArrays arrays_;
+};
+
+}  // namespace clsdf::scenes
