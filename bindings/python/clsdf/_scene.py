@@ -13,9 +13,11 @@ from . import _core, _cuda, _meshes
 from ._core import Device
 from ._devices import device_of
 from ._error import Error
+from ._frames import matrix_of
 from ._points import arrays_for, in_numbers, limit_of, rows_of
 from ._progress import Progress, shown
 from ._values import Outputs, Points, Values
+from .typing import ArrayLike, DeviceLike, MeshLike, OutLike
 
 #: What query() has beside the outputs of a transform.
 _own_types: dict[str, type] = {"body": np.uint32, "is_own": np.bool_}
@@ -37,7 +39,7 @@ class ScenePoints(Points):
 
 def _numbers(what: str, values: Any, shape: tuple[int, ...] | None) -> npt.NDArray[np.float64]:
     try:
-        array = np.ascontiguousarray(values, np.float64)
+        array = np.ascontiguousarray(matrix_of(values), np.float64)
     except (TypeError, ValueError):
         raise Error(f"{what}: {repr(values)[:100]} is no array of numbers") from None
     if shape is not None and array.shape != shape:
@@ -101,7 +103,7 @@ class Scene:
     them.
     """
 
-    def __init__(self, *, device: Any = None, kept_bytes: int | None = None) -> None:
+    def __init__(self, *, device: DeviceLike = None, kept_bytes: int | None = None) -> None:
         self._bodies = _core.make_bodies(device_of(device), _meshes.kept_bytes_of(kept_bytes))
 
     def __repr__(self) -> str:
@@ -138,7 +140,7 @@ class Scene:
             raise Error(f"there is no body {number}: the scene has {len(self)}, counted from 0")
         return number
 
-    def add(self, mesh: Any, faces: Any = None, *, pose: Any = None, sign: str = "auto") -> int:
+    def add(self, mesh: MeshLike | ArrayLike, faces: ArrayLike | None = None, *, pose: Any = None, sign: str = "auto") -> int:
         """Adds a body and returns its number. mesh, faces, sign: as for Transform; 'below' is refused, whose walls do not
         turn with a body."""
         if not isinstance(sign, str):
@@ -182,11 +184,11 @@ class Scene:
 
     def query(
         self,
-        points: Any,
+        points: ArrayLike,
         outputs: Outputs | None = None,
         *,
         within: float | None = math.inf,
-        out: Any = None,
+        out: OutLike | None = None,
         progress: Progress = None,
         wait_for: Any = None,
         refuse_unusable_points: bool = False,
@@ -233,12 +235,12 @@ class Scene:
 
     def query_pairs(
         self,
-        points: Any,
+        points: ArrayLike,
         pairs: Any,
         outputs: Outputs | None = None,
         *,
         within: float | None = math.inf,
-        out: Any = None,
+        out: OutLike | None = None,
         progress: Progress = None,
         refuse_unusable_points: bool = False,
         dtype: npt.DTypeLike | None = None,
@@ -252,7 +254,7 @@ class Scene:
             self._bodies.query_pairs(points, asked, limit_of(within), arrays, show, refuse_unusable_points)
         return Points(results)
 
-    def contains(self, points: Any) -> npt.NDArray[np.bool_]:
+    def contains(self, points: ArrayLike) -> npt.NDArray[np.bool_]:
         """Whether points (..., 3) are inside a body: an array (...), exact. One on the surface of a body is not inside
         this one; one that is not finite is not inside."""
         points, shape = rows_of(points)
@@ -265,7 +267,7 @@ class Scene:
         OUTSIDE (BEYOND if no body has a sign) if it is that of all of them. As of Transform.classify()."""
         return self._bodies.classify(_meshes.boxes_of(boxes), half_width)
 
-    def winding(self, points: Any) -> npt.NDArray[np.float64]:
+    def winding(self, points: ArrayLike) -> npt.NDArray[np.float64]:
         """The sum of the bodies' winding numbers, in their order: an array (...). As of Transform.winding()."""
         points, shape = rows_of(points)
         sums = np.empty(_cuda.shape_of(points)[0])
