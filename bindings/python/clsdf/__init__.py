@@ -17,7 +17,8 @@ import typing as _typing
 
 from . import _core
 from ._core import Band, Defects, Device, DeviceInfo, Grid, Topology, devices, make_shape, shape_names
-from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemory, OutputFailure, UnreadableInput
+from . import _signatures
+from ._error import Error, InvalidArgument, InvalidMesh, MeshWarning, OutOfMemory, OutputFailure, UnreadableInput, Unsupported
 from ._values import Blocks, Points
 from ._field import Field
 from ._files import FieldWriter, read_field, write_field
@@ -30,10 +31,13 @@ from ._shared import SharedArray
 from ._sparse import SparseField, read_sparse_field
 from ._transform import BoxPlace, Rays, Region, Request, Transform
 
+#: Another name of Transform, for those to whom a transform is a pose.
+Body = Transform
+
 _core._set_error_class(Error)  # type: ignore[attr-defined]
 
 from ._meshes import Groups, Mesh, OuterSurface, close_down, find_defects, mesh_hash, outer, read_mesh, weld  # noqa: E402
-from . import trimesh  # noqa: E402
+from . import trimesh, typing  # noqa: E402
 
 if _typing.TYPE_CHECKING:
     from . import jax, torch
@@ -48,6 +52,7 @@ __version__ = _core.version()
 __all__ = [
     "Band",
     "Blocks",
+    "Body",
     "BoxPlace",
     "Crossings",
     "Defects",
@@ -85,6 +90,7 @@ __all__ = [
     "Topology",
     "Transform",
     "UnreadableInput",
+    "Unsupported",
     "close_down",
     "devices",
     "find_defects",
@@ -102,6 +108,7 @@ __all__ = [
     "slice_picture",
     "stencil",
     "trimesh",
+    "typing",
     "weld",
     "write_field",
 ]
@@ -120,6 +127,10 @@ class _Signature:
         return inspect.signature(self._like)
 
 
+for _kind in (Device, Grid):
+    _signatures.give(_kind)
+if not _typing.TYPE_CHECKING:
+    devices, make_shape, shape_names = map(_signatures.as_python, (devices, make_shape, shape_names))
 setattr(Grid, "__signature__", _Signature(lambda origin, spacing, size, first=(0, 0, 0): 0))
 setattr(Band, "__signature__", _Signature(lambda inside, outside=None, *, exact_signs=False: 0))
 # Classes are those of the package, and its files are not beside them.
@@ -127,7 +138,7 @@ for _name in __all__:
     if isinstance(globals()[_name], type):
         globals()[_name].__module__ = "clsdf"
 globals().pop("annotations")
-del _name
+del _name, _kind
 
 
 def __getattr__(name: str) -> _typing.Any:

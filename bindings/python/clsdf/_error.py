@@ -51,12 +51,18 @@ class OutOfMemory(Error, MemoryError):
     """A clsdf.Error of the code 'out_of_memory', and a MemoryError."""
 
 
+class Unsupported(Error, ValueError):
+    """A clsdf.Error of the code 'unsupported', and a ValueError: an ending of a file, an output that a format cannot store,
+    a question that the mesh or the device does not answer."""
+
+
 _kinds: dict[str, type[Error]] = {
     "invalid_argument": InvalidArgument,
     "invalid_mesh": InvalidMesh,
     "unreadable_input": UnreadableInput,
     "output_failure": OutputFailure,
     "out_of_memory": OutOfMemory,
+    "unsupported": Unsupported,
 }
 
 

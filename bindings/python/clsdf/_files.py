@@ -27,12 +27,18 @@ def read_field(path: str | os.PathLike[str]) -> Field:
 
 
 def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | None = None) -> None:
-    """Writes a field by the file's ending; complete or not at all. groups: of the mesh; a .vti gets the group of each
+    """Writes a field by the file's ending; complete or not at all. A field of an image is written as .nrrd, .nii or .nii.gz
+    (by nibabel), with the image's origin and direction, and the distance alone. groups: of the mesh; a .vti gets the group of each
     sample beside its triangle. A MeshWarning says what .sdf does not record: the
     band, and that the inside is positive. Raises clsdf.Error: output_failure; unsupported for an unknown ending, or
     outputs that the format cannot store."""
     if not isinstance(field, Field):
         raise Error(f"field: {_short(field)} is no clsdf.Field; body.field() and read_field() make them")
+    if field.image is not None:
+        from . import _images
+
+        _images.write(field, field.image, os.fspath(path))
+        return
     writer = FieldWriter.__new__(FieldWriter)
     writer._open(
         path,

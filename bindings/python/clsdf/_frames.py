@@ -9,10 +9,12 @@ import numpy.typing as npt
 
 from . import _core, _cuda
 from ._error import Error
+from ._meshes import refuse_graph
 from ._points import on_host
 
 
 def vectors(name: str, values: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
+    refuse_graph(name, values, "move the points instead, clsdf.torch.signed_distance(body, (points - t) @ R), or ")
     try:
         array = np.asarray(values, np.float64)
     except (TypeError, ValueError):
@@ -22,12 +24,22 @@ def vectors(name: str, values: Any, shape: tuple[int, ...]) -> npt.NDArray[np.fl
     return array
 
 
+def matrix_of(motion: Any) -> Any:
+    """The matrix of scipy's Rotation or RigidTransform; all else as it is."""
+    as_matrix = getattr(motion, "as_matrix", None)
+    return motion if as_matrix is None else as_matrix()
+
+
 #: A rotation (3, 3) and a translation (3,).
 Motion = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
 
 
 def motion_of(name: str, rotation: Any, translation: Any = None) -> Motion:
     """The motion of a rotation and a translation, or of a pose; a rotation in floats is made one in double."""
+    matrix = matrix_of(rotation)
+    if translation is None and matrix is not rotation and np.shape(matrix) == (3, 3):  # a Rotation alone
+        translation = np.zeros(3)
+    rotation = matrix
     if translation is None:
         pose = vectors(name, rotation, (4, 4))
         if pose[3].tolist() != [0, 0, 0, 1]:
@@ -40,7 +52,7 @@ def motion_of(name: str, rotation: Any, translation: Any = None) -> Motion:
         raise Error(
             f"{name}: the matrix is no rotation to 1e-5, but {kind}; "
             "u, _, v = numpy.linalg.svd(matrix) makes the nearest one, u @ v, of a matrix that is nearly one, and "
-            "scipy.spatial.transform.Rotation makes one of angles or a quaternion"
+            "scipy.spatial.transform.Rotation makes one of angles or a quaternion, and is one"
         )
     if not np.isfinite(shift).all():
         raise Error(f"translation: {shift.tolist()} is not finite")
@@ -50,7 +62,7 @@ def motion_of(name: str, rotation: Any, translation: Any = None) -> Motion:
 
 
 def frame_of(frame: Any) -> Motion:
-    """The motion of (R, t), or of a pose."""
+    """The motion of (R, t), of a pose, or of a rotation of scipy."""
     parts = frame if isinstance(frame, (tuple, list)) and len(frame) == 2 else (frame,)
     return motion_of("frame", *parts)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -86,7 +86,11 @@ class Crossings:
         return f"<clsdf.Crossings of grid {self.grid.shape}>"
 
 
-def directions_of(directions: Any) -> npt.NDArray[np.int32]:
+#: A stencil by name, by name and code, or whole numbers (n, 3).
+DirectionsLike = Union[str, tuple[str, str], npt.ArrayLike]
+
+
+def directions_of(directions: DirectionsLike) -> npt.NDArray[np.int32]:
     """The directions of a name, of a name and a code, or of an array (n, 3)."""
     if isinstance(directions, str):
         return stencil(directions)

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import operator
 import os
-from typing import Any, NamedTuple
+import sys
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +16,9 @@ from . import _core, _cuda
 from ._core import Device
 from ._error import Error
 
+if TYPE_CHECKING:
+    from .typing import ArrayLike, MeshLike
+
 
 class Groups(NamedTuple):
     """Groups of a mesh's faces: the name of the group of face f is names[numbers[f]]. Both are empty if there are none."""
@@ -21,7 +26,7 @@ class Groups(NamedTuple):
     names: list[str]  #: all different; '' may be that of faces to which a file gives none
     numbers: npt.NDArray[np.int32]  #: (m,)
 
-    def of(self, triangles: Any) -> npt.NDArray[np.int32]:
+    def of(self, triangles: npt.ArrayLike) -> npt.NDArray[np.int32]:
         """The numbers of triangles, as the output `triangle` has them; -1 beyond the band."""
         triangles = np.asarray(triangles)
         if not self.numbers.size:
@@ -43,7 +48,7 @@ class Mesh(tuple[Any, Any]):
     name: str
     groups: Groups
 
-    def __new__(cls, vertices: Any, faces: Any, groups: Any = None, name: str = "mesh") -> Mesh:
+    def __new__(cls, vertices: ArrayLike, faces: ArrayLike, groups: Any = None, name: str = "mesh") -> Mesh:
         faces = as_array(faces, np.int64)
         mesh = super().__new__(cls, (as_array(vertices, np.float64), faces))
         mesh.name = name
@@ -125,6 +130,16 @@ def as_array(values: Any, dtype: type) -> Any:
         raise Error(f"{repr(values)[:100]} is no array of numbers: its rows differ in length, or it has other items") from None
 
 
+def refuse_graph(name: str, array: Any, remedy: str = "") -> None:
+    """Raises clsdf.Error for a tensor of torch that requires a gradient, which the result would not have; not within
+    torch.no_grad()."""
+    if isinstance(array, np.ndarray) or not getattr(array, "requires_grad", False):
+        return
+    torch = sys.modules.get("torch")
+    if torch is not None and torch.is_grad_enabled():
+        raise Error(f"{name} requires a gradient, which this call does not give: {remedy}pass tensor.detach()")
+
+
 def boxes_of(boxes: Any) -> npt.NDArray[np.float64]:
     """Lower and upper corners of boxes, (n, 2, 3)."""
     corners = np.ascontiguousarray(boxes, np.float64)
@@ -152,7 +167,7 @@ def own_copy(values: Any, device: Device) -> Any:
     elif _cuda.is_in_cuda(values):
         values = _cuda.on_host(values, device, "the array")
     try:
-        array = np.array(values)
+        array = np.array(np.asarray(values))  # np.array() of other packages' arrays warns if they cannot copy
         if array.dtype == object:
             raise TypeError
     except (TypeError, ValueError):
@@ -200,10 +215,10 @@ def read_mesh(
     path: str | os.PathLike[str],
     *more: str | os.PathLike[str],
     scale: float = 1.0,
-    translate: Any = (0.0, 0.0, 0.0),
+    translate: Sequence[float] | npt.NDArray[Any] = (0.0, 0.0, 0.0),
     weld: float = 0.0,
     up: str = "z",
-    rotate: Any = (0.0, 0.0, 0.0),
+    rotate: Sequence[float] | npt.NDArray[Any] = (0.0, 0.0, 0.0),
     group_by: str = "",
     skip_bad_facets: bool = False,
 ) -> Mesh:
@@ -232,7 +247,7 @@ def read_mesh(
     return mesh
 
 
-def mesh_hash(mesh: Any) -> int:
+def mesh_hash(mesh: MeshLike) -> int:
     """A number of 64 bits of all vertices and faces of a mesh, in their order: Mesh::hash() of C++, the same on every
     machine. Meshes that differ in one coordinate or one index never share it, other meshes with a chance of about
     2^-64. The processes of a parallel program compare it. mesh: as for Transform, in host memory. Raises clsdf.Error
@@ -241,7 +256,7 @@ def mesh_hash(mesh: Any) -> int:
     return _core.mesh_hash(vertices, faces)
 
 
-def weld(mesh: Any, tolerance: float = 0.0) -> Mesh:
+def weld(mesh: MeshLike, tolerance: float = 0.0) -> Mesh:
     """The mesh in which vertices of equal coordinates are one vertex, as vertices (n, 3), float64, and faces (m, 3),
     uint32, which keep their order. So are vertices that differ by at most `tolerance` on every axis, in the mesh's
     units, or are connected by others that do; clusters longer than four tolerances are left apart. A MeshWarning says
@@ -254,7 +269,7 @@ def weld(mesh: Any, tolerance: float = 0.0) -> Mesh:
     return welded
 
 
-def close_down(mesh: Any, floor: float) -> Mesh:
+def close_down(mesh: MeshLike, floor: float) -> Mesh:
     """A terrain closed by vertical walls from its rim down to z = floor, and by a floor there: the mesh whose inside the
     sign rule 'below' takes. The vertices and faces of the terrain come first, with their numbers. Raises clsdf.Error
     (invalid_mesh) if a face looks down or if the rim overlaps itself, seen from above; (invalid_argument) if the floor
@@ -275,7 +290,7 @@ class OuterSurface(NamedTuple):
     area: float  #: of the outer surface, in squared units
 
 
-def outer(mesh: Any, sign: str = "auto") -> OuterSurface:
+def outer(mesh: MeshLike, sign: str = "auto") -> OuterSurface:
     """The outer surface of a mesh whose parts may overlap, touch, repeat or contain each other: those parts of its faces
     that have the outside on one side and the inside on the other. Faces are cut where they meet, which is decided exactly;
     new vertices are rounded once, by at most half an ulp of each coordinate. A Transform of it has the distance to the
@@ -291,7 +306,24 @@ def outer(mesh: Any, sign: str = "auto") -> OuterSurface:
     return OuterSurface(surface, given, *counts)
 
 
-def find_defects(mesh: Any) -> _core.Defects:
+def _normals_of(vertices: npt.NDArray[Any], faces: npt.NDArray[Any]) -> Iterator[tuple[npt.NDArray[Any], npt.NDArray[Any]]]:
+    """First corners and normals, as long as twice the areas, of so many faces at a time that they need little memory."""
+    middle = vertices[faces[:1]].mean(axis=(0, 1), dtype=np.float64) if len(faces) else np.zeros(3)
+    for begin in range(0, len(faces), 1 << 18):
+        a, b, c = (vertices[faces[begin : begin + (1 << 18), n]] - middle for n in range(3))
+        yield a, np.cross(b - a, c - a)
+
+
+def volume_of(vertices: npt.NDArray[Any], faces: npt.NDArray[Any]) -> float:
+    """Positive of a closed mesh whose faces look outwards."""
+    return sum(float(np.einsum("ni,ni", corner, normal)) for corner, normal in _normals_of(vertices, faces)) / 6
+
+
+def area_of(vertices: npt.NDArray[Any], faces: npt.NDArray[Any]) -> float:
+    return sum(float(np.linalg.norm(normal, axis=1).sum()) for _, normal in _normals_of(vertices, faces)) / 2
+
+
+def find_defects(mesh: MeshLike) -> _core.Defects:
     """Counts faces without area, duplicate faces and components; Transform.topology describes the edges. mesh: as for
     mesh_hash()."""
     vertices, faces, _ = arrays_of(mesh)

@@ -1,7 +1,8 @@
-"""Pictures of slices that a notebook shows. The command `clsdf slice` draws better ones, with axes and a scale."""
+"""Pictures of slices that a notebook shows, with axes and a scale if matplotlib is installed."""
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import struct
 import zlib
@@ -54,12 +55,15 @@ class Picture:
             raise Error(f"{name} cannot be written: {error.strerror}", "output_failure") from error
 
 
-def slice_picture(field: Field, axis: str = "z", index: int | None = None, pixels: int = 512) -> Picture:
+def slice_picture(
+    field: Field, axis: str = "z", index: int | None = None, pixels: int = 512, axes: bool | None = None
+) -> Picture:
     """A slice of a field: blue inside, orange outside, paler near the surface, the surface black.
 
     axis: 'x', 'y' or 'z', to which the slice is perpendicular. index: of the slice; None: the middle. pixels: on the
-    longer side, at most; a sample is a square of whole pixels. The first of the other two axes points to the right, the
-    second one up. Raises clsdf.Error: invalid_argument for another axis or no such slice.
+    longer side, at most. axes: with coordinates, a colour bar and a title, by matplotlib; None: if it is installed.
+    Without them a sample is a square of whole pixels. The first of the other two axes points to the right, the second
+    one up. Raises clsdf.Error: invalid_argument for another axis or no such slice.
     """
     if not isinstance(field, Field):
         raise Error(f"field: {repr(field)[:100]} is no clsdf.Field; body.field() and read_field() make them")
@@ -71,6 +75,8 @@ def slice_picture(field: Field, axis: str = "z", index: int | None = None, pixel
     if not 0 <= chosen < count:
         raise Error(f"index: the field has no slice {chosen} along {axis}; it has {count}")
     values = np.asarray(field.distance.take(chosen, axis=along))[::-1]  # the last row is the lowest
+    if axes or (axes is None and min(values.shape) > 1 and importlib.util.find_spec("matplotlib") is not None):
+        return _with_axes(field, axis, chosen, values[::-1], pixels)
     limit = float(np.abs(values[np.isfinite(values)]).max(initial=0)) or 1.0
     part = np.clip(np.abs(values) / limit, 0, 1)[..., None] * 0.8 + 0.1
     inside = np.signbit(values) != field.positive_inside
@@ -84,3 +90,37 @@ def slice_picture(field: Field, axis: str = "z", index: int | None = None, pixel
     if field.sign != "none":
         colours[edge] = _line
     return Picture(np.clip(colours, 0, 255).astype(np.uint8))
+
+
+def _with_axes(field: Field, axis: str, index: int, values: np.ndarray[Any, Any], pixels: int) -> Picture:
+    """The slice by matplotlib. Its figure is not that of pyplot, so no state of a program changes."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import-not-found,unused-ignore]
+    from matplotlib.colors import LinearSegmentedColormap  # type: ignore[import-not-found,unused-ignore]
+    from matplotlib.figure import Figure  # type: ignore[import-not-found,unused-ignore]
+
+    coordinates = dict(zip("xyz", field.axes()))
+    (right, columns), (up, rows) = ((name, at) for name, at in coordinates.items() if name != axis)
+    half = [0.5 * field.grid.spacing["xyz".index(name)] for name in (right, up)]
+    limit = float(np.abs(values[np.isfinite(values)]).max(initial=0)) or 1.0
+    colours = [_inside / 255, _white / 255, _outside / 255]
+    figure = Figure(figsize=(pixels / 100, 0.8 * pixels / 100), dpi=100, layout="constrained")
+    canvas = FigureCanvasAgg(figure)
+    plot = figure.add_subplot()
+    image = plot.imshow(
+        values,
+        cmap=LinearSegmentedColormap.from_list("distance", colours[::-1] if field.positive_inside else colours),
+        vmin=-limit,
+        vmax=limit,
+        origin="lower",
+        interpolation="bilinear",
+        extent=(columns[0] - half[0], columns[-1] + half[0], rows[0] - half[1], rows[-1] + half[1]),
+    )
+    inside = np.signbit(values) != field.positive_inside
+    if field.sign != "none" and inside.any() and not inside.all():
+        # A field of signs alone has no level 0 between its samples.
+        has_values = np.any(values != 0)
+        plot.contour(columns, rows, values if has_values else inside, [0 if has_values else 0.5], colors="black")
+    plot.set(xlabel=right, ylabel=up, title=f"{axis} = {coordinates[axis][index]:.4g}")
+    figure.colorbar(image, label="distance, positive inside" if field.positive_inside else "signed distance")
+    canvas.draw()
+    return Picture(np.array(canvas.buffer_rgba())[..., :3].copy())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ._values import Outputs, given, real_of, shape_of, type_of, wanted
 
 def rows_of(points: Any) -> tuple[Any, tuple[int, ...]]:
     """Points as (n, 3), and the shape of their distances."""
-    points = _meshes.as_array(points, np.float64)
+    points = in_floats(points)
     shape = _cuda.shape_of(points)
     if shape == (0,):
         return np.empty((0, 3)), (0,)
@@ -30,9 +31,21 @@ def rows_of(points: Any) -> tuple[Any, tuple[int, ...]]:
     return points.reshape(math.prod(shape[:-1]), 3), shape[:-1]
 
 
+def in_floats(points: Any, name: str = "points", remedy: str = "clsdf.torch.signed_distance(body, points) gives it, or ") -> Any:
+    """Points of any package. Whole numbers become doubles; a tensor that requires a gradient is refused."""
+    if not isinstance(points, np.ndarray):
+        points = _meshes.as_array(points, np.float64)
+        _meshes.refuse_graph(name, points, remedy)
+        if "int" in str(getattr(points, "dtype", "int")) and not _cuda.is_in_cuda(points) and not hasattr(points, "base_data"):
+            points = on_host(points)
+    if isinstance(points, np.ndarray) and points.dtype.kind in "iu":
+        return points.astype(np.float64)
+    return points
+
+
 def pairs_of(first: Any, second: Any, first_name: str, second_name: str) -> tuple[Any, Any, tuple[int, ...]]:
     """Two arrays (..., 3), which are broadcast, as (n, 3) each, and the shape of a result for each pair."""
-    arrays = [_meshes.as_array(array, np.float64) for array in (first, second)]
+    arrays = [in_floats(first, first_name, ""), in_floats(second, second_name, "")]
     shapes = [_cuda.shape_of(array) for array in arrays]
     for name, shape in zip((first_name, second_name), shapes):
         if shape[-1:] != (3,) and shape != (0,):
@@ -111,22 +124,78 @@ def limit_of(within: float | None) -> float:
         raise Error(f"within: {within!r} is not a number, in the mesh's units; None is no limit") from None
 
 
+def limits_of(within: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64] | float:
+    """One limit for all points, or an array (n,) of one for each of the points of the shape (...)."""
+    if within is None or isinstance(within, (float, int, str)):
+        return limit_of(within)
+    try:
+        limits = np.asarray(within, np.float64)
+    except (TypeError, ValueError):
+        raise Error(f"within: {repr(within)[:100]} is neither a number nor an array of numbers") from None
+    if not limits.ndim:
+        return limit_of(within)
+    if limits.shape != shape:
+        raise Error(f"within has the shape {limits.shape}; expected a number, or {shape}, one for each point")
+    if not (limits >= 0).all():
+        raise Error("within: a limit is below 0 or NaN")
+    return np.ascontiguousarray(limits).reshape(-1)
+
+
+#: One call costs as much as the search of so many points.
+_worth_a_call = 1000
+
+
+def by_limit(points: Any, limits: npt.NDArray[np.float64], side: float) -> Iterator[npt.NDArray[np.intp] | slice]:
+    """The rows of points in groups of about equal limits, whose greatest one is that of a call. `side`: of the mesh's box."""
+    # Points that are not usable are counted, or refused by their row, by one call.
+    if len(limits) < _worth_a_call or not (np.abs(points) <= 1e10 * side + np.finfo(np.float32).tiny).all():
+        yield slice(None)
+        return
+    exponents = np.where(limits > 0, np.frexp(np.where(np.isinf(limits), 1, limits))[1], -5000)
+    exponents[np.isinf(limits)] = 5000
+    for exponent in np.unique(exponents):
+        yield np.flatnonzero(exponents == exponent)
+
+
+def limit_each(arrays: dict[str, npt.NDArray[Any]], limits: npt.NDArray[np.float64]) -> None:
+    """Results, of which the distance is in double, as of points that are searched up to limits of their own."""
+    distance = arrays["distance"]
+    is_beyond = np.abs(distance) > limits
+    distance[is_beyond] = np.copysign(limits, distance)[is_beyond]
+    for name, array in arrays.items():
+        if name != "distance":
+            array[is_beyond] = np.array({"triangle": -1, "site": 255}.get(name, np.nan)).astype(array.dtype)
+
+
 def on_surface(
     vertices: npt.NDArray[Any], faces: npt.NDArray[Any], count: int, radius: float, seed: int | None
 ) -> npt.NDArray[np.float64]:
     """The points of Transform.sample()."""
     random = np.random.default_rng(seed)
+
+    def drawn(draw: Callable[[tuple[int, int]], npt.NDArray[Any]], columns: int) -> npt.NDArray[Any]:
+        """Rows of random numbers; so few at a time that Ctrl-C comes between two."""
+        numbers = np.empty((count, columns))
+        for part in parts:
+            numbers[part] = draw((len(range(*part.indices(count))), columns))
+        return numbers
+
+    parts = [slice(begin, begin + (1 << 20)) for begin in range(0, count, 1 << 20)]
     corners = vertices[faces].astype(np.float64)
     first, one, two = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     ends = np.cumsum(np.linalg.norm(np.cross(one, two), axis=1))
     if not ends[-1] > 0:
         raise Error("sample: no face of the mesh has an area", "invalid_mesh")
-    chosen = np.searchsorted(ends, random.uniform(0, ends[-1], count), side="right").clip(max=len(ends) - 1)
-    u, v = random.uniform(size=(2, count, 1))
-    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
-    points: npt.NDArray[np.float64] = first[chosen] + u * one[chosen] + v * two[chosen]
+    areas, us, vs = (drawn(random.random, 1) for _ in range(3))
+    points = np.empty((count, 3))
+    for part in parts:
+        chosen = np.searchsorted(ends, areas[part, 0] * ends[-1], side="right").clip(max=len(ends) - 1)
+        u, v = us[part], vs[part]
+        u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+        points[part] = first[chosen] + u * one[chosen] + v * two[chosen]
     if radius > 0:
-        way = random.normal(size=(count, 3))
-        way /= np.linalg.norm(way, axis=1, keepdims=True)
-        points += way * (radius * random.uniform(size=(count, 1)))
+        ways, lengths = drawn(random.standard_normal, 3), drawn(random.random, 1)
+        for part in parts:
+            way = ways[part] / np.linalg.norm(ways[part], axis=1, keepdims=True)
+            points[part] += way * (radius * lengths[part])
     return points

@@ -13,10 +13,13 @@ from . import _core, _cuda, _meshes
 from ._core import Device
 from ._devices import device_of
 from ._error import Error
+from ._frames import matrix_of
 from ._points import arrays_for, in_numbers, limit_of, rows_of
 from ._progress import Progress, shown
 from ._values import Outputs, Points, Values
 from ._with_fields import WithFields
+from .typing import ArrayLike, DeviceLike, MeshLike, OutLike
+
 
 class ScenePoints(Points):
     """What Scene.query() found: arrays (...), and (..., 3) of vectors, in the order of the points."""
@@ -29,7 +32,7 @@ class ScenePoints(Points):
 
 def _numbers(what: str, values: Any, shape: tuple[int, ...] | None) -> npt.NDArray[np.float64]:
     try:
-        array = np.ascontiguousarray(values, np.float64)
+        array = np.ascontiguousarray(matrix_of(values), np.float64)
     except (TypeError, ValueError):
         raise Error(f"{what}: {repr(values)[:100]} is no array of numbers") from None
     if shape is not None and array.shape != shape:
@@ -96,7 +99,7 @@ class Scene(WithFields):
     them.
     """
 
-    def __init__(self, *, device: Any = None, kept_bytes: int | None = None) -> None:
+    def __init__(self, *, device: DeviceLike = None, kept_bytes: int | None = None) -> None:
         self._body = _core.make_bodies(device_of(device), _meshes.kept_bytes_of(kept_bytes))
 
     def __repr__(self) -> str:
@@ -136,7 +139,7 @@ class Scene(WithFields):
             raise Error(f"there is no body {number}: the scene has {len(self)}, counted from 0")
         return number
 
-    def add(self, mesh: Any, faces: Any = None, *, pose: Any = None, sign: str = "auto") -> int:
+    def add(self, mesh: MeshLike | ArrayLike, faces: ArrayLike | None = None, *, pose: Any = None, sign: str = "auto") -> int:
         """Adds a body and returns its number. mesh, faces, sign: as for Transform; 'below' is refused, whose walls do not
         turn with a body."""
         if not isinstance(sign, str):
@@ -180,11 +183,11 @@ class Scene(WithFields):
 
     def query(
         self,
-        points: Any,
+        points: ArrayLike,
         outputs: Outputs | None = None,
         *,
         within: float | None = math.inf,
-        out: Any = None,
+        out: OutLike | None = None,
         progress: Progress = None,
         wait_for: Any = None,
         refuse_unusable_points: bool = False,
@@ -255,12 +258,12 @@ class Scene(WithFields):
 
     def query_pairs(
         self,
-        points: Any,
+        points: ArrayLike,
         pairs: Any,
         outputs: Outputs | None = None,
         *,
         within: float | None = math.inf,
-        out: Any = None,
+        out: OutLike | None = None,
         progress: Progress = None,
         refuse_unusable_points: bool = False,
         dtype: npt.DTypeLike | None = None,
@@ -297,7 +300,7 @@ class Scene(WithFields):
             self._body.query_pairs(points, pairs.reshape(-1, 2), limit_of(within), arrays, show, refuse_unusable_points)
         return Points(results)
 
-    def contains(self, points: Any) -> npt.NDArray[np.bool_]:
+    def contains(self, points: ArrayLike) -> npt.NDArray[np.bool_]:
         """Whether points (..., 3) are inside a body: an array (...), exact. One on the surface of a body is not inside
         this one; one that is not finite is not inside."""
         points, shape = rows_of(points)
@@ -310,7 +313,7 @@ class Scene(WithFields):
         OUTSIDE (BEYOND if no body has a sign) if it is that of all of them. As of Transform.classify()."""
         return self._body.classify(_meshes.boxes_of(boxes), half_width)
 
-    def winding(self, points: Any) -> npt.NDArray[np.float64]:
+    def winding(self, points: ArrayLike) -> npt.NDArray[np.float64]:
         """The sum of the bodies' winding numbers, in their order: an array (...). As of Transform.winding()."""
         points, shape = rows_of(points)
         sums = np.empty(_cuda.shape_of(points)[0])

@@ -14,6 +14,7 @@ from . import _core, _cuda
 from ._core import Device
 from ._devices import device_of
 from ._error import Error
+from .typing import DeviceLike
 
 
 class SharedArray:
@@ -30,7 +31,7 @@ class SharedArray:
     device shares no memory; out_of_memory.
     """
 
-    def __init__(self, shape: int | Sequence[int], dtype: npt.DTypeLike = np.float32, device: Any = None) -> None:
+    def __init__(self, shape: int | Sequence[int], dtype: npt.DTypeLike = np.float32, device: DeviceLike = None) -> None:
         try:
             sides: Any = shape if np.ndim(shape) else (shape,)
             self._shape = tuple(operator.index(side) for side in sides)

@@ -61,14 +61,14 @@ class SparseField(Values):
         """The number of bricks with values."""
         return len(self.bricks)
 
-    def find(self, samples: Any) -> Any:
+    def find(self, samples: npt.ArrayLike) -> Any:
         """The number of the brick that has the values of each sample: for an array (..., 3) of whole numbers (i, j, k)
         on the lattice an array (...), for one sample (3,) a number; -1 for a sample that is in no brick with values."""
         rows, shape = _samples(samples)
         numbers = _core.find_bricks(_packed(self.bricks, np.int64), rows).reshape(shape)
         return numbers[()]
 
-    def distance_at(self, samples: Any) -> Any:
+    def distance_at(self, samples: npt.ArrayLike) -> Any:
         """The distance of each sample, near the surface or not, with the bits of a dense field: for an array (..., 3) of
         whole numbers (i, j, k) on the lattice an array (...), float32, for one sample (3,) a number. Samples lie in the
         bricks of the grid."""

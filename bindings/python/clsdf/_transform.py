@@ -4,28 +4,31 @@ from __future__ import annotations
 
 import enum
 import math
+import operator
 import os
 import threading
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _cuda, _meshes, _sparse
+from . import _core, _cuda, _images, _meshes, _sparse
 from ._core import Band, Device, Grid, Topology
-from ._devices import device_named, device_of
+from ._devices import device_of
 from ._error import Error, MeshWarning
 from ._frames import Motion, frame_of, into_frame, motion_of, out_of_frame, vectors
-from ._lengths import BandLike, LengthLike, band_on, parse_band
-from ._points import arrays_for, in_numbers, limit_of, on_surface, pairs_of, rows_of
+from ._lengths import BandLike, LengthLike, band_on, parse_band, parse_length
+from ._points import arrays_for, by_limit, in_floats, in_numbers, limit_each, limit_of, limits_of, on_host, on_surface, pairs_of, rows_of
 from ._progress import Progress, shown
 from ._values import Blocks, Outputs, Points, given, new_samples, real_of, wanted
 from ._field import Field
-from ._links import Crossings, Links, directions_of, is_in_floats, is_of_faces
+from ._links import Crossings, DirectionsLike, Links, directions_of, is_in_floats, is_of_faces
 from ._plan import LinkPlan, Plan, PointPlan, SparsePlan
 from ._sparse import SparseField
 from ._with_fields import WithFields, whole as _whole
+from .typing import ArrayLike, DeviceLike, FrameLike, MeshLike, OutLike, RotationLike
 
 
 class Request(NamedTuple):
@@ -67,6 +70,10 @@ class BoxPlace(enum.IntEnum):
     BEYOND = 3  #: the same, of a mesh that has no sign
 
 
+#: Points that the calling thread looks up by itself, without a program of the device.
+_few = 96
+
+
 def _number_or_array(array: npt.NDArray[Any]) -> Any:
     """Of no axes: the number."""
     return array[()]
@@ -102,17 +109,18 @@ class Transform(WithFields):
 
     Any number of threads may use a transform; calls that compute run side by side without the GIL, and those that set
     positions wait for them. Ctrl-C ends a call. Calls may take `progress`, True or a function of the stage
-    ('compiling', 'testing', 'computing') and its fraction, and `wait_for`, pyopencl events after which arrays of the
+    ('compiling', 'testing', 'computing') and its fraction (None: a line on stderr if the first use of the device compiles for
+    more than 2 seconds; False: without it), and `wait_for`, pyopencl events after which arrays of the
     device are used. The function must not make or use a transform or a plan of the device; nor must a handler of
     signals that comes during the call.
     """
 
     def __init__(
         self,
-        mesh: Any,
-        faces: Any = None,
+        mesh: MeshLike | ArrayLike,
+        faces: ArrayLike | None = None,
         *,
-        device: Any = None,
+        device: DeviceLike = None,
         sign: str = "auto",
         kept_bytes: int | None = None,
         floor: float | None = None,
@@ -141,8 +149,6 @@ class Transform(WithFields):
         self._regions: Any = None
         self._moves = threading.RLock()  # a handler of signals that moves the body gets the extension's error
 
-    # Copies.
-
     def _state(self) -> tuple[Any, ...]:
         with self._moves:
             vertices, faces, sign, kept_bytes, floor = self._made_of
@@ -152,9 +158,9 @@ class Transform(WithFields):
             return vertices, faces, sign, kept_bytes, floor, *moves, self.mesh_name
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """The mesh's arrays, the present positions, the options, and the device's name, on which unpickling makes the
-        transform again."""
-        return _made_again, (self.device.name, *self._state())
+        """The mesh's arrays, the present positions, the options, and the device by its name and limits, on which
+        unpickling makes the transform again."""
+        return _made_again, (self.device, *self._state())
 
     def __copy__(self) -> Transform:
         """A transform of the same mesh at its present positions, on the same device."""
@@ -172,6 +178,24 @@ class Transform(WithFields):
     def box(self) -> npt.NDArray[np.float64]:
         """(2, 3): the lower and the upper corner of the vertices in use, at their present positions."""
         return np.array(self._body.box)
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """(2, 3): `box`, by the name that trimesh has for it."""
+        return self.box
+
+    @property
+    def volume(self) -> float:
+        """Of the faces as given, at their present positions, in cubed units: what they enclose, each part by its winding
+        number. So the overlap of two parts counts twice, and a part that is inside out counts negative;
+        clsdf.outer(mesh).volume is that of the union. It depends on the place of a mesh that is open. Rounded to about
+        1e-13 of the box."""
+        return _meshes.volume_of(self.vertices, self.faces)
+
+    @property
+    def area(self) -> float:
+        """Of the faces as given, at their present positions, in squared units, also of those inside other parts."""
+        return _meshes.area_of(self.vertices, self.faces)
 
     @property
     def floor(self) -> float | None:
@@ -203,16 +227,17 @@ class Transform(WithFields):
         no transform uses. Device.release_memory() gives them back."""
         return self._body.shared_memory
 
-    def set_positions(self, positions: Any, *, wait_for: Any = None) -> None:
+    def set_positions(self, positions: ArrayLike, *, wait_for: Any = None) -> None:
         """Gives the same faces new positions: an array (n, 3), one row for each vertex of the mesh. What follows from
         the faces stays. Raises clsdf.Error: invalid_argument for another number of rows, invalid_mesh for a row that is
         not finite; the positions are those of before then."""
         positions = _meshes.as_array(positions, np.float64)
+        _meshes.refuse_graph("positions", positions, "clsdf.torch.signed_distance(body, points, vertices) gives it, or ")
         with self._moves:
             self._body.set_positions(positions, wait_for)
             self._positions, self._motion = _meshes.own_copy(positions, self.device), None
 
-    def set_motion(self, rotation: Any, translation: Any = None) -> Motion:
+    def set_motion(self, rotation: RotationLike, translation: ArrayLike | None = None) -> Motion:
         """Puts the vertices at rotation @ x + translation. x are the positions of the mesh that the transform was made
         from, so errors do not add up. For a body that is rigid, query(points, frame=(rotation, translation)) is much
         cheaper, since it prepares nothing.
@@ -273,6 +298,39 @@ class Transform(WithFields):
             for request in requests
         ]
 
+    def _field_of_image(
+        self,
+        image: Any,
+        band: BandLike,
+        outputs: Outputs | None,
+        exact_signs: bool,
+        positive_inside: bool,
+        progress: Progress,
+        dtype: npt.DTypeLike | None,
+    ) -> Field:
+        geometry = _images.geometry_of(image)
+        if self.sign == "below" or self._regions is not None:
+            raise Error("image: a terrain, whose walls are along z, and a restricted transform have fields of grids alone",
+                        "unsupported")
+        vertices, mirrored = _images.in_frame(geometry, self.vertices)
+        body = Transform((vertices, self.faces), device=self.device, sign=self.sign, kept_bytes=self._made_of[3])
+        grid, own_band = body._grid_and_band(geometry.grid, self._in_units(band), exact_signs=exact_signs)
+        arrays = new_samples(wanted(outputs or ()), grid.shape, dtype)
+        # A mirrored image has its samples along x in the reverse order.
+        views = arrays if mirrored is None else {name: array[:, :, ::-1] for name, array in arrays.items()}
+        self._warn_of_narrow(grid, own_band)
+        body._computed(grid, own_band, views, positive_inside, progress)
+        _images.finish(geometry, arrays, mirrored)
+        return Field(grid, own_band, self.sign, self.mesh_name, arrays, positive_inside, image=geometry)
+
+    def _in_units(self, band: BandLike) -> BandLike:
+        """A part of the mesh's box as a length: a mesh in another frame has another box."""
+        if isinstance(band, (tuple, list)):
+            return tuple(self._in_units(width) for width in band)  # type: ignore[return-value,arg-type]
+        if isinstance(band, str) and band.endswith("%"):
+            return parse_length("band", band).resolve(1.0, float((self.box[1] - self.box[0]).max()))
+        return band
+
     def fields(
         self,
         grids: Iterable[Grid],
@@ -306,19 +364,19 @@ class Transform(WithFields):
     def compute(self, requests: Iterable[Request], *, progress: Progress = None, wait_for: Any = None) -> None:
         """Computes many boxes into your arrays in one call, each with its own grid, band and outputs. If one is
         refused, nothing is computed, and the error names its index."""
-        with shown(progress) as show:
+        with self._turn(progress, "boxes") as show:
             self._body.compute_many(self._requests(requests), show, wait_for)
 
     def blocks(
         self,
         lattice: Grid,
-        first: Any,
+        first: npt.ArrayLike,
         size: Sequence[int],
         *,
         band: BandLike = "10%",
         outputs: Outputs | None = None,
         exact_signs: bool = False,
-        out: Any = None,
+        out: OutLike | None = None,
         progress: Progress = None,
         wait_for: Any = None,
     ) -> Blocks:
@@ -339,7 +397,7 @@ class Transform(WithFields):
             raise Error(f"size: {size!r} is not three numbers of samples (nx, ny, nz)")
         shape = (len(corners), *reversed([_whole("size", side) for side in size]))
         arrays = new_samples(wanted(outputs or ()), shape) if out is None else given(out, outputs)
-        with shown(progress) as show:
+        with self._turn(progress, "blocks", arrays) as show:
             self._body.compute_blocks(lattice, own_band, size, corners, arrays, show, wait_for)
         return Blocks(arrays)
 
@@ -399,7 +457,7 @@ class Transform(WithFields):
         if positive_inside:
             self._check_negatable({}, own_band)
         self._warn_of_narrow(grid, own_band)
-        with shown(progress) as show:
+        with self._turn(progress, "sparse", names) as show:
             found = _core.compute_sparse(self._body, grid, own_band, names, show, wait_for)
         return _sparse.made(grid, own_band, self.sign, self.mesh_name, names, found, positive_inside, self.floor)
 
@@ -423,7 +481,7 @@ class Transform(WithFields):
             self._check_negatable({}, own_band)
         if requests:
             self._warn_of_narrow(*max(requests, key=lambda request: request[0].voxel))
-        with shown(progress) as show:
+        with self._turn(progress, "sparse", names) as show:
             all_found = _core.compute_sparse_many(self._body, requests, names, show)
         return [
             _sparse.made(grid, own_band, self.sign, self.mesh_name, names, found, positive_inside, self.floor)
@@ -452,7 +510,7 @@ class Transform(WithFields):
             grid, band, resolution, spacing, margin, cubic, cell_centred, exact_signs
         )
         self._warn_of_narrow(grid, own_band)
-        with shown(progress) as show:
+        with self._turn(progress, "sparse", wanted(outputs)) as show:
             _core.compute_sparse_file(
                 self._body, os.fspath(path), grid, own_band, wanted(outputs), self.sign, self.mesh_name, show, self.floor
             )
@@ -468,23 +526,23 @@ class Transform(WithFields):
     ) -> None:
         """Builds and tests the programs that such a field needs. Calls do it by themselves; this is to choose when."""
         grid, own_band = self._grid_and_band(grid, band, exact_signs=exact_signs)
-        with shown(progress) as show:
+        with self._turn(progress, "field", wanted(outputs)) as show:
             self._body.compile(grid, own_band, wanted(outputs), show)
 
     # Points and boxes.
 
     def query(
         self,
-        points: Any,
+        points: ArrayLike,
         outputs: Outputs | None = None,
         *,
-        within: float | None = math.inf,
-        out: Any = None,
+        within: float | npt.ArrayLike | None = math.inf,
+        out: OutLike | None = None,
         positive_inside: bool = False,
         progress: Progress = None,
         wait_for: Any = None,
         refuse_unusable_points: bool = False,
-        frame: Any = None,
+        frame: FrameLike | None = None,
         dtype: npt.DTypeLike | None = None,
     ) -> Points:
         """The exact signed distance at points anywhere, and other outputs.
@@ -492,7 +550,8 @@ class Transform(WithFields):
         points: an array (n, 3) or (..., 3), float32 or float64, any strides; or one point (3,), whose results are
             numbers and vectors (3,); [] is no point. Results have the shape (...), and (..., 3) of vectors. outputs: as
             of field(). within: limits the search, in the mesh's units, which makes it cheaper (None: no limit); a
-            farther point has that limit as its distance, with its sign, and no triangle.
+            farther point has that limit as its distance, with its sign, and no triangle. An array (...) has a limit for
+            each point, for arrays of the host: the least distance of several bodies so far, for instance.
         out: arrays (n,), and (n, 3) of vectors, to write to, as of field(). positive_inside: as of field(). dtype:
             "float64" for distance, gradient, barycentric and offset in double, instead of `out`.
         frame: the motion (R, t), or the 4 x 4 pose, of a rigid body whose mesh stays as it is: the points, and the
@@ -505,7 +564,7 @@ class Transform(WithFields):
         they raise clsdf.Error (invalid_argument) that names the row. Raises clsdf.Error for arrays as of field().
         """
         points, shape = rows_of(points)
-        within = limit_of(within)
+        limit = limits_of(within, shape)
         motion = None
         if frame is not None:
             motion = frame_of(frame)
@@ -515,18 +574,40 @@ class Transform(WithFields):
             raise Error("frame: the arrays of out= are not NumPy's, in which the results are turned", "unsupported")
         if positive_inside:
             self._check_negatable(arrays)
-        if progress is None:
-            self._body.query(points, within, arrays, None, wait_for, refuse_unusable_points)
+        if progress is None and isinstance(limit, float) and math.prod(shape) <= _few:
+            self._body.query(points, limit, arrays, None, wait_for, refuse_unusable_points)
         else:
-            with shown(progress) as show:
-                self._body.query(points, within, arrays, show, wait_for, refuse_unusable_points)
+            groups = ((points, limit, arrays),) if isinstance(limit, float) else self._groups(points, limit, arrays)
+            with self._turn(progress, "points", arrays) as show:
+                for some, most, found in groups:
+                    self._body.query(some, most, found, show, wait_for, refuse_unusable_points)
         if positive_inside:
             _core.negate(arrays)
         if motion is not None:
             out_of_frame(arrays, *motion)
         return Points(results if out is not None else in_numbers(results))
 
-    def contains(self, points: Any, *, frame: Any = None) -> npt.NDArray[np.bool_]:
+    def _groups(
+        self, points: Any, limits: npt.NDArray[np.float64], arrays: dict[str, Any]
+    ) -> Iterator[tuple[Any, float, dict[str, Any]]]:
+        """Points, limit and arrays of calls, one for all points of about the same limit, whose results go to `arrays`."""
+        given_arrays = (points, *arrays.values())
+        if any(hasattr(array, "base_data") or _cuda.is_in_cuda(array) for array in given_arrays):
+            raise Error("within: an array needs points and out= of the host; copy them, or give one number", "unsupported")
+        points, arrays = on_host(points), {name: on_host(array) for name, array in arrays.items()}
+        lower, upper = self._body.box
+        for rows in by_limit(points, limits, max(map(operator.sub, upper, lower))):
+            own, some = limits[rows], np.ascontiguousarray(points[rows])
+            found = {
+                name: np.empty((len(own), *array.shape[1:]), np.float64 if name == "distance" else array.dtype)
+                for name, array in arrays.items()
+            }
+            yield some, float(own.max(initial=0)), found
+            limit_each(found, own)
+            for name, array in arrays.items():
+                array[rows] = found[name]
+
+    def contains(self, points: ArrayLike, *, frame: FrameLike | None = None) -> npt.NDArray[np.bool_]:
         """Whether points (..., 3) are inside: an array (...), exact. One on the surface is not, nor one that is not
         finite. points, frame: as of query(). Raises clsdf.Error (invalid_mesh) if the mesh has no inside."""
         if self.sign == "none":
@@ -539,7 +620,7 @@ class Transform(WithFields):
         self._body.query(points, math.inf, {"distance": distance}, None, None, False)
         return np.asarray(np.signbit(distance) & ~np.isnan(distance)).reshape(shape)
 
-    def classify(self, boxes: Any, half_width: float) -> npt.NDArray[np.uint8]:
+    def classify(self, boxes: npt.ArrayLike, half_width: float) -> npt.NDArray[np.uint8]:
         """The place of each box, as numbers of clsdf.BoxPlace.
 
         boxes: an array (n, 2, 3) of lower and upper corners, in the mesh's units. A box that is not WITHIN lies on one
@@ -548,14 +629,14 @@ class Transform(WithFields):
         """
         return self._body.classify(_meshes.boxes_of(boxes), half_width)
 
-    def winding(self, points: Any, *, out: Any = None, wait_for: Any = None) -> Any:
+    def winding(self, points: ArrayLike, *, out: ArrayLike | None = None, wait_for: Any = None) -> Any:
         """The generalised winding number at points anywhere: 1 or -1 inside a closed mesh, 0 outside, and values between
         near the holes of an open one, which the sign rule 'solid-angle' takes to be inside from 0.5 or -0.5 on.
 
         points: an array (n, 3) as of query(); or one point (3,), whose result is a number. out: an array (n,) of float32
         or float64 to write to. A point that is not finite gets NaN.
         """
-        points = _meshes.as_array(points, np.float64)
+        points = in_floats(points, remedy="")
         shape = _cuda.shape_of(points)
         is_one = len(shape) < 2
         if is_one:
@@ -571,12 +652,12 @@ class Transform(WithFields):
     def links(
         self,
         grid: Grid,
-        directions: Any = "D3Q19",
+        directions: DirectionsLike = "D3Q19",
         *,
         hits: str = "walls",
         with_between: bool = False,
         dtype: npt.DTypeLike = np.float64,
-        progress: Any = None,
+        progress: Progress = None,
     ) -> Links:
         """The links of a grid that meet the surface: one if and only if its ends are on different sides, exact.
 
@@ -593,7 +674,7 @@ class Transform(WithFields):
     def link_slabs(
         self,
         grid: Grid,
-        directions: Any = "D3Q19",
+        directions: DirectionsLike = "D3Q19",
         *,
         hits: str = "walls",
         with_between: bool = False,
@@ -612,7 +693,7 @@ class Transform(WithFields):
     def plan_links(
         self,
         grid: Grid,
-        directions: Any = "D3Q19",
+        directions: DirectionsLike = "D3Q19",
         *,
         room: int,
         hits: str = "walls",
@@ -627,12 +708,12 @@ class Transform(WithFields):
             return LinkPlan(plan)
 
     def count_links(
-        self, grid: Grid, directions: Any = "D3Q19", *, hits: str = "walls", with_between: bool = False
+        self, grid: Grid, directions: DirectionsLike = "D3Q19", *, hits: str = "walls", with_between: bool = False
     ) -> int:
         """How many links links() would give."""
         return _core.count_links(self._body, grid, directions_of(directions), is_of_faces(hits), with_between, None)
 
-    def crossings(self, grid: Grid, *, counts: bool = False, progress: Any = None) -> Crossings:
+    def crossings(self, grid: Grid, *, counts: bool = False, progress: Progress = None) -> Crossings:
         """Where the edges of a grid between neighbouring samples meet walls, along x, y and z. counts: the number of
         walls on each edge, too."""
         if progress is None:
@@ -642,8 +723,8 @@ class Transform(WithFields):
 
     def rays(
         self,
-        origins: Any,
-        directions: Any,
+        origins: ArrayLike,
+        directions: ArrayLike,
         *,
         hits: str = "walls",
         limit: float | None = math.inf,
@@ -689,7 +770,7 @@ class Transform(WithFields):
         )
 
     def any_hit(
-        self, origins: Any, directions: Any, *, hits: str = "walls", limit: float | None = math.inf,
+        self, origins: ArrayLike, directions: ArrayLike, *, hits: str = "walls", limit: float | None = math.inf,
         progress: Progress = None, refuse_unusable_points: bool = False,
     ) -> Any:
         """Whether rays meet the surface up to the limit: an array (...) of bool. Parameters: as of rays(). Cheaper, with
@@ -703,7 +784,7 @@ class Transform(WithFields):
         return _number_or_array(found.view(np.bool_).reshape(shape))
 
     def visible(
-        self, from_points: Any, to_points: Any, *, hits: str = "walls", progress: Progress = None,
+        self, from_points: ArrayLike, to_points: ArrayLike, *, hits: str = "walls", progress: Progress = None,
         refuse_unusable_points: bool = False,
     ) -> Any:
         """Whether the segments between pairs of points meet nothing: an array (...) of bool. Points: as rays() takes
@@ -742,7 +823,7 @@ class Transform(WithFields):
         what: a Grid, with band and outputs as of field(); each Plan.enqueue() gets the arrays then. Or Requests with
         pyopencl arrays of the device's context.
         """
-        with shown(progress) as show:
+        with self._turn(progress, "plan", wanted(outputs)) as show:
             if isinstance(what, Grid):
                 grid, own_band = self._grid_and_band(what, band, exact_signs=exact_signs)
                 return Plan(_core.plan_of_grid(self._body, grid, own_band, wanted(outputs), show))
@@ -762,7 +843,7 @@ class Transform(WithFields):
 
         room: how many bricks and runs of bricks inside its runs have room for. grid, band and outputs: as of sparse().
         """
-        with shown(progress) as show:
+        with self._turn(progress, "sparse plan", wanted(outputs)) as show:
             own_grid, own_band = self._grid_and_band(grid, band, exact_signs=exact_signs)
             bricks, runs = room
             return SparsePlan(
@@ -779,7 +860,7 @@ class Transform(WithFields):
         for a mesh with a coordinate that is not 0 and, in units of about 1/256 of its longest side, smaller than 2^-300
         or greater than 2^300; unsupported for a restricted transform.
         """
-        with shown(progress) as show:
+        with self._turn(progress, "point plan", wanted(outputs)) as show:
             return PointPlan(_core.plan_of_points(self._body, count, limit_of(within), wanted(outputs), show))
 
     def plan_bytes(self, requests: Iterable[Request], *, progress: Progress = None) -> int:
@@ -789,7 +870,7 @@ class Transform(WithFields):
 
 
 def _made_again(
-    device: Device | str,
+    device: Device,
     vertices: Any,
     faces: Any,
     sign: str,
@@ -801,8 +882,6 @@ def _made_again(
     mesh_name: str,
 ) -> Transform:
     """A transform from what Transform._state() has."""
-    if isinstance(device, str):
-        device = device_named(device)
     made = Transform((vertices, faces), device=device, sign=sign, kept_bytes=kept_bytes, floor=floor)
     made.mesh_name = mesh_name
     if positions is not None:

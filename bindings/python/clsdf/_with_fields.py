@@ -5,19 +5,22 @@ from __future__ import annotations
 import math
 import operator
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core, _cuda
-from ._core import Band, Grid
+from ._core import Band, Device, Grid
 from ._error import Error, MeshWarning
 from ._field import Field
 from ._lengths import BandLike, LengthLike, band_on, outside_of, parse_band, parse_length
-from ._progress import Progress, shown
+from ._progress import Progress, ProgressFunction
+from ._turns import taken
 from ._values import Outputs, given, new_samples, wanted
+from .typing import OutLike
 
 
 def whole(what: str, value: Any) -> int:
@@ -47,6 +50,12 @@ class WithFields:
 
     #: The extension's object, with `box` and `compute`.
     _body: Any
+    #: For messages; made when it is needed.
+    _device_name = ""
+
+    @property
+    def device(self) -> Device:
+        raise NotImplementedError
 
     def _description(self) -> tuple[str, str, float | None]:
         """Of a field: the sign rule, the name of the mesh, and the floor of the rule 'below'."""
@@ -119,11 +128,12 @@ class WithFields:
         band: BandLike | None = None,
         outputs: Outputs | None = None,
         exact_signs: bool = False,
-        out: Any = None,
+        out: OutLike | None = None,
         positive_inside: bool = False,
         progress: Progress = None,
         wait_for: Any = None,
         dtype: npt.DTypeLike | None = None,
+        image: Any = None,
     ) -> Field:
         """Computes a field: every sample within the band has its exact distance, every other one the band's half width
         with its sign.
@@ -143,10 +153,20 @@ class WithFields:
             the links and crossings of its grid agree. A Band has it, too.
         dtype: "float64" for distance, gradient, barycentric and offset in double, instead of `out`.
         positive_inside: distances and gradients are negated, also zeros and what lies beyond the band; files record it.
+        image: of a Transform: an image of SimpleITK or nibabel, in whose space the mesh is: sample [k, j, i] is voxel
+            (i, j, k), whatever its direction. The mesh is taken into the frame of its axes, which is exact. With a
+            direction the field's `grid` is that of this frame; vectors are in the image's space. Excludes the options
+            of a grid, `out` and `wait_for`.
 
         Returns `out` if it is a Field, else a new Field. Raises clsdf.Error: invalid_argument before any work for an
         array that is read-only, wrongly shaped, byte-swapped or overlaps another; out_of_memory, device_failure.
         """
+        if image is not None:
+            others = (grid, resolution, spacing, margin, cubic, cell_centred, out, wait_for)
+            if any(value is not None and value is not False for value in others):
+                raise Error("image= excludes grid=, the options of a grid, out= and wait_for=")
+            of_image = "10%" if band is None else band
+            return self._field_of_image(image, of_image, outputs, exact_signs, positive_inside, progress, dtype)
         if grid is None and isinstance(out, Field):
             grid = out.grid
         if band is None:
@@ -165,6 +185,26 @@ class WithFields:
         out.positive_inside, out.floor = positive_inside, field.floor
         return out
 
+    def _field_of_image(
+        self,
+        image: Any,
+        band: BandLike,
+        outputs: Outputs | None,
+        exact_signs: bool,
+        positive_inside: bool,
+        progress: Progress,
+        dtype: npt.DTypeLike | None,
+    ) -> Field:
+        raise Error("image: a Transform has fields on the voxels of an image; give a Scene grid=", "unsupported")
+
+    def _turn(
+        self, progress: Progress, kind: str, names: Iterable[str] = ()
+    ) -> AbstractContextManager[ProgressFunction | None]:
+        """shown(), of a call that may compile."""
+        if not self._device_name:
+            self._device_name = f"{self.device.name} ({self.device.platform})"
+        return taken(progress, self._device_name, " ".join((kind, *names)))
+
     def _computed(
         self,
         grid: Grid,
@@ -176,7 +216,7 @@ class WithFields:
     ) -> Field:
         if positive_inside:
             self._check_negatable(arrays, band)
-        with shown(progress) as show:
+        with self._turn(progress, "field", arrays) as show:
             self._body.compute(grid, band, arrays, show, wait_for)
         if positive_inside:
             _core.negate(arrays)

@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 import jax  # type: ignore[import-not-found,import-untyped,unused-ignore]
 import jax.numpy as jnp  # type: ignore[import-not-found,import-untyped,unused-ignore]
@@ -24,7 +25,13 @@ from ._transform import Transform
 __all__ = ["signed_distance"]
 
 
-def signed_distance(body: Transform, points: Any, vertices: Any = None, *, within: float | None = None) -> jax.Array:
+def signed_distance(
+    body: Transform,
+    points: jax.Array | npt.ArrayLike,
+    vertices: jax.Array | npt.ArrayLike | None = None,
+    *,
+    within: float | None = None,
+) -> jax.Array:
     """The signed distances (...) at points (..., 3), negative inside, with derivatives by both arrays.
 
     points: an array of float32, or of float64 with jax_enable_x64. The distances are float64 if one of the arrays is.

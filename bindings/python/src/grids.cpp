@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -59,6 +61,27 @@ double width_of(nb::handle value, const char* what) {
         fmt::format("Band: {} is {}; write a number, in the mesh's units (three voxels are 3 * grid.voxel, no end is "
                     "math.inf); band= of field() takes texts, too",
                     what, value.is_none() ? "missing" : shown(value)));
+}
+
+// The arguments of a call by the names of its parameters, null for those that are not given. Any arguments but these
+// are a TypeError that has the right ones: `call`.
+template <std::size_t Count>
+std::array<nb::object, Count> arguments_of(const char* call, const std::array<const char*, Count>& names,
+                                           std::size_t required, const nb::args& args, const nb::kwargs& kwargs) {
+    const auto wrong = [&](const std::string& why) { throw nb::type_error(fmt::format("{}: {}", call, why).c_str()); };
+    std::array<nb::object, Count> found;
+    if (args.size() > Count) wrong(fmt::format("{} arguments are given", args.size()));
+    for (std::size_t at = 0; at < args.size(); ++at) found[at] = args[at];
+    for (const auto& [key, value] : kwargs) {
+        const auto name = nb::cast<std::string>(key);
+        const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+        if (at == Count) wrong(fmt::format("there is no argument '{}'", name));
+        if (found[at].is_valid()) wrong(fmt::format("'{}' is given twice", name));
+        found[at] = nb::borrow(value);
+    }
+    for (std::size_t at = 0; at < required; ++at)
+        if (!found[at].is_valid()) wrong(fmt::format("'{}' is missing", names[at]));
+    return found;
 }
 
 // The positions of all samples, (nz, ny, nx, 3).
@@ -183,11 +206,14 @@ void add_grids(nb::module_& module) {
         "units. Raises clsdf.Error for a size or a spacing that is not positive, or a number that is not finite.")
         .def(
             "__init__",
-            [](Grid* grid, nb::handle origin, nb::handle spacing, nb::handle size, nb::handle first) {
+            [](Grid* grid, const nb::args& args, const nb::kwargs& kwargs) {
+                const auto [origin, spacing, size, first] =
+                    arguments_of<4>("clsdf.Grid(origin, spacing, size, first=(0, 0, 0))",
+                                    {"origin", "spacing", "size", "first"}, 3, args, kwargs);
                 new (grid) Grid(checked(numbers_of(origin, "origin"), numbers_of(spacing, "spacing", true),
-                                        wholes_of(size, "size", true), wholes_of(first, "first")));
+                                        wholes_of(size, "size", true),
+                                        first.is_valid() ? wholes_of(first, "first") : Index3{}));
             },
-            nb::arg("origin"), nb::arg("spacing"), nb::arg("size"), nb::arg("first") = nb::make_tuple(0, 0, 0),
             nb::sig("def __init__(self, origin: numpy.typing.ArrayLike, spacing: float | numpy.typing.ArrayLike, "
                     "size: int | numpy.typing.ArrayLike, first: numpy.typing.ArrayLike = (0, 0, 0)) -> None"))
         .def_static(

@@ -20,6 +20,7 @@ import clsdf
         ("unreadable_input", clsdf.UnreadableInput, OSError),
         ("output_failure", clsdf.OutputFailure, OSError),
         ("out_of_memory", clsdf.OutOfMemory, MemoryError),
+        ("unsupported", clsdf.Unsupported, ValueError),
         ("device_failure", clsdf.Error, RuntimeError),
     ],
 )
@@ -143,3 +144,37 @@ def test_a_copy_of_a_transform_is_another_one_at_the_present_positions(solid, po
     turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
     body.set_motion(turn, (0.5, 0, 0))
     assert np.array_equal(copied(body).query(points).distance, body.query(points).distance)
+
+
+WRONG_ARGUMENTS = {
+    "a direction": (lambda g: clsdf.Grid((0, 0, 0), 0.1, 4, direction=np.eye(3)), r"Grid\(origin, spacing, size, first=.*no argument 'direction'"),
+    "no size": (lambda g: clsdf.Grid((0, 0, 0), 0.1), r"Grid\(origin, spacing, size.*'size' is missing"),
+    "size twice": (lambda g: clsdf.Grid((0, 0, 0), 0.1, 4, size=4), "'size' is given twice"),
+    "five": (lambda g: clsdf.Grid(0, 0, 0, 0, 0), "5 arguments are given"),
+    "a tuple as position": (lambda g: g.position((1, 0, 0)), r"Grid.position\(\) missing 2 .*'j' and 'k'"),
+    "between": (lambda g: clsdf.Grid.between((0, 0, 0), (1, 1, 1), resolution=3), r"between\(\) got an unexpected .*'resolution'"),
+    "limited": (lambda g: clsdf.Device.limited("gpu", 3, 4, 5), r"Device.limited\(\) takes from"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_ARGUMENTS)
+def test_wrong_arguments_of_the_extension_name_the_right_ones(body, name):
+    call, message = WRONG_ARGUMENTS[name]
+    with pytest.raises(TypeError, match=message) as error:
+        call(body.grid(8))
+    assert "\n" not in str(error.value)
+
+
+def test_unsupported_endings_are_wrong_values(body, tmp_path):
+    field = body.field(resolution=8)
+    for call in (
+        lambda: clsdf.Transform("a.glb"),
+        lambda: clsdf.read_mesh("a.glb"),
+        lambda: clsdf.write_field(field, tmp_path / "x.mha"),
+        lambda: field.write(tmp_path / "x.mha"),
+        lambda: body.sparse(resolution=16).write(tmp_path / "x.b"),
+        lambda: clsdf.read_field("x.y"),
+    ):
+        with pytest.raises(ValueError) as error:
+            call()
+        assert isinstance(error.value, clsdf.Unsupported) and error.value.code == "unsupported"

@@ -199,7 +199,7 @@ def test_positive_inside(body, solid, points, tmp_path):
         clsdf.write_field(turned, tmp_path / ("field" + ending))
         read = clsdf.read_field(tmp_path / ("field" + ending))
         assert read.positive_inside and np.array_equal(read.distance, turned.distance)
-    assert np.array_equal(clsdf.slice_picture(turned).pixels, clsdf.slice_picture(usual).pixels)
+    assert np.array_equal(clsdf.slice_picture(turned, axes=False).pixels, clsdf.slice_picture(usual, axes=False).pixels)
     assert all(slab.positive_inside for slab in body.slabs(usual.grid, band=usual.band, positive_inside=True))
     r, t = body.query(points, "gradient"), body.query(points, "gradient", positive_inside=True)
     assert np.array_equal(t.distance, -r.distance) and np.array_equal(t.gradient, -r.gradient, equal_nan=True)
@@ -361,7 +361,7 @@ def test_an_image_of_pyvista(body):
 
 def test_a_picture_is_a_png_of_the_slice(body):
     field = body.field(resolution=24)
-    picture = clsdf.slice_picture(field, "y", pixels=100)
+    picture = clsdf.slice_picture(field, "y", pixels=100, axes=False)
     png = picture._repr_png_()
     assert png.startswith(b"\x89PNG\r\n\x1a\n") and png.endswith(b"IEND\xaeB`\x82")
     nz, _, nx = field.distance.shape

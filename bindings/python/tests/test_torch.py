@@ -111,3 +111,81 @@ def test_wrong_tensors_are_told(own_body, solid, some):
     ):
         with pytest.raises(clsdf.InvalidArgument, match=match):
             signed_distance(*arguments)
+
+
+# What torch.func and torch.compile do, which PyTorch 2 has.
+needs_transforms = pytest.mark.skipif(not hasattr(torch, "func"), reason="PyTorch 1 has no torch.func")
+
+
+@needs_transforms
+def test_transforms_of_functions_have_the_derivatives_of_backward(own_body, solid, some):
+    func = torch.func
+    vertices = torch.tensor(solid[0])
+    p, x = some.clone().requires_grad_(), vertices.clone().requires_grad_()
+    signed_distance(own_body, p, x).sum().backward()
+    by_points, by_vertices = func.grad(lambda p, x: signed_distance(own_body, p, x).sum(), argnums=(0, 1))(some, vertices)
+    assert torch.equal(by_points, p.grad) and torch.allclose(by_vertices, x.grad)
+    one = lambda p: signed_distance(own_body, p)
+    rows = some.reshape(-1, 3)
+    expected = p.grad.reshape(-1, 3)
+    assert torch.equal(func.vmap(one)(rows), one(rows)) and torch.equal(func.vmap(one, in_dims=1)(rows.T), one(rows))
+    assert torch.equal(func.vmap(func.grad(one))(rows), expected)
+    assert torch.equal(func.grad(lambda p: func.vmap(one)(p).sum())(rows), expected)
+    jacobian = func.jacrev(one)(rows)
+    assert torch.equal(jacobian[range(24), range(24)], expected) and torch.equal(jacobian.sum(1), expected)
+    assert torch.equal(torch.autograd.functional.jacobian(one, rows), jacobian)
+    several = torch.stack([vertices, 1.2 * vertices])
+    found = func.vmap(lambda x: signed_distance(own_body, rows, x))(several)
+    assert torch.equal(found, torch.stack([signed_distance(own_body, rows, x) for x in several]))
+    found = func.vmap(func.grad(lambda x: signed_distance(own_body, some, x).sum()))(several)
+    assert torch.allclose(found[0], x.grad)
+
+
+@needs_transforms
+@pytest.mark.filterwarnings("ignore::FutureWarning")  # torch's own
+def test_second_derivatives_and_the_forward_mode_of_transforms_are_refused(own_body, some):
+    func, one = torch.func, lambda p: signed_distance(own_body, p).sum()
+    rows = some[0]
+    for call in (
+        lambda: func.grad(lambda p: (func.grad(one)(p) ** 2).sum())(rows),
+        lambda: func.jacrev(func.jacrev(one))(rows),
+        lambda: torch.autograd.functional.hessian(one, rows),
+    ):
+        with pytest.raises(clsdf.Unsupported, match="second derivative"):
+            call()
+    for call in (lambda: func.jacfwd(one)(rows), lambda: func.hessian(one)(rows)):
+        with pytest.raises(clsdf.Unsupported, match="forward mode.*use torch.func.grad, vjp or jacrev"):
+            call()
+
+
+@needs_transforms
+@pytest.mark.filterwarnings("ignore")  # torch's own
+def test_compiled_functions_have_the_same_results(own_body, some):
+    def loss(p):
+        return (2 * signed_distance(own_body, p)).sin().sum()
+
+    found = []
+    for function in (loss, torch.compile(loss, backend="eager")):
+        p = some.clone().requires_grad_()
+        value = function(p)
+        value.backward()
+        found.append((value.detach(), p.grad))
+    assert torch.allclose(found[0][0], found[1][0]) and torch.allclose(found[0][1], found[1][1])
+
+
+def test_a_graph_is_not_lost_without_a_word(own_body, solid, some):
+    p = some.clone().requires_grad_()
+    pose = torch.eye(4, requires_grad=True)
+    for call, remedy in (
+        (lambda: own_body.query(p), "points requires a gradient.*clsdf.torch.signed_distance.*detach"),
+        (lambda: own_body.winding(p[0]), r"requires a gradient, which this call does not give: pass tensor.detach\(\)"),
+        (lambda: own_body.rays(p[0], some[0]), "origins requires a gradient"),
+        (lambda: own_body.set_positions(torch.tensor(solid[0], requires_grad=True)), "positions requires a gradient"),
+        (lambda: own_body.query(some, frame=pose), "frame requires a gradient.*@ R"),
+    ):
+        with pytest.raises(clsdf.InvalidArgument, match=remedy):
+            call()
+    expected = own_body.query(some).distance
+    assert np.array_equal(own_body.query(p.detach()).distance, expected)
+    with torch.no_grad():
+        assert np.array_equal(own_body.query(p).distance, expected)

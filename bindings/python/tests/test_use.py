@@ -135,6 +135,91 @@ def test_a_rotation_in_floats_is_made_one(solid, points):
         assert rotation.tobytes().hex() == body.set_motion(single, (0, 0, 0))[0].tobytes().hex()
 
 
+def test_rotations_of_scipy_are_frames(solid, points):
+    transforms = pytest.importorskip("scipy.spatial.transform")
+    body = clsdf.Transform(solid)
+    turn, shift = transforms.Rotation.from_rotvec([0.3, -0.2, 0.5]), (0.1, 0.2, -0.3)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn.as_matrix(), shift
+    expected = body.query(points, frame=pose).distance
+    motions = [(turn, shift)]
+    if hasattr(transforms, "RigidTransform"):
+        motions.append(transforms.RigidTransform.from_components(shift, turn))
+    for motion in motions:
+        assert np.array_equal(body.query(points, frame=motion).distance, expected)
+        assert np.array_equal(body.contains(points, frame=motion), expected < 0)
+    assert np.array_equal(body.query(points, frame=turn).distance, body.query(points, frame=(turn, (0, 0, 0))).distance)
+    body.set_motion(turn, shift)
+    assert np.allclose(body.query(points).distance, expected, atol=1e-6)
+    body.set_motion(turn)
+    assert np.allclose(body.vertices, solid[0] @ turn.as_matrix().T)
+    with pytest.raises(clsdf.Error, match=r"shape \(2, 3, 3\)"):
+        body.query(points, frame=(transforms.Rotation.from_rotvec(np.zeros((2, 3))), (0, 0, 0)))
+
+
+def test_whole_numbers_are_points(body):
+    corners = np.array([[0, 0, 0], [1, -1, 2]])
+    expected = body.query(corners.astype(float)).distance
+    for points in (corners, corners.astype(np.int32), corners.astype(np.int16),
+                   corners.tolist(), OnlyDLPack(corners)):
+        assert np.array_equal(body.query(points).distance, expected)
+        assert np.array_equal(body.contains(points), expected < 0)
+    assert np.array_equal(body.winding(corners), body.winding(corners.astype(float)))
+    assert np.array_equal(body.rays(corners, corners[::-1] + 1).t, body.rays(corners + 0.0, corners[::-1] + 1.0).t, equal_nan=True)
+
+
+def test_each_point_may_have_its_limit(body, points):
+    random = np.random.default_rng(5)
+    many = random.uniform(-1.5, 1.5, (3000, 3))
+    limits = np.exp(random.uniform(-6, 1, 3000))
+    limits[::50], limits[1::50] = np.inf, 0
+    many[2] = body.vertices[0]
+    for dtype in ("float32", "float64"):
+        found = body.query(many, ALL, within=limits, dtype=dtype)
+        free = body.query(many, ALL, dtype=dtype)
+        # As if each point had a call of its own.
+        for n in (*range(0, 3000, 37), 0, 1, 2, 50):
+            one = body.query(many[n], ALL, within=limits[n], dtype=dtype)
+            for name in one.outputs:
+                assert np.array_equal(one[name], found[name][n], equal_nan=name != "triangle"), (name, n)
+        is_near = abs(body.query(many, dtype="float64").distance) <= limits
+        assert 0.1 < is_near.mean() < 0.9
+        for name in found.outputs:
+            assert np.array_equal(found[name][is_near], free[name][is_near], equal_nan=True)
+        assert (found.triangle[~is_near] == clsdf.no_triangle).all()
+    out = {"distance": np.empty(3000), "triangle": np.empty(3000, np.int32)}
+    body.query(many, within=limits, out=out)
+    assert np.array_equal(out["distance"], found.distance) and (out["triangle"][~is_near] == -1).all()
+    deep = body.query(many.reshape(3, 1000, 3), within=limits.reshape(3, 1000), dtype="float64")
+    assert np.array_equal(deep.distance.ravel(), found.distance)
+    many[7] = np.nan
+    with pytest.warns(clsdf.MeshWarning) as warned:
+        assert np.isnan(body.query(many, within=limits).distance[7])
+    assert len(warned) == 1
+    with pytest.raises(clsdf.Error, match=r"\b7\b"):
+        body.query(many, within=limits, refuse_unusable_points=True)
+    for wrong, message in ((limits[:5], r"shape \(5,\); expected a number, or \(3000,\)"), (-limits, "below 0 or NaN"),
+                           (["a"] * 3000, "neither a number")):
+        with pytest.raises(clsdf.Error, match=message):
+            body.query(many, within=wrong)
+
+
+def test_volume_area_and_bounds_are_those_of_the_faces(solid):
+    vertices, faces = clsdf.make_shape("cube")
+    side = np.ptp(vertices[:, 0])
+    body = clsdf.Transform(vertices + 1000, faces)
+    assert body.volume == pytest.approx(side**3, rel=1e-12) and body.area == pytest.approx(6 * side**2, rel=1e-12)
+    assert np.array_equal(body.bounds, body.box)
+    with pytest.warns(clsdf.MeshWarning, match="within others"):
+        both = clsdf.Transform(np.concatenate([vertices, vertices + 0.1]), np.concatenate([faces, faces + len(vertices)]))
+    assert both.volume == pytest.approx(2 * side**3)
+    body.set_positions(vertices * 2)
+    assert body.volume == pytest.approx(8 * side**3)
+    trimesh = pytest.importorskip("trimesh")
+    mesh, body = trimesh.Trimesh(*solid, process=False), clsdf.Transform(solid)
+    assert body.volume == pytest.approx(mesh.volume) and body.area == pytest.approx(mesh.area)
+
+
 def polar(matrix):
     u, _, v = np.linalg.svd(np.asarray(matrix, float))
     return u @ v
@@ -201,8 +286,30 @@ def test_a_transform_is_pickled_where_it_is(solid, points):
         again.query([[5, 5, 5]], within=0.5)
     module = sys.modules["clsdf._devices"]
     with pytest.raises(clsdf.Error, match="'no such device', which this machine does not have; send the mesh") as error:
-        module.device_named("no such device")
+        module.device_again("no such device")
     assert error.value.code == "no_device"
+
+
+def test_a_device_is_pickled_with_its_limits(solid, points):
+    whole = clsdf.Device.automatic()
+    again = pickle.loads(pickle.dumps(whole))
+    assert again.name == whole.name and again.info().compute_units == whole.info().compute_units
+    assert copy.copy(whole) is whole and copy.deepcopy(whole) is whole
+    limits = {"memory": 1 << 28}
+    if whole.info().kind == "processor" and whole.info().compute_units > 1:
+        limits["compute_units"] = 1
+    part = whole.limited(**limits)
+    body = clsdf.Transform(solid, device=part)
+    for device in (pickle.loads(pickle.dumps(part)), pickle.loads(pickle.dumps(body)).device):
+        info = device.info()
+        assert info.compute_units == part.info().compute_units == limits.get("compute_units", info.compute_units)
+        assert info.memory == part.info().memory == 1 << 28
+    assert pickle.loads(pickle.dumps((part, body)))[0].name == part.name
+    other = pickle.loads(pickle.dumps(body))
+    assert np.array_equal(other.query(points).distance, body.query(points).distance)
+    # Transforms of one process share the device, and so its compiled programs.
+    one, two = (pickle.loads(pickle.dumps(body)).device for _ in range(2))
+    assert one.context_int_ptr == two.context_int_ptr
 
 
 SENT = """
@@ -250,6 +357,20 @@ def test_looks(body, tmp_path):
     assert repr(clsdf.trimesh.ProximityQuery("mesh")) == "<clsdf.trimesh.ProximityQuery: 'mesh'>"
     assert str(inspect.signature(clsdf.Grid)) == "(origin, spacing, size, first=(0, 0, 0))"
     assert str(inspect.signature(clsdf.Band)) == "(inside, outside=None, *, exact_signs=False)"
+
+
+def test_everything_public_has_a_signature_and_a_documentation():
+    for name in clsdf.__all__:
+        thing = getattr(clsdf, name)
+        for member, value in vars(thing).items() if isinstance(thing, type) else ((name, thing),):
+            value = value.__func__ if isinstance(value, staticmethod) else value
+            if callable(value) and not member.startswith("_"):
+                assert inspect.signature(value) and value.__doc__, f"{name}.{member}"
+    position = inspect.signature(clsdf.Grid.position)
+    assert str(position) == "(self, i: 'int', j: 'int', k: 'int') -> 'tuple[float, float, float]'"
+    assert inspect.signature(clsdf.Grid.between).parameters["cells"].default is None
+    assert inspect.signature(clsdf.Device.limited).parameters["memory"].default is None
+    assert clsdf.Body is clsdf.Transform
 
 
 def test_completion_shows_what_is_public():

@@ -347,6 +347,7 @@ std::string xdmf_text(const std::string& path, const Grid& grid, const std::vect
         "<Xdmf Version=\"3.0\">\n"
         "  <Domain>\n"
         "    <Grid Name=\"field\" GridType=\"Uniform\">\n"
+        "      <Time Value=\"0\"/>\n"  // PyVista reads no file without one
         "      <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"{}\"/>\n"
         "      <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n"
         "        <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">{}</DataItem>\n"
