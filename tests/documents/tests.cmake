@@ -21,3 +21,13 @@ add_executable(test_code_for_amrex ${CMAKE_CURRENT_LIST_DIR}/amrex.cpp)
 target_link_libraries(test_code_for_amrex PRIVATE clsdf::meshes clsdf::clsdf clsdf_warnings)
 add_test(NAME code_for_amrex COMMAND test_code_for_amrex)
 set_tests_properties(code_for_amrex PROPERTIES LABELS integrations)
+
+# The pages of the site: every link between documents leads somewhere, and the first screen's lines stand in tested documents.
+if(EXISTS /usr/bin/python3)
+  add_test(NAME site_pages COMMAND /usr/bin/python3 ${PROJECT_SOURCE_DIR}/packaging/site/pages.py ${PROJECT_SOURCE_DIR}
+                                   ${CMAKE_CURRENT_BINARY_DIR}/site-pages)
+else()
+  add_test(NAME site_pages COMMAND ${CMAKE_COMMAND} -E echo "skipped: /usr/bin/python3 is not installed")
+  set_tests_properties(site_pages PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped")
+endif()
+set_tests_properties(site_pages PROPERTIES LABELS build)
