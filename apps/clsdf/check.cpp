@@ -27,6 +27,7 @@ struct Options {
     MeshReading reading;
     clsdf::reference::CheckOptions check;
     std::optional<double> floor{};
+    std::string surface = "given";
     bool complete = false;
     bool positive_inside = false;
 
@@ -125,7 +126,8 @@ void print_human(const CheckReport& report, const clsdf::Field& field, bool is_n
 
 ExitStatus run(const Options& options, Report& report) {
     const std::vector<std::string> meshes = options.meshes();
-    const clsdf::Mesh mesh = read_body(meshes, options.reading, report);
+    const bool is_outer = parse_surface(options.surface) == clsdf::Surface::outer;
+    clsdf::Mesh mesh = read_body(meshes, options.reading, report);
     clsdf::Field field = clsdf::read_field(options.field());
     if (const std::vector<std::string> missing = clsdf::missing_field_files(options.field()); !missing.empty())
         throw clsdf::Error(
@@ -137,6 +139,13 @@ ExitStatus run(const Options& options, Report& report) {
     if (options.floor) field.floor = options.floor;
     if (field.sign == clsdf::SignRule::automatic)
         field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
+
+    if (is_outer) {
+        mesh = clsdf::outer(mesh, field.sign).mesh;
+        // They tell faces as given.
+        for (const clsdf::Output output : {clsdf::Output::triangle, clsdf::Output::site, clsdf::Output::barycentric})
+            field.resize(output, 0);
+    }
 
     clsdf::reference::CheckOptions check_options = options.check;
     if (options.complete) check_options.samples = 0;
@@ -154,6 +163,7 @@ ExitStatus run(const Options& options, Report& report) {
                      {"sign", name_of(field.sign)},  {"positive_inside", is_negated},
                      {"seed", check_options.seed},   {"tolerance_voxels", check_options.tolerance_voxels},
                      {"seconds", seconds.count()}};
+    if (is_outer) report.result["surface"] = options.surface;
     report.result.update(describe_report(found, field.grid));
     if (!note.empty()) report.result["note"] = note;
     return found.passed() ? ExitStatus::done : ExitStatus::check_failed;
@@ -167,6 +177,7 @@ Command add_check(Parser& program) {
     add_mesh_and_argument(parser, options->mesh, "FIELD", options->more,
                           "its field, last: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf");
     add_floor_option(parser, options->floor);
+    add_surface_option(parser, options->surface);
     add_weld_option(parser, options->reading);
     add_skip_option(parser, options->reading);
     parser

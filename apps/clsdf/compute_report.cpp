@@ -141,6 +141,7 @@ Json describe_layout(const ComputeLayout& layout) {
                    {"polyhedra", name_of(layout.polyhedra)},
                    {"scan", name_of(layout.scan)}};
     if (layout.floor) result["floor"] = *layout.floor;
+    if (layout.surface != clsdf::Surface::given) result["surface"] = name_of(layout.surface);
     if (layout.groups) result["groups"] = layout.groups->names;
     return result;
 }

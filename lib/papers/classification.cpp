@@ -50,7 +50,7 @@ LatticeView unit_of(const Mesh& mesh) {
 
 }  // namespace
 
-Surface::Surface(const Mesh& mesh)
+MeshSurface::MeshSurface(const Mesh& mesh)
     : mesh_(&mesh),
       representatives_(first_equal_vertices(mesh.vertices())),
       sources_(faces_of_three_vertices(mesh, representatives_)),
@@ -71,7 +71,7 @@ Surface::Surface(const Mesh& mesh)
     edges_ = std::move(edges.faces);
 }
 
-EdgeKind Surface::kind(const Corner& edge) const {
+EdgeKind MeshSurface::kind(const Corner& edge) const {
     const std::uint8_t set = marks(edge);
     if (set & edge_non_manifold) return EdgeKind::non_manifold;
     if (set & edge_unoriented) return EdgeKind::unoriented;
@@ -80,12 +80,12 @@ EdgeKind Surface::kind(const Corner& edge) const {
     return has_pair(edge) ? EdgeKind::flat : EdgeKind::boundary;
 }
 
-bool Surface::has_pair(const Corner& edge) const {
+bool MeshSurface::has_pair(const Corner& edge) const {
     const std::uint8_t set = marks(edge);
     return !(set & edge_non_manifold) && (!(set & edge_open) || (set & edge_folded) != 0);
 }
 
-VertexKind Surface::kind(std::size_t vertex, VertexFans& fans) const {
+VertexKind MeshSurface::kind(std::size_t vertex, VertexFans& fans) const {
     if (rings_.size(vertex) == 0) return VertexKind::unused;
     std::array<bool, edge_kinds> has{};
     for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
@@ -104,7 +104,7 @@ VertexKind Surface::kind(std::size_t vertex, VertexFans& fans) const {
     return any(EdgeKind::concave) ? VertexKind::concave : VertexKind::flat;
 }
 
-std::size_t Surface::open_fan_size(std::size_t vertex) const {
+std::size_t MeshSurface::open_fan_size(std::size_t vertex) const {
     std::size_t size = 0;
     for (std::size_t i = 0; i < rings_.size(vertex) && size == 0; ++i) {
         Corner corner = rings_.corner(vertex, i);
@@ -118,11 +118,11 @@ std::size_t Surface::open_fan_size(std::size_t vertex) const {
     return size;
 }
 
-void Surface::build_fans(std::size_t vertex, VertexFans& fans) const {
+void MeshSurface::build_fans(std::size_t vertex, VertexFans& fans) const {
     fans.build(triangles_, edges_, rings_, vertex);
 }
 
-std::vector<Corner> Surface::edges_at(const Corner& edge) const {
+std::vector<Corner> MeshSurface::edges_at(const Corner& edge) const {
     const std::uint32_t from = triangles_[edge.face][edge.vertex];
     const std::uint32_t to = triangles_[edge.face][next_of_three(edge.vertex)];
     std::vector<Corner> result;
@@ -160,7 +160,7 @@ std::uint8_t examine(FanSigns& signs) {
     return marks;
 }
 
-double squared_length(const Surface& surface, const Corner& edge) {
+double squared_length(const MeshSurface& surface, const Corner& edge) {
     const Triangle& triangle = surface.triangles()[edge.face];
     const Vector from = engine::to_vector(surface.position(triangle[edge.vertex]));
     return (engine::to_vector(surface.position(triangle[next_of_three(edge.vertex)])) - from).squaredNorm();
@@ -172,7 +172,7 @@ struct Remedy {
     std::optional<Corner> edge;  ///< to cut: opposite to the vertex, the longest among its flipped faces
 };
 
-Remedy remedy_for(const Surface& surface, std::size_t vertex, VertexFans& fans) {
+Remedy remedy_for(const MeshSurface& surface, std::size_t vertex, VertexFans& fans) {
     if (surface.kind(vertex, fans) != VertexKind::saddle) return {};
     const Fan fan = fan_at(surface, vertex, fans);
     FanSigns signs(fan);
@@ -188,7 +188,7 @@ Remedy remedy_for(const Surface& surface, std::size_t vertex, VertexFans& fans) 
     return remedy;
 }
 
-std::vector<Remedy> remedies(const Surface& surface) {
+std::vector<Remedy> remedies(const MeshSurface& surface) {
     std::vector<Remedy> result(surface.mesh().vertices().size());
     tbb::enumerable_thread_specific<VertexFans> fans_of_thread;
     for_each_index(result.size(),
@@ -197,7 +197,7 @@ std::vector<Remedy> remedies(const Surface& surface) {
 }
 
 /// Cuts every face at each of the edges in two; an edge of which some face is cut already has to wait.
-Mesh cut(const Surface& surface, const std::vector<Remedy>& remedies) {
+Mesh cut(const MeshSurface& surface, const std::vector<Remedy>& remedies) {
     std::vector<Vec3> vertices = surface.mesh().vertices();
     std::vector<Triangle> triangles = surface.mesh().triangles();
     std::vector<bool> is_cut(surface.triangles().size(), false);
@@ -238,7 +238,7 @@ const char* name_of(VertexKind kind) {
 
 Classification classify_convexity(const Mesh& mesh) {
     using namespace engine;
-    const Surface surface(mesh);
+    const MeshSurface surface(mesh);
     const std::vector<std::uint32_t>& representatives = surface.representatives();
 
     Classification result;
@@ -263,7 +263,7 @@ Classification classify_convexity(const Mesh& mesh) {
 }
 
 SaddleReport examine_saddles(const Mesh& mesh) {
-    const Surface surface(mesh);
+    const MeshSurface surface(mesh);
     std::vector<std::uint8_t> marks(mesh.vertices().size());
     std::atomic<std::size_t> decisions = 0;
     std::atomic<std::size_t> exact_decisions = 0;
@@ -293,7 +293,7 @@ SaddleReport examine_saddles(const Mesh& mesh) {
 RegularMesh subdivide_irregular(const Mesh& mesh, std::size_t rounds) {
     RegularMesh result{mesh};
     for (std::size_t round = 0;; ++round) {
-        const Surface surface(result.mesh);
+        const MeshSurface surface(result.mesh);
         const std::vector<Remedy> found = remedies(surface);
         const auto count = [&](const auto& property) {
             return static_cast<std::size_t>(std::count_if(found.begin(), found.end(), property));

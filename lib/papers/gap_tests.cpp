@@ -343,7 +343,7 @@ std::size_t spreading_step(std::size_t count) {
 
 }  // namespace
 
-Fan fan_at(const Surface& surface, std::size_t vertex, engine::VertexFans& fans) {
+Fan fan_at(const MeshSurface& surface, std::size_t vertex, engine::VertexFans& fans) {
     surface.build_fans(vertex, fans);
     Fan fan;
     fan.vertex = surface.position(vertex);

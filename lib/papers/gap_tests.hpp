@@ -17,9 +17,9 @@ using engine::Vector;
 
 /// A mesh whose triangles know each other: no two vertices in use are equal, and no face repeats a vertex. The mesh
 /// must outlive it.
-class Surface {
+class MeshSurface {
 public:
-    explicit Surface(const Mesh& mesh);
+    explicit MeshSurface(const Mesh& mesh);
 
     const Mesh& mesh() const { return *mesh_; }
     const Vec3& position(std::size_t vertex) const { return mesh_->vertices()[vertex]; }
@@ -136,7 +136,7 @@ private:
 };
 
 /// The fan of a vertex that has one, closed and of faces oriented alike. `fans` is memory to work in.
-Fan fan_at(const Surface& surface, std::size_t vertex, engine::VertexFans& fans);
+Fan fan_at(const MeshSurface& surface, std::size_t vertex, engine::VertexFans& fans);
 
 /// A line in which the bisector planes i and i + 1 meet, and which lies strictly on one side of all other planes.
 struct FailingLine {

@@ -17,7 +17,7 @@ namespace {
 
 using namespace engine;
 
-Vector bisector_normal(const Surface& surface, const Corner& edge) {
+Vector bisector_normal(const MeshSurface& surface, const Corner& edge) {
     const Vector own = surface.frames()[edge.face].inwards[edge.vertex];
     if (!surface.has_pair(edge)) return -own;
     const Corner across = surface.across(edge);
@@ -25,7 +25,7 @@ Vector bisector_normal(const Surface& surface, const Corner& edge) {
     return folded((own - other).squaredNorm()) ? Vector(-own) : Vector((other - own).normalized());
 }
 
-BisectorPolyhedron polyhedron_of(const Surface& surface, std::uint32_t face, double half_width) {
+BisectorPolyhedron polyhedron_of(const MeshSurface& surface, std::uint32_t face, double half_width) {
     BisectorPolyhedron result;
     result.triangle = surface.sources()[face];
     result.normal = surface.frames()[face].normal;
@@ -40,7 +40,7 @@ BisectorPolyhedron polyhedron_of(const Surface& surface, std::uint32_t face, dou
 /// The centroid of the test points that fail. The paper leaves open how far from the vertex they are; here they have
 /// its distance along the average normal, the half width, or are twenty times as far away if they are nearly
 /// perpendicular to that.
-std::optional<Vector> point_in_gap(const Surface& surface, const VertexFans& fans,
+std::optional<Vector> point_in_gap(const MeshSurface& surface, const VertexFans& fans,
                                    const std::vector<FailingLine>& lines, double half_width) {
     const std::span<const VertexFans::Face> faces = fans.faces();
     Vector normal = Vector::Zero();
@@ -84,7 +84,7 @@ bool BisectorPolyhedron::contains(const Vector& point) const {
 }
 
 BisectorPolyhedra peikert_sigg_polyhedra(const Mesh& mesh, double half_width, bool close_gaps) {
-    const Surface surface(mesh);
+    const MeshSurface surface(mesh);
     BisectorPolyhedra result;
     result.polyhedra.resize(surface.triangles().size());
     for_each_index(result.polyhedra.size(), [&](std::size_t face) {
