@@ -215,8 +215,8 @@ INLINE double2 told_weights(__private const Finishing* finishing, __global const
     __global const FacePiece* piece = piece_of(finishing, named);
     if (!piece) return own;
     const double rest = within_0_and_1(1.0 - own.x - own.y);
-    const double2 in_face = vload2(0, piece->weights) * rest + vload2(1, piece->weights) * own.x +
-                            vload2(2, piece->weights) * own.y;
+    const double2 in_face =
+        vload2(0, piece->weights) * rest + vload2(1, piece->weights) * own.x + vload2(2, piece->weights) * own.y;
     return DOUBLE2(within_0_and_1(in_face.x), within_0_and_1(in_face.y));
 }
 

@@ -44,8 +44,8 @@ engine::MakeSignBits DistanceTransform::State::SlabPlans::exact_signs_by_host(co
     // The walls of the rule below follow the mesh's faces.
     if (near) near->faces.push_back({state_.kept_mesh->face_count(), mesh->face_count()});
     return [this, mesh, near, grid = job.grid](const Layout& layout) {
-        return segments::sign_bits_by_host(workshop_.tools(), {*mesh, state_.kept_mesh->numbers()}, state_.sign, grid, layout,
-                                           near ? &near->faces : nullptr);
+        return segments::sign_bits_by_host(workshop_.tools(), {*mesh, state_.kept_mesh->numbers()}, state_.sign, grid,
+                                           layout, near ? &near->faces : nullptr);
     };
 }
 

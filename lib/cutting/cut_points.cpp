@@ -281,17 +281,14 @@ std::array<double, 2> CutPoints::weights(std::uint32_t point, std::uint32_t face
                                            b = homogeneous<Number>(points_[second].source);
             return determinant<Number>({&at, &a, &b}, u, v);
         };
-        const auto all = [&]<typename Number>() {
-            return area(homogeneous<Number>(points_[corners[i + 1]].source));
-        };
+        const auto all = [&]<typename Number>() { return area(homogeneous<Number>(points_[corners[i + 1]].source)); };
         const FilteredNumber whole = all.template operator()<FilteredNumber>() * points_[point].near.w;
         const auto [near, off] = quotient(area(points_[point].near), whole);
         if (off <= 0x1p-54) {
             weights[i] = near;
         } else {
             const HomogeneousPoint<Exact>& at = exact(point, cache);
-            weights[i] =
-                CGAL::to_double(CGAL::Quotient<Exact>(area(at), all.template operator()<Exact>() * at.w));
+            weights[i] = CGAL::to_double(CGAL::Quotient<Exact>(area(at), all.template operator()<Exact>() * at.w));
         }
         weights[i] = std::clamp(weights[i], 0.0, 1.0);
     }

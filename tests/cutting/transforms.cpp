@@ -93,8 +93,8 @@ void check_names(const Mesh& mesh, const Field& field, std::size_t count) {
         ++found[std::min<std::size_t>(site, on_cut)];
         if (!is_right && wrong++ == 0)
             BOOST_TEST_MESSAGE("sample " << i << ": triangle " << triangle << ", site " << int{site} << ", weights "
-                                         << w1 << ", " << w2 << ", closest " << closest[0] << ", " << closest[1]
-                                         << ", " << closest[2]);
+                                         << w1 << ", " << w2 << ", closest " << closest[0] << ", " << closest[1] << ", "
+                                         << closest[2]);
     }
     BOOST_TEST(wrong == 0U);
     BOOST_TEST(found[in_face] > 100U);
@@ -151,7 +151,9 @@ BOOST_AUTO_TEST_CASE(they_are_those_of_its_mesh) {
     BOOST_TEST(transform.topology().hidden_faces == surface.hidden_faces);
     BOOST_TEST(transform.topology().parts == 3U);
     BOOST_TEST(plain.topology().hidden_faces == 0U);
-    const auto told = [&](std::uint32_t triangle) { return triangle == no_triangle ? triangle : surface.faces[triangle]; };
+    const auto told = [&](std::uint32_t triangle) {
+        return triangle == no_triangle ? triangle : surface.faces[triangle];
+    };
     const Grid grid = grid_around(mesh, 30, 3);
     const Band band = Band::symmetric(3 * grid.voxel());
 
@@ -217,11 +219,12 @@ BOOST_AUTO_TEST_CASE(a_sphere_sunken_in_a_box) {
     grid.origin = {-32, -22, -20};
     grid.size = {65, 45, 66};
     for (const auto& [z, expected, as_given] : {std::array{10, 17713, 27844}, {20, 20409, 25351}, {24, 21775, 23846}}) {
-        const Mesh mesh = together({test::box({-30, -20, -10}, {30, 20, 10}),
-                                    shifted(scaled(sphere, 18), {0, 0, static_cast<double>(z)})},
-                                   "sunken sphere");
+        const Mesh mesh = together(
+            {test::box({-30, -20, -10}, {30, 20, 10}), shifted(scaled(sphere, 18), {0, 0, static_cast<double>(z)})},
+            "sunken sphere");
         const auto volume = [&](Surface surface) {
-            const Field field = DistanceTransform(test_device(), mesh, {.surface = surface}).compute(grid, Band::full());
+            const Field field =
+                DistanceTransform(test_device(), mesh, {.surface = surface}).compute(grid, Band::full());
             return std::ranges::count_if(field.distance(), [](float d) { return d < 0 && d >= -2; });
         };
         BOOST_TEST(volume(Surface::outer) == expected);
@@ -318,14 +321,13 @@ BOOST_AUTO_TEST_CASE(what_has_no_outer_surface_is_refused) {
         return DistanceTransform(test_device(), mesh, {.sign = sign, .surface = Surface::outer});
     };
     check_throws(ErrorCode::unsupported, {"nonzero or parity", "none"}, [&] { make(cube(1), SignRule::none); });
-    check_throws(ErrorCode::unsupported, {"nonzero or parity", "close_down"},
-                 [&] { make(open, SignRule::automatic); });
+    check_throws(ErrorCode::unsupported, {"nonzero or parity", "close_down"}, [&] { make(open, SignRule::automatic); });
     check_throws(ErrorCode::invalid_mesh, {"nonzero"}, [&] { make(open, SignRule::nonzero); });
-    check_throws(ErrorCode::invalid_mesh, {"nothing is inside"},
-                 [&] { make(together({cube(1), reversed(cube(1))}, "cancelled"), SignRule::nonzero); });
-    check_throws(ErrorCode::unsupported, {"clsdf::papers", "outer()"}, [&] {
-        make_transform(test_device(), cube(1), {.polyhedra = Polyhedra::mauch}, of_outer);
+    check_throws(ErrorCode::invalid_mesh, {"nothing is inside"}, [&] {
+        make(together({cube(1), reversed(cube(1))}, "cancelled"), SignRule::nonzero);
     });
+    check_throws(ErrorCode::unsupported, {"clsdf::papers", "outer()"},
+                 [&] { make_transform(test_device(), cube(1), {.polyhedra = Polyhedra::mauch}, of_outer); });
     BOOST_TEST(std::string(name_of(Surface::outer)) == "outer");
     BOOST_TEST((make(two_boxes(), SignRule::parity).sign() == SignRule::parity));
 }

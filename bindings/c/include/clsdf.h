@@ -97,9 +97,10 @@ typedef int32_t clsdf_status;
 
 /* Outputs. Beyond the band the triangle is index_base - 1 (in uint32: 4294967295 or 0), the site 255, and vectors are
  * NaN. */
-#define CLSDF_DISTANCE 0    /* signed; always computed */
-#define CLSDF_TRIANGLE 1    /* the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it */
-#define CLSDF_SITE 2 /* its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face; see CLSDF_SURFACE_OUTER */
+#define CLSDF_DISTANCE 0 /* signed; always computed */
+#define CLSDF_TRIANGLE 1 /* the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it */
+#define CLSDF_SITE 2 /* its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face; see CLSDF_SURFACE_OUTER \
+                      */
 #define CLSDF_CLOSEST 3     /* the position of the closest point: float64 */
 #define CLSDF_GRADIENT 4    /* of the signed distance: a unit vector */
 #define CLSDF_BARYCENTRIC 5 /* of the closest point: the weights of the triangle's vertices 1 and 2 (from 0) */

@@ -14,9 +14,7 @@ struct GivenFaces {
     std::vector<FacePiece> pieces;       ///< by triangle
     std::vector<std::uint32_t> numbers;  ///< by triangle: that of its face
 
-    std::size_t host_bytes() const {
-        return pieces.size() * sizeof(pieces[0]) + numbers.size() * sizeof(numbers[0]);
-    }
+    std::size_t host_bytes() const { return pieces.size() * sizeof(pieces[0]) + numbers.size() * sizeof(numbers[0]); }
 
     /// The same of some of the triangles.
     GivenFaces of(std::span<const std::uint32_t> triangles) const {

@@ -238,8 +238,8 @@ std::shared_ptr<const DeviceSites> KeptMesh::sites(bool with_names, bool with_no
         const std::size_t renumbered = site_names_ && pieces.empty() ? numbers().size() : 0;
         if (with_normals)
             pseudonormals_.get_or([&] { return site_normals(tools(), mesh(), sign_surface(), topology()); });
-        return std::make_shared<const DeviceSites>(DeviceSites{site_names_.get(), pseudonormals_.get(),
-                                                               renumbered, site_names_ ? pieces.size() : 0,
+        return std::make_shared<const DeviceSites>(DeviceSites{site_names_.get(), pseudonormals_.get(), renumbered,
+                                                               site_names_ ? pieces.size() : 0,
                                                                pseudonormals_ ? sign_surface().faces.size() : 0});
     });
 }

@@ -73,9 +73,7 @@ public:
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_.get().get(); }
     /// The triangles are pieces of faces, and are told by these.
-    void set_given_faces(GivenFaces faces) {
-        given_faces_.set(std::make_shared<const GivenFaces>(std::move(faces)));
-    }
+    void set_given_faces(GivenFaces faces) { given_faces_.set(std::make_shared<const GivenFaces>(std::move(faces))); }
     /// Whether the triangles' own numbers are those that are told.
     bool has_own_numbers() const { return !given_faces_ && !restriction_; }
     /// By triangle: the number that is told; empty if it is its own.
