@@ -28,6 +28,7 @@ struct Options {
     MeshReading reading;
     clsdf::reference::CheckOptions check;
     std::optional<double> floor{};
+    std::string surface = "given";
     bool complete = false;
     bool positive_inside = false;
 
@@ -157,7 +158,9 @@ Asked read_bodies(const Options& options, Report& report) {
         asked.bodies.push_back({read_body(asked.names, options.reading, report)});
         return asked;
     }
-    refuse_beside_scene(asked.names, {}, {});
+    SignChoice sign;
+    sign.surface = options.surface;
+    refuse_beside_scene(asked.names, sign, {});
     const SceneFile file = read_scene(asked.names.front());
     const SceneMeshes meshes = read_meshes(file, options.reading, report);
     for (std::size_t i = 0; i < file.bodies.size(); ++i) {
@@ -169,8 +172,9 @@ Asked read_bodies(const Options& options, Report& report) {
 }
 
 ExitStatus run(const Options& options, Report& report) {
-    const Asked asked = read_bodies(options, report);
+    Asked asked = read_bodies(options, report);
     const std::vector<std::string>& meshes = asked.names;
+    const bool is_outer = parse_surface(options.surface) == clsdf::Surface::outer;
     clsdf::Field field = clsdf::read_field(options.field());
     if (const std::vector<std::string> missing = clsdf::missing_field_files(options.field()); !missing.empty())
         throw clsdf::Error(
@@ -182,6 +186,13 @@ ExitStatus run(const Options& options, Report& report) {
     if (options.floor) field.floor = options.floor;
     if (field.sign == clsdf::SignRule::automatic && !asked.is_scene)
         field.sign = resolve_sign_rule(field.sign, describe_topology(asked.bodies[0].mesh)).rule;
+
+    if (is_outer) {
+        asked.bodies[0].mesh = clsdf::outer(asked.bodies[0].mesh, field.sign).mesh;
+        // They tell faces as given.
+        for (const clsdf::Output output : {clsdf::Output::triangle, clsdf::Output::site, clsdf::Output::barycentric})
+            field.resize(output, 0);
+    }
 
     clsdf::reference::CheckOptions check_options = options.check;
     if (options.complete) check_options.samples = 0;
@@ -200,6 +211,7 @@ ExitStatus run(const Options& options, Report& report) {
                      {"sign", name_of(field.sign)},  {"positive_inside", is_negated},
                      {"seed", check_options.seed},   {"tolerance_voxels", check_options.tolerance_voxels},
                      {"seconds", seconds.count()}};
+    if (is_outer) report.result["surface"] = options.surface;
     report.result.update(describe_report(found, field.grid));
     if (!note.empty()) report.result["note"] = note;
     return found.passed() ? ExitStatus::done : ExitStatus::check_failed;
@@ -213,6 +225,7 @@ Command add_check(Parser& program) {
     add_mesh_and_argument(parser, options->mesh, "FIELD", options->more,
                           "its field, last: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf");
     add_floor_option(parser, options->floor);
+    add_surface_option(parser, options->surface);
     add_weld_option(parser, options->reading);
     add_skip_option(parser, options->reading);
     parser

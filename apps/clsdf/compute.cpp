@@ -117,6 +117,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
     transform_options.floor = request.floor;
+    transform_options.surface = request.surface;
     clsdf::CallOptions call;
     // The published methods are compared by their work. Kernels that count it are compiled beside the usual ones.
     call.count_work = report.json && request.scan != clsdf::Scan::bricks;
@@ -126,7 +127,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
         if (step.stage == clsdf::Progress::Stage::testing && second_compiler) second_compiler->wait(stop);
     };
     call.log = [&](const std::string& message) {
-        if (message == layout.sign_warning) return;  // has been said
+        if (layout.surface == clsdf::Surface::given && message == layout.sign_warning) return;  // has been said
         progress.clear();
         report.warn(message);
     };
@@ -241,6 +242,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         band,
         sign.rule,
         request.floor,
+        request.surface,
         sign.warning,
         request.outputs,
         options.positive_inside,
@@ -258,7 +260,8 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         throw Error(ErrorCode::invalid_argument,
                     "--positive-inside: with --band 0 the field has the signs of zeros alone, and these are negative "
                     "inside; leave it out, or give the band a width");
-    warn(report, sign.warning);
+    // The transform says more about the outer surface.
+    if (request.surface == clsdf::Surface::given) warn(report, sign.warning);
     if (sign.rule == clsdf::SignRule::none && !options.band_inside.empty())
         report.warn("--band-inside has no effect, because the field has no sign");
     warn(report, warning_of_narrow_band(layout));

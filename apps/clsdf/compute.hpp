@@ -60,6 +60,7 @@ struct ComputeRequest {
     bool exact_signs = false;
     clsdf::SignRule sign = clsdf::SignRule::automatic;
     std::optional<double> floor{};  ///< of the rule `below`
+    clsdf::Surface surface = clsdf::Surface::given;
     clsdf::OutputSet outputs;
     clsdf::Polyhedra polyhedra = clsdf::Polyhedra::leaned;
     clsdf::Scan scan = clsdf::Scan::bricks;  ///< not automatic
@@ -80,6 +81,7 @@ struct ComputeLayout {
     clsdf::Band band;
     clsdf::SignRule sign;
     std::optional<double> floor;
+    clsdf::Surface surface;
     std::string sign_warning;
     clsdf::OutputSet outputs;
     bool positive_inside;

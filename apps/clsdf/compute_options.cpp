@@ -75,6 +75,7 @@ void add_field_options(Parser& parser, ComputeOptions& options) {
     parser.add("--band-inside", options.band_inside, "half width inside [--band]").takes_text("LENGTH");
     parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
     add_sign_options(parser, options.sign);
+    add_surface_option(parser, options.sign.surface);
     add_positive_inside_option(parser, options.positive_inside);
     parser.add("--exact-signs", options.exact_signs,
                "the field is below 0 at exactly the samples inside, on the surface, too");
@@ -168,6 +169,7 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
       exact_signs(options.exact_signs),
       sign(parse_sign(options.sign)),
       floor(options.sign.floor),
+      surface(parse_surface(options.sign.surface)),
       outputs(parse_outputs(options.with)),
       polyhedra(value_named(options.polyhedra,
                             {clsdf::Polyhedra::leaned, clsdf::Polyhedra::peikert_sigg, clsdf::Polyhedra::mauch})),

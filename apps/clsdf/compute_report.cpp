@@ -141,6 +141,7 @@ Json describe_layout(const ComputeLayout& layout) {
                    {"polyhedra", name_of(layout.polyhedra)},
                    {"scan", name_of(layout.scan)}};
     if (layout.floor) result["floor"] = *layout.floor;
+    if (layout.surface != clsdf::Surface::given) result["surface"] = name_of(layout.surface);
     if (layout.groups) result["groups"] = layout.groups->names;
     return result;
 }
@@ -276,6 +277,7 @@ void print_layout(const ComputeLayout& layout) {
     print_text("band    {}\n", human(layout.band, layout.grid.voxel()));
     print_text("sign    {}{}{}\n", meaning_of(layout.sign), layout.positive_inside ? "; positive inside" : "",
                layout.band.has_exact_signs ? "; exact on the surface" : "");
+    if (layout.surface != clsdf::Surface::given) print_text("surface {}\n", name_of(layout.surface));
     print_text("method  {} polyhedra, scanned by {}\n", name_of(layout.polyhedra), name_of(layout.scan));
 }
 

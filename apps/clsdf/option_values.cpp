@@ -232,6 +232,11 @@ void add_sign_options(Parser& parser, SignChoice& choice) {
     add_floor_option(parser, choice.floor);
 }
 
+void add_surface_option(Parser& parser, std::string& surface) {
+    parser.add("--surface", surface, "outer: without faces within other parts, as clsdf outer writes it")
+        .takes_one_of({"given", "outer"});
+}
+
 void require_sign(clsdf::SignRule in_use, const clsdf::Topology& topology, const std::vector<std::string>& files,
                   const SignChoice& choice, const std::string& what, const std::string& instead) {
     if (in_use != clsdf::SignRule::none) return;
@@ -275,6 +280,18 @@ bool make_negative_inside(clsdf::Field& field, bool positive_inside, const std::
     if (is_negated) field.negate();
     field.positive_inside = false;
     return is_negated;
+}
+
+clsdf::Surface parse_surface(const std::string& surface) {
+    return value_named(surface, {clsdf::Surface::given, clsdf::Surface::outer});
+}
+
+clsdf::TransformOptions transform_options_of(const SignChoice& choice) {
+    clsdf::TransformOptions options;
+    options.sign = parse_sign(choice);
+    options.floor = choice.floor;
+    options.surface = parse_surface(choice.surface);
+    return options;
 }
 
 clsdf::SignRule parse_sign(const SignChoice& choice) {

@@ -136,12 +136,15 @@ void add_outputs_option(Parser& parser, std::vector<std::string>& names);
 void add_outputs_and_groups_option(Parser& parser, std::vector<std::string>& names);
 /// --with of segments and rays, whose only word is "group".
 void add_wall_groups_option(Parser& parser, std::vector<std::string>& names);
-/// The sign rule by its name, and the floor of the rule `below`.
+/// The sign rule by its name, the floor of the rule `below`, and the surface by its name.
 struct SignChoice {
     std::string rule = "auto";
     std::optional<double> floor{};
+    std::string surface = "given";
 };
 void add_sign_options(Parser& parser, SignChoice& choice);
+/// Adds --surface.
+void add_surface_option(Parser& parser, std::string& surface);
 /// Throws Error(invalid_argument) if the rule in use is `none`: `what` needs a sign ("--hits walls"). It names the
 /// mesh, --sign and options that help, of which `instead` ("choose --hits faces") may be empty.
 void require_sign(clsdf::SignRule in_use, const clsdf::Topology& topology, const std::vector<std::string>& files,
@@ -154,6 +157,9 @@ void add_field_convention_option(Parser& parser, bool& positive_inside);
 /// Error(invalid_argument) if the option is given for a field without a sign.
 bool make_negative_inside(clsdf::Field& field, bool positive_inside, const std::string& path);
 clsdf::SignRule parse_sign(const SignChoice& choice);
+clsdf::Surface parse_surface(const std::string& surface);
+/// All of the choice.
+clsdf::TransformOptions transform_options_of(const SignChoice& choice);
 
 void add_weld_option(Parser& parser, MeshReading& reading);
 

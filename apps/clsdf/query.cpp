@@ -114,9 +114,7 @@ void find_in_scene(const Asked& asked, const clsdf::Device& device, std::span<co
 void find(const QueryOptions& options, const clsdf::Device& device, const Asked& asked, std::span<const Vec3> points,
           double half_width, Report& report, const std::stop_token& stop, Found& found) {
     ProgressBar progress(!report.quiet);
-    clsdf::TransformOptions transform_options;
-    transform_options.sign = parse_sign(options.sign);
-    transform_options.floor = options.sign.floor;
+    const clsdf::TransformOptions transform_options = transform_options_of(options.sign);
     clsdf::CallOptions call;
     call.log = [&](const std::string& message) {
         progress.clear();
@@ -244,6 +242,7 @@ Command add_query(Parser& program) {
     parser.add("--half-width", options->half_width, "how far the surface is looked for").takes_text("LENGTH");
     add_outputs_and_groups_option(parser, options->with);
     add_sign_options(parser, options->sign);
+    add_surface_option(parser, options->sign.surface);
     parser.add("--winding", options->winding, "a column of generalised winding numbers, too");
     parser.add("--refuse-unusable-points", options->refuse_unusable_points,
                "fail if a point is not finite or too far from the mesh");

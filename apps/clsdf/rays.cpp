@@ -52,9 +52,7 @@ struct Found {
 void find(const RayCallOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
           const clsdf::RayRows& rays, Report& report, const std::stop_token& stop, Found& found) {
     ProgressBar progress(!report.quiet);
-    clsdf::TransformOptions transform_options;
-    transform_options.sign = parse_sign(options.sign);
-    transform_options.floor = options.sign.floor;
+    const clsdf::TransformOptions transform_options = transform_options_of(options.sign);
     clsdf::CallOptions call;
     call.log = [&](const std::string& message) {
         progress.clear();
@@ -158,6 +156,7 @@ Command add_rays(Parser& program) {
     parser.add("--count", options->count, "a column with the number of all hits, too");
     add_wall_groups_option(parser, options->with);
     add_sign_options(parser, options->sign);
+    add_surface_option(parser, options->sign.surface);
     parser.add("--refuse-unusable-rays", options->refuse_unusable_rays,
                "fail if an origin is not finite, or a direction is 0 or not finite");
     add_placement_options(parser, options->reading);

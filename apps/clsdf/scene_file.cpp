@@ -141,6 +141,7 @@ void refuse_beside_scene(const std::vector<std::string>& meshes, const SignChoic
     const char* const option = meshes.size() > 1                          ? "several files"
                                : sign.rule != "auto"                      ? "--sign"
                                : sign.floor                               ? "--floor"
+                               : sign.surface != "given"                  ? "--surface"
                                : std::ranges::count(with, group_word) > 0 ? "--with group"
                                                                           : nullptr;
     if (option != nullptr)

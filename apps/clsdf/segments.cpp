@@ -20,6 +20,7 @@ void add_segment_options(Parser& parser, SegmentOptions& options, const char* ou
     parser.begin_group("Options");
     add_wall_groups_option(parser, own.with);
     add_sign_options(parser, own.sign);
+    add_surface_option(parser, own.sign.surface);
     add_placement_options(parser, own.reading);
     add_group_option(parser, own.reading);
     add_weld_option(parser, own.reading);
@@ -50,7 +51,7 @@ SegmentRun run_segments(const SegmentOptions& options, Report& report,
         call.should_stop = [&] { return interruption.token().stop_requested(); };
         call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
         const clsdf::Stopwatch watch;
-        const clsdf::DistanceTransform transform(device, mesh, {.sign = request.sign, .floor = own.sign.floor}, call);
+        const clsdf::DistanceTransform transform(device, mesh, transform_options_of(own.sign), call);
         run.sign = transform.sign();
         clsdf::TransformStatistics statistics;
         find(transform, run.grid, call, statistics);

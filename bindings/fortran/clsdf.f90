@@ -75,6 +75,10 @@ module clsdf
 
   integer(c_int32_t), parameter, public :: CLSDF_SIGN_AUTOMATIC = 0, CLSDF_SIGN_NONZERO = 1, CLSDF_SIGN_PARITY = 2, &
       CLSDF_SIGN_NONE = 3, CLSDF_SIGN_SOLID_ANGLE = 4, CLSDF_SIGN_BELOW = 5
+  !> The surface that distances are measured to: all faces as given, or the outer surface of overlapping parts, as
+  !> mesh%outer() makes it. Then triangles are told by the faces as given that they are parts of, and a further site, 7,
+  !> is an edge or a vertex at which faces cut each other.
+  integer(c_int32_t), parameter, public :: CLSDF_SURFACE_GIVEN = 0, CLSDF_SURFACE_OUTER = 1
   !> The place of a box.
   integer(c_int32_t), parameter, public :: CLSDF_WITHIN = 0, CLSDF_INSIDE = 1, CLSDF_OUTSIDE = 2, CLSDF_BEYOND = 3
   !> What counts where a segment meets the surface.
@@ -415,7 +419,8 @@ module clsdf
         double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
         first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
         first_overlapping_face = 0, downward_faces = 0, first_downward_face = 0, rim_loops = 0, &
-        overlapping_rim_edges = 0, detail_parts = 0, detail_faces = 0, first_detail_face = 0
+        overlapping_rim_edges = 0, detail_parts = 0, detail_faces = 0, first_detail_face = 0, &
+        partial_faces = 0, hidden_faces = 0
   end type
 
   type, bind(C) :: clsdf_defects
@@ -879,7 +884,8 @@ module clsdf
         double_sided_faces = 0, doubled_cavity_faces = 0, first_doubled_cavity_face = 0, sheet_faces = 0, &
         first_sheet_face = 0, enclosing_faces = 0, first_enclosing_face = 0, overlapping_parts = 0, &
         first_overlapping_face = 0, downward_faces = 0, first_downward_face = 0, rim_loops = 0, &
-        overlapping_rim_edges = 0, detail_parts = 0, detail_faces = 0, first_detail_face = 0
+        overlapping_rim_edges = 0, detail_parts = 0, detail_faces = 0, first_detail_face = 0, &
+        partial_faces = 0, hidden_faces = 0
   end type
   type, bind(C) :: c_call_options
     integer(c_size_t) :: struct_size = 0
@@ -901,7 +907,7 @@ module clsdf
   end type
   type, bind(C) :: c_transform_options
     integer(c_size_t) :: struct_size = 0
-    integer(c_int32_t) :: sign = CLSDF_SIGN_AUTOMATIC, reserved = 0
+    integer(c_int32_t) :: sign = CLSDF_SIGN_AUTOMATIC, surface = CLSDF_SURFACE_GIVEN
     integer(c_int64_t) :: kept_bytes = -1
     real(c_double) :: floor = huge(1.0_c_double)  ! none
   end type
@@ -4407,6 +4413,8 @@ contains
     topology%detail_parts = c%detail_parts
     topology%detail_faces = c%detail_faces
     topology%first_detail_face = c%first_detail_face
+    topology%partial_faces = c%partial_faces
+    topology%hidden_faces = c%hidden_faces
   end subroutine
 
   !> Defects beside those of edges.
@@ -4463,7 +4471,8 @@ contains
 
   !> Copies and checks the mesh. Compiles nothing: the first call that needs a program does. `kept_bytes`: limit of the
   !> device memory kept between calls; 0: none; -1: the default. `floor`: of CLSDF_SIGN_BELOW, z below all vertices.
-  subroutine transform_create(self, device, mesh, sign, kept_bytes, options, stat, errmsg, floor)
+  !> `surface`: CLSDF_SURFACE_GIVEN, the default, or CLSDF_SURFACE_OUTER.
+  subroutine transform_create(self, device, mesh, sign, kept_bytes, options, stat, errmsg, floor, surface)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     type(clsdf_mesh), intent(in) :: mesh
@@ -4473,27 +4482,30 @@ contains
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     real(c_double), intent(in), optional :: floor
+    integer(c_int32_t), intent(in), optional :: surface
     type(caller), target :: given
     call self%release()
-    call clsdf_finish(c_transform_create(device%handle, mesh%handle, transform_options(sign, kept_bytes, floor), &
+    call clsdf_finish(c_transform_create(device%handle, mesh%handle, transform_options(sign, kept_bytes, floor, surface), &
         options_for_c(given, options), self%handle), stat, errmsg)
   end subroutine
 
-  function transform_options(sign, kept_bytes, floor) result(c)
+  function transform_options(sign, kept_bytes, floor, surface) result(c)
     integer(c_int32_t), intent(in), optional :: sign
     integer(c_int64_t), intent(in), optional :: kept_bytes
     real(c_double), intent(in), optional :: floor
+    integer(c_int32_t), intent(in), optional :: surface
     type(c_transform_options) :: c
     c%struct_size = c_sizeof(c)
     if (present(sign)) c%sign = sign
     if (present(kept_bytes)) c%kept_bytes = kept_bytes
     if (present(floor)) c%floor = floor
+    if (present(surface)) c%surface = surface
   end function
 
   !> The same from arrays, which may be buffers of the device's context: triangles in a buffer count from 0, here and in
   !> results.
   subroutine transform_from_arrays(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg, &
-      floor)
+      floor, surface)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     type(clsdf_array), intent(in) :: vertices, triangles
@@ -4504,20 +4516,22 @@ contains
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     real(c_double), intent(in), optional :: floor
+    integer(c_int32_t), intent(in), optional :: surface
     type(caller), target :: given
     type(c_mesh_arrays) :: c
     character(:), allocatable, target :: text
     integer(c_int32_t) :: status
     call self%release()
     call mesh_for_c(vertices, triangles, name, c, text, status)
-    if (status == CLSDF_OK) status = c_transform_from_arrays(device%handle, c, transform_options(sign, kept_bytes, floor), &
-        options_for_c(given, options), self%handle)
+    if (status == CLSDF_OK) status = c_transform_from_arrays(device%handle, c, &
+        transform_options(sign, kept_bytes, floor, surface), options_for_c(given, options), self%handle)
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
   ! REPEATED FOR r8
 
-  subroutine transform_create_r4(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg, floor)
+  subroutine transform_create_r4(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg, floor, &
+      surface)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     real(c_float), intent(in), target :: vertices(:, :)
@@ -4529,8 +4543,9 @@ contains
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     real(c_double), intent(in), optional :: floor
+    integer(c_int32_t), intent(in), optional :: surface
     call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, &
-        errmsg, floor)
+        errmsg, floor, surface)
   end subroutine
 
   subroutine set_positions_r4(self, positions, options, stat, errmsg)
@@ -4544,7 +4559,8 @@ contains
 
   ! REPEATED BY repeat.py
 
-  subroutine transform_create_r8(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg, floor)
+  subroutine transform_create_r8(self, device, vertices, triangles, name, sign, kept_bytes, options, stat, errmsg, floor, &
+      surface)
     class(clsdf_transform), intent(inout) :: self
     type(clsdf_device), intent(in) :: device
     real(c_double), intent(in), target :: vertices(:, :)
@@ -4556,8 +4572,9 @@ contains
     integer, intent(out), optional :: stat
     character(*), intent(inout), optional :: errmsg
     real(c_double), intent(in), optional :: floor
+    integer(c_int32_t), intent(in), optional :: surface
     call self%create(device, clsdf_array(vertices), clsdf_array(triangles), name, sign, kept_bytes, options, stat, &
-        errmsg, floor)
+        errmsg, floor, surface)
   end subroutine
 
   subroutine set_positions_r8(self, positions, options, stat, errmsg)

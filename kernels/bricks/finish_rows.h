@@ -181,12 +181,13 @@ INLINE void store_by_name(__private const Finishing* finishing, __private const 
         NamedSite named = UNNAMED_SITE;
         if (found) named = name_site(finishing, p, (uint)frame_site[lane]);
         const size_t to = at + OFFSET_OF_LANE(lane);
-        if (IS_WANTED(finishing, triangle)) ((__global uint*)finishing->of_triangle)[to] = named.triangle;
-        if (IS_WANTED(finishing, site)) finishing->of_site[to] = (uchar)named.site;
+        if (IS_WANTED(finishing, triangle))
+            ((__global uint*)finishing->of_triangle)[to] = told_triangle(finishing, named);
+        if (IS_WANTED(finishing, site)) finishing->of_site[to] = (uchar)told_site(finishing, named);
         if (!IS_WANTED(finishing, barycentric)) continue;
         if (found) {
-            STORE_real(named_weights(p, named, weights[lane], weights[LANES + lane]), 2, to, finishing->of_barycentric,
-                       IS_DOUBLE(finishing, barycentric));
+            STORE_real(told_weights(finishing, p, named, weights[lane], weights[LANES + lane]), 2, to,
+                       finishing->of_barycentric, IS_DOUBLE(finishing, barycentric));
         } else {
             LEAVE_real(2, to, finishing->of_barycentric, IS_DOUBLE(finishing, barycentric));
         }

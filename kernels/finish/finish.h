@@ -157,6 +157,23 @@ INLINE uint site_of_triangle(__global const Polyhedron* p, uint frame_site) {
     return frame_site / 3u * 3u + (number >= 3u ? number - 3u : number);
 }
 
+// The piece of a face that a named site's triangle is; null if triangles are no pieces, or if there is none.
+INLINE __global const FacePiece* piece_of(__private const Finishing* finishing, NamedSite named) {
+    const uint pieces = finishing->how.pieces;
+    if (pieces == 0 || named.triangle == CLSDF_NO_TRIANGLE) return 0;
+    return (__global const FacePiece*)(finishing->sites + pieces) + named.triangle;
+}
+
+// A named site as the outputs tell it.
+INLINE uint told_triangle(__private const Finishing* finishing, NamedSite named) {
+    __global const FacePiece* piece = piece_of(finishing, named);
+    return piece ? piece->face : named.triangle;
+}
+INLINE uint told_site(__private const Finishing* finishing, NamedSite named) {
+    __global const FacePiece* piece = piece_of(finishing, named);
+    return piece ? piece->site[named.site] : named.site;
+}
+
 static inline NamedSite name_site(__private const Finishing* finishing, __global const Polyhedron* p, uint frame_site) {
     // The triangles of a part of a mesh have other numbers in the whole.
     const uint renumbered = finishing->how.renumbered;
@@ -177,8 +194,10 @@ INLINE double within_0_and_1(double weight) {
     return LESSER(positive, 1.0);
 }
 
-// Weights of the named triangle's vertices 1 and 2 that make the closest point. first, second: of frame_weights().
-INLINE double2 named_weights(__global const Polyhedron* p, NamedSite named, double first, double second) {
+// Weights of the vertices 1 and 2 of the triangle that is told that make the closest point. first, second: of
+// frame_weights().
+INLINE double2 told_weights(__private const Finishing* finishing, __global const Polyhedron* p, NamedSite named,
+                            double first, double second) {
     double weights[3] = {0.0, 0.0, 0.0};
     if (named.site < 3u) {
         weights[named.site] = 1.0;
@@ -192,7 +211,13 @@ INLINE double2 named_weights(__global const Polyhedron* p, NamedSite named, doub
         weights[(left + 1u) % 3u] = first;
         weights[(left + 2u) % 3u] = second;
     }
-    return DOUBLE2(within_0_and_1(weights[1]), within_0_and_1(weights[2]));
+    const double2 own = DOUBLE2(within_0_and_1(weights[1]), within_0_and_1(weights[2]));
+    __global const FacePiece* piece = piece_of(finishing, named);
+    if (!piece) return own;
+    const double rest = within_0_and_1(1.0 - own.x - own.y);
+    const double2 in_face =
+        vload2(0, piece->weights) * rest + vload2(1, piece->weights) * own.x + vload2(2, piece->weights) * own.y;
+    return DOUBLE2(within_0_and_1(in_face.x), within_0_and_1(in_face.y));
 }
 
 // sample: in samples of the lattice, which need not be whole numbers.
@@ -266,11 +291,11 @@ INLINE double finished_distance(__private const Finishing* finishing, __private 
 // Each other output's value, by its name in the table. ----------------------------------------------------------------
 
 INLINE uint finished_triangle(__private const Finishing* finishing, __private const Nearest* nearest) {
-    return nearest->named.triangle;
+    return told_triangle(finishing, nearest->named);
 }
 
 INLINE uchar finished_site(__private const Finishing* finishing, __private const Nearest* nearest) {
-    return (uchar)nearest->named.site;
+    return (uchar)told_site(finishing, nearest->named);
 }
 
 INLINE double3 finished_closest(__private const Finishing* finishing, __private const Nearest* nearest) {
@@ -296,7 +321,7 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
     double halves[7], first, second;
     load_halves(nearest->polyhedron, halves);
     frame_weights(halves, nearest->foot.x, nearest->foot.y, (double)nearest->frame_site, &first, &second);
-    return named_weights(nearest->polyhedron, nearest->named, first, second);
+    return told_weights(finishing, nearest->polyhedron, nearest->named, first, second);
 }
 
 // The numbers of a scene's bodies are known to the host alone.

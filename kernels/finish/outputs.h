@@ -6,8 +6,9 @@
 #include "polyhedron.h"
 
 // Sites of a triangle: its vertices 0, 1, 2; its edges 3, 4, 5, of which edge 3 + k runs from vertex k to the next;
-// its face.
+// its face. If triangles are pieces of faces, also an edge or a vertex at which faces cut each other.
 #define CLSDF_SITE_OF_FACE 6
+#define CLSDF_SITE_OF_CUT 7
 
 #ifndef __OPENCL_VERSION__
 namespace clsdf {
@@ -19,6 +20,13 @@ typedef struct TriangleSites {
     clsdf_uint8
         site[8];  // by site: its number there, with CLSDF_SITE_REVERSED if that triangle's edge runs the other way
 } TriangleSites;
+
+// A triangle that is a piece of a face as given, and how the outputs tell it. Rows of two TriangleSites.
+typedef struct FacePiece {
+    double weights[6];     // by vertex: its barycentric coordinates in the face, the weights of the vertices 1 and 2
+    clsdf_uint32 face;     // its number
+    clsdf_uint8 site[12];  // by site, up to that of the face: its number in the lowest face that has it
+} FacePiece;
 
 #define CLSDF_SITE_NUMBER 7u
 #define CLSDF_SITE_REVERSED 8u
@@ -35,13 +43,15 @@ typedef struct Finish {
     clsdf_uint32 in_double;   // bit n: its elements are doubles
     float outward;            // -1 if pseudonormals point inside: the mesh is inside out
     clsdf_uint32 renumbered;  // triangles of a part of a mesh, whose numbers in the whole follow their sites; else 0
+    clsdf_uint32 pieces;      // triangles that are pieces of faces, of which rows follow their sites; else 0
     clsdf_uint32 turned;      // triangles whose directions, 1 or -1, follow their pseudonormals; 0: all are 1
     float least_inside;       // of the layout
 } Finish;
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(TriangleSites) == 32);
-static_assert(sizeof(Finish) == 120 && offsetof(Finish, wanted) == 96);
+static_assert(sizeof(FacePiece) == 2 * sizeof(TriangleSites));
+static_assert(sizeof(Finish) == 128 && offsetof(Finish, wanted) == 96);
 }  // namespace clsdf
 #endif
 

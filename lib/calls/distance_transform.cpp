@@ -15,6 +15,10 @@
 
 namespace clsdf {
 
+const char* name_of(Surface surface) {
+    return surface == Surface::outer ? "outer" : surface == Surface::given ? "given" : "unknown";
+}
+
 DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, const TransformOptions& options,
                                      const CallOptions& call)
     : state_(with_host_memory("for the mesh", [&] {
@@ -91,7 +95,7 @@ void DistanceTransform::set_positions(const InputArray& positions, const CallOpt
             copy.assign(array.get().begin(), array.get().end());
             memory.unmap();  // which may fail, before anything has moved
         }
-        state.set_positions(copy.empty() ? array.get() : copy);
+        state.set_positions(copy.empty() ? array.get() : copy, call);
     });
 }
 void DistanceTransform::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
@@ -102,6 +106,7 @@ KeptMemory DistanceTransform::memory() const {
     State& state = held_by(state_, "DistanceTransform");
     const std::scoped_lock lock(state.mutex);
     KeptMemory memory = state.kept_mesh->memory();
+    memory.host_bytes += state.given_bytes();
     memory.shared_host_bytes = state.context().shared_host_bytes();
     memory.shared_device_bytes = state.context().arena().free_bytes();
     for (const auto& plan : state.plans) memory.device_bytes += state.bytes_of(*plan);

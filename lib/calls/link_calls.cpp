@@ -29,7 +29,7 @@ bool DistanceTransform::State::find_links_by_kernels(const FindByKernels& find, 
     try {
         return calls::with_remedies(&running, {forgetting()}, [&] {
             const std::optional<engine::CrossedMesh> mesh = kept_mesh->crossed_mesh();
-            if (!mesh) return false;
+            if (!mesh || !kept_mesh->has_own_numbers()) return false;
             test(checks::links_subject(device, programs), running);
             bool are_found = false;
             context().run_or_drain([&] { are_found = find({tools(), *mesh, sign, running.between(0, 0.5)}); });
@@ -61,10 +61,8 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     targets::wait_for(context(), call.wait_list);
     calls::RunningCall running{call};
     running.throw_if_stopped();
-    std::span<const std::uint32_t> numbers;
     if (const auto* restriction = kept_mesh->restriction()) {
         restriction->check(with_margin, Band::signs_only(), sign);
-        numbers = restriction->numbers;
         // The part has not the whole floor.
         if (const double lowest = with_margin.position(0, 0, 0)[2]; sign == SignRule::below && lowest <= *floor)
             throw Error(
@@ -98,7 +96,7 @@ CallStatistics DistanceTransform::State::find_links(const Grid& grid, const std:
     statistics.polyhedra_seconds = preparing.seconds();
     const Stopwatch finding;
     const DefaultFloatingPoint usual;
-    find(segments::LinkInputs{{*mesh, numbers}, tree.get(), sign, running.between(is_tried ? 0.5 : 0, 1)});
+    find(segments::LinkInputs{{*mesh, kept_mesh->numbers()}, tree.get(), sign, running.between(is_tried ? 0.5 : 0, 1)});
     statistics.field_seconds = finding.seconds();
     return running.finish();
 }

@@ -153,7 +153,7 @@ CallStatistics DistanceTransform::State::look_up_pairs(std::size_t count, const 
     const std::string warning = warn(*inputs.mesh, statistics.unusable_points);
     const Stopwatch search_watch;
     segments::SearchedFaces searched{{*inputs.mesh}, *inputs.tree, *inputs.extent, sign};
-    if (const auto* restriction = kept_mesh->restriction()) searched.faces.numbers = restriction->numbers;
+    searched.faces.numbers = kept_mesh->numbers();
     const auto between = running.between(0, 1);
     for (std::size_t begin = 0; begin < count; begin += rays_at_once) {
         if (between) between(static_cast<double>(begin) / static_cast<double>(count));

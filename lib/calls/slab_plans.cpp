@@ -44,11 +44,8 @@ engine::MakeSignBits DistanceTransform::State::SlabPlans::exact_signs_by_host(co
     // The walls of the rule below follow the mesh's faces.
     if (near) near->faces.push_back({state_.kept_mesh->face_count(), mesh->face_count()});
     return [this, mesh, near, grid = job.grid](const Layout& layout) {
-        const auto* const restriction = state_.kept_mesh->restriction();
-        const auto numbers = restriction != nullptr ? std::span<const std::uint32_t>(restriction->numbers)
-                                                    : std::span<const std::uint32_t>();
-        return segments::sign_bits_by_host(workshop_.tools(), {*mesh, numbers}, state_.sign, grid, layout,
-                                           near ? &near->faces : nullptr);
+        return segments::sign_bits_by_host(workshop_.tools(), {*mesh, state_.kept_mesh->numbers()}, state_.sign, grid,
+                                           layout, near ? &near->faces : nullptr);
     };
 }
 

@@ -1,5 +1,6 @@
 #include "calls/transform_state.hpp"
 
+#include "cutting/outer_mesh.hpp"
 #include "mesh/equal_vertices.hpp"
 #include "plan/field_method.hpp"
 #include "points/box_places.hpp"
@@ -54,6 +55,20 @@ bool kernels_can_read(const InputArray& array) {
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
     : State(std::move(device_in), options, call, std::move(method_in)) {
+    if (options.surface == Surface::given) {
+        set_given(std::move(mesh), options, call);
+        return;
+    }
+    if (method)
+        throw Error(ErrorCode::unsupported,
+                    "polyhedra and scans of clsdf::papers take the surface as given; give them the mesh of outer()");
+    set_outer(mesh, options, call);
+    engine::Vertices vertices(mesh.vertices().size());
+    if (topology.coincident_vertices > 0) vertices = engine::Vertices(mesh, first_equal_vertices(mesh.vertices()));
+    given = std::make_unique<GivenMesh>(std::move(mesh), std::move(vertices), options);
+}
+
+void DistanceTransform::State::set_given(Mesh mesh, const TransformOptions& options, const CallOptions& call) {
     auto made =
         make_topology(mesh.vertices().size(), mesh.triangles().size(), call,
                       [&](const engine::DeviceSetUp& set_up) { return engine::make_device_topology(set_up, mesh); });
@@ -61,6 +76,40 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOpti
         set_mesh(std::make_shared<const Mesh>(std::move(mesh)), std::move(*made), options, call);
     else
         set_mesh(std::move(mesh), options, call);
+}
+
+void DistanceTransform::State::set_outer(const Mesh& mesh, const TransformOptions& options, const CallOptions& call) {
+    cutting::OuterMesh outer = cutting::outer_mesh(mesh, options.sign, call);
+    if (outer.faces.numbers.empty()) return set_given(mesh, options, call);
+    TransformOptions of_outer = options;
+    of_outer.sign = outer.rule;
+    CallOptions without_log = call;
+    without_log.log = {};
+    set_given(std::move(outer.surface.mesh), of_outer, without_log);
+    kept_mesh->set_given_faces(std::move(outer.faces));
+    topology = std::move(outer.topology);
+    if (!outer.warning.empty() && call.log) call.log(outer.warning);
+}
+
+void DistanceTransform::State::replace_outer(const std::function<void()>& set) {
+    plans.clear();
+    auto mesh = std::move(kept_mesh);
+    auto points = std::move(kept_points);
+    Topology described = topology;
+    const SignRule rule = sign;
+    try {
+        set();
+    } catch (...) {
+        kept_points.reset();
+        kept_mesh = std::move(mesh);
+        kept_points = std::move(points);
+        topology = std::move(described);
+        sign = rule;
+        throw;
+    }
+    points.reset();  // before its mesh
+    points_asked = 0;
+    points_are_short_of_memory = false;
 }
 
 DistanceTransform::State::State(Device device_in, const TransformOptions& options, const CallOptions& call,
@@ -72,6 +121,7 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::of_device_me
                                                                                    const TransformOptions& options,
                                                                                    const CallOptions& call) {
     const InputArray &vertices = mesh.vertices(), &triangles = mesh.triangles();
+    if (options.surface == Surface::outer) return nullptr;
     if (!kernels_can_read(vertices) || !kernels_can_read(triangles)) return nullptr;
     std::unique_ptr<State> state(new State(device, options, call, nullptr));
     auto made = state->make_topology(vertices.count, triangles.count, call, [&](const engine::DeviceSetUp& set_up) {
@@ -189,9 +239,15 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
     return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_mesh)));
 }
 
-void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
+void DistanceTransform::State::set_positions(std::span<const Vec3> positions, const CallOptions& call) {
     const std::scoped_lock lock(mutex);
     require_whole();
+    if (given) {
+        const Mesh moved(given->vertices.moved(given->mesh, positions), given->mesh.triangles(), given->mesh.name());
+        replace_outer([&] { set_outer(moved, given->options, {.should_stop = call.should_stop}); });
+        given->has_moved = true;
+        return;
+    }
     if (move_by([&] { return kept_mesh->move_equal(positions); })) return;
     const engine::Vertices& vertices = kept_mesh->vertices();
     std::vector<Vec3> moved = vertices.moved(kept_mesh->mesh(), positions);
@@ -202,6 +258,14 @@ void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
 void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
     require_whole();
+    if (given && given->has_moved) {
+        replace_outer([&] {
+            set_outer(given->mesh, given->options, {});
+            kept_mesh->move(engine::Vertices::moved(kept_mesh->first_positions(), rotation, translation));
+        });
+        given->has_moved = false;
+        return;
+    }
     move_vertices(engine::Vertices::moved(kept_mesh->first_positions(), rotation, translation));
 }
 
@@ -223,7 +287,7 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
 bool DistanceTransform::State::set_positions_on_device(const InputArray& positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
-    if (!kernels_can_read(positions)) return false;
+    if (given || !kernels_can_read(positions)) return false;
     context().begin_call();
     return move_by([&] { return kept_mesh->move(engine::device_triples(positions)); });
 }

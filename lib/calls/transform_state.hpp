@@ -48,7 +48,7 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     /// See DistanceTransform::restrict_to().
     std::unique_ptr<State> restricted(std::vector<Region> regions);
 
-    void set_positions(std::span<const Vec3> positions);
+    void set_positions(std::span<const Vec3> positions, const CallOptions& call);
     /// From memory of the device, which need not come to the host. Returns false, and has done nothing, if it must.
     bool set_positions_on_device(const InputArray& positions);
     void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
@@ -248,6 +248,19 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State : engine::
     std::unique_ptr<points::KeptPoints> kept_points;
     std::list<std::unique_ptr<engine::GridPlan>> plans;  // of earlier calls; that was used last first
     std::size_t points_asked = 0;                        // by query(), since the last move
+    /// Of TransformOptions::surface outer: what the surface is made of, anew when vertices move. Null in a restricted
+    /// transform.
+    struct GivenMesh {
+        Mesh mesh;
+        engine::Vertices vertices;  ///< the caller's, as the mesh has them
+        TransformOptions options;
+        bool has_moved = false;  ///< the surface is that of other positions
+    };
+    std::unique_ptr<GivenMesh> given;
+    std::size_t given_bytes() const {
+        if (!given) return 0;
+        return given->mesh.vertices().size() * sizeof(Vec3) + given->mesh.triangles().size() * sizeof(Triangle);
+    }
     /// Since the last move, the device's memory did not suffice for what makes queries of many points faster.
     bool points_are_short_of_memory = false;
 
@@ -259,6 +272,11 @@ private:
     /// Without a mesh.
     State(Device device_in, const TransformOptions& options, const CallOptions& call,
           std::shared_ptr<const FieldMethod> method_in);
+    /// Sets the mesh, or its outer surface, by kernels if they make the topology.
+    void set_given(Mesh mesh, const TransformOptions& options, const CallOptions& call);
+    void set_outer(const Mesh& mesh, const TransformOptions& options, const CallOptions& call);
+    /// The mesh of another outer surface in the place of this one: set() sets it. If it throws, all stays as it was.
+    void replace_outer(const std::function<void()>& set);
     /// Each sets the mesh and all that describes it.
     void set_mesh(Mesh mesh, const TransformOptions& options, const CallOptions& call);
     /// made: by kernels, of the mesh as given; it has the mesh's arrays if `given` is null.

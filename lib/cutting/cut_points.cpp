@@ -268,6 +268,33 @@ int CutPoints::compare(std::uint32_t a, std::uint32_t b, std::size_t axis, Cache
     return sign_of(p.at[axis] * q.w - q.at[axis] * p.w);
 }
 
+std::array<double, 2> CutPoints::weights(std::uint32_t point, std::uint32_t face, std::size_t axis,
+                                         Cache& cache) const {
+    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const Triangle& corners = triangles_[face];
+    std::array<double, 2> weights{};
+    for (std::size_t i = 0; i < 2; ++i) {
+        // Areas, seen along the axis; the vertices have w = 1.
+        const std::uint32_t first = corners[(i + 2) % 3], second = corners[i];
+        const auto area = [&]<typename Number>(const HomogeneousPoint<Number>& at) {
+            const HomogeneousPoint<Number> a = homogeneous<Number>(points_[first].source),
+                                           b = homogeneous<Number>(points_[second].source);
+            return determinant<Number>({&at, &a, &b}, u, v);
+        };
+        const auto all = [&]<typename Number>() { return area(homogeneous<Number>(points_[corners[i + 1]].source)); };
+        const FilteredNumber whole = all.template operator()<FilteredNumber>() * points_[point].near.w;
+        const auto [near, off] = quotient(area(points_[point].near), whole);
+        if (off <= 0x1p-54) {
+            weights[i] = near;
+        } else {
+            const HomogeneousPoint<Exact>& at = exact(point, cache);
+            weights[i] = CGAL::to_double(CGAL::Quotient<Exact>(area(at), all.template operator()<Exact>() * at.w));
+        }
+        weights[i] = std::clamp(weights[i], 0.0, 1.0);
+    }
+    return weights;
+}
+
 CutPoints::Inner::Inner(const CutPoints& points, const std::array<std::uint32_t, 3>& corners, const Vec3& weights)
     : points_(points), corners_(corners), weights_(weights), near_(made_positive(homogeneous<FilteredNumber>())) {
     const double all = weights_[0] + weights_[1] + weights_[2];

@@ -103,6 +103,9 @@ public:
     /// 1: a's coordinate is greater.
     int compare(std::uint32_t a, std::uint32_t b, std::size_t axis, Cache& cache) const;
 
+    /// Barycentric coordinates of a point of a face: the weights of the vertices 1 and 2. axis: the face's view.
+    std::array<double, 2> weights(std::uint32_t point, std::uint32_t face, std::size_t axis, Cache& cache) const;
+
     /// A point within a triangle of points: their mean with such weights.
     class Inner {
     public:

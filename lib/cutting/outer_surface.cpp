@@ -4,7 +4,9 @@
 #include "core/parallel.hpp"
 #include "core/vectors.hpp"
 #include "cutting/face_pieces.hpp"
+#include "cutting/outer_mesh.hpp"
 #include "cutting/patches.hpp"
+#include "cutting/piece_sites.hpp"
 #include "mesh/equal_vertices.hpp"
 #include "surface/topology.hpp"
 
@@ -32,10 +34,11 @@ using cutting::Meetings;
 using cutting::Piece;
 using cutting::View;
 
-SignRule checked_rule(SignRule asked, const Mesh& mesh, const Topology& topology) {
+/// The rule in use, and the warning about it.
+ResolvedSignRule checked_rule(SignRule asked, const Mesh& mesh, const Topology& topology) {
     const bool is_known = asked == SignRule::automatic || asked == SignRule::nonzero || asked == SignRule::parity;
     const ResolvedSignRule resolved = is_known ? resolve_sign_rule(asked, topology) : ResolvedSignRule{asked, {}};
-    if (resolved.rule == SignRule::nonzero || resolved.rule == SignRule::parity) return resolved.rule;
+    if (resolved.rule == SignRule::nonzero || resolved.rule == SignRule::parity) return resolved;
     const std::string why = resolved.warning.empty() ? "" : "; " + resolved.warning;
     throw Error(
         ErrorCode::unsupported,
@@ -135,13 +138,33 @@ void measure(OuterSurface& surface) {
     surface.area = area / 2;
 }
 
-}  // namespace
+/// Whether the kept pieces are the faces as given, all of them.
+bool are_all_faces(std::span<const Piece> pieces, std::span<const Fate> fates, const SignSurface& surface,
+                   std::span<const Triangle> triangles) {
+    if (!surface.is_mesh() || pieces.size() != triangles.size()) return false;
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+        if (fates[i] != Fate::kept || pieces[i].face != i || pieces[i].corners != triangles[i]) return false;
+    return true;
+}
 
-OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
+/// Sentences that a semicolon parts.
+std::string warning_of(const ResolvedSignRule& resolved, const OuterSurface& surface, std::size_t all) {
+    if (surface.hidden_faces == 0) return resolved.warning;
+    const std::string hidden = fmt::format(
+        "{} of {} faces {} not on the outer surface: within others, repeated, or with the same on both sides",
+        surface.hidden_faces, all, surface.hidden_faces == 1 ? "is" : "are");
+    return resolved.warning.empty() ? hidden : resolved.warning + "; " + hidden;
+}
+
+/// for_transform: also what transforms need beside the surface.
+cutting::OuterMesh outer_mesh(const Mesh& given, SignRule asked, const CallOptions& call, bool for_transform) {
     const Cancellation cancellation(call.should_stop);
-    const Mesh mesh = merged(given, first_equal_vertices(given.vertices()));
-    const auto [topology, surface] = describe_mesh(mesh, asked);
-    const SignRule rule = checked_rule(asked, given, topology);
+    const std::vector<std::uint32_t> first = first_equal_vertices(given.vertices());
+    const Mesh mesh = merged(given, first);
+    auto [topology, surface] = describe_mesh(mesh, asked);
+    const std::size_t overlapping_parts = std::exchange(topology.overlapping_parts, 0);  // they are no news here
+    const ResolvedSignRule resolved = checked_rule(asked, given, topology);
+    const SignRule rule = resolved.rule;
 
     // Products of seven lengths must be numbers.
     const int exponent = exponent_of(mesh);
@@ -162,11 +185,14 @@ OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
     std::vector<Vec3> vertices;
     std::vector<Triangle> kept;
     std::vector<std::uint32_t> faces;
+    std::vector<Piece> kept_pieces;
     std::vector<std::array<std::uint32_t, 2>> counts(triangles.size());  // kept and dropped
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         ++counts[pieces[i].face][fates[i] == Fate::dropped ? 1 : 0];
         if (fates[i] == Fate::dropped) continue;
         Triangle corners = pieces[i].corners;
+        if (fates[i] == Fate::flipped) std::swap(corners[1], corners[2]);
+        kept_pieces.push_back({corners, pieces[i].face});
         for (std::uint32_t& corner : corners) {
             if (numbers[corner] == none) {
                 numbers[corner] = static_cast<std::uint32_t>(vertices.size());
@@ -177,7 +203,6 @@ OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
             }
             corner = numbers[corner];
         }
-        if (fates[i] == Fate::flipped) std::swap(corners[1], corners[2]);
         kept.push_back(corners);
         faces.push_back(pieces[i].face);
     }
@@ -204,7 +229,29 @@ OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
         result.mesh.set_groups(std::move(own));
     }
     measure(result);
-    return result;
+    cutting::OuterMesh made{std::move(result), {}, {}, rule, {}};
+    if (!for_transform) return made;
+    made.warning = warning_of(resolved, made.surface, triangles.size());
+    if (!are_all_faces(pieces, fates, surface, triangles))
+        made.faces = cutting::given_faces(points, views, kept_pieces, cancellation);
+    const Topology of_vertices = describe_vertices(given, first);
+    made.topology = std::move(topology);
+    made.topology.unused_vertices = of_vertices.unused_vertices;
+    made.topology.coincident_vertices = of_vertices.coincident_vertices;
+    made.topology.overlapping_parts = overlapping_parts;
+    made.topology.partial_faces = made.surface.partial_faces;
+    made.topology.hidden_faces = made.surface.hidden_faces;
+    return made;
+}
+
+}  // namespace
+
+cutting::OuterMesh cutting::outer_mesh(const Mesh& given, SignRule asked, const CallOptions& call) {
+    return clsdf::outer_mesh(given, asked, call, true);
+}
+
+OuterSurface outer(const Mesh& given, SignRule asked, const CallOptions& call) {
+    return std::move(outer_mesh(given, asked, call, false).surface);
 }
 
 }  // namespace clsdf

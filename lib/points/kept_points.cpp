@@ -163,7 +163,7 @@ std::shared_ptr<const engine::DeviceSites> KeptPoints::sites(OutputSet outputs, 
     auto sites = kept_mesh_.sites(engine::names_sites(outputs), are_normals_needed || (sides != nullptr && !have_own));
     if (!have_own) return sites;
     return std::make_shared<const engine::DeviceSites>(
-        engine::DeviceSites{sites->names, sides->normals, sites->renumbered, 0});
+        engine::DeviceSites{sites->names, sides->normals, sites->renumbered, sites->pieces, 0});
 }
 
 std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
@@ -173,7 +173,7 @@ std::optional<PointInputs> KeptPoints::inputs_of_few(OutputSet outputs) const {
     inputs.mesh = inputs.on_host = remembered_.mesh.lock();
     inputs.leaves = remembered_.leaves.lock();
     engine::DeviceSites sites{remembered_.names.lock(), remembered_.normals.lock(), remembered_.renumbered,
-                              remembered_.turned};
+                              remembered_.pieces, remembered_.turned};
     if (!inputs.mesh || !inputs.leaves || (engine::names_sites(outputs) && !sites.names) ||
         (engine::takes_normals(outputs) && !sites.normals))
         return std::nullopt;
@@ -192,6 +192,7 @@ void KeptPoints::remember(const PointInputs& inputs, OutputSet outputs) {
     if (engine::names_sites(outputs)) {
         remembered_.names = inputs.sites->names;
         remembered_.renumbered = inputs.sites->renumbered;
+        remembered_.pieces = inputs.sites->pieces;
     }
     remembered_.sign = inputs.sign;
     if (!engine::takes_normals(outputs)) return;

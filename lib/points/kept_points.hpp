@@ -126,7 +126,7 @@ private:
         std::weak_ptr<const engine::PointMesh> mesh;
         std::weak_ptr<const engine::WideLeaves> leaves;
         std::weak_ptr<const device::BufferPool::Lease> names, normals;
-        std::size_t renumbered = 0, turned = 0;  ///< turned: if the normals are set
+        std::size_t renumbered = 0, pieces = 0, turned = 0;  ///< turned: if the normals are set
         SignRule sign = SignRule::none;
         bool is_inside_out = false;  ///< if the normals are set
     };

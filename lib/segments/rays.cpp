@@ -219,7 +219,8 @@ private:
         if (std::abs(a.place - b.place) > a.error + b.error) return a.place < b.place;
         std::array<Crossed, 2> both{crossed_at(line, a), crossed_at(line, b)};
         sort_by_place(line.exact, both);
-        return both[0].triangle == searched_.faces.triangle(a.face);
+        // Pieces of one face have one number.
+        return both[0].triangle == searched_.faces.triangle(a.face) && both[0].corners == corners_of(a.face);
     }
 
     /// Sorts the faces that were found. Returns false if their places are too near each other for that.

@@ -109,12 +109,12 @@ foreach(folder ${folders})
   check_folder(${SOURCE}/lib/${folder})
 endforeach()
 
-# The engine's face: plans and calls include nothing else of it. In plan/ are KeptMesh, which prepares a mesh for a grid,
+# The engine's face: plans and calls include nothing else of it; calls also cut meshes. In plan/ are KeptMesh, which prepares a mesh for a grid,
 # and GridPlan, which plans and runs.
 set(allowed ${public_of_core} ${face_of_plans} core device plan launch mesh surface targets points scenes segments checks plans)
 allow_kernels(targets)
 check_folder(${SOURCE}/lib/plans)
-list(APPEND allowed ${face} calls)
+list(APPEND allowed ${face} calls cutting)
 check_folder(${SOURCE}/lib/calls)
 
 # Tools for meshes, beside the core.

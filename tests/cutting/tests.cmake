@@ -1,3 +1,5 @@
 foreach(name outer fractions)
   clsdf_test(cutting_${name} ${name}.cpp LABELS cutting mesh)
 endforeach()
+# With their sites, on every body of the kernels.
+clsdf_test(cutting_transforms transforms.cpp LABELS cutting calls points LINK clsdf::papers clsdf::reference OpenCL::OpenCL AS_GPU)

@@ -99,7 +99,7 @@ typedef int32_t clsdf_status;
  * are NaN. */
 #define CLSDF_DISTANCE 0    /* signed; always computed */
 #define CLSDF_TRIANGLE 1    /* the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it */
-#define CLSDF_SITE 2        /* its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face */
+#define CLSDF_SITE 2        /* 0 to 2: a vertex of it, 3 to 5: an edge, 6: its face; see CLSDF_SURFACE_OUTER */
 #define CLSDF_CLOSEST 3     /* the position of the closest point: float64 */
 #define CLSDF_GRADIENT 4    /* of the signed distance: a unit vector */
 #define CLSDF_BARYCENTRIC 5 /* of the closest point: the weights of the triangle's vertices 1 and 2 (from 0) */
@@ -119,6 +119,12 @@ typedef int32_t clsdf_status;
 #define CLSDF_SIGN_SOLID_ANGLE 4 /* inside if the winding number is one half or more, or -1/2 or less; any mesh */
 #define CLSDF_SIGN_BELOW \
     5 /* inside below a terrain and above clsdf_transform_options.floor, between walls from its rim */
+
+/* The surface that distances are measured to. */
+#define CLSDF_SURFACE_GIVEN 0 /* all faces as given, also within other parts */
+/* The outer surface of overlapping parts, as clsdf_mesh_outer() makes it. Triangles are told by the faces as given that
+ * they are parts of; a site beside those of a triangle, 7, is an edge or a vertex at which faces cut each other. */
+#define CLSDF_SURFACE_OUTER 1
 
 /* The hits that count where a segment or a ray meets the surface. */
 #define CLSDF_WALLS 0 /* where inside and outside meet, by the sign rule: never a face within the body */
@@ -607,6 +613,9 @@ typedef struct clsdf_topology {
     int64_t detail_parts;
     int64_t detail_faces;      /* of these parts */
     int64_t first_detail_face; /* the lowest of them */
+    /* Of a transform with CLSDF_SURFACE_OUTER; else 0. */
+    int64_t partial_faces; /* faces of which parts are on the outer surface */
+    int64_t hidden_faces;  /* faces that are not on it at all */
 } clsdf_topology;
 #define CLSDF_EDGE_INIT \
     {                   \
@@ -620,7 +629,7 @@ typedef struct clsdf_topology {
     {                                                                                                                  \
         CLSDF_RESULT_SIZE(clsdf_topology), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, CLSDF_FIVE_EDGES_INIT,                  \
             CLSDF_FIVE_EDGES_INIT, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, \
-            0, 0, 0, 0, 0                                                                                              \
+            0, 0, 0, 0, 0, 0, 0                                                                                        \
     }
 
 /* Defects beside those of edges. The distance is exact in spite of them. */
@@ -808,13 +817,13 @@ typedef struct clsdf_statistics {
 
 typedef struct clsdf_transform_options {
     size_t struct_size;
-    int32_t sign; /* CLSDF_SIGN_AUTOMATIC ... */
-    int32_t reserved;
+    int32_t sign;       /* CLSDF_SIGN_AUTOMATIC ... */
+    int32_t surface;    /* CLSDF_SURFACE_GIVEN, the default, or CLSDF_SURFACE_OUTER */
     int64_t kept_bytes; /* limit of the device memory kept between calls; 0: none; -1: the default */
     double floor;       /* of CLSDF_SIGN_BELOW, which needs one: z below all vertices; DBL_MAX, the default: none */
 } clsdf_transform_options;
 #define CLSDF_TRANSFORM_OPTIONS_INIT \
-    { sizeof(clsdf_transform_options), CLSDF_SIGN_AUTOMATIC, 0, -1, 1.7976931348623157e308 }
+    { sizeof(clsdf_transform_options), CLSDF_SIGN_AUTOMATIC, CLSDF_SURFACE_GIVEN, -1, 1.7976931348623157e308 }
 
 /* Memory that a transform keeps between calls, beside the mesh. */
 typedef struct clsdf_kept_memory {

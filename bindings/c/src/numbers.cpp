@@ -34,6 +34,7 @@ static_assert(is(Output::distance, CLSDF_DISTANCE) && is(Output::triangle, CLSDF
 static_assert(is(SignRule::automatic, CLSDF_SIGN_AUTOMATIC) && is(SignRule::nonzero, CLSDF_SIGN_NONZERO) &&
               is(SignRule::parity, CLSDF_SIGN_PARITY) && is(SignRule::none, CLSDF_SIGN_NONE) &&
               is(SignRule::solid_angle, CLSDF_SIGN_SOLID_ANGLE) && is(SignRule::below, CLSDF_SIGN_BELOW));
+static_assert(is(Surface::given, CLSDF_SURFACE_GIVEN) && is(Surface::outer, CLSDF_SURFACE_OUTER));
 static_assert(is(BoxPlace::within, CLSDF_WITHIN) && is(BoxPlace::inside, CLSDF_INSIDE) &&
               is(BoxPlace::outside, CLSDF_OUTSIDE) && is(BoxPlace::beyond, CLSDF_BEYOND));
 static_assert(is(DeviceSource::registered, CLSDF_REGISTERED) && is(DeviceSource::bundled, CLSDF_BUNDLED) &&

@@ -19,8 +19,8 @@ namespace {
 TransformOptions options_of(const clsdf_transform_options* options) {
     const clsdf_transform_options from =
         c::read_struct(options, CLSDF_TRANSFORM_OPTIONS_INIT, "clsdf_transform_options");
-    c::check_reserved(from.reserved, "clsdf_transform_options");
     TransformOptions to;
+    to.surface = c::surface_of(from.surface, "clsdf_transform_options.surface");
     to.sign = c::sign_rule_of(from.sign, "clsdf_transform_options.sign");
     if (from.floor != std::numeric_limits<double>::max()) to.floor = from.floor;
     if (from.kept_bytes != -1) to.kept_bytes = c::count_of(from.kept_bytes, "clsdf_transform_options.kept_bytes");

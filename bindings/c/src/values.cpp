@@ -337,6 +337,10 @@ SignRule sign_rule_of(std::int32_t rule, const char* name) {
     return enumerator(rule, SignRule::below, name);
 }
 
+Surface surface_of(std::int32_t surface, const char* name) {
+    return enumerator(surface, Surface::outer, name);
+}
+
 clsdf_topology as_c(const Topology& topology) {
     clsdf_topology result = CLSDF_TOPOLOGY_INIT;
     result.closed = topology.closed ? 1 : 0;
@@ -391,6 +395,8 @@ clsdf_topology as_c(const Topology& topology) {
     result.detail_parts = static_cast<std::int64_t>(topology.detail_parts);
     result.detail_faces = static_cast<std::int64_t>(topology.detail_faces);
     result.first_detail_face = static_cast<std::int64_t>(topology.first_detail_face);
+    result.partial_faces = static_cast<std::int64_t>(topology.partial_faces);
+    result.hidden_faces = static_cast<std::int64_t>(topology.hidden_faces);
     return result;
 }
 

@@ -68,6 +68,7 @@ clsdf_sparse_slab as_c(const SparseSlab& slab, const std::vector<clsdf_target>& 
 SparseSlab sparse_slab_of(const clsdf_sparse_slab* slab);
 
 SignRule sign_rule_of(std::int32_t rule, const char* name);
+Surface surface_of(std::int32_t surface, const char* name);
 clsdf_topology as_c(const Topology& topology);
 clsdf_statistics as_c(const TransformStatistics& statistics);
 clsdf_kept_memory as_c(const KeptMemory& memory);

@@ -247,6 +247,13 @@ static void check_outer_surface(void) {
     clsdf_mesh_arrays arrays = CLSDF_MESH_ARRAYS_INIT;
     clsdf_outer_report report = CLSDF_OUTER_REPORT_INIT;
     clsdf_topology topology = CLSDF_TOPOLOGY_INIT;
+    clsdf_transform_options options = CLSDF_TRANSFORM_OPTIONS_INIT;
+    clsdf_transform* of_union;
+    const double inside[3] = {0.5, 0, 0};
+    clsdf_array point = clsdf_host_array(CLSDF_FLOAT64, inside, 1);
+    clsdf_target found[2];
+    double depth;
+    uint32_t nearest;
     clsdf_mesh *two, *outer, *none;
     const uint32_t* given;
     int64_t count, triangles;
@@ -270,6 +277,15 @@ static void check_outer_surface(void) {
     CHECK(clsdf_mesh_topology(outer, &topology) == CLSDF_OK && topology.balanced && topology.overlapping_parts == 0);
     CHECK(clsdf_mesh_given_faces(two, NULL, &count) == CLSDF_OK && count == 0);
     CHECK(clsdf_mesh_outer(two, CLSDF_SIGN_BELOW, NULL, &none, NULL) == CLSDF_UNSUPPORTED && none == NULL);
+    options.surface = CLSDF_SURFACE_OUTER;
+    OK(clsdf_transform_create(device, two, &options, NULL, &of_union));
+    found[0] = clsdf_host_target(CLSDF_DISTANCE, CLSDF_FLOAT64, &depth, 1);
+    found[1] = clsdf_host_target(CLSDF_TRIANGLE, CLSDF_UINT32, &nearest, 1);
+    OK(clsdf_query(of_union, &point, 9, found, 2, NULL, NULL));
+    CHECK(depth == -1 && nearest < 24);
+    OK(clsdf_transform_topology(of_union, &topology));
+    CHECK(topology.hidden_faces == report.hidden_faces && topology.partial_faces == report.partial_faces);
+    clsdf_transform_release(of_union);
     clsdf_mesh_release(outer);
     clsdf_mesh_release(two);
 }

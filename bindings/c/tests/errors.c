@@ -303,8 +303,9 @@ static void check_numbers(const clsdf_device* device, clsdf_mesh* mesh) {
     options.kept_bytes = -2;
     FAILS(CLSDF_INVALID_ARGUMENT, "kept_bytes is -2", clsdf_transform_create(device, mesh, &options, NULL, &transform));
     options.kept_bytes = -1;
-    options.reserved = 1;
-    FAILS(CLSDF_INVALID_ARGUMENT, "reserved", clsdf_transform_create(device, mesh, &options, NULL, &transform));
+    options.surface = 2;
+    FAILS(CLSDF_INVALID_ARGUMENT, "clsdf_transform_options.surface is",
+          clsdf_transform_create(device, mesh, &options, NULL, &transform));
     FAILS(CLSDF_INVALID_ARGUMENT, "output", clsdf_output_describe(-1, &info));
     FAILS(CLSDF_INVALID_ARGUMENT, "output", clsdf_output_describe((int32_t)clsdf_output_count(), &info));
     around.margin.unit = 3;

@@ -144,6 +144,8 @@ int main(void) {
     MEMBER(clsdf_topology, detail_parts);
     MEMBER(clsdf_topology, detail_faces);
     MEMBER(clsdf_topology, first_detail_face);
+    MEMBER(clsdf_topology, partial_faces);
+    MEMBER(clsdf_topology, hidden_faces);
     SIZE(clsdf_defects);
     MEMBER(clsdf_defects, struct_size);
     MEMBER(clsdf_defects, zero_area_faces);
@@ -203,7 +205,7 @@ int main(void) {
     SIZE(clsdf_transform_options);
     MEMBER(clsdf_transform_options, struct_size);
     MEMBER(clsdf_transform_options, sign);
-    MEMBER(clsdf_transform_options, reserved);
+    MEMBER(clsdf_transform_options, surface);
     MEMBER(clsdf_transform_options, kept_bytes);
     MEMBER(clsdf_transform_options, floor);
     SIZE(clsdf_kept_memory);

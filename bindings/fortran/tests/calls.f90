@@ -98,6 +98,10 @@ contains
     integer :: i
     type(clsdf_mesh) :: lamp
     type(clsdf_topology) :: topology
+    type(clsdf_transform) :: union
+    real(8) :: distance(1)
+    integer(4) :: triangle(1)
+    integer(1) :: site(1)
     do i = 1, 8
       corners(:, i) = [ibits(i - 1, 0, 1), ibits(i - 1, 1, 1), ibits(i - 1, 2, 1)]
     end do
@@ -107,6 +111,18 @@ contains
     topology = lamp%topology()
     call check(topology%detail_parts == 1 .and. topology%detail_faces == 10 .and. topology%first_detail_face == 12, &
         'a detail')
+    ! Two boxes that overlap: a bar.
+    corners(:, :8) = corners(:, :8) / spread([4d0, 4d0, 2d0], 2, 8)
+    corners(:, 9:) = corners(:, :8) + spread([1d0, 0d0, 0d0], 2, 8)
+    call lamp%create(corners, reshape([faces, faces + 8], [3, 24]))
+    call union%create(device, lamp, surface=CLSDF_SURFACE_OUTER)
+    topology = union%topology()
+    call check(topology%hidden_faces > 0 .and. topology%parts == 2, 'faces within the other box')
+    call union%query(reshape([1.75d0, 1d0, 0.25d0], [3, 1]), 9d0, distance, triangle=triangle, site=site)
+    call check(distance(1) == -0.25d0 .and. triangle(1) >= 1 .and. triangle(1) <= 24 .and. site(1) == 6, &
+        'the distance to the union')
+    call union%create(device, lamp, surface=2, stat=stat, errmsg=errmsg)
+    call fails(stat, CLSDF_INVALID_ARGUMENT, errmsg, 'surface')
     call lamp%release()
   end subroutine
 

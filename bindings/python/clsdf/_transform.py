@@ -104,6 +104,8 @@ class Transform(WithFields):
         rim and a floor close them for the sign.
     floor: of the rule 'below', which needs one: its z, below all vertices, also when they move.
     kept_bytes: limit of the device memory that is kept between calls; None: the library's default.
+    surface: 'given', all faces, or 'outer', the outer surface of overlapping parts, as clsdf.outer() makes it. Then
+        results tell the faces as given that the nearest triangles are parts of.
 
     Raises clsdf.Error: invalid_mesh names the row and the value; also unreadable_input, no_device, device_failure.
 
@@ -124,7 +126,10 @@ class Transform(WithFields):
         sign: str = "auto",
         kept_bytes: int | None = None,
         floor: float | None = None,
+        surface: str = "given",
     ) -> None:
+        if surface not in ("given", "outer"):
+            raise Error(f"surface: {surface!r} is unknown; write 'given' or 'outer'")
         if floor is not None:
             try:
                 floor = float(floor)
@@ -135,13 +140,13 @@ class Transform(WithFields):
             raise Error(f"sign: {sign!r} is no text; write 'auto', 'nonzero', 'parity', 'solid-angle', 'below' or 'none'")
         is_own = faces is None and isinstance(mesh, (str, os.PathLike))
         vertices, faces, self.mesh_name = _meshes.arrays_of(mesh if faces is None else (mesh, faces))
-        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes, floor)
+        self._body = _core.make_body(device_of(device), vertices, faces, sign, kept_bytes, floor, surface == "outer")
         if not is_own:
             own = self._body.device
             vertices, faces = _meshes.own_copy(vertices, own), _meshes.own_copy(faces, own)
-        self._keep((vertices, faces, sign, kept_bytes, floor))
+        self._keep((vertices, faces, sign, kept_bytes, floor, surface))
 
-    def _keep(self, made_of: tuple[Any, Any, str, int | None, float | None]) -> None:
+    def _keep(self, made_of: tuple[Any, Any, str, int | None, float | None, str]) -> None:
         """What the transform is made of, to make it again elsewhere."""
         self._made_of = made_of
         self._positions: Any = None
@@ -151,11 +156,11 @@ class Transform(WithFields):
 
     def _state(self) -> tuple[Any, ...]:
         with self._moves:
-            vertices, faces, sign, kept_bytes, floor = self._made_of
+            vertices, faces, sign, kept_bytes, floor, surface = self._made_of
             if self.sign in ("none", "solid-angle"):
                 sign = self.sign  # known: no second warning
             moves = (self._positions, self._motion, self._regions)
-            return vertices, faces, sign, kept_bytes, floor, *moves, self.mesh_name
+            return vertices, faces, sign, kept_bytes, floor, surface, *moves, self.mesh_name
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The mesh's arrays, the present positions, the options, and the device by its name and limits, on which
@@ -876,13 +881,14 @@ def _made_again(
     sign: str,
     kept_bytes: int | None,
     floor: float | None,
+    surface: str,
     positions: Any,
     motion: Any,
     regions: Any,
     mesh_name: str,
 ) -> Transform:
     """A transform from what Transform._state() has."""
-    made = Transform((vertices, faces), device=device, sign=sign, kept_bytes=kept_bytes, floor=floor)
+    made = Transform((vertices, faces), device=device, sign=sign, kept_bytes=kept_bytes, floor=floor, surface=surface)
     made.mesh_name = mesh_name
     if positions is not None:
         made.set_positions(positions)

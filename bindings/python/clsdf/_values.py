@@ -147,7 +147,7 @@ class Values:
     @property
     def site(self) -> npt.NDArray[np.uint8]:
         """The triangle's nearest part: 0 to 2 its vertices, 3 to 5 its edges (3 + k: from vertex k to the next), 6 its
-        face."""
+        face; of an outer surface also 7, where faces cut each other."""
         return self._array("site")
 
     @property

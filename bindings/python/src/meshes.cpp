@@ -225,6 +225,8 @@ constexpr std::size_t Topology::*topology_counts[] = {
     &Topology::detail_parts,
     &Topology::detail_faces,
     &Topology::first_detail_face,
+    &Topology::partial_faces,
+    &Topology::hidden_faces,
 };
 
 using Edges = std::vector<std::pair<Vec3, Vec3>>;
@@ -335,6 +337,9 @@ void add_meshes(nb::module_& module) {
                 "sign without that.")
         .def_ro("detail_faces", &Topology::detail_faces, "Their faces.")
         .def_ro("first_detail_face", &Topology::first_detail_face, "The lowest of them.")
+        .def_ro("partial_faces", &Topology::partial_faces,
+                "Of a transform with surface='outer', else 0: faces of which parts are on the outer surface.")
+        .def_ro("hidden_faces", &Topology::hidden_faces, "Faces that are not on it at all.")
         .def_ro("first_inward_face", &Topology::first_inward_face)
         .def_ro("first_nested_face", &Topology::first_nested_face)
         .def("__getstate__", &state_of)

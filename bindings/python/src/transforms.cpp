@@ -18,7 +18,7 @@ thread_local const AtWork* AtWork::current = nullptr;
 namespace {
 
 Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const std::string& sign,
-          std::optional<std::size_t> kept_bytes, std::optional<double> floor) {
+          std::optional<std::size_t> kept_bytes, std::optional<double> floor, bool is_outer) {
     Arrays arrays(&device);
     InputArray positions = arrays.triples(vertices, "vertices"), triangles = arrays.triples(faces, "faces");
     arrays.place({&positions, &triangles}, {});
@@ -28,6 +28,7 @@ Body make(const PyDevice& device, nb::handle vertices, nb::handle faces, const s
     options.sign = sign_named(sign);
     options.kept_bytes = kept_bytes;
     options.floor = floor;
+    options.surface = is_outer ? Surface::outer : Surface::given;
     const Device& own = device.get();
     arrays.begin();
     auto made = [&] {
@@ -290,7 +291,7 @@ void add_transforms(nb::module_& module) {
                      })
         .def_prop_ro("device", [](const Body& body) { return body.device(); });
     module.def("make_body", &make, nb::arg("device"), nb::arg("vertices"), nb::arg("faces"), nb::arg("sign"),
-               nb::arg("kept_bytes").none(), nb::arg("floor").none() = nb::none());
+               nb::arg("kept_bytes").none(), nb::arg("floor").none() = nb::none(), nb::arg("is_outer") = false);
     module.def("rotation_near", &rotation_near, nb::arg("matrix"), "The rotation that was rounded to floats.");
     module.def("moved", &moved, nb::arg("first"), nb::arg("rotation"), nb::arg("translation"),
                "The positions rotation @ x + translation, as a transform has them.");

@@ -1,5 +1,7 @@
 """The outer surface of parts that overlap, and the parts of cells that they fill."""
 
+import copy
+
 import numpy as np
 import pytest
 
@@ -36,6 +38,31 @@ def test_the_outer_surface_of_two_cubes():
     assert error.value.code == "unsupported"
     with pytest.raises(clsdf.Error, match="sign"):
         clsdf.outer(mesh, sign="below")
+
+
+def test_a_transform_of_the_outer_surface():
+    mesh = bar()
+    surface = clsdf.outer(mesh)
+    with pytest.warns(clsdf.MeshWarning, match="not on the outer surface"):
+        body = clsdf.Transform(mesh, surface="outer")
+    assert body.topology.hidden_faces == surface.hidden_faces and body.topology.partial_faces == surface.partial_faces
+    points = np.random.default_rng(4).uniform(-1.5, 2.5, (200, 3))
+    outputs = "triangle site barycentric closest"
+    found = body.query(points, outputs)
+    plain = clsdf.Transform(surface.mesh).query(points, outputs)
+    assert np.array_equal(found.distance, plain.distance)
+    assert np.array_equal(found.triangle, surface.faces[plain.triangle])
+    corners = mesh.vertices[mesh.faces[found.triangle]]
+    weights = np.concatenate([1 - found.barycentric.sum(-1, keepdims=True), found.barycentric], -1)
+    assert np.allclose((weights[..., None] * corners).sum(1), found.closest, atol=1e-6)
+    assert found.site.max() <= 7 and (found.site == 6).sum() > 50
+    with pytest.warns(clsdf.MeshWarning):
+        again = copy.copy(body)
+    assert np.array_equal(again.query(points).distance, found.distance)
+    body.set_positions(mesh.vertices + np.where(np.arange(16) < 8, 0, 1)[:, None] * (1, 0, 0))
+    assert np.allclose(body.query([[1, 0, 0], [-0.5, 0, 0]]).distance, [-1, -0.5])
+    with pytest.raises(clsdf.Error, match="surface"):
+        clsdf.Transform(mesh, surface="inner")
 
 
 def test_fractions_of_two_cubes():

@@ -10,13 +10,16 @@
 namespace clsdf::engine {
 
 device::BufferPool::Lease site_names(const DeviceTools& tools, const MeshTopology& topology,
-                                     std::span<const std::uint32_t> numbers) {
+                                     std::span<const std::uint32_t> numbers, std::span<const FacePiece> pieces) {
     const std::size_t count = topology.order.size();
-    const std::size_t rows = count + chunk_count(numbers.size_bytes(), sizeof(TriangleSites));
+    const std::size_t behind = pieces.empty() ? numbers.size_bytes() : pieces.size_bytes();
+    const std::size_t rows = count + chunk_count(behind, sizeof(TriangleSites));
     device::HostFilling filling(tools.context, tools.pool, rows * sizeof(TriangleSites), "names of the sites");
     const std::span names(static_cast<TriangleSites*>(filling.memory()), count);
     name_sites(topology, names);
-    if (!numbers.empty()) {
+    if (!pieces.empty()) {
+        std::memcpy(names.data() + count, pieces.data(), pieces.size_bytes());
+    } else if (!numbers.empty()) {
         for (TriangleSites& triangle : names)
             for (clsdf_uint32& lowest : triangle.triangle) lowest = numbers[lowest];
         std::memcpy(names.data() + count, numbers.data(), numbers.size_bytes());
@@ -67,6 +70,7 @@ Finish Finishing::finish(std::uint32_t wanted, std::uint32_t in_double) const {
     finish.wanted = wanted;
     finish.in_double = in_double;
     finish.renumbered = static_cast<clsdf_uint32>(sites_->renumbered);
+    finish.pieces = static_cast<clsdf_uint32>(sites_->pieces);
     finish.turned = static_cast<clsdf_uint32>(sites_->turned);
     return finish;
 }

@@ -40,12 +40,14 @@ struct DeviceSites {
     std::shared_ptr<const device::BufferPool::Lease> names;    ///< null unless an output names sites
     std::shared_ptr<const device::BufferPool::Lease> normals;  ///< null unless pseudonormals are needed
     std::size_t renumbered = 0;  ///< of a part of a mesh: its triangles; behind `names` are their numbers in the whole
+    std::size_t pieces = 0;      ///< triangles that are pieces of faces; behind `names` are these
     std::size_t turned = 0;      ///< triangles whose directions follow the normals; 0: all look to the front
 };
 
-/// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh.
+/// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh. pieces: of faces, that the
+/// triangles are; empty if they are none, else the numbers do not count.
 device::BufferPool::Lease site_names(const DeviceTools& tools, const MeshTopology& topology,
-                                     std::span<const std::uint32_t> numbers);
+                                     std::span<const std::uint32_t> numbers, std::span<const FacePiece> pieces);
 /// The pseudonormals and, if some faces are turned around for the sign, 1 or -1 for each triangle.
 device::BufferPool::Lease site_normals(const DeviceTools& tools, const Mesh& mesh, const SignSurface& surface,
                                        const MeshTopology& topology);

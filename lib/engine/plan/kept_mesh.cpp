@@ -71,6 +71,7 @@ std::unique_ptr<KeptMesh> KeptMesh::restricted(std::shared_ptr<device::BufferPoo
         std::unique_ptr<KeptMesh> kept_mesh(
             new KeptMesh(context_, std::move(pool), std::move(part), std::move(restriction), options_));
         kept_mesh->set_sign_surface(std::move(surface));
+        if (given_faces_) kept_mesh->set_given_faces(given_faces_->of(kept_mesh->restriction()->numbers));
         kept_mesh->set_encloses_negative_volume(encloses_negative_volume());
         if (boundary() != nullptr) {
             kept_mesh->open_loops_.set(open_loops_.get());
@@ -231,13 +232,14 @@ bool KeptMesh::encloses_negative_volume() {
 
 std::shared_ptr<const DeviceSites> KeptMesh::sites(bool with_names, bool with_normals) {
     return prepare([&] {
-        std::span<const std::uint32_t> numbers;
-        if (restriction_) numbers = restriction_->numbers;
-        if (with_names) site_names_.get_or([&] { return site_names(tools(), topology(), numbers); });
+        std::span<const FacePiece> pieces;
+        if (given_faces_) pieces = given_faces_->pieces;
+        if (with_names) site_names_.get_or([&] { return site_names(tools(), topology(), numbers(), pieces); });
+        const std::size_t renumbered = site_names_ && pieces.empty() ? numbers().size() : 0;
         if (with_normals)
             pseudonormals_.get_or([&] { return site_normals(tools(), mesh(), sign_surface(), topology()); });
-        return std::make_shared<const DeviceSites>(DeviceSites{site_names_.get(), pseudonormals_.get(),
-                                                               site_names_ ? numbers.size() : 0,
+        return std::make_shared<const DeviceSites>(DeviceSites{site_names_.get(), pseudonormals_.get(), renumbered,
+                                                               site_names_ ? pieces.size() : 0,
                                                                pseudonormals_ ? sign_surface().faces.size() : 0});
     });
 }

@@ -6,6 +6,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "finish/finishing.hpp"
+#include "finish/given_faces.hpp"
 #include "frusta/cluster_index.hpp"
 #include "frusta/homed_mesh.hpp"
 #include "frusta/prepared_mesh.hpp"
@@ -71,6 +72,15 @@ public:
                                          SignRule sign);
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_.get().get(); }
+    /// The triangles are pieces of faces, and are told by these.
+    void set_given_faces(GivenFaces faces) { given_faces_.set(std::make_shared<const GivenFaces>(std::move(faces))); }
+    /// Whether the triangles' own numbers are those that are told.
+    bool has_own_numbers() const { return !given_faces_ && !restriction_; }
+    /// By triangle: the number that is told; empty if it is its own.
+    std::span<const std::uint32_t> numbers() const {
+        if (given_faces_) return given_faces_->numbers;
+        return restriction_ ? std::span<const std::uint32_t>(restriction_->numbers) : std::span<const std::uint32_t>();
+    }
     /// The job of what is asked for. Throws if a restricted mesh does not suffice for the field, or if the grid has
     /// more samples than kernels can number or lies too far from the mesh; see Restriction::check(), layout_of() and
     /// check_distance().
@@ -236,6 +246,7 @@ private:
     KeptValues kept_;  // those that follow, in their order
     HomedMesh mesh_;
     Kept<Restriction> restriction_{kept_, MadeOf::triangles};
+    Kept<GivenFaces> given_faces_{kept_, MadeOf::triangles};
     Kept<SignSurface> sign_surface_{kept_, MadeOf::triangles};
     Kept<OpenLoops> open_loops_{kept_, MadeOf::triangles};
     Kept<OpenBoundary> boundary_{kept_, MadeOf::positions};  // any_boundary(), if none count

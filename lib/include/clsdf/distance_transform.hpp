@@ -26,7 +26,6 @@ namespace clsdf {
 
 enum class KernelBody : std::int32_t;  // clsdf/tuning.hpp
 
-/// How the sign is decided, and what is kept between calls.
 /// The surface that distances are measured to. The values of the enumerators never change.
 enum class Surface : std::int32_t {
     given = 0,  ///< all faces as given, also within other parts
@@ -36,6 +35,7 @@ enum class Surface : std::int32_t {
 /// "given", "outer".
 CLSDF_EXPORT const char* name_of(Surface surface);
 
+/// The surface, how the sign is decided, and what is kept between calls.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
     /// Limit of the device memory that is kept between calls, in bytes; 0 keeps nothing. Data that all grids and points
@@ -45,6 +45,8 @@ struct TransformOptions {
     KernelBody body{};  ///< for measuring
     /// Of the rule `below`, which needs one, and no other: z of the floor, below all vertices, also when they move.
     std::optional<double> floor{};
+    /// outer: all calls are about the outer surface alone, and tell its triangles by the faces as given that they are
+    /// parts of (docs/outer.md). Of sign rules it takes those that outer() takes.
     Surface surface = Surface::given;
 };
 
