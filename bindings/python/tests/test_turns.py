@@ -18,9 +18,9 @@ import clsdf
 turns = importlib.import_module("clsdf._turns")
 
 HOLDER = """
-import sys, time
+import os, sys, time
 from clsdf import _turns
-with _turns.taken(False, "device", "other") as watch:
+with _turns.taken(False, "device", str(os.getpid())) as watch:
     watch("compiling", 0)
     print("held", flush=True)
     time.sleep(float(sys.argv[1]))
