@@ -31,6 +31,7 @@ with _turns.taken(False, "device", str(os.getpid())) as watch:
 def folder(tmp_path, monkeypatch):
     monkeypatch.setenv("CLSDF_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(turns, "_known", set())
+    monkeypatch.setattr(turns, "_said", set())
     monkeypatch.setattr(turns, "_silence", 0.05)
     monkeypatch.setattr(turns, "longest_wait", 20.0)
     return tmp_path
