@@ -43,7 +43,7 @@ class Image(NamedTuple):
         """Vectors (n, 3) of the frame in the image's space, or positions, if the name is 'closest'. Sums are written out:
         a product of matrices is another one on other processors."""
         x, y, z = vectors.astype(np.float64).T
-        turned = np.stack([x * row[0] + y * row[1] + z * row[2] for row in self.direction], axis=1)
+        turned: npt.NDArray[np.float64] = np.stack([x * row[0] + y * row[1] + z * row[2] for row in self.direction], axis=1)
         return turned + self.origin if name == "closest" else turned
 
     def affine(self) -> npt.NDArray[np.float64]:
@@ -83,8 +83,9 @@ def _orthogonal(direction: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         raise Error(f"image: its axes are not at right angles, by {error:.2g}; resample it to a grid whose axes are")
     if error <= 1e-14:
         return direction
-    sign = np.sign(np.linalg.det(direction))
-    return np.array(_core.rotation_near((sign * direction).tolist()), np.float64) * sign
+    sign = float(np.sign(np.linalg.det(direction)))
+    near: npt.NDArray[np.float64] = sign * np.array(_core.rotation_near((sign * direction).tolist()), np.float64)
+    return near
 
 
 def in_frame(image: Image, vertices: npt.NDArray[Any]) -> tuple[npt.NDArray[np.float64], int | None]:
@@ -165,4 +166,5 @@ def _write_nifti(path: str, field: Field, image: Image) -> None:
     import nibabel  # type: ignore[import-not-found,import-untyped,unused-ignore]
 
     voxels = np.asarray(field.distance, np.float32).transpose(2, 1, 0)
-    nibabel.save(nibabel.Nifti1Image(voxels, image.affine()), path)
+    make_image: Any = nibabel.Nifti1Image
+    nibabel.save(make_image(voxels, image.affine()), path)

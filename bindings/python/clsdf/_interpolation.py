@@ -91,7 +91,8 @@ def surface_of(field: Field, level: float, body: Transform | None) -> Mesh:
     distance = distance_of(field)
     if min(distance.shape) < 2 or not distance.min() <= level <= distance.max():
         raise Error(f"level: no two neighbours of the field's samples have {level!r} between them")
-    corners, faces, _, _ = marching_cubes(np.ascontiguousarray(distance, np.float32), level, allow_degenerate=False)
+    cubes: Any = marching_cubes
+    corners, faces, _, _ = cubes(np.ascontiguousarray(distance, np.float32), level, allow_degenerate=False)
     grid = field.grid
     vertices = grid.origin + (np.array(grid.first) + corners[:, ::-1].astype(np.float64)) * grid.spacing
     # In the order z, y, x faces are mirrored. Those of values that grow inwards are the other way round.

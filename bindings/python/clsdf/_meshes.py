@@ -6,7 +6,7 @@ from __future__ import annotations
 import operator
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -49,10 +49,10 @@ class Mesh(tuple[Any, Any]):
     groups: Groups
 
     def __new__(cls, vertices: ArrayLike, faces: ArrayLike, groups: Any = None, name: str = "mesh") -> Mesh:
-        faces = as_array(faces, np.int64)
-        mesh = super().__new__(cls, (as_array(vertices, np.float64), faces))
+        rows = as_array(faces, np.int64)
+        mesh = super().__new__(cls, (as_array(vertices, np.float64), rows))
         mesh.name = name
-        mesh.groups = Groups([], np.empty(0, np.int32)) if groups is None else _groups_of(groups, len(faces))
+        mesh.groups = Groups([], np.empty(0, np.int32)) if groups is None else _groups_of(groups, len(rows))
         return mesh
 
     @property
@@ -215,10 +215,10 @@ def read_mesh(
     path: str | os.PathLike[str],
     *more: str | os.PathLike[str],
     scale: float = 1.0,
-    translate: Sequence[float] | npt.NDArray[Any] = (0.0, 0.0, 0.0),
+    translate: Any = (0.0, 0.0, 0.0),
     weld: float = 0.0,
     up: str = "z",
-    rotate: Sequence[float] | npt.NDArray[Any] = (0.0, 0.0, 0.0),
+    rotate: Any = (0.0, 0.0, 0.0),
     group_by: str = "",
     skip_bad_facets: bool = False,
 ) -> Mesh:

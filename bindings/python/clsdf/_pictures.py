@@ -104,7 +104,7 @@ def _with_axes(field: Field, axis: str, index: int, values: np.ndarray[Any, Any]
     limit = float(np.abs(values[np.isfinite(values)]).max(initial=0)) or 1.0
     colours = [_inside / 255, _white / 255, _outside / 255]
     figure = Figure(figsize=(pixels / 100, 0.8 * pixels / 100), dpi=100, layout="constrained")
-    canvas = FigureCanvasAgg(figure)
+    canvas: Any = FigureCanvasAgg(figure)
     plot = figure.add_subplot()
     image = plot.imshow(
         values,

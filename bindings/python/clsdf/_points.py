@@ -127,7 +127,7 @@ def limit_of(within: float | None) -> float:
 def limits_of(within: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64] | float:
     """One limit for all points, or an array (n,) of one for each of the points of the shape (...)."""
     if within is None or isinstance(within, (float, int, str)):
-        return limit_of(within)
+        return limit_of(within)  # type: ignore[arg-type]
     try:
         limits = np.asarray(within, np.float64)
     except (TypeError, ValueError):

@@ -25,7 +25,7 @@ def as_python(function: Any, owner: str = "") -> Callable[..., Any]:
     made = _defined(f"{text}: return called({call})", {"called": function, "clsdf": _core, "__name__": "clsdf"})
     made.__qualname__ = f"{owner}.{made.__name__}" if owner else made.__name__
     made.__doc__ = documentation
-    return made
+    return made  # type: ignore[no-any-return]
 
 
 def _defined(source: str, names: dict[str, Any]) -> Any:

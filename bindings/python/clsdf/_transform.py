@@ -331,7 +331,7 @@ class Transform(WithFields):
     def _in_units(self, band: BandLike) -> BandLike:
         """A part of the mesh's box as a length: a mesh in another frame has another box."""
         if isinstance(band, (tuple, list)):
-            return tuple(self._in_units(width) for width in band)  # type: ignore[return-value,arg-type]
+            return tuple(self._in_units(width) for width in band)  # type: ignore[return-value]
         if isinstance(band, str) and band.endswith("%"):
             return parse_length("band", band).resolve(1.0, float((self.box[1] - self.box[0]).max()))
         return band
@@ -648,7 +648,7 @@ class Transform(WithFields):
             if shape != (3,):
                 raise Error(f"points has the shape {shape}; expected (n, 3), or (3,) of one point")
             points = _cuda.reshaped(points, (1, 3))
-        results = np.empty(_cuda.shape_of(points)[0], np.float32) if out is None else out
+        results: Any = np.empty(_cuda.shape_of(points)[0], np.float32) if out is None else out
         self._body.winding(points, results, wait_for)
         return results[0] if is_one and out is None else results
 

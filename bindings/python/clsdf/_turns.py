@@ -51,7 +51,14 @@ def _is_local(folder: str) -> bool:
     return kind in _local
 
 
+_said: set[str] = set()
+
+
 def _say(text: str) -> None:
+    """Writes a line, once a process."""
+    if text in _said:
+        return
+    _said.add(text)
     try:
         sys.stderr.write(f"clsdf: {text}\n")
         sys.stderr.flush()

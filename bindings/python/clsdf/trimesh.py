@@ -67,7 +67,7 @@ def closest_point(
     rows = _points_of(points)
     distance, closest = np.empty(len(rows), np.float64), np.empty((len(rows), 3), np.float64)
     triangle = np.empty(len(rows), np.uint32)
-    out = {"distance": distance, "closest": closest, "triangle": triangle}
+    out: dict[str, npt.NDArray[Any]] = {"distance": distance, "closest": closest, "triangle": triangle}
     _transform_of(mesh, "none").query(rows, out=out)
     return closest, distance, triangle.astype(np.int64)
 

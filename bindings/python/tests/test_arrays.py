@@ -209,7 +209,7 @@ def test_outputs_that_overlap_are_refused(body, points):
         (np.zeros((4, 3), np.complex64), "complex64"),
         (np.zeros((4, 3), ">f8"), "swapped"),
         (np.broadcast_to(np.zeros(3), (4, 3)), "stride 0"),
-        (np.zeros((4, 3), np.int8), "int8"),
+        (np.zeros((4, 3), bool), "bool"),
     ],
 )
 def test_points_that_cannot_be_read(body, points, message):

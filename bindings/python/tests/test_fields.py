@@ -359,6 +359,15 @@ def test_an_image_of_pyvista(body):
     assert np.array_equal(image.point_data["gradient"].reshape(field.gradient.shape), field.gradient, equal_nan=True)
 
 
+def test_pyvista_reads_xdmf(body, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    field = body.field(resolution=12)
+    field.write(tmp_path / "x.h5")
+    image = pyvista.read(tmp_path / "x.xdmf")
+    image = image[0] if isinstance(image, pyvista.MultiBlock) else image
+    assert np.array_equal(image.point_data["distance"].reshape(field.shape), field.distance)
+
+
 def test_a_picture_is_a_png_of_the_slice(body):
     field = body.field(resolution=24)
     picture = clsdf.slice_picture(field, "y", pixels=100, axes=False)

@@ -38,6 +38,14 @@ def test_folders_for_compilers(module, file):
         assert printed.returncode == 1 and printed.stdout == "" and "scripts/wheel has them" in printed.stderr
 
 
+def test_the_module_is_the_command_if_the_package_has_it():
+    printed = subprocess.run([sys.executable, "-m", "clsdf", "--version"], capture_output=True, text=True, cwd=os.sep)
+    if (Path(clsdf.__file__).parent / "bin" / "clsdf").exists():
+        assert printed.returncode == 0 and clsdf.__version__ in printed.stdout
+    else:
+        assert printed.returncode == 1 and "scripts/wheel makes has one" in printed.stderr
+
+
 def test_threads_get_the_same_bytes(body, points):
     field = body.field(resolution=24)
     expected = body.query(points).distance
@@ -292,7 +300,7 @@ INTERRUPTED = """
 """
 
 
-@pytest.mark.parametrize("call", ['body.fields(grids, band="full")', "body.classify(corners, 0.05)"])
+@pytest.mark.parametrize("call", ['body.fields(grids, band="full")', "body.classify(corners, 0.05)", "body.sample(20_000_000, 0.01)"])
 def test_ctrl_c_ends_a_call(call):
     result = run(INTERRUPTED.replace("CALL", call))
     assert result.returncode == 0, result.stderr

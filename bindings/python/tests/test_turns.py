@@ -18,9 +18,9 @@ import clsdf
 turns = importlib.import_module("clsdf._turns")
 
 HOLDER = """
-import sys, time
+import os, sys, time
 from clsdf import _turns
-with _turns.taken(False, "device", "other") as watch:
+with _turns.taken(False, "device", str(os.getpid())) as watch:
     watch("compiling", 0)
     print("held", flush=True)
     time.sleep(float(sys.argv[1]))
@@ -31,6 +31,7 @@ with _turns.taken(False, "device", "other") as watch:
 def folder(tmp_path, monkeypatch):
     monkeypatch.setenv("CLSDF_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(turns, "_known", set())
+    monkeypatch.setattr(turns, "_said", set())
     monkeypatch.setattr(turns, "_silence", 0.05)
     monkeypatch.setattr(turns, "longest_wait", 20.0)
     return tmp_path

@@ -26,6 +26,11 @@ reveal_type(clsdf.devices())
 for slab in body.slabs(resolution=64):
     clsdf.write_field(slab, "slab.nrrd")
 body.field(clsdf.Grid((0, 0, 0), 0.1, [1, 2, 3]))
+body.query([[0, 0, 0], (0.5, 0.5, 0.5)], frame=(np.eye(3), (0, 0, 0)), out={"distance": np.empty(2)})
+points: clsdf.typing.ArrayLike = np.zeros((5, 3), np.float32)
+clsdf.Body(clsdf.make_shape("torus"), device=None).contains(points)
+body.query("abc")
+clsdf.Transform(3)
 try:
     body.field(resolution="many")
 except clsdf.Error as error:
@@ -50,7 +55,8 @@ def test_a_program_has_the_types_of_the_package(tmp_path):
     assert revealed[1:3] == ["tuple[int, int, int]", "float"], said
     assert "DeviceInfo" in revealed[4] and revealed[5] == "str"
     errors = [line for line in said if "error:" in line]
-    assert len(errors) == 1 and "resolution" in errors[0], errors
+    wrong = ("query", "Transform", "resolution")
+    assert len(errors) == 3 and all(name in error for name, error in zip(wrong, errors)), errors
 
 
 def test_the_package_itself_is_typed(tmp_path):
