@@ -38,7 +38,7 @@ inline Mesh random_saddle_fan(Random& random) {
 }
 
 inline papers::Fan fan_of_apex(const Mesh& mesh) {
-    const papers::Surface surface(mesh);
+    const papers::MeshSurface surface(mesh);
     engine::VertexFans fans;
     return papers::fan_at(surface, 0, fans);
 }
