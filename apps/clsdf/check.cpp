@@ -223,7 +223,7 @@ Command add_check(Parser& program) {
     const auto options = std::make_shared<Options>();
     Parser parser = program.add_subcommand("check", "Compare a field with the reference, in double precision");
     add_mesh_and_argument(parser, options->mesh, "FIELD", options->more,
-                          "its field, last: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf");
+                          "its field, last: .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf");
     add_floor_option(parser, options->floor);
     add_surface_option(parser, options->surface);
     add_weld_option(parser, options->reading);

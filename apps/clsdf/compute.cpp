@@ -85,8 +85,8 @@ void check_group_format(const ComputeOptions& options) {
     const bool is_wanted = std::ranges::find(options.with, group_word) != options.with.end();
     if (is_wanted && !options.output.empty() && !clsdf::stores_groups(options.output))
         throw Error(ErrorCode::unsupported,
-                    fmt::format("--with group: {}: this format stores no groups; choose .vti, or --with triangle and "
-                                "the groups of \"clsdf info\"",
+                    fmt::format("--with group: {}: this format stores no groups; choose .vti or .vtkhdf, or --with "
+                                "triangle and the groups of \"clsdf info\"",
                                 options.output));
 }
 
@@ -219,7 +219,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         clsdf::check_field_path(options.output, request.outputs);
     else if (!options.dry_run)
         throw Error(ErrorCode::invalid_argument,
-                    "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf");
+                    "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf");
     const std::optional<clsdf::Device> device = named_device(options);
     std::optional<SecondCompiler> second_compiler;
     if (!options.dry_run && request.scan == clsdf::Scan::bricks && is_first_use())

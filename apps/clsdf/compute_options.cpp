@@ -135,7 +135,7 @@ void add_grid_options(Parser& parser, ComputeOptions& options, const std::string
 
 void add_options(Parser& parser, ComputeOptions& options) {
     add_mesh_argument(parser, options.mesh);
-    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf")
+    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf")
         .takes("FIELD")
         .in_usage();  // but for --dry-run
     add_grid_options(parser, options, "room around the mesh [the band's width outside, 5% without an end]");

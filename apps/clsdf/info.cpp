@@ -344,8 +344,8 @@ Command add_info(Parser& program) {
         program.add_subcommand("info", "Count a mesh's saddle vertices, gaps and defects, or describe a field");
     parser
         .add("MESH", options->mesh,
-             "the mesh: .off, .obj, .stl or .ply; several files are one body; or a field: .nrrd, .npy, .vti, .h5, "
-             ".vdb, .nvdb or .sdf")
+             "the mesh: .off, .obj, .stl or .ply; several files are one body; or a field: .nrrd, .npy, .vti, "
+             ".vtkhdf, .h5, .vdb, .nvdb or .sdf")
         .required();
     add_weld_option(parser, options->reading);
     add_skip_option(parser, options->reading);

@@ -144,7 +144,7 @@ ExitStatus run(RenderOptions options, Report& report) {
 Command add_render(Parser& program) {
     const auto options = std::make_shared<RenderOptions>();
     Parser parser = program.add_subcommand("render", "Draw a field's surface, shaded, whole or cut open");
-    parser.add("FIELD", options->field, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf").required();
+    parser.add("FIELD", options->field, "the field: .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf").required();
     parser.add("-o,--output", options->output, "the picture: .png").takes("PICTURE").required();
     parser
         .add("--view", options->view,

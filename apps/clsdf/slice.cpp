@@ -90,7 +90,7 @@ ExitStatus run(const SliceOptions& options, Report& report) {
 Command add_slice(Parser& program) {
     const auto options = std::make_shared<SliceOptions>();
     Parser parser = program.add_subcommand("slice", "Draw a field: colours, iso-lines, axes and a colour bar");
-    parser.add("FIELD", options->field, "the field: .nrrd, .npy, .vti, .h5, .vdb, .nvdb or .sdf").required();
+    parser.add("FIELD", options->field, "the field: .nrrd, .npy, .vti, .vtkhdf, .h5, .vdb, .nvdb or .sdf").required();
     parser.add("-o,--output", options->output, "the picture: .png, or .pdf for print").takes("PICTURE").required();
     parser.add("--axis", options->axis, "perpendicular to the slice").takes_one_of({"x", "y", "z"});
     parser.add("--index", options->index, "the slice's sample along the axis, from 0 [the middle]")

@@ -6971,7 +6971,7 @@ contains
     call clsdf_finish(status, stat, errmsg)
   end subroutine
 
-  !> Gives the field the mesh's groups: a .vti gets the group of each sample, from 0, beside its triangle.
+  !> Gives the field the mesh's groups: a .vti or .vtkhdf gets the group of each sample, from 0, beside its triangle.
   subroutine field_set_groups(self, mesh, stat, errmsg)
     class(clsdf_field), intent(inout) :: self
     type(clsdf_mesh), intent(in) :: mesh

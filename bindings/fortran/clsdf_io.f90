@@ -144,7 +144,8 @@ module clsdf_io
 
 contains
 
-  !> Reads a field: .nrrd, .npy, .vti, .h5, .nvdb, .sdf or, if OpenVDB is built in, .vdb. Its triangles count from 1.
+  !> Reads a field: .nrrd, .npy, .vti, .vtkhdf, .h5, .nvdb, .sdf or, if OpenVDB is built in, .vdb. Its
+  !> triangles count from 1.
   subroutine clsdf_field_read(path, field, stat, errmsg)
     character(*), intent(in) :: path
     type(clsdf_field), intent(inout) :: field

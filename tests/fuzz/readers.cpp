@@ -115,7 +115,7 @@ Reader field_reader(const std::string& format, const std::string& ending, const 
         fs::remove_all(sound);
     }
     // Values that are compressed, or stated once for many samples, may take few bytes.
-    if (ending == ".h5" || ending == ".vdb" || ending == ".nvdb") reader.expansion = 4096;
+    if (ending == ".h5" || ending == ".vtkhdf" || ending == ".vdb" || ending == ".nvdb") reader.expansion = 4096;
     return reader;
 }
 
@@ -157,8 +157,8 @@ struct FieldFormat {
 constexpr std::array field_formats {
     FieldFormat{"nrrd", ".nrrd", ".nrrd"}, FieldFormat{"nrrd_triangle", ".nrrd", "_triangle.nrrd"},
         FieldFormat{"npy", ".npy", ".npy"}, FieldFormat{"npy_json", ".npy", ".npy.json"},
-        FieldFormat{"vti", ".vti", ".vti"}, FieldFormat{"h5", ".h5", ".h5"}, FieldFormat{"nvdb", ".nvdb", ".nvdb"},
-        FieldFormat{"sdf", ".sdf", ".sdf"},
+        FieldFormat{"vti", ".vti", ".vti"}, FieldFormat{"vtkhdf", ".vtkhdf", ".vtkhdf"},
+        FieldFormat{"h5", ".h5", ".h5"}, FieldFormat{"nvdb", ".nvdb", ".nvdb"}, FieldFormat{"sdf", ".sdf", ".sdf"},
 #if CLSDF_WITH_OPENVDB
         FieldFormat{"vdb", ".vdb", ".vdb"},
 #endif

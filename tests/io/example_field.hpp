@@ -30,7 +30,7 @@ struct Format {
 inline const std::vector<Format>& all_formats() {
     static const std::vector<Format> formats {
         {.ending = ".nrrd", .extras_beside = true}, {.ending = ".npy", .extras_beside = true}, {.ending = ".vti"},
-            {.ending = ".h5"}, {.ending = ".nvdb", .has_extras = false},
+            {.ending = ".vtkhdf"}, {.ending = ".h5"}, {.ending = ".nvdb", .has_extras = false},
 #if CLSDF_WITH_OPENVDB
             {.ending = ".vdb", .any_spacing = false},
 #endif

@@ -249,6 +249,36 @@ BOOST_AUTO_TEST_CASE(a_vti_file_has_the_group_of_each_sample) {
     BOOST_TEST(!stores_groups("a.nrrd"));
 }
 
+BOOST_AUTO_TEST_CASE(a_vtkhdf_file_has_the_group_of_each_sample_and_the_same_bytes_in_slices) {
+    const TemporaryFolder folder;
+    FieldDescription description;
+    description.grid = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+    description.band = Band::symmetric(1);
+    Field field(description, Output::distance | Output::triangle);
+    const std::array<std::uint32_t, 8> triangles{0, 1, 2, 1, 0, no_triangle, 2, 2};
+    std::ranges::copy(triangles, field.triangle().begin());
+    field.groups = std::make_shared<const FaceGroups>(FaceGroups{{"in", "outside"}, {1, 0, 1}});
+    const std::string path = folder.file("groups.vtkhdf");
+    write_field(field, path);
+    const std::string content = content_of(path);
+    std::string numbers;
+    for (const std::uint32_t number : {1U, 0U, 1U, 0U, 1U, no_group, 1U, 1U})
+        numbers += bytes_of(number, std::endian::little);
+    BOOST_TEST(content.find(numbers) != std::string::npos);
+    BOOST_TEST(content.find(std::string("in\0\0\0\0\0\0outside\0", 16)) != std::string::npos);
+    BOOST_TEST(read_field(path).triangle() == triangles, boost::test_tools::per_element());
+    FieldWriter writer(folder.file("slices.vtkhdf"), field, field.outputs());
+    for (std::size_t slice = 0; slice < 2; ++slice) {
+        FieldSlab slab;
+        slab.set(Output::distance, std::as_const(field).distance().subspan(4 * slice, 4));
+        slab.set(Output::triangle, std::as_const(field).triangle().subspan(4 * slice, 4));
+        writer.append(slab);
+    }
+    writer.finish();
+    BOOST_TEST((content_of(folder.file("slices.vtkhdf")) == content));
+    BOOST_TEST(stores_groups("a.VTKHDF"));
+}
+
 BOOST_AUTO_TEST_CASE(a_table_of_points_has_the_groups_of_their_triangles) {
     const TemporaryFolder folder;
     const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}};

@@ -107,6 +107,17 @@ BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_in_vtk) {
     check_with_reader(TemporaryFolder(), "vti", "vti", plain_field(unequal));
 }
 
+// With the groups of its triangles.
+BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_in_vtk_as_vtkhdf) {
+    Field field = plain_field(unequal);
+    FaceGroups groups{{"even", "odd ones"}, std::vector<std::uint32_t>(256)};
+    for (std::uint32_t i = 0; i < groups.numbers.size(); ++i) groups.numbers[i] = i % 2;
+    for (std::uint32_t& triangle : field.triangle())
+        if (triangle != clsdf::no_triangle) triangle %= 256;
+    field.groups = std::make_shared<const FaceGroups>(groups);
+    check_with_reader(TemporaryFolder(), "vtkhdf", "vtkhdf", field);
+}
+
 BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_in_h5py_and_the_xdmf_file_says_the_same) {
     check_with_reader(TemporaryFolder(), "h5", "h5", plain_field(unequal));
 }
@@ -151,6 +162,30 @@ BOOST_AUTO_TEST_CASE(is_read_back_from_vtk) {
         refused("ascii", "ascii");
         refused("lz4", "vtkLZ4DataCompressor");
     }
+}
+
+BOOST_AUTO_TEST_CASE(is_read_back_from_vtkhdf_as_other_programs_write_it) {
+    const TemporaryFolder folder;
+    const Field field = plain_field(unequal);
+    if (!check_with_reader(folder, "vtkhdf_rewritten", "vtkhdf", field)) return;
+    for (const std::string name : {"plain_earliest", "plain_latest", "chunks_earliest"}) {
+        BOOST_TEST_CONTEXT(name) {
+            const Field read = read_field(folder.file("field_" + name + ".vtkhdf"));
+            BOOST_CHECK(same_bits(read.distance(), field.distance()));
+            BOOST_CHECK(std::ranges::equal(read.triangle(), field.triangle()));
+            BOOST_CHECK(read.grid == field.grid);
+            BOOST_CHECK(read.band == field.band);
+            BOOST_CHECK(read.sign == field.sign);
+            BOOST_TEST(read.mesh_name == field.mesh_name);
+        }
+    }
+    const auto refused = [&](const std::string& name, const std::string& word) {
+        const std::string path = folder.file("field_" + name + ".vtkhdf");
+        check_throws(ErrorCode::unreadable_input, {path, "VTKHDF/PointData/phi", word}, [&] { read_field(path); });
+    };
+    refused("chunks_latest", "chunks");
+    refused("compressed_earliest", "compressed");
+    refused("compressed_latest", "compressed");
 }
 
 #if CLSDF_WITH_OPENVDB

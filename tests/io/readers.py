@@ -13,7 +13,8 @@ import sys
 import tempfile
 import xml.etree.ElementTree
 
-PACKAGES = {"vti": "python3-vtk9", "vti_rewritten": "python3-vtk9", "h5": "python3-h5py", "nrrd": "teem-apps",
+PACKAGES = {"vti": "python3-vtk9", "vti_rewritten": "python3-vtk9", "vtkhdf": "python3-vtk9",
+            "vtkhdf_rewritten": "python3-h5py", "h5": "python3-h5py", "nrrd": "teem-apps",
             "npy": "python3-numpy", "sparse_npy": "python3-numpy", "sparse_h5": "python3-h5py", "sdf": "python3-numpy",
             "vdb": "python3-openvdb", "vdb_unequal": "python3-openvdb", "vdb_rewritten": "python3-openvdb"}
 
@@ -47,17 +48,21 @@ def read_image(path):
     return reader.GetOutput()
 
 
-def vti(path, expected, distance, triangle):
+def check_image(image, expected, distance, triangle):
     from vtkmodules.util.numpy_support import vtk_to_numpy
-    image = read_image(path)
     nx, ny, nz = expected["size"]
     check(image.GetExtent() == (0, nx - 1, 0, ny - 1, 0, nz - 1), f"extent {image.GetExtent()}")
     check(list(image.GetOrigin()) == expected["origin"], f"origin {image.GetOrigin()}")
     check(list(image.GetSpacing()) == expected["spacing"], f"spacing {image.GetSpacing()}")
     data = image.GetPointData()
-    check(data.GetScalars().GetName() == "distance", "the scalars' name")
     check_values("distance", vtk_to_numpy(data.GetArray("distance")).reshape(nz, ny, nx), distance)
     check_values("triangle", vtk_to_numpy(data.GetArray("triangle")).reshape(nz, ny, nx), triangle)
+
+
+def vti(path, expected, distance, triangle):
+    image = read_image(path)
+    check(image.GetPointData().GetScalars().GetName() == "distance", "the scalars' name")
+    check_image(image, expected, distance, triangle)
     check_description(image.GetFieldData().GetAbstractArray("clsdf").GetValue(0), expected)
 
 
@@ -84,6 +89,51 @@ def vti_rewritten(path, expected, distance, triangle):
             if prepare:
                 prepare(writer)
             check(writer.Write() == 1, "VTK does not write " + name)
+
+
+def vtkhdf(path, expected, distance, triangle):
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+    reader = vtkHDFReader()
+    check(reader.CanReadFile(path) == 1, "CanReadFile")
+    reader.SetFileName(path)
+    reader.Update()
+    check(reader.GetErrorCode() == 0, f"VTK's error {reader.GetErrorCode()}")
+    image = reader.GetOutputDataObject(0)
+    check_image(image, expected, distance, triangle)
+    group = vtk_to_numpy(image.GetPointData().GetArray("group")).reshape(distance.shape)
+    beyond = triangle == 0xFFFFFFFF
+    check_values("group", group, (triangle % 2 + beyond * 0xFFFFFFFE).astype("u4"))
+    try:
+        import h5py
+    except ImportError:
+        return
+    with h5py.File(path, "r") as file:
+        names = [bytes(name).decode() for name in file["VTKHDF/PointData/group"].attrs["names"]]
+        check(names == ["even", "odd ones"], f"the groups' names {names}")
+
+
+def vtkhdf_rewritten(path, expected, distance, triangle):
+    """Writes it as other programs do: HDF5's default format, and in chunks; compressed, which clsdf refuses."""
+    import h5py
+    import numpy
+    with h5py.File(path, "r") as file:
+        about, attributes = file.attrs["clsdf"], dict(file["VTKHDF"].attrs)
+    if not isinstance(about, bytes):
+        about = about.encode()
+    for name, options in (("plain", {}), ("chunks", {"chunks": (4, 5, 6)}),
+                          ("compressed", {"chunks": (4, 5, 6), "compression": "gzip"})):
+        for version in ("earliest", "latest"):
+            with h5py.File(f"{path[:-7]}_{name}_{version}.vtkhdf", "w", libver=version) as file:
+                file.attrs["clsdf"] = numpy.bytes_(about)
+                root = file.create_group("VTKHDF")
+                for key, value in attributes.items():
+                    root.attrs[key] = value if key != "Type" else numpy.bytes_(b"ImageData")
+                root.attrs["WholeExtent"] = numpy.asarray(attributes["WholeExtent"], "i4")
+                points = root.create_group("PointData")
+                points.attrs["Scalars"] = numpy.bytes_(b"phi")
+                points.create_dataset("phi", data=distance.astype("f8"), **options)
+                points.create_dataset("triangle", data=triangle, **options)
 
 
 def h5(path, expected, distance, triangle):

@@ -1556,8 +1556,8 @@ CLSDF_API clsdf_status clsdf_field_outputs(const clsdf_field* field, uint32_t* o
 CLSDF_API clsdf_status clsdf_field_array(const clsdf_field* field, int32_t output, clsdf_array* array);
 /* Makes the field's triangles count from 0 or 1. Threads: one. */
 CLSDF_API clsdf_status clsdf_field_set_index_base(clsdf_field* field, int32_t index_base);
-/* Gives the field a copy of the mesh's groups, which may be none: a .vti gets the group of each sample beside its
- * triangle. Threads: one. */
+/* Gives the field a copy of the mesh's groups, which may be none: a .vti or .vtkhdf gets the group of each sample
+ * beside its triangle. Threads: one. */
 CLSDF_API clsdf_status clsdf_field_set_groups(clsdf_field* field, const clsdf_mesh* mesh);
 
 /* ---- Sparse fields in the library's memory ---- */

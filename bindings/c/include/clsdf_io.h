@@ -12,8 +12,8 @@
 extern "C" {
 #endif
 
-/* Reads a field: .nrrd, .npy, .vti, .h5, .nvdb, .sdf or, if OpenVDB is built in, .vdb; also files of other programs. If
- * the file states no band, the band has no end. An output whose file is missing has no array. */
+/* Reads a field: .nrrd, .npy, .vti, .vtkhdf, .h5, .nvdb, .sdf or, if OpenVDB is built in, .vdb; also files of other
+ * programs. If the file states no band, the band has no end. An output whose file is missing has no array. */
 CLSDF_API clsdf_status clsdf_field_read(const char* path, clsdf_field** field);
 /* The files of outputs that the field's file names but that do not exist, one a line. */
 CLSDF_API clsdf_status clsdf_field_missing_files(const char* path, char* text, int64_t size, int64_t* length);

@@ -1,4 +1,4 @@
-"""Files of fields: .nrrd, .npy, .vti, .h5, .nvdb, .sdf; docs/formats.md describes them."""
+"""Files of fields: .nrrd, .npy, .vti, .vtkhdf, .h5, .nvdb, .sdf; docs/formats.md describes them."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def read_field(path: str | os.PathLike[str]) -> Field:
 
 
 def write_field(field: Field, path: str | os.PathLike[str], groups: Groups | None = None) -> None:
-    """Writes a field by the file's ending; complete or not at all. A field of an image is written as .nrrd, .nii or .nii.gz
-    (by nibabel), with the image's origin and direction, and the distance alone. groups: of the mesh; a .vti gets the group of each
-    sample beside its triangle. A MeshWarning says what .sdf does not record: the
+    """Writes a field by the file's ending; complete or not at all. A field of an image is written as .nrrd, .nii or
+    .nii.gz (by nibabel), with the image's origin and direction, and the distance alone. groups: of the mesh; a .vti or
+    .vtkhdf gets the group of each sample beside its triangle. A MeshWarning says what .sdf does not record: the
     band, and that the inside is positive. Raises clsdf.Error: output_failure; unsupported for an unknown ending, or
     outputs that the format cannot store."""
     if not isinstance(field, Field):

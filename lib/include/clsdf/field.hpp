@@ -94,7 +94,7 @@ struct FieldDescription {
     /// Distances and gradients are negated, also zeros and what lies beyond the band: -0 on the surface. So negating
     /// them again gives the same bits. Fields that are computed are negative inside; see Field::negate().
     bool positive_inside = false;
-    /// The groups of the mesh, or null. A .vti with the output triangle gets the group of each sample, too.
+    /// The groups of the mesh, or null. A .vti or .vtkhdf with the output triangle gets the group of each sample, too.
     std::shared_ptr<const FaceGroups> groups{};
     /// Of the sign rule `below`: z of the floor; nothing if there is none, or if a file does not say.
     std::optional<double> floor{};

@@ -33,7 +33,7 @@ CLSDF_EXPORT Field read_field(const std::string& path, OutputSet wanted);
 /// read_field() leaves these outputs empty. Throws as read_field().
 CLSDF_EXPORT std::vector<std::string> missing_field_files(const std::string& path);
 
-/// Writes a field by the file's ending: .nrrd, .npy, .vti, .h5, .nvdb, .sdf or, if OpenVDB is built in, .vdb;
+/// Writes a field by the file's ending: .nrrd, .npy, .vti, .vtkhdf, .h5, .nvdb, .sdf or, if OpenVDB is built in, .vdb.
 /// docs/formats.md describes their contents. With .nrrd and .npy each other output has a separate file,
 /// FILE_triangle.nrrd or FILE_closest.npy. No file gets its final name before all are written; the distances appear
 /// last. Throws Error(output_failure), Error(unsupported) for an unknown ending, or Error(invalid_argument) if the
@@ -84,7 +84,7 @@ CLSDF_EXPORT bool stores_sparse_fields(const std::string& path);
 /// Whether it stores dense fields as sparse ones, too: .nvdb and .vdb.
 CLSDF_EXPORT bool stores_sparse_fields_only(const std::string& path);
 
-/// Whether it stores the group of each sample, if the field has triangles and groups: .vti.
+/// Whether it stores the group of each sample, if the field has triangles and groups: .vti, .vtkhdf.
 CLSDF_EXPORT bool stores_groups(const std::string& path);
 
 /// Reads the sparse field of a file, with the outputs that are wanted and in the file. Nothing if the file has a dense

@@ -32,6 +32,7 @@ constexpr std::array formats{
     Format{".nrrd", nrrd_writer, read_nrrd, true, nullptr, files_of_nrrd},
     Format{".npy", npy_writer, read_npy, true, check_npy, files_of_npy, sparse_npy_writer, read_sparse_npy},
     Format{.ending = ".vti", .writer = vti_writer, .read = read_vti, .has_groups = true},
+    Format{.ending = ".vtkhdf", .writer = vtkhdf_writer, .read = read_vtkhdf, .has_groups = true},
     Format{".h5", h5_writer, read_h5, true, check_h5, nullptr, sparse_h5_writer, read_sparse_h5},
     Format{".vdb", vdb_writer, read_vdb, true, check_vdb, nullptr, sparse_vdb_writer, read_sparse_vdb, true},
     Format{".nvdb", nvdb_writer, read_nvdb, false, check_nvdb, nullptr, sparse_nvdb_writer, read_sparse_nvdb, true},

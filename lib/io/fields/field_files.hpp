@@ -90,6 +90,11 @@ std::map<std::string, std::string> files_of_npy(const std::string& path);
 
 std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
 Field read_vti(const std::string& path, OutputSet wanted);
+/// Throws Error(unsupported) for a grid with more samples on an axis than VTK counts.
+void check_vtk_extent(const std::string& path, const Grid& grid);
+
+std::unique_ptr<FormatWriter> vtkhdf_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
+Field read_vtkhdf(const std::string& path, OutputSet wanted);
 
 std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
 std::unique_ptr<SparseFormatWriter> sparse_h5_writer(const std::string& path, const FieldDescription& field,

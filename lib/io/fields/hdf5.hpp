@@ -3,11 +3,13 @@
 #include "core/outputs.hpp"
 #include "io/meshes/raw_values.hpp"
 
+#include <clsdf/field.hpp>
 #include <clsdf/grid.hpp>
 
 #include <hdf5.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -93,17 +95,34 @@ public:
     Source& operator=(const Source&) = delete;
     virtual ~Source() = default;
 
-    virtual bool has(const std::string& array) const = 0;
+    /// Whether there is an array or a group of that path: "distance", "VTKHDF/PointData".
+    virtual bool has(const std::string& path) const = 0;
     /// The array must have the number of dimensions and the type of values that are wanted.
     virtual StoredArray array(const WantedArray& wanted) const = 0;
-    /// Three numbers along x, y, z: an attribute of an array.
-    virtual Vec3 triple(const std::string& array, const std::string& name) const = 0;
-    /// A text of fixed length: an attribute of the file.
-    virtual std::optional<std::string> text(const std::string& name) const = 0;
+    /// An attribute of an array or a group: `count` numbers, described by `what`.
+    virtual std::vector<double> numbers(const std::string& object, const std::string& name, std::size_t count,
+                                        const char* what) const = 0;
+    /// A text of fixed length: an attribute of a group, "" for the file's own.
+    virtual std::optional<std::string> text(const std::string& group, const std::string& name) const = 0;
+
+    /// Three numbers along x, y, z.
+    Vec3 triple(const std::string& object, const std::string& name) const {
+        const std::vector<double> found = numbers(object, name, 3, "three numbers along x, y, z");
+        return {found[0], found[1], found[2]};
+    }
 };
 
 /// Opens a file in the format before HDF5 1.8, HDF5's default (superblock of version 0 or 1). It has no checksums, and
 /// HDF5 itself may crash if it is damaged. So clsdf has its own reader, which knows the part of the format that fields
 /// need and checks every number. The file must outlive the source.
 std::unique_ptr<Source> open_without_checksums(InputFile& file);
+
+/// Calls f with the parts of a file, by the reader of its format.
+void with_source(const std::string& path, const std::function<void(InputFile&, const Source&)>& f);
+
+/// Reads an output of a field's samples from an array of three axes, which may be chunked, and one more for components.
+/// Throws Error(unreadable_input).
+void read_samples(InputFile& file, const Source& source, const WantedArray& wanted, const OutputInfo& info,
+                  Field& field);
+
 }  // namespace clsdf::hdf5

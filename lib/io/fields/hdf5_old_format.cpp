@@ -186,10 +186,10 @@ public:
         if (block.number(8) > file.size()) file.fail("HDF5: the file is truncated");
         block.skip(16);
         root_ = messages_of(block.number(8));
-        list_members();
+        members_ = members_of(root_, "the root");
     }
 
-    bool has(const std::string& array) const override { return members_.contains(array); }
+    bool has(const std::string& path) const override { return address_of(path).has_value(); }
 
     StoredArray array(const WantedArray& wanted) const override {
         const std::vector<Message> messages = messages_of(wanted.name);
@@ -215,20 +215,21 @@ public:
         return array;
     }
 
-    Vec3 triple(const std::string& array, const std::string& name) const override {
-        const std::optional<Attribute> found = find_attribute(messages_of(array), name);
-        if (!found) fail(array, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
+    std::vector<double> numbers(const std::string& object, const std::string& name, std::size_t count,
+                                const char* what) const override {
+        const std::optional<Attribute> found = find_attribute(messages_of(object), name);
+        if (!found) fail(object, fmt::format("attribute '{}' is missing; state {}", name, what));
         const auto type = number_type({file_, found->type, "type of an attribute"});
-        if (!type || count_of(*found) != 3 || found->value.size() < 3 * type->width)
-            fail(array, fmt::format("attribute '{}' is not three numbers", name));
-        Vec3 result{};
-        for (std::size_t i = 0; i < 3; ++i)
+        if (!type || count_of(*found) != count || found->value.size() < count * type->width)
+            fail(object, fmt::format("attribute '{}' is not {}", name, what));
+        std::vector<double> result(count);
+        for (std::size_t i = 0; i < count; ++i)
             result[i] = number_of(std::string_view(found->value).substr(i * type->width, type->width), *type);
         return result;
     }
 
-    std::optional<std::string> text(const std::string& name) const override {
-        const std::optional<Attribute> found = find_attribute(root_, name);
+    std::optional<std::string> text(const std::string& group, const std::string& name) const override {
+        const std::optional<Attribute> found = find_attribute(group.empty() ? root_ : messages_of(group), name);
         if (!found) return std::nullopt;
         Bytes type(file_, found->type, "type of an attribute");
         constexpr std::uint64_t text_class = 3;
@@ -279,12 +280,32 @@ private:
         return messages;
     }
 
-    std::vector<Message> messages_of(const std::string& array) const {
-        const auto member = members_.find(array);
-        if (member == members_.end()) file_.fail(fmt::format("there is no dataset '/{}'", array));
-        // A symbolic link has no object header.
-        if (member->second == nowhere) fail(array, "it is a link; store the array itself");
-        return messages_of(member->second);
+    /// The members of a group, with the addresses of their object headers; `nowhere` for links.
+    using Members = std::map<std::string, std::uint64_t>;
+
+    /// Of an array or a group; nothing if it is not there. A symbolic link has no object header.
+    std::optional<std::uint64_t> address_of(const std::string& path) const {
+        const Members* members = &members_;
+        Members of_group;
+        for (std::size_t begin = 0;;) {
+            const std::size_t end = path.find('/', begin);
+            const auto member = members->find(path.substr(begin, end - begin));
+            if (member == members->end()) return std::nullopt;
+            if (end == std::string::npos) return member->second;
+            if (member->second == nowhere) return std::nullopt;
+            const std::vector<Message> messages = messages_of(member->second);
+            if (find(messages, symbol_table) == nullptr) return std::nullopt;
+            of_group = members_of(messages, path.substr(0, end));
+            members = &of_group;
+            begin = end + 1;
+        }
+    }
+
+    std::vector<Message> messages_of(const std::string& path) const {
+        const std::optional<std::uint64_t> address = address_of(path);
+        if (!address) file_.fail(fmt::format("there is no dataset '/{}'", path));
+        if (*address == nowhere) fail(path, "it is a link; store the array itself");
+        return messages_of(*address);
     }
 
     static const Message* find(const std::vector<Message>& messages, MessageType type) {
@@ -299,22 +320,24 @@ private:
         return *message;
     }
 
-    /// The members of the file's root, with the addresses of their object headers; `nowhere` for links.
-    void list_members() {
-        const Message* table = find(root_, symbol_table);
-        if (table == nullptr) file_.fail("HDF5: the root has no symbol table; save the field with default settings");
+    Members members_of(const std::vector<Message>& group, const std::string& name) const {
+        const Message* table = find(group, symbol_table);
+        if (table == nullptr)
+            file_.fail(fmt::format("HDF5: {} has no symbol table; save the field with default settings", name));
+        Members members;
         Bytes places(file_, table->content, "symbol table");
         std::vector<std::uint64_t> nodes{places.number(8)};
         const std::string names = heap_at(places.number(8));
         std::uint64_t entries = 0;
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             if (Bytes(file_, nodes[i], 4, "group").take(4) == "SNOD")
-                entries += list_members_of(nodes[i], names);
+                entries += list_members_of(nodes[i], names, members);
             else
                 for (const std::uint64_t child : children_of(nodes[i])) nodes.push_back(child);
             if (nodes.size() > most_nodes || entries > most_members)
                 places.fail("it has too many members, or the file is damaged");
         }
+        return members;
     }
 
     std::string heap_at(std::uint64_t address) const {
@@ -328,7 +351,7 @@ private:
     }
 
     /// Returns how many there are. Longer names than those of a field's arrays are cut.
-    std::uint64_t list_members_of(std::uint64_t address, const std::string& names) {
+    std::uint64_t list_members_of(std::uint64_t address, const std::string& names, Members& members) const {
         Bytes header(file_, address, 8, "group");
         header.skip(6);
         constexpr std::uint64_t entry_size = 40;
@@ -341,7 +364,7 @@ private:
             if (name >= names.size()) entries.fail("a name lies beyond its heap; the file is damaged");
             constexpr std::size_t longest_name = 64;
             const std::string member = names.substr(static_cast<std::size_t>(name), longest_name);
-            members_.emplace(member.substr(0, member.find('\0')), object);
+            members.emplace(member.substr(0, member.find('\0')), object);
         }
         return count;
     }
@@ -474,10 +497,12 @@ private:
         return std::nullopt;
     }
 
+    /// At most one more than any attribute of a field has.
     std::uint64_t count_of(const Attribute& attribute) const {
+        constexpr std::uint64_t most_numbers = 9;
         std::uint64_t count = 1;
         for (const std::uint64_t size : dataspace_shape({file_, attribute.shape, "shape of an attribute"}))
-            count = size > 3 || count > 3 ? 4 : count * size;  // more than three count as four
+            count = size > most_numbers || count > most_numbers ? most_numbers + 1 : count * size;
         return count;
     }
 
@@ -487,7 +512,7 @@ private:
 
     InputFile& file_;
     std::vector<Message> root_;
-    std::map<std::string, std::uint64_t> members_;
+    Members members_;
 };
 
 }  // namespace

@@ -77,7 +77,12 @@ class WithChecksums : public hdf5::Source {
 public:
     explicit WithChecksums(InputFile& file) : file_(file), root_(open(file)) {}
 
-    bool has(const std::string& array) const override { return H5Lexists(root_.get(), array.c_str(), H5P_DEFAULT) > 0; }
+    bool has(const std::string& path) const override {
+        // HDF5 wants the groups that it is in to be there.
+        for (std::size_t end = path.find('/'); end != std::string::npos; end = path.find('/', end + 1))
+            if (H5Lexists(root_.get(), path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
+        return H5Lexists(root_.get(), path.c_str(), H5P_DEFAULT) > 0;
+    }
 
     StoredArray array(const WantedArray& wanted) const override {
         const std::string& name = wanted.name;
@@ -102,25 +107,27 @@ public:
         return stored;
     }
 
-    Vec3 triple(const std::string& array, const std::string& name) const override {
-        const Handle opened_array = opened(array);
-        if (H5Aexists(opened_array.get(), name.c_str()) <= 0)
-            fail(array, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
-        const Handle attribute(H5Aopen(opened_array.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
+    std::vector<double> numbers(const std::string& object, const std::string& name, std::size_t count,
+                                const char* what) const override {
+        const Handle opened_object = opened_any(object);
+        if (H5Aexists(opened_object.get(), name.c_str()) <= 0)
+            fail(object, fmt::format("attribute '{}' is missing; state {}", name, what));
+        const Handle attribute(H5Aopen(opened_object.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
         const Handle space(H5Aget_space(attribute.get()), H5Sclose);
         const Handle type(H5Aget_type(attribute.get()), H5Tclose);
-        Vec3 result{};
+        std::vector<double> result(count);
         const H5T_class_t kind_of_type = H5Tget_class(type.get());
-        if (H5Sget_simple_extent_npoints(space.get()) != 3 ||
+        if (H5Sget_simple_extent_npoints(space.get()) != static_cast<hssize_t>(count) ||
             (kind_of_type != H5T_FLOAT && kind_of_type != H5T_INTEGER) ||
             H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, result.data()) < 0)
-            fail(array, fmt::format("attribute '{}' is not three numbers", name));
+            fail(object, fmt::format("attribute '{}' is not {}", name, what));
         return result;
     }
 
-    std::optional<std::string> text(const std::string& name) const override {
-        if (H5Aexists(root_.get(), name.c_str()) <= 0) return std::nullopt;
-        const Handle attribute(H5Aopen(root_.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
+    std::optional<std::string> text(const std::string& group, const std::string& name) const override {
+        const Handle opened_group = opened_any(group);
+        if (H5Aexists(opened_group.get(), name.c_str()) <= 0) return std::nullopt;
+        const Handle attribute(H5Aopen(opened_group.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
         const Handle type(H5Aget_type(attribute.get()), H5Tclose);
         const Handle space(H5Aget_space(attribute.get()), H5Sclose);
         const std::size_t size = H5Tget_size(type.get());
@@ -144,6 +151,13 @@ private:
         Handle array(H5Dopen2(root_.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
         if (!array.is_valid()) fail(name, "HDF5: " + hdf5::Session::reason());
         return array;
+    }
+
+    /// A group or an array.
+    Handle opened_any(const std::string& path) const {
+        Handle object(H5Oopen(root_.get(), path.empty() ? "/" : path.c_str(), H5P_DEFAULT), H5Oclose);
+        if (!object.is_valid()) fail(path, "HDF5: " + hdf5::Session::reason());
+        return object;
     }
 
     std::vector<std::int64_t> shape_of(const Handle& array, const WantedArray& wanted) const {
@@ -230,12 +244,15 @@ void read_chunks(InputFile& file, const StoredArray& array, ElementType wanted, 
     }
 }
 
-void read_array(InputFile& file, const hdf5::Source& source, const OutputInfo& info, Field& field) {
-    const StoredArray array = source.array(WantedArray(info));
+}  // namespace
+
+void hdf5::read_samples(InputFile& file, const Source& source, const WantedArray& wanted, const OutputInfo& info,
+                        Field& field) {
+    const StoredArray array = source.array(wanted);
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (array.shape[2 - axis] != field.grid.size[axis] ||
             (array.shape.size() > 3 && array.shape[3] != static_cast<std::int64_t>(info.components)))
-            file.fail(fmt::format("dataset '/{}': the shape ({}) is not the distance's", info.name,
+            file.fail(fmt::format("dataset '/{}': the shape ({}) is not that of the grid", wanted.name,
                                   fmt::join(array.shape, ", ")));
     if (array.chunks.empty()) {
         checked_count(file, array.values, array.shape);
@@ -244,6 +261,15 @@ void read_array(InputFile& file, const hdf5::Source& source, const OutputInfo& i
         read_chunks(file, array, info.type, allocate_output(info, field));
     }
 }
+
+void hdf5::with_source(const std::string& path, const std::function<void(InputFile&, const Source&)>& f) {
+    InputFile file(path);
+    if (version_of(file) < 2) return f(file, *open_without_checksums(file));
+    const Session session;
+    f(file, WithChecksums(file));
+}
+
+namespace {
 
 Field read_dense(InputFile& file, const hdf5::Source& source, OutputSet wanted) {
     const OutputInfo& distance = info_of(Output::distance);
@@ -255,11 +281,12 @@ Field read_dense(InputFile& file, const hdf5::Source& source, OutputSet wanted) 
     field.grid.origin = source.triple(distance.name, "origin");
     field.grid.spacing = source.triple(distance.name, "spacing");
     field.grid.validate();
-    if (const std::optional<std::string> text = source.text("clsdf"))
+    if (const std::optional<std::string> text = source.text("", "clsdf"))
         field = parse_description(file.path() + ": attribute 'clsdf'", *text, field.grid).field;
-    read_array(file, source, distance, field);
+    hdf5::read_samples(file, source, WantedArray(distance), distance, field);
     for (const OutputInfo& info : extra_outputs())
-        if (wanted.contains(info.output) && source.has(info.name)) read_array(file, source, info, field);
+        if (wanted.contains(info.output) && source.has(info.name))
+            hdf5::read_samples(file, source, WantedArray(info), info, field);
     return field;
 }
 
@@ -279,7 +306,7 @@ StoredArray sparse_array(InputFile& file, const hdf5::Source& source, const Want
 }
 
 SparseField read_sparse(InputFile& file, const hdf5::Source& source, OutputSet wanted) {
-    const std::optional<std::string> text = source.text("clsdf");
+    const std::optional<std::string> text = source.text("", "clsdf");
     if (!text) file.fail("attribute 'clsdf' is missing, which states the grid and the band of a sparse field");
     SparseField field;
     static_cast<FieldDescription&>(field) = parse_description(file.path() + ": attribute 'clsdf'", *text).field;
@@ -305,28 +332,23 @@ SparseField read_sparse(InputFile& file, const hdf5::Source& source, OutputSet w
     return field;
 }
 
-/// Calls f(file, source).
-template <class Function>
-auto with_source(const std::string& path, const Function& f) {
-    InputFile file(path);
-    if (version_of(file) < 2) return f(file, *hdf5::open_without_checksums(file));
-    const hdf5::Session session;
-    return f(file, WithChecksums(file));
-}
-
 }  // namespace
 
 Field read_h5(const std::string& path, OutputSet wanted) {
-    return with_source(path, [&](InputFile& file, const hdf5::Source& source) {
-        return source.has(bricks_name) ? to_dense(read_sparse(file, source, wanted)) : read_dense(file, source, wanted);
+    Field field;
+    hdf5::with_source(path, [&](InputFile& file, const hdf5::Source& source) {
+        field =
+            source.has(bricks_name) ? to_dense(read_sparse(file, source, wanted)) : read_dense(file, source, wanted);
     });
+    return field;
 }
 
 std::optional<SparseField> read_sparse_h5(const std::string& path, OutputSet wanted) {
-    return with_source(path, [&](InputFile& file, const hdf5::Source& source) -> std::optional<SparseField> {
-        if (!source.has(bricks_name)) return std::nullopt;
-        return read_sparse(file, source, wanted);
+    std::optional<SparseField> field;
+    hdf5::with_source(path, [&](InputFile& file, const hdf5::Source& source) {
+        if (source.has(bricks_name)) field = read_sparse(file, source, wanted);
     });
+    return field;
 }
 
 }  // namespace clsdf

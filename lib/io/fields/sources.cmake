@@ -9,6 +9,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/description.cpp
           ${CMAKE_CURRENT_LIST_DIR}/field_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/fraction_files.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/hdf5_layout.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_write.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_old_format.cpp
@@ -24,7 +25,9 @@ target_sources(
           $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp;${CMAKE_CURRENT_LIST_DIR}/vdb_trees.cpp>
           ${CMAKE_CURRENT_LIST_DIR}/vti_document.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_read.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/vti_write.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/vti_write.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/vtkhdf_read.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/vtkhdf_write.cpp)
 target_include_directories(clsdf_io PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_options(clsdf_io PRIVATE -ffp-contract=off -fno-math-errno -fno-semantic-interposition)
 target_link_libraries(

@@ -32,15 +32,6 @@ const char* vti_name_of(ElementType type) {
     }
 }
 
-void check_extent(const std::string& path, const Grid& grid) {
-    for (const std::int64_t size : grid.size)
-        if (size > std::numeric_limits<std::int32_t>::max())
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("{}: VTK counts the samples of an axis in 32 bits, and {} are too many; choose "
-                                    ".nrrd, .npy or .h5",
-                                    path, size));
-}
-
 // Texts in VTK's ASCII are the numbers of their letters, with a zero at the end.
 std::string numbers_of_letters(const std::string& text) {
     std::string numbers;
@@ -159,8 +150,17 @@ private:
 
 }  // namespace
 
+void check_vtk_extent(const std::string& path, const Grid& grid) {
+    for (const std::int64_t size : grid.size)
+        if (size > std::numeric_limits<std::int32_t>::max())
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("{}: VTK counts the samples of an axis in 32 bits, and {} are too many; choose "
+                                    ".nrrd, .npy or .h5",
+                                    path, size));
+}
+
 std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field, OutputSet outputs) {
-    check_extent(path, field.grid);
+    check_vtk_extent(path, field.grid);
     return std::make_unique<VtiWriter>(path, field, outputs);
 }
 
